@@ -46,7 +46,7 @@ pub fn files() -> Vec<File> {
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
             command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
             command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
-            command("weights.csv", "sagnac filler", abouts(&firmware::csv::columns())),
+            command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
         ])
         .collect()

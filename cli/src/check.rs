@@ -74,7 +74,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         folders::study(folder)?;
     }
     let source = Source::open(folder).map_err(|error| match (error, folders::several(folder)) {
-        (StoreError::NoResults { .. }, Some(message)) => Failure::Usage(message),
+        (StoreError::NoResults(_), Some(message)) => Failure::Usage(message),
         (error, _) => error.into(),
     })?;
     let report = source.check()?;

@@ -123,12 +123,10 @@ fn failure(study: &Study, error: DesignError) -> Failure {
     let at =
         |key: &str, help: &str| Failure::Study(study.error_at(study.place_of(key), error.to_string(), help));
     match &error {
-        DesignError::Kind { .. } => at("kind", "give a study of kind = \"switched-run\""),
-        DesignError::Swept { key } => at(key, "give one value, or one study for each"),
+        DesignError::Kind(_) => at("kind", "give a study of kind = \"switched-run\""),
+        DesignError::Swept(key) => at(key, "give one value, or one study for each"),
         DesignError::Nothing => at("drift", "give drift.magnetic, and fillers or drift.residual_max"),
-        DesignError::NoCandidate { .. } => {
-            at("run.duration", "lengthen the run, or sweep switching.interval")
-        }
+        DesignError::NoCandidate(_) => at("run.duration", "lengthen the run, or sweep switching.interval"),
         DesignError::TooFew { .. } => at("trials", "increase them; 100_000 is usual"),
         DesignError::Lower(lower) => at(lower.key, lower.help),
         DesignError::Gpu(error) => Failure::Gpu(error.clone()),
@@ -160,7 +158,7 @@ fn summary(found: &Design, table: &Table) -> String {
     ];
     for filler in &found.fillers {
         let best = filler.best();
-        let range = match report::range(filler) {
+        let range = match filler.optimum.interval {
             Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
             None if filler.is_at_edge() => "at the end of the range".to_owned(),
             None => "too few candidates near it".to_owned(),

@@ -156,7 +156,7 @@ impl From<ChoiceError> for Failure {
 impl From<TauError> for Failure {
     fn from(error: TauError) -> Failure {
         match error {
-            TauError::NoTime { .. } => Failure::Usage(in_options(&error)),
+            TauError::NoTime(_) => Failure::Usage(in_options(&error)),
             _ => Failure::Record(in_options(&error)),
         }
     }
@@ -165,7 +165,7 @@ impl From<TauError> for Failure {
 impl From<KalibrError> for Failure {
     fn from(error: KalibrError) -> Failure {
         match error {
-            KalibrError::Plain { .. } => Failure::Usage(in_options(&error)),
+            KalibrError::Plain(_) => Failure::Usage(in_options(&error)),
             KalibrError::NoCoefficients { .. } => Failure::Record(error.to_string()),
         }
     }
@@ -212,7 +212,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) | Failure::Signals(_) => 1,
-            Failure::Usage(_) | Failure::Store(StoreError::NoResults { .. }) => 2,
+            Failure::Usage(_) | Failure::Store(StoreError::NoResults(_)) => 2,
             Failure::Study(_)
             | Failure::Log(_)
             | Failure::Record(_)

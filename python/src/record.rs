@@ -8,7 +8,7 @@ use sagnac::allan::curve::{Point, curve, minimum};
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
-use sagnac::analysis::data_sheet::{DataSheet, Simulated};
+use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::{Treatment, slope};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
@@ -138,18 +138,18 @@ fn in_words(fault: Fault, unit: &Unit) -> String {
     let off = "if the unit is right, give unit_check=False";
     let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
     match fault {
-        Fault::TooFew { there } => format!(
+        Fault::TooFew(there) => format!(
             "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or remove less"
         ),
         Fault::Constant { there, value } => format!(
             "the array is constant: all {there} samples are {value}\nis it the right column, and was the sensor on? a \
              constant has no deviation to show"
         ),
-        Fault::DegreesAsRadians { mean } => format!(
+        Fault::DegreesAsRadians(mean) => format!(
             "the array looks like degrees taken for radians: its mean is {}\ngive the unit in deg; {off}",
             rate(mean)
         ),
-        Fault::NeverAtRest { mean } => format!(
+        Fault::NeverAtRest(mean) => format!(
             "the array has a mean rate of {}, which no gyro at rest has\nis {} its unit? is kind= right? {off}",
             rate(mean),
             unit.text
@@ -253,7 +253,7 @@ pub fn fit<'py>(
             Some(names) => Terms::Given(names.iter().map(|name| term(name)).collect::<Result<_, _>>()?),
         };
         let record = reading.record(values)?;
-        let simulated = Simulated::of(bootstrap, record.angles.len().saturating_sub(1));
+        let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let sheet = DataSheet::of(&record.angles, &terms, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&record.angles)
@@ -276,10 +276,7 @@ pub fn fit<'py>(
     });
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
-    let why = match &sheet.intervals {
-        sagnac::analysis::data_sheet::Intervals::ClosedForm { why } => why.as_deref().map(in_python),
-        sagnac::analysis::data_sheet::Intervals::Bootstrap { .. } => None,
-    };
+    let why = sheet.intervals.without.as_deref().map(in_python);
     document.set_item("without_bootstrap", why)?;
     document.set_item("chi_squared", sheet.fit.chi_squared)?;
     document.set_item("degrees_of_freedom", sheet.fit.degrees_of_freedom)?;

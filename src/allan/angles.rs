@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::allan::trend::{Line, Trend};
+use crate::allan::{Line, Trend};
 
 /// Angles at evenly spaced times: the integral of a rate without its mean.
 ///

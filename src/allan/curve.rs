@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::allan::angles::Angles;
-use crate::allan::chi_squared;
-use crate::allan::deviation::Deviation;
 use crate::allan::edf::edf;
-use crate::allan::noise::{Noise, noise};
+use crate::allan::noise::noise;
 use crate::allan::sums::sums;
+use crate::allan::{Angles, Deviation, Noise, chi_squared};
 
 /// A deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,10 +51,12 @@ pub struct Point {
 /// # Ok::<(), TauError>(())
 /// ```
 pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidence: f64) -> Vec<Point> {
+    // The ratio of the mean square of a difference to the variance.
+    let normalisation = if deviation.differences() == 2 { 2.0 } else { 6.0 };
     let sums = sums(angles, deviation, factors);
     let points = factors.par_iter().zip(sums).map(|(&m, sum)| {
         let tau_s = m as f64 * angles.step_s;
-        let variance = sum.squares / (normalisation(deviation) * sum.terms as f64 * tau_s * tau_s);
+        let variance = sum.squares / (normalisation * sum.terms as f64 * tau_s * tau_s);
         let scale = if deviation.is_of_angle() { tau_s / libm::sqrt(3.0) } else { 1.0 };
         let value = (sum.terms > 0).then(|| libm::sqrt(variance) * scale);
         let noise = noise(angles, deviation, m);
@@ -66,11 +66,6 @@ pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidenc
         Point { m, tau_s, terms: sum.terms, value, noise, edf, interval }
     });
     points.collect()
-}
-
-/// Ratio of the mean square of a difference to the variance: 2, or 6 for third differences.
-fn normalisation(deviation: Deviation) -> f64 {
-    if deviation.differences() == 2 { 2.0 } else { 6.0 }
 }
 
 /// The interval of a deviation `value` whose square has `edf` degrees of freedom. `None` for 0, where nothing was

@@ -3,46 +3,27 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A deviation of a record of angles, which determines differences and averages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Deviation {
-    /// Allan deviation of adjacent groups, in the unit of the rate.
-    Adev,
-    /// Overlapping Allan deviation: the same, over groups that start at every sample.
-    Oadev,
-    /// Modified Allan deviation: second differences of angles averaged over τ.
-    Mdev,
-    /// Time deviation: τ/√3 times the modified Allan deviation, in the unit of the angle.
-    Tdev,
-    /// Hadamard deviation of adjacent groups: third differences, which are free of a linear drift of the rate.
-    Hdev,
-    /// Overlapping Hadamard deviation.
-    Ohdev,
+use crate::key::holds::words;
+
+words! {
+    /// A deviation of a record of angles, which determines differences and averages.
+    pub enum Deviation {
+        /// Allan deviation of adjacent groups, in the unit of the rate.
+        Adev = "adev",
+        /// Overlapping Allan deviation: the same, over groups that start at every sample.
+        Oadev = "oadev",
+        /// Modified Allan deviation: second differences of angles averaged over τ.
+        Mdev = "mdev",
+        /// Time deviation: τ/√3 times the modified Allan deviation, in the unit of the angle.
+        Tdev = "tdev",
+        /// Hadamard deviation of adjacent groups: third differences, which are free of a linear drift of the rate.
+        Hdev = "hdev",
+        /// Overlapping Hadamard deviation.
+        Ohdev = "ohdev",
+    }
 }
 
 impl Deviation {
-    /// All deviations, in the order of `--deviation`.
-    pub const ALL: [Deviation; 6] = [
-        Deviation::Adev,
-        Deviation::Oadev,
-        Deviation::Mdev,
-        Deviation::Tdev,
-        Deviation::Hdev,
-        Deviation::Ohdev,
-    ];
-
-    /// Name in files and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            Deviation::Adev => "adev",
-            Deviation::Oadev => "oadev",
-            Deviation::Mdev => "mdev",
-            Deviation::Tdev => "tdev",
-            Deviation::Hdev => "hdev",
-            Deviation::Ohdev => "ohdev",
-        }
-    }
-
     /// Name for the user.
     pub fn title(self) -> &'static str {
         match self {
@@ -57,10 +38,7 @@ impl Deviation {
 
     /// Order of the differences of angles: d of Greenhall and Riley.
     pub fn differences(self) -> usize {
-        match self {
-            Deviation::Adev | Deviation::Oadev | Deviation::Mdev | Deviation::Tdev => 2,
-            Deviation::Hdev | Deviation::Ohdev => 3,
-        }
+        if matches!(self, Deviation::Hdev | Deviation::Ohdev) { 3 } else { 2 }
     }
 
     /// Whether the angles are averaged over τ before they are differenced.

@@ -5,7 +5,7 @@
 //! from white to random run. Comments give the numbers of its equations and tables; NIST SP 1065 (5.4) has the same
 //! procedure.
 
-use crate::allan::deviation::Deviation;
+use crate::allan::Deviation;
 
 /// Most terms of a sum; for longer sums the paper's fits are used.
 const MOST_TERMS: f64 = 100.0;
@@ -31,10 +31,13 @@ pub(crate) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> 
     let s = if deviation.overlaps() { m as f64 } else { 1.0 };
     let shape = Shape { alpha, d, m: m as f64, s, terms: terms as f64, r: terms as f64 / s };
     let inverse = match (deviation.is_modified(), alpha) {
-        (true, _) => shape.modified(),
+        (true, _) => shape.general(1.0, 1.0, table_1(alpha, d)),
         (false, 2) => shape.white_angle(),
         (false, 1) => shape.flicker_angle(),
-        (false, _) => shape.white_rate_and_redder(),
+        (false, _) => {
+            let is_short = m as f64 * (d as f64 + 1.0) <= MOST_TERMS;
+            shape.general(if is_short { m as f64 } else { INFINITE }, INFINITE, table_2(alpha, d))
+        }
     };
     Some(1.0 / inverse).filter(|edf| edf.is_finite() && *edf > 0.0)
 }
@@ -59,28 +62,15 @@ impl Shape {
         self.r >= self.d as f64 + 1.0
     }
 
-    /// Case 1 of the paper.
-    fn modified(&self) -> f64 {
+    /// Case 1 of the paper for modified variances, which have a filter factor of 1, and case 2 for others, with the
+    /// coefficients of a long record. The filter factor of few terms is `near`, that of many terms `far`.
+    fn general(&self, near: f64, far: f64, [a0, a1]: [f64; 2]) -> f64 {
         if self.reach() <= MOST_TERMS {
-            self.sum(self.reach(), self.terms, self.s, 1.0)
+            self.sum(self.reach(), self.terms, self.s, near)
         } else if self.is_long() {
-            let [a0, a1] = table_1(self.alpha, self.d);
             (a0 - a1 / self.r) / self.r
         } else {
-            self.sum(MOST_TERMS, MOST_TERMS, MOST_TERMS / self.r, 1.0)
-        }
-    }
-
-    /// Case 2 of the paper.
-    fn white_rate_and_redder(&self) -> f64 {
-        if self.reach() <= MOST_TERMS {
-            let filter = if self.m * (self.d as f64 + 1.0) <= MOST_TERMS { self.m } else { INFINITE };
-            self.sum(self.reach(), self.terms, self.s, filter)
-        } else if self.is_long() {
-            let [a0, a1] = table_2(self.alpha, self.d);
-            (a0 - a1 / self.r) / self.r
-        } else {
-            self.sum(MOST_TERMS, MOST_TERMS, MOST_TERMS / self.r, INFINITE)
+            self.sum(MOST_TERMS, MOST_TERMS, MOST_TERMS / self.r, far)
         }
     }
 

@@ -6,8 +6,7 @@
 
 use std::ops::Range;
 
-use crate::allan::angles::Angles;
-use crate::allan::deviation::Deviation;
+use crate::allan::{Angles, Deviation};
 
 /// Fewest groups that the identification needs.
 pub const LEAST_GROUPS: usize = 30;
@@ -50,14 +49,9 @@ pub(crate) fn noise(angles: &Angles, deviation: Deviation, m: usize) -> Option<N
     if let Some(alpha) = found(m) {
         return Some(Noise { alpha, carried: false });
     }
-    let mut shorter = 1 << m.min(angles.len() / LEAST_GROUPS).checked_ilog2()?;
-    while shorter > 0 {
-        if let Some(alpha) = found(shorter) {
-            return Some(Noise { alpha, carried: true });
-        }
-        shorter /= 2;
-    }
-    None
+    let longest = m.min(angles.len() / LEAST_GROUPS).checked_ilog2()?;
+    let alpha = (0..=longest).rev().find_map(|octave| found(1 << octave))?;
+    Some(Noise { alpha, carried: true })
 }
 
 fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {

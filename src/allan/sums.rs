@@ -7,8 +7,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::allan::angles::Angles;
-use crate::allan::deviation::Deviation;
+use crate::allan::{Angles, Deviation};
 
 /// The sum of the squares of all terms of one deviation at one averaging factor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

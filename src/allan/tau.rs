@@ -1,6 +1,6 @@
 //! The averaging times of a curve.
 
-use crate::allan::deviation::Deviation;
+use crate::allan::Deviation;
 
 /// A list of averaging times.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,12 +21,9 @@ pub const MOST_FOR_ALL: usize = 200_000;
 /// Why a curve cannot be computed at the requested times.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TauError {
-    /// A time is not a positive number.
-    #[error("τ = {tau_s} s is not a time\ngive positive numbers of seconds, as in `tau = 1,10,100`")]
-    NoTime {
-        /// Requested time, s.
-        tau_s: f64,
-    },
+    /// This time, in s, is not a positive number.
+    #[error("τ = {0} s is not a time\ngive positive numbers of seconds, as in `tau = 1,10,100`")]
+    NoTime(f64),
     /// A time is shorter than a sample.
     #[error(
         "τ = {tau_s} s is shorter than the sampling step of {step_s} s\ngive multiples of the step, or `tau = octave`"
@@ -54,15 +51,12 @@ pub enum TauError {
         /// The deviation.
         deviation: Deviation,
     },
-    /// The computation would take too long.
+    /// The computation would take too long for this number of samples.
     #[error(
-        "`tau = all` is for at most {MOST_FOR_ALL} samples, the record has {samples}: its work grows with their square\n\
+        "`tau = all` is for at most {MOST_FOR_ALL} samples, the record has {0}: its work grows with their square\n\
          give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
-    TooMany {
-        /// Number of samples in the record.
-        samples: usize,
-    },
+    TooMany(usize),
 }
 
 impl Deviation {
@@ -90,7 +84,7 @@ impl Taus {
                 .take_while(|&m| m <= largest as f64)
                 .map(|m| m as usize)
                 .collect(),
-            Taus::All if samples > MOST_FOR_ALL => return Err(TauError::TooMany { samples }),
+            Taus::All if samples > MOST_FOR_ALL => return Err(TauError::TooMany(samples)),
             Taus::All => (1..=largest).collect(),
             Taus::Seconds(taus) => taus
                 .iter()
@@ -105,7 +99,7 @@ impl Taus {
 
 fn factor(tau_s: f64, samples: usize, step_s: f64, deviation: Deviation) -> Result<usize, TauError> {
     if !(tau_s > 0.0 && tau_s.is_finite()) {
-        return Err(TauError::NoTime { tau_s });
+        return Err(TauError::NoTime(tau_s));
     }
     let m = libm::round(tau_s / step_s);
     let largest = deviation.largest_factor(samples + 1);

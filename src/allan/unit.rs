@@ -1,6 +1,6 @@
 //! Units of curves.
 
-use crate::allan::deviation::Deviation;
+use crate::allan::Deviation;
 
 /// The unit of the curves of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,15 +1,9 @@
 //! Noise coefficients of a record as in a data sheet: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
-use crate::allan::angles::Angles;
-use crate::allan::unit::Unit;
+use crate::allan::{Angles, Unit};
 use crate::device::cpu::Cpu;
-use crate::fit::choose::Terms;
-use crate::fit::coefficient::{Coefficient, Fit, Verdict};
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::fitter::Fitter;
-use crate::fit::quantity::Quantity;
-use crate::fit::record::curve_of;
+use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Quantity, Terms, Verdict, curve_of};
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
 
@@ -46,70 +40,43 @@ pub struct DataSheet {
     pub intervals: Intervals,
 }
 
-/// The source of the 95 % intervals of coefficients.
+/// The source of the 95 % intervals of coefficients: simulated records of the fit, or the closed form.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Intervals {
-    /// Simulated records of the fit.
-    Bootstrap {
-        /// Number of simulated records.
-        records: usize,
-    },
-    /// The closed form, with the reason where simulated records were requested.
-    ClosedForm {
-        /// Reason, as a sentence.
-        why: Option<String>,
-    },
+pub struct Intervals {
+    /// Number of simulated records; 0 means intervals in closed form.
+    pub records: usize,
+    /// Why there are none, as a sentence, if they were not declined.
+    pub without: Option<String>,
 }
 
 impl Intervals {
+    /// The intervals of a record of `samples` samples from the requested number of simulated records, else from the
+    /// default number unless that would take more than a few seconds.
+    pub fn simulated(asked: Option<usize>, samples: usize) -> Intervals {
+        let is_long = asked.is_none() && samples > MOST_SIMULATED;
+        let why = || {
+            format!(
+                "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: `bootstrap = {USUAL_REALISATIONS}` \
+                 asks for it"
+            )
+        };
+        let records = if is_long { 0 } else { asked.unwrap_or(USUAL_REALISATIONS) };
+        Intervals { records, without: is_long.then(why) }
+    }
+
     /// Name in files, such as `bootstrap of 1000`.
     pub fn name(&self) -> String {
-        match self {
-            Intervals::Bootstrap { records } => format!("bootstrap of {records}"),
-            Intervals::ClosedForm { .. } => "closed form".to_owned(),
+        match self.records {
+            0 => "closed form".to_owned(),
+            records => format!("bootstrap of {records}"),
         }
     }
 
     /// Description for the user, such as `from 1000 simulated records of the fit`.
     pub fn words(&self) -> String {
-        match self {
-            Intervals::Bootstrap { records } => format!("from {records} simulated records of the fit"),
-            Intervals::ClosedForm { .. } => "in closed form".to_owned(),
-        }
-    }
-
-    /// Number of simulated records; 0 for the closed form.
-    pub fn records(&self) -> usize {
-        match self {
-            Intervals::Bootstrap { records } => *records,
-            Intervals::ClosedForm { .. } => 0,
-        }
-    }
-}
-
-/// The number of simulated records for the intervals.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Simulated {
-    /// Number of records; 0 means intervals in closed form.
-    pub records: usize,
-    /// Why there are none, if they were not declined.
-    pub without: Option<String>,
-}
-
-impl Simulated {
-    /// The number for a record of `samples` samples: the requested one, else none where the default number would take
-    /// more than a few seconds.
-    pub fn of(asked: Option<usize>, samples: usize) -> Simulated {
-        match asked {
-            Some(records) => Simulated { records, without: None },
-            None if samples <= MOST_SIMULATED => Simulated { records: USUAL_REALISATIONS, without: None },
-            None => Simulated {
-                records: 0,
-                without: Some(format!(
-                    "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: `bootstrap = {USUAL_REALISATIONS}` \
-                     asks for it"
-                )),
-            },
+        match self.records {
+            0 => "in closed form".to_owned(),
+            records => format!("from {records} simulated records of the fit"),
         }
     }
 }
@@ -125,30 +92,29 @@ impl DataSheet {
     /// # Example
     /// ```
     /// use sagnac::allan::{Angles, Trend, Unit};
-    /// use sagnac::analysis::data_sheet::{DataSheet, Simulated};
+    /// use sagnac::analysis::data_sheet::{DataSheet, Intervals};
     /// use sagnac::fit::Terms;
     ///
     /// let rates: Vec<f64> = (0_u64..4096).map(|i| (i * i * 48_271 % 65_537) as f64 / 65_537.0).collect();
     /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
-    /// let without = Simulated { records: 0, without: None };
-    /// let sheet = DataSheet::of(&angles, &Terms::of_model(Trend::None), Unit::Angular, without)?;
+    /// let closed = Intervals { records: 0, without: None };
+    /// let sheet = DataSheet::of(&angles, &Terms::of_model(Trend::None), Unit::Angular, closed)?;
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
     /// # Ok::<(), String>(())
     /// ```
-    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, simulated: Simulated) -> Result<DataSheet, String> {
+    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, asked: Intervals) -> Result<DataSheet, String> {
         let said = |error: FitError| error.to_string();
         let curve = curve_of(angles).map_err(said)?;
         let fitter = Fitter::new(&curve, terms).map_err(said)?;
         let first = fitter.fit_record(curve.variances()).map_err(said)?;
-        let Simulated { records, without } = simulated;
-        let realised = (records > 0).then(|| realised(&fitter, &curve, &first, records)).transpose();
-        let (fit, intervals) = match realised {
-            Ok(None) => (first, Intervals::ClosedForm { why: without }),
-            Ok(Some(fit)) => (fit, Intervals::Bootstrap { records }),
-            Err(why) => {
-                (first, Intervals::ClosedForm { why: Some(format!("the fit cannot be simulated: {why}")) })
-            }
+        let realised = match asked.records {
+            0 => Ok(first.clone()),
+            records => realised(&fitter, &curve, &first, records),
         };
+        let (fit, intervals) = realised.map(|fit| (fit, asked)).unwrap_or_else(|why| {
+            let without = Some(format!("the fit cannot be simulated: {why}"));
+            (first, Intervals { records: 0, without })
+        });
         Ok(DataSheet { rows: rows(&fit, unit), fit, intervals })
     }
 }

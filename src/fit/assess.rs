@@ -4,15 +4,13 @@
 //! derivative of the curve with respect to them. A term that is not in use is assessed as if it entered next, by the
 //! estimate that it would then have, which may be negative.
 
-use crate::fit::basis::shape_range;
-use crate::fit::coefficient::{Coefficient, Fit, Shape, Verdict};
-use crate::fit::curve::FitError;
+use crate::fit::covariance::Growth;
 use crate::fit::evidence::Evidence;
-use crate::fit::growth::Growth;
 use crate::fit::interval::{Variance, WITHIN_95};
 use crate::fit::nnls::dot;
-use crate::fit::search::{Fitted, System};
-use crate::theory::allan::terms::Term;
+use crate::fit::search::{Fitted, System, shape_range};
+use crate::fit::{Coefficient, Fit, FitError, Shape, Verdict};
+use crate::theory::allan::Term;
 use crate::theory::cholesky;
 
 /// Logarithmic step of the derivative with respect to a shape.
@@ -98,11 +96,12 @@ impl<'a> Judge<'a> {
         if place.is_none() {
             columns.push(self.system.column(term, 1.0));
         }
-        let Some(inverse) = Inverse::of(&columns) else { return uncertain(None) };
-        let (error, row) = (inverse.error(column), inverse.row(column, &columns));
+        let Some(inverse) = inverse(&columns) else { return uncertain(None) };
+        let error = |i: usize| libm::sqrt(inverse[i][i]);
+        let row = effects(&inverse[column], &columns);
         let estimate = place.map_or_else(|| dot(&row, &self.residual), |place| self.used[place].square);
         let weights = self.system.weights(row);
-        let variance = self.variance(term, estimate, error, &weights);
+        let variance = self.variance(term, estimate, error(column), &weights);
         let outcomes = self.realisations.iter().map(|row| dot(&weights, row)).collect();
         let (low, high) = variance.interval(estimate, variance.corrections(outcomes));
         let below = high.map(libm::sqrt);
@@ -119,9 +118,9 @@ impl<'a> Judge<'a> {
                 Coefficient {
                     term,
                     value: Some(libm::sqrt(estimate)),
-                    standard_error: Some(0.5 * error / libm::sqrt(estimate)),
+                    standard_error: Some(0.5 * error(column) / libm::sqrt(estimate)),
                     interval: Some([libm::sqrt(low), libm::sqrt(high)]),
-                    shape: term.has_shape().then(|| Shape::of(shape, inverse.error(column + 1))),
+                    shape: term.has_shape().then(|| Shape::of(shape, error(column + 1))),
                     verdict: Verdict::Identified,
                     evidence: None,
                 }
@@ -175,33 +174,22 @@ fn derivatives(system: &System, used: &[Fitted]) -> Vec<Vec<f64>> {
     columns
 }
 
-/// The inverse of JᵀJ.
-struct Inverse {
-    rows: Vec<Vec<f64>>,
+/// The inverse of JᵀJ; `None` where columns depend on each other to working precision.
+fn inverse(columns: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let count = columns.len();
+    let lengths: Vec<f64> = columns.iter().map(|column| libm::sqrt(dot(column, column))).collect();
+    let cosine = |i: usize, j: usize| dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);
+    let factor = cholesky::definite(count, cosine)?;
+    let row = |i: usize| {
+        let unit = (0..count).map(|j| if i == j { 1.0 / lengths[i] } else { 0.0 }).collect();
+        cholesky::solve(&factor, unit).iter().zip(&lengths).map(|(x, length)| x / length).collect()
+    };
+    Some((0..count).map(row).collect())
 }
 
-impl Inverse {
-    /// Inverts JᵀJ; `None` where columns depend on each other to working precision.
-    fn of(columns: &[Vec<f64>]) -> Option<Inverse> {
-        let count = columns.len();
-        let lengths: Vec<f64> = columns.iter().map(|column| libm::sqrt(dot(column, column))).collect();
-        let cosine = |i: usize, j: usize| dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);
-        let factor = cholesky::definite(count, cosine)?;
-        let row = |i: usize| {
-            let unit = (0..count).map(|j| if i == j { 1.0 / lengths[i] } else { 0.0 }).collect();
-            cholesky::solve(&factor, unit).iter().zip(&lengths).map(|(x, length)| x / length).collect()
-        };
-        Some(Inverse { rows: (0..count).map(row).collect() })
-    }
-
-    fn error(&self, i: usize) -> f64 {
-        libm::sqrt(self.rows[i][i])
-    }
-
-    /// Row i of (JᵀJ)⁻¹Jᵀ: the effect of each point on a parameter.
-    fn row(&self, i: usize, columns: &[Vec<f64>]) -> Vec<f64> {
-        let points = columns.first().map_or(0, Vec::len);
-        let at = |point: usize| self.rows[i].iter().zip(columns).map(|(x, column)| x * column[point]).sum();
-        (0..points).map(at).collect()
-    }
+/// A row of (JᵀJ)⁻¹Jᵀ from that of the inverse: the effect of each point on a parameter.
+fn effects(inverse: &[f64], columns: &[Vec<f64>]) -> Vec<f64> {
+    let points = columns.first().map_or(0, Vec::len);
+    let at = |point: usize| inverse.iter().zip(columns).map(|(x, column)| x * column[point]).sum();
+    (0..points).map(at).collect()
 }

@@ -1,9 +1,9 @@
 //! The choice of the terms that a curve supports.
 
-use crate::allan::trend::Trend;
-use crate::fit::curve::FitError;
+use crate::allan::Trend;
+use crate::fit::FitError;
 use crate::fit::search::{Solution, System};
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::Term;
 
 /// Decrease of χ² that a term must achieve to be chosen.
 ///

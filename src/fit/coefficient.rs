@@ -1,9 +1,8 @@
 //! The results of a fit and of its coefficients.
 
-use crate::fit::chi_squared::survival;
 use crate::fit::evidence::Evidence;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::Term;
+use crate::fit::survival;
+use crate::theory::allan::{Process, Term};
 
 /// How well a coefficient is determined. A bound is the upper end of the 95 % interval, so it fails in 2.5 % of cases;
 /// a tighter one for coefficients that turn out small would invalidate the intervals of the others.

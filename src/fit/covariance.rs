@@ -1,8 +1,10 @@
 //! The covariance between the estimates of a curve, prepared for weighting.
 
-use crate::fit::curve::{Curve, FitError};
-use crate::theory::allan::gaussian;
-use crate::theory::allan::process::Process;
+use crate::fit::interval::Variance;
+use crate::fit::search::Fitted;
+use crate::fit::{Curve, FitError};
+use crate::theory::allan::gaussian::{self, Components};
+use crate::theory::allan::{Process, Term};
 use crate::theory::cholesky;
 
 /// Independent variance added to every estimate, relative to its own variance: the least of these values that makes the
@@ -76,7 +78,7 @@ impl Covariance {
     pub fn of_realisations(rows: &[Vec<f64>], model: &Covariance) -> Result<Covariance, FitError> {
         let points = model.rows.len();
         if rows.len() < 2 || rows.iter().any(|row| row.len() != points) {
-            return Err(FitError::Realisations { rows: rows.len() });
+            return Err(FitError::Realisations(rows.len()));
         }
         let count = rows.len() as f64;
         let mean: Vec<f64> =
@@ -112,6 +114,50 @@ impl Covariance {
     pub(crate) fn before_whitening(&self, coefficients: Vec<f64>) -> Vec<f64> {
         let scaled = cholesky::solve_transposed(&self.factor, coefficients);
         scaled.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect()
+    }
+}
+
+/// The covariance of the estimates of one record as a function of the squares of some terms.
+#[derive(Debug)]
+pub(crate) struct Growth {
+    /// Terms with their shapes.
+    terms: Vec<(Term, f64)>,
+    components: Components,
+}
+
+impl Growth {
+    pub(crate) fn new(curve: &Curve, terms: &[Fitted]) -> Growth {
+        let unit: Vec<(Term, f64, f64)> =
+            terms.iter().map(|fitted| (fitted.term, 1.0, fitted.shape)).collect();
+        let components =
+            Components::new(&curve.process(&unit), curve.difference(), curve.samples(), curve.ms());
+        Growth { terms: terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect(), components }
+    }
+
+    /// Whether it belongs to these terms and shapes.
+    pub(crate) fn is_of(&self, terms: &[Fitted]) -> bool {
+        self.terms.iter().copied().eq(terms.iter().map(|fitted| (fitted.term, fitted.shape)))
+    }
+
+    /// The covariance for the squares of its terms.
+    pub(crate) fn covariance(&self, terms: &[Fitted]) -> Result<Covariance, FitError> {
+        let squares: Vec<f64> = terms.iter().map(|fitted| fitted.square).collect();
+        Covariance::new(self.components.covariance(&squares))
+    }
+
+    /// Variance of a weighted sum of estimates as a function of the square of one term, with the others given.
+    pub(crate) fn variance(&self, term: Term, weights: &[f64], square_of: impl Fn(Term) -> f64) -> Variance {
+        let form = self.components.variance_of(weights);
+        let mut variance = [0.0; 3];
+        for ((a, _), row) in self.terms.iter().zip(&form) {
+            for ((b, _), cell) in self.terms.iter().zip(row) {
+                let power = usize::from(*a == term) + usize::from(*b == term);
+                let others =
+                    [a, b].into_iter().filter(|other| **other != term).map(|&other| square_of(other));
+                variance[power] += cell * others.product::<f64>();
+            }
+        }
+        Variance(variance)
     }
 }
 

@@ -1,9 +1,6 @@
 //! The input of a fit: estimates of the Allan variance at averaging factors.
 
-use crate::theory::allan::estimator::{Difference, Estimator};
-use crate::theory::allan::holds;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::{Difference, Estimator, Process, Term, holds};
 
 /// Estimates of one record, or their mean over many.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,12 +34,9 @@ pub enum FitError {
         /// Its value.
         value: f64,
     },
-    /// Averaging factors are out of order, or 0.
-    #[error("averaging factors must ascend from 1; m = {m} does not")]
-    NotAscending {
-        /// The first factor that does not ascend.
-        m: u64,
-    },
+    /// Averaging factors are out of order, or 0; this is the first that does not ascend.
+    #[error("averaging factors must ascend from 1; m = {0} does not")]
+    NotAscending(u64),
     /// The record has no difference of that length.
     #[error("m = {m} is too long for a record of {samples} samples")]
     TooLong {
@@ -64,23 +58,15 @@ pub enum FitError {
     /// The list of terms is empty.
     #[error("no terms to fit")]
     NoTerms,
-    /// The record has more samples than the flicker model of the covariance allows.
-    #[error("flicker is modelled up to 2^27 samples, and the record has {samples}")]
-    TooManySamples {
-        /// Number of samples in the record.
-        samples: u64,
-    },
+    /// The record has this number of samples, more than the flicker model of the covariance allows.
+    #[error("flicker is modelled up to 2^27 samples, and the record has {0}")]
+    TooManySamples(u64),
     /// Rounding has corrupted the covariance, as it does where points are too close to each other.
     #[error("the covariance of the estimates is not positive definite")]
     NotDefinite,
-    /// The simulated records give no covariance.
-    #[error(
-        "{rows} realisations give no covariance: at least two with one estimate for every averaging factor"
-    )]
-    Realisations {
-        /// Number of realisations.
-        rows: usize,
-    },
+    /// This number of simulated records gives no covariance.
+    #[error("{0} realisations give no covariance: at least two with one estimate for every averaging factor")]
+    Realisations(usize),
 }
 
 impl Curve {
@@ -98,16 +84,16 @@ impl Curve {
         variances: Vec<f64>,
     ) -> Result<Curve, FitError> {
         check(&ms, &variances)?;
-        if let Some(&m) =
-            ms.iter().zip(core::iter::once(&0).chain(&ms)).find(|(m, before)| m <= before).map(|pair| pair.0)
-        {
-            return Err(FitError::NotAscending { m });
+        let mut before = 0;
+        let is_no_ascent = |m: &&u64| core::mem::replace(&mut before, **m) >= **m;
+        if let Some(&m) = ms.iter().find(is_no_ascent) {
+            return Err(FitError::NotAscending(m));
         }
         let estimator = Estimator { difference, ..Estimator::OVERLAPPING };
         if let Some(&m) = ms.iter().find(|&&m| estimator.terms(samples, m) == 0) {
             return Err(FitError::TooLong { m, samples });
         }
-        let octaves = holds::octaves(samples).ok_or(FitError::TooManySamples { samples })?;
+        let octaves = holds::octaves(samples).ok_or(FitError::TooManySamples(samples))?;
         Ok(Curve { sample_s, samples, difference, ms, variances, octaves })
     }
 
@@ -189,10 +175,10 @@ mod tests {
         };
         assert_eq!(curve(10, &[1, 2], &[1.0]), Err(FitError::Lengths { ms: 2, variances: 1 }));
         assert_eq!(curve(10, &[1, 2], &[1.0, 0.0]), Err(FitError::NotPositive { m: 2, value: 0.0 }));
-        assert_eq!(curve(10, &[2, 2], &[1.0, 1.0]), Err(FitError::NotAscending { m: 2 }));
-        assert_eq!(curve(10, &[0, 2], &[1.0, 1.0]), Err(FitError::NotAscending { m: 0 }));
+        assert_eq!(curve(10, &[2, 2], &[1.0, 1.0]), Err(FitError::NotAscending(2)));
+        assert_eq!(curve(10, &[0, 2], &[1.0, 1.0]), Err(FitError::NotAscending(0)));
         assert_eq!(curve(10, &[5, 6], &[1.0, 1.0]), Err(FitError::TooLong { m: 6, samples: 10 }));
-        assert_eq!(curve(1 << 28, &[5], &[1.0]), Err(FitError::TooManySamples { samples: 1 << 28 }));
+        assert_eq!(curve(1 << 28, &[5], &[1.0]), Err(FitError::TooManySamples(1 << 28)));
         assert_eq!(curve(10, &[1, 5], &[1.0, 1.0]), Ok(()));
     }
 }

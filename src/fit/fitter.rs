@@ -3,14 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::fit::assess::Judge;
-use crate::fit::basis::Basis;
-use crate::fit::choose::{Choice, Terms};
-use crate::fit::coefficient::Fit;
-use crate::fit::covariance::Covariance;
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::growth::Growth;
-use crate::fit::search::{Solution, System};
-use crate::theory::allan::terms::Term;
+use crate::fit::choose::Choice;
+use crate::fit::covariance::Growth;
+use crate::fit::search::{Basis, Fitted, Solution, System};
+use crate::fit::{Covariance, Curve, Fit, FitError, Terms};
+use crate::theory::allan::Term;
 
 /// The source of the covariance between the estimates, which determines the errors of the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,16 +115,11 @@ impl Fitter {
         realisations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let curve = self.geometry.with(variances)?;
-        let terms = first.process.parts.iter().map(|part| (part.term, part.square(), part.shape));
-        let found: Vec<(Term, f64, f64)> = terms.collect();
-        let of_first = |term: Term| {
-            let absent = (term, 0.0, self.basis.of(term)[0].0);
-            found.iter().find(|(other, ..)| *other == term).copied().unwrap_or(absent)
-        };
-        let terms: Vec<(Term, f64, f64)> = self.candidates.iter().map(|&term| of_first(term)).collect();
-        let growth = self.growth(terms.iter().map(|&(term, _, shape)| (term, shape)).collect(), None);
-        let squares: Vec<f64> = terms.iter().map(|(_, square, _)| *square).collect();
-        let covariance = Covariance::of_realisations(realisations, &growth.covariance(&squares)?)?;
+        let found = first.process.parts.iter();
+        let found = found.map(|part| Fitted { term: part.term, square: part.square(), shape: part.shape });
+        let found: Vec<Fitted> = found.collect();
+        let (growth, model) = self.model(&self.complete(&found), None)?;
+        let covariance = Covariance::of_realisations(realisations, &model)?;
         self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), realisations)
     }
 
@@ -141,11 +133,8 @@ impl Fitter {
         let mut growth = None;
         for _ in 0..2 {
             let best = System::new(&curve, &covariance, &self.basis).best(&self.candidates);
-            let shapes = best.terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect();
-            let squares: Vec<f64> = best.terms.iter().map(|fitted| fitted.square).collect();
-            let of_these = self.growth(shapes, growth);
-            covariance = of_these.covariance(&squares)?;
-            growth = Some(of_these);
+            let (of_best, model) = self.model(&best.terms, growth)?;
+            (growth, covariance) = (Some(of_best), model);
         }
         self.fit_with(&curve, &covariance, Errors::OfModel, growth, &[])
     }
@@ -163,7 +152,7 @@ impl Fitter {
             Terms::Given(_) => Choice::given(&system, &self.candidates),
             Terms::Auto(_) => Choice::auto(&system, &self.candidates),
         };
-        let growth = (errors == Errors::OfModel).then(|| self.growth(self.shapes(&best), growth));
+        let growth = (errors == Errors::OfModel).then(|| self.growth(&self.complete(&best.terms), growth));
         let judge = |solution: &Solution| {
             Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable, realisations)
         };
@@ -174,22 +163,32 @@ impl Fitter {
         Ok(fit)
     }
 
-    /// The candidates with their shapes in a solution, or with the shortest ones.
-    fn shapes(&self, solution: &Solution) -> Vec<(Term, f64)> {
-        let shape = |&term: &Term| {
-            let fitted = solution.terms.iter().find(|fitted| fitted.term == term);
-            (term, fitted.map_or_else(|| self.basis.of(term)[0].0, |fitted| fitted.shape))
+    /// All candidates as in `found`, or with a square of 0 and the shortest shape.
+    fn complete(&self, found: &[Fitted]) -> Vec<Fitted> {
+        let of = |&term: &Term| {
+            let absent = Fitted { term, square: 0.0, shape: self.basis.of(term)[0].0 };
+            found.iter().find(|fitted| fitted.term == term).copied().unwrap_or(absent)
         };
-        self.candidates.iter().map(shape).collect()
+        self.candidates.iter().map(of).collect()
+    }
+
+    /// The growth of all candidates, and the covariance with these squares and shapes.
+    fn model(
+        &self,
+        terms: &[Fitted],
+        at_hand: Option<Arc<Growth>>,
+    ) -> Result<(Arc<Growth>, Covariance), FitError> {
+        let growth = self.growth(terms, at_hand);
+        let covariance = growth.covariance(terms)?;
+        Ok((growth, covariance))
     }
 
     /// The growth of all candidates with these shapes, which is `at_hand` if that matches.
-    fn growth(&self, shapes: Vec<(Term, f64)>, at_hand: Option<Arc<Growth>>) -> Arc<Growth> {
+    fn growth(&self, terms: &[Fitted], at_hand: Option<Arc<Growth>>) -> Arc<Growth> {
+        let new = || Arc::new(Growth::new(&self.geometry, terms));
         if !self.candidates.iter().any(|term| term.has_shape()) {
-            return self.growth.get_or_init(|| Arc::new(Growth::new(&self.geometry, shapes))).clone();
+            return self.growth.get_or_init(new).clone();
         }
-        at_hand
-            .filter(|growth| growth.is_of(&shapes))
-            .unwrap_or_else(|| Arc::new(Growth::new(&self.geometry, shapes)))
+        at_hand.filter(|growth| growth.is_of(terms)).unwrap_or_else(new)
     }
 }

@@ -34,7 +34,6 @@
 //! give the same digits on every machine, unlike a library that selects its kernels at run time.
 
 pub(crate) mod assess;
-pub(crate) mod basis;
 pub(crate) mod chi_squared;
 pub mod choose;
 pub mod coefficient;
@@ -42,7 +41,6 @@ pub mod covariance;
 pub mod curve;
 pub(crate) mod evidence;
 pub mod fitter;
-pub(crate) mod growth;
 pub(crate) mod interval;
 pub(crate) mod nnls;
 pub mod quantity;

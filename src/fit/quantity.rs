@@ -1,8 +1,9 @@
 //! The results of a fit for a term: its coefficient, and its time or frequency.
 
-use crate::allan::unit::Unit;
-use crate::fit::coefficient::Coefficient;
-use crate::theory::allan::terms::{Shape, Term};
+use crate::allan::Unit;
+use crate::fit::Coefficient;
+use crate::theory::allan::Term;
+use crate::theory::allan::terms::Shape;
 
 /// A number that a fit determines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,8 @@
 //! The curve of a record to which coefficients are fitted.
 
-use crate::allan::angles::Angles;
-use crate::allan::curve;
-use crate::allan::deviation::Deviation;
-use crate::fit::curve::{Curve, FitError};
-use crate::theory::allan::estimator::Difference;
+use crate::allan::{Angles, Deviation, curve};
+use crate::fit::{Curve, FitError};
+use crate::theory::allan::Difference;
 
 /// Inverse of the longest averaging time of the fit relative to the record; beyond it, intervals of K come out too
 /// short.

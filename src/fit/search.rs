@@ -4,11 +4,9 @@
 //! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid is searched first, then
 //! golden sections around its best point.
 
-use crate::fit::basis::{Basis, per_decade, shape_range};
-use crate::fit::covariance::Covariance;
-use crate::fit::curve::Curve;
 use crate::fit::nnls::{dot, nnls};
-use crate::theory::allan::terms::Term;
+use crate::fit::{Covariance, Curve};
+use crate::theory::allan::Term;
 
 /// Golden sections of one bracket, which reduce it to 1e-8 of its length.
 const SECTIONS: usize = 40;
@@ -17,6 +15,62 @@ const SECTIONS: usize = 40;
 /// frequency.
 const ROUNDS: usize = 40;
 const NEAR: f64 = 1e-6;
+
+/// Columns of one term, each with its shape.
+pub(crate) type Columns = Vec<(f64, Vec<f64>)>;
+
+/// Contributions of terms of unit square to each point, (″/s)²; they are the same for all curves of one geometry.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Basis {
+    /// The terms with their shapes, evenly spaced in their logarithm; a term without shape has the single shape 1.
+    terms: Vec<(Term, Columns)>,
+}
+
+impl Basis {
+    /// The columns of these terms over a curve.
+    pub(crate) fn new(curve: &Curve, terms: &[Term]) -> Basis {
+        let of_term = |&term: &Term| {
+            let column = |shape: f64| (shape, curve.of_term(term, 1.0, shape));
+            (term, shapes(curve, term).into_iter().map(column).collect())
+        };
+        Basis { terms: terms.iter().map(of_term).collect() }
+    }
+
+    /// The basis with every column changed by `change`.
+    pub(crate) fn map(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Basis {
+        let of_term = |(term, columns): &(Term, Columns)| {
+            (*term, columns.iter().map(|(shape, column)| (*shape, change(column))).collect())
+        };
+        Basis { terms: self.terms.iter().map(of_term).collect() }
+    }
+
+    /// The columns of a term with their shapes; empty for a term outside the basis.
+    pub(crate) fn of(&self, term: Term) -> &[(f64, Vec<f64>)] {
+        self.terms.iter().find(|(other, _)| *other == term).map_or(&[], |(_, columns)| columns)
+    }
+}
+
+fn shapes(curve: &Curve, term: Term) -> Vec<f64> {
+    if !term.has_shape() {
+        return vec![1.0];
+    }
+    let [low, high] = shape_range(curve, term);
+    let count = libm::ceil(libm::log10(high / low) * per_decade(term)).max(1.0);
+    (0..=count as u32).map(|i| low * libm::pow(high / low, f64::from(i) / count)).collect()
+}
+
+/// Shortest and longest shape that a curve can resolve: times T_c within its τ, or frequencies with a hump within them;
+/// 1 for terms without shape.
+///
+/// Markov noise outside this range looks like a random walk or white noise to the curve, and a slower sine like a ramp.
+pub(crate) fn shape_range(curve: &Curve, term: Term) -> [f64; 2] {
+    term.shape().map_or([1.0; 2], |shape| (shape.range)(curve.tau_range()))
+}
+
+/// Grid points of shapes per decade.
+pub(crate) fn per_decade(term: Term) -> f64 {
+    term.shape().map_or(1.0, |shape| shape.per_decade)
+}
 
 /// A term of a fit: the square of its coefficient, and its shape (1 where it has none).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use crate::key::row::keys;
 use crate::key::setting::Setting;
 use crate::noise::{Noise, Switching};
 use crate::quantity::units::Dimension;
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::Term;
 
 const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
 const RATES: Holds = measure(&[Dimension::DriftRate], 0.0, 1e6, "0 to 1e6 deg/h");

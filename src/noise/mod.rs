@@ -3,10 +3,7 @@
 pub(crate) mod keys;
 pub(crate) mod read;
 
-use crate::theory::allan::estimator::Difference;
-use crate::theory::allan::part::Part;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::{Difference, Part, Process, Term};
 use crate::theory::allan::{holds, switching};
 use crate::theory::drift::magnetic::Magnetic;
 

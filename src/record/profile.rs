@@ -1,10 +1,10 @@
 //! Reading a recorded motion from the columns `time` and `rate` of a file. It has no gaps, and its times are evenly spaced.
 
 use crate::quantity::units::{Dimension, round_12};
-use crate::record::Record;
 use crate::record::error::RecordError;
-use crate::record::recording::{Limits, Recording};
-use crate::record::time::{Spacing, grid};
+use crate::record::recording::{Recording, Rules};
+use crate::record::time::grid;
+use crate::record::{MOST_SAMPLES, Record};
 
 /// Help with an example of a header.
 const NAMES: &str = "name one column `time` and one `rate`, with their units, as in\ntime [s], rate [deg/s]";
@@ -13,11 +13,13 @@ const NAMES: &str = "name one column `time` and one `rate`, with their units, as
 const MISSING: &str =
     "every row needs a finite number here: put it in, or cut the record and resample what is left";
 
-/// Steps that count as equal; a record of a motion has no gaps.
-const EVEN: Spacing = Spacing {
+/// Steps count as equal within 1 %, and a record of a motion has no gaps.
+const RULES: Rules = Rules {
+    most: MOST_SAMPLES,
+    missing: MISSING,
     jitter: 0.01,
     has_gaps: false,
-    help: "resample it evenly first: every step must be within 1 % of the median step",
+    uneven: "resample it evenly first: every step must be within 1 % of the median step",
 };
 
 /// Reads a record of at most `most` samples.
@@ -27,7 +29,8 @@ pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordErr
     }
     let (time, time_size) = column(&file, "time", Dimension::Time, "time [s]")?;
     let (rate, rate_size) = column(&file, "rate", Dimension::Rate, "rate [deg/s]")?;
-    let columns = file.read(&[time, rate], &Limits { most, missing: MISSING })?;
+    let rules = Rules { most, ..RULES };
+    let columns = file.read(&[time, rate], &rules)?;
     let times = finite(&file, time, "time", &columns[0], time_size)?;
     let rates = finite(&file, rate, "rate", &columns[1], rate_size)?;
     if rates.len() < 2 {
@@ -35,8 +38,7 @@ pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordErr
         let help = "the step is the time from one sample to the next: add rows";
         return Err(file.refuse(None, &message, "its columns", help));
     }
-    grid(&columns[0], time_size, most, &EVEN)
-        .map_err(|fault| file.refuse_row(fault.row, time, fault.words))?;
+    grid(&columns[0], time_size, &rules).map_err(|fault| file.refuse_row(fault.row, time, fault.words))?;
     let steps = rates.len() - 1;
     let step_s = round_12((times[steps] - times[0]) / steps as f64);
     file.check_step(step_s, Some(time))?;

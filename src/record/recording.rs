@@ -55,12 +55,19 @@ impl<'a> Origin<'a> {
     }
 }
 
-/// The largest file that a caller reads, and its advice on gaps.
-pub(crate) struct Limits {
-    /// Most rows.
+/// What a caller accepts of a file.
+#[derive(Clone, Copy)]
+pub(crate) struct Rules {
+    /// Most rows, and most samples on an even grid.
     pub most: usize,
     /// Advice on missing numbers.
     pub missing: &'static str,
+    /// Largest deviation of a step from a whole number of sampling steps, in sampling steps.
+    pub jitter: f64,
+    /// Whether a longer step is a gap instead of a fault.
+    pub has_gaps: bool,
+    /// Advice on other steps.
+    pub uneven: &'static str,
 }
 
 /// The format of a file. Its head gives the names and the number of the columns, and the bytes after it the numbers.
@@ -236,10 +243,10 @@ impl<'a> Recording<'a> {
     ///
     /// # Errors
     /// The file cannot be read, has too many rows, or contains something other than numbers.
-    pub(crate) fn read(&mut self, columns: &[usize], limits: &Limits) -> Result<Vec<Vec<f64>>, RecordError> {
+    pub(crate) fn read(&mut self, columns: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
         match &self.format {
-            Format::Text(layout) => text::read(layout, &mut self.numbers, columns, limits),
-            Format::Npy(array) => array.columns(&mut self.numbers, columns, limits.most),
+            Format::Text(layout) => text::read(layout, &mut self.numbers, columns, rules),
+            Format::Npy(array) => array.columns(&mut self.numbers, columns, rules.most),
         }
     }
 

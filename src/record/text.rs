@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::record::cells::{Cells, Delimiter, value};
 use crate::record::error::RecordError;
 use crate::record::layout::Layout;
-use crate::record::recording::{Limits, Origin};
+use crate::record::recording::{Origin, Rules};
 use crate::source::place::Place;
 
 /// Bytes read at a time; no line may be longer.
@@ -28,7 +28,7 @@ pub(crate) fn read(
     layout: &Layout,
     mut bytes: impl Read,
     wanted: &[usize],
-    limits: &Limits,
+    rules: &Rules,
 ) -> Result<Vec<Vec<f64>>, RecordError> {
     let mut slots = vec![None; layout.columns];
     wanted.iter().enumerate().for_each(|(slot, &column)| slots[column] = Some(slot));
@@ -48,14 +48,13 @@ pub(crate) fn read(
         let parts: Vec<Part> =
             parts.par_iter().map(|part| parse(part, layout, &slots, wanted.len())).collect();
         for part in parts {
-            let (values, count) = part.map_err(|(line, before)| {
-                refusal(layout, lines + before + 1, line, &slots, limits.missing)
-            })?;
+            let (values, count) = part
+                .map_err(|(line, before)| refusal(layout, lines + before + 1, line, &slots, rules.missing))?;
             lines += count;
             columns.iter_mut().zip(values).for_each(|(column, values)| column.extend(values));
         }
-        if columns.first().is_some_and(|column| column.len() > limits.most) {
-            let message = format!("{} has more than {} samples", layout.file, limits.most);
+        if columns.first().is_some_and(|column| column.len() > rules.most) {
+            let message = format!("{} has more than {} samples", layout.file, rules.most);
             return Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None));
         }
         block.drain(..whole);
@@ -126,29 +125,23 @@ fn refusal(
         return refused(0..text.len(), message, "in this line", TEXT_WANTED);
     }
     let cells: Vec<Range<usize>> = Cells::new(text, layout.delimiter).collect();
-    for (column, cell) in cells.iter().enumerate() {
-        if slots.get(column).is_none_or(Option::is_none) {
-            continue;
-        }
+    let wanted = cells.iter().zip(slots).enumerate().filter(|(_, (_, slot))| slot.is_some());
+    for (column, (cell, _)) in wanted {
         let name = match layout.names.get(column) {
             Some(name) => format!("`{}`", name.whole),
             None => format!("column {}", column + 1),
         };
         let shown = String::from_utf8_lossy(&text[cell.clone()]);
-        match value(&text[cell.clone()]) {
-            Some(number) if number.is_infinite() => {
-                return refused(cell.clone(), format!("{name} is infinite here"), "not finite", missing);
-            }
-            Some(_) => {}
-            None => {
-                let has_decimal_comma = shown.contains(',') && layout.delimiter != Delimiter::Byte(b',');
-                let help = match has_decimal_comma {
-                    true => "write decimals with a point".to_owned(),
-                    false => format!("write numbers with a point for decimals; {missing}"),
-                };
-                let message = format!("{name} holds \"{shown}\", which is not a number");
-                return refused(cell.clone(), message, "not a number", &help);
-            }
+        let Some(number) = value(&text[cell.clone()]) else {
+            let help = match shown.contains(',') && layout.delimiter != Delimiter::Byte(b',') {
+                true => "write decimals with a point".to_owned(),
+                false => format!("write numbers with a point for decimals; {missing}"),
+            };
+            let message = format!("{name} holds \"{shown}\", which is not a number");
+            return refused(cell.clone(), message, "not a number", &help);
+        };
+        if number.is_infinite() {
+            return refused(cell.clone(), format!("{name} is infinite here"), "not finite", missing);
         }
     }
     let cells_of = |count: usize| format!("{count} cell{}", if count == 1 { "" } else { "s" });

@@ -1,16 +1,7 @@
 //! Conversion of time stamps to evenly spaced samples with gaps.
 
 use crate::quantity::number::significant;
-
-/// The steps that count as even.
-pub(crate) struct Spacing {
-    /// Largest deviation of a step from a whole number of sampling steps, in sampling steps.
-    pub jitter: f64,
-    /// Whether a longer step is a gap instead of a fault.
-    pub has_gaps: bool,
-    /// Advice on other steps.
-    pub help: &'static str,
-}
+use crate::record::recording::Rules;
 
 /// Steps from which on a gap is rounded to a whole number of them without a check, because clocks drift.
 const LONG_GAP: f64 = 10.0;
@@ -46,10 +37,10 @@ impl TimeFault {
     }
 }
 
-/// The grid of `stamps` in a unit of `unit_s`, with at most `most` samples.
+/// The grid of `stamps` in a unit of `unit_s`, as far as `rules` accept it.
 ///
 /// The sampling step is the median one, refined over the whole record. Where a step is longer, samples are missing.
-pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) -> Result<Grid, TimeFault> {
+pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, TimeFault> {
     let seconds = |stamp: f64| format!("{} s", significant(stamp * unit_s, 6));
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
@@ -71,12 +62,12 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) 
     for (before, pair) in stamps.windows(2).enumerate() {
         let step = pair[1] - pair[0];
         let steps = libm::round(step / median);
-        let is_even = steps >= LONG_GAP || (step / median - steps).abs() <= spacing.jitter;
-        if steps < 1.0 || !is_even || steps > 1.0 && !spacing.has_gaps {
+        let is_even = steps >= LONG_GAP || (step / median - steps).abs() <= rules.jitter;
+        if steps < 1.0 || !is_even || steps > 1.0 && !rules.has_gaps {
             let (step, median) = (seconds(step), seconds(median));
             let message =
                 format!("the samples are not evenly spaced: a step of {step}, the median is {median}");
-            return Err(TimeFault::new(before + 1, message, "not on the grid", spacing.help));
+            return Err(TimeFault::new(before + 1, message, "not on the grid", rules.uneven));
         }
         gapless &= steps == 1.0;
         total += steps;
@@ -84,7 +75,7 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) 
             longest = (before + 1, step);
         }
     }
-    if total + 1.0 > most as f64 || total > SPARSEST * stamps.len() as f64 {
+    if total + 1.0 > rules.most as f64 || total > SPARSEST * stamps.len() as f64 {
         let (gap, median) = (seconds(longest.1), seconds(median));
         let message = format!("most of the record is missing: a gap of {gap} at steps of {median}");
         let help = "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be missing \
@@ -128,15 +119,13 @@ impl Grid {
 mod tests {
     use super::*;
 
-    const LOG: Spacing = Spacing { jitter: 0.1, has_gaps: true, help: "" };
-
-    const MOST: usize = 1 << 20;
+    const LOG: Rules = Rules { most: 1 << 20, missing: "", jitter: 0.1, has_gaps: true, uneven: "" };
 
     #[test]
     fn steps_of_several_samples_are_gaps_and_the_step_is_that_of_the_whole_record() {
         let stamps: Vec<f64> =
             (0..100).filter(|i| ![3, 50, 51].contains(i)).map(|i| 7.0 + 0.02 * f64::from(i)).collect();
-        let grid = grid(&stamps, 1.0, MOST, &LOG).unwrap();
+        let grid = grid(&stamps, 1.0, &LOG).unwrap();
         assert_eq!(grid.samples, 100);
         assert!((grid.step - 0.02).abs() < 1e-15);
         let samples = grid.spread(vec![1.0; 97]);
@@ -148,7 +137,7 @@ mod tests {
     fn stamps_of_the_epoch_in_ns_keep_their_step() {
         let stamps: Vec<f64> =
             (0..1000_u64).map(|i| (1_700_000_000_000_000_000 + 2_500_000 * i) as f64).collect();
-        let grid = grid(&stamps, 1.0, MOST, &LOG).unwrap();
+        let grid = grid(&stamps, 1.0, &LOG).unwrap();
         assert_eq!((grid.samples, grid.places), (1000, None));
         assert!((grid.step / 2.5e6 - 1.0).abs() < 1e-6, "{}", grid.step);
     }
@@ -159,7 +148,7 @@ mod tests {
         let with = |row: usize, stamp: f64| {
             let mut stamps: Vec<f64> = (0..20).map(even).collect();
             stamps[row] = stamp;
-            grid(&stamps, 1.0, MOST, &LOG).unwrap_err()
+            grid(&stamps, 1.0, &LOG).unwrap_err()
         };
         for (row, stamp, piece) in [
             (5, 4.0, "does not increase: 4 after 4"),
@@ -179,9 +168,9 @@ mod tests {
 
     #[test]
     fn few_rows_are_a_grid_too() {
-        assert_eq!(grid(&[], 1.0, MOST, &LOG).unwrap().samples, 0);
-        assert_eq!(grid(&[3.0], 1.0, MOST, &LOG).unwrap().samples, 1);
-        assert_eq!(grid(&[3.0, 5.0], 1.0, MOST, &LOG).unwrap(), Grid { step: 2.0, samples: 2, places: None });
-        assert_eq!(grid(&[0.0, 1.0, 3.0], 1.0, MOST, &LOG).unwrap().places, Some(vec![0, 1, 3]));
+        assert_eq!(grid(&[], 1.0, &LOG).unwrap().samples, 0);
+        assert_eq!(grid(&[3.0], 1.0, &LOG).unwrap().samples, 1);
+        assert_eq!(grid(&[3.0, 5.0], 1.0, &LOG).unwrap(), Grid { step: 2.0, samples: 2, places: None });
+        assert_eq!(grid(&[0.0, 1.0, 3.0], 1.0, &LOG).unwrap().places, Some(vec![0, 1, 3]));
     }
 }

@@ -4,11 +4,8 @@ use std::path::Path;
 
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
-use crate::store::Tally;
-use crate::store::database::structure;
-use crate::store::error::StoreError;
 use crate::store::row::Raw;
-use crate::store::source::Source;
+use crate::store::{Source, StoreError, Tally};
 
 /// What a check of a store found.
 #[derive(Debug, Default)]
@@ -29,16 +26,17 @@ impl Source {
     /// The store belongs to another program or version, or the disk fails. Damage is not an error here but a fault in
     /// the report.
     pub fn check(&self) -> Result<Report, StoreError> {
+        let path = &self.database.path;
         let mut report = Report::default();
         match self.identity() {
             Ok(None) => {
-                let folder = self.path.parent().unwrap_or(Path::new("")).to_owned();
-                return Err(StoreError::NoResults { folder });
+                let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+                return Err(StoreError::NoResults(folder));
             }
             Err(error) if error.is_damage() => report.faults.push(error),
             found => drop(found?),
         }
-        report.faults.extend(structure(&self.connection, &self.path, "integrity_check").err());
+        report.faults.extend(self.database.structure("integrity_check").err());
         let mut group: Vec<Raw> = Vec::new();
         let mut point = None;
         self.each(false, |row| {
@@ -47,7 +45,7 @@ impl Source {
                     report.sound += 1;
                     report.points += u64::from(point.replace(raw.address.point) != Some(raw.address.point));
                     if group.first().is_some_and(|first| !same_tally(first, &raw)) {
-                        report.faults.extend(overlaps(&std::mem::take(&mut group), &self.path).err());
+                        report.faults.extend(overlaps(&std::mem::take(&mut group), path).err());
                     }
                     group.push(raw);
                 }
@@ -56,7 +54,7 @@ impl Source {
             }
             Ok(())
         })?;
-        report.faults.extend(overlaps(&group, &self.path).err());
+        report.faults.extend(overlaps(&group, path).err());
         tell_once(&mut report.faults);
         Ok(report)
     }
@@ -106,14 +104,11 @@ fn agree<T: Tally>(group: &[Raw], path: &Path) -> Result<(), StoreError> {
         if covered < outer.block.trials() {
             continue;
         }
-        let mut sum: Option<T> = None;
-        for (_, part) in parts {
-            let part = part.tally::<T>(path)?;
-            match &mut sum {
-                None => sum = Some(part),
-                Some(sum) => sum.append(part),
-            }
-        }
+        let tallies = parts.iter().map(|(_, part)| part.tally::<T>(path)).collect::<Result<Vec<T>, _>>()?;
+        let sum = tallies.into_iter().reduce(|mut sum, part| {
+            sum.append(part);
+            sum
+        });
         if sum.is_some_and(|sum| sum.encode() != outer.sums) {
             return Err(outer.disagrees(path));
         }

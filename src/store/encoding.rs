@@ -7,7 +7,21 @@ use crate::store::Tally;
 
 impl Tally for Moments {
     fn encode(&self) -> Vec<u8> {
-        encode(self)
+        let mut bytes = Vec::new();
+        put(&mut bytes, u128::from(self.count));
+        put(&mut bytes, zigzag(self.sum));
+        put(&mut bytes, self.square);
+        put(&mut bytes, zigzag(self.least.into()));
+        put(&mut bytes, zigzag(self.greatest.into()));
+        let mut rest = &self.bins[..];
+        while let Some(empty) = rest.iter().position(|&count| count > 0) {
+            let filled = rest[empty..].iter().position(|&count| count == 0).unwrap_or(rest.len() - empty);
+            put(&mut bytes, empty as u128);
+            put(&mut bytes, filled as u128);
+            rest[empty..empty + filled].iter().for_each(|&count| put(&mut bytes, u128::from(count)));
+            rest = &rest[empty + filled..];
+        }
+        bytes
     }
 
     fn append(&mut self, next: Moments) {
@@ -45,25 +59,6 @@ impl Tally for Rows {
         let rows = Rows { width, values };
         (width as u128 * u128::from(trials) == rows.values.len() as u128).then_some(rows)
     }
-}
-
-/// Encodes a tally as bytes.
-fn encode(tally: &Moments) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    put(&mut bytes, u128::from(tally.count));
-    put(&mut bytes, zigzag(tally.sum));
-    put(&mut bytes, tally.square);
-    put(&mut bytes, zigzag(tally.least.into()));
-    put(&mut bytes, zigzag(tally.greatest.into()));
-    let mut rest = &tally.bins[..];
-    while let Some(empty) = rest.iter().position(|&count| count > 0) {
-        let filled = rest[empty..].iter().position(|&count| count == 0).unwrap_or(rest.len() - empty);
-        put(&mut bytes, empty as u128);
-        put(&mut bytes, filled as u128);
-        rest[empty..empty + filled].iter().for_each(|&count| put(&mut bytes, u128::from(count)));
-        rest = &rest[empty + filled..];
-    }
-    bytes
 }
 
 /// Adds the tally of `trials` trials that the bytes encode to `total`, which has a histogram. Returns `None` where the
@@ -146,7 +141,7 @@ mod tests {
         tally.count = u64::MAX;
         for sum in [0, 1, -1, i128::MAX, i128::MIN] {
             (tally.sum, tally.square, tally.least, tally.greatest) = (sum, u128::MAX, i32::MIN, i32::MAX);
-            assert_eq!(<Moments as Tally>::decode(&encode(&tally), tally.count).as_ref(), Some(&tally));
+            assert_eq!(<Moments as Tally>::decode(&tally.encode(), tally.count).as_ref(), Some(&tally));
         }
     }
 
@@ -167,7 +162,7 @@ mod tests {
     fn cut_or_lengthened_bytes_are_refused() {
         let mut tally = Moments::empty(true);
         (tally.count, tally.bins[5]) = (300, 300);
-        let bytes = encode(&tally);
+        let bytes = tally.encode();
         let decoded = |bytes: &[u8]| <Moments as Tally>::decode(bytes, 300);
         for length in 0..bytes.len() {
             assert_eq!(decoded(&bytes[..length]), None, "cut to {length}");

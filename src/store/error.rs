@@ -8,9 +8,9 @@ use std::path::PathBuf;
 #[cfg(feature = "store")]
 use rusqlite::ErrorCode;
 
-use crate::store::SCHEMA_VERSION;
 #[cfg(feature = "store")]
 use crate::store::lock::Holder;
+use crate::store::{FILE, SCHEMA_VERSION};
 use crate::tally::id::Id;
 
 /// An error of the results on disk, with what to do about it.
@@ -27,14 +27,8 @@ pub enum StoreError {
         source: io::Error,
     },
     /// The folder holds no results.
-    #[error(
-        "{folder} has no results: its {} is missing or empty\ngive the folder of a study that was run",
-        crate::store::FILE
-    )]
-    NoResults {
-        /// Path of the folder.
-        folder: PathBuf,
-    },
+    #[error("{0} has no results: its {FILE} is missing or empty\ngive the folder of a study that was run")]
+    NoResults(PathBuf),
     /// Another program is writing to the folder.
     #[cfg(feature = "store")]
     #[error(
@@ -47,29 +41,19 @@ pub enum StoreError {
         holder: Holder,
     },
     /// The disk is full.
-    #[error("no space is left for {path}\ncompleted work is kept: make room and run again to resume")]
-    Full {
-        /// Path of the file that could not grow.
-        path: PathBuf,
-    },
+    #[error("no space is left for {0}\ncompleted work is kept: make room and run again to resume")]
+    Full(PathBuf),
     /// The disk or file is read-only.
     #[error(
-        "{path} cannot be written: it or its disk is read-only\nmake it writable, or choose another folder with `out = DIR`"
+        "{0} cannot be written: it or its disk is read-only\nmake it writable, or choose another folder with `out = DIR`"
     )]
-    ReadOnly {
-        /// Path of the file.
-        path: PathBuf,
-    },
+    ReadOnly(PathBuf),
     /// A journal must be replayed first, but the folder is read-only.
     #[error(
-        "{path} cannot be read here: an interrupted run left a journal, {}-wal, that must be replayed, and the folder is \
-         read-only\ncopy the folder to where it can be written",
-        crate::store::FILE
+        "{0} cannot be read here: an interrupted run left a journal, {FILE}-wal, that must be replayed, and the folder is \
+         read-only\ncopy the folder to where it can be written"
     )]
-    Unfinished {
-        /// Path of the database.
-        path: PathBuf,
-    },
+    Unfinished(PathBuf),
     /// SQLite or the disk failed in another way.
     #[cfg(feature = "store")]
     #[error("cannot keep results in {path}: {source}\ncompleted work is kept: run again when the disk works")]
@@ -187,8 +171,8 @@ impl StoreError {
             {
                 StoreError::Damaged { path, what: "it ends too early".to_owned() }
             }
-            (_, Some(ErrorCode::DiskFull)) => StoreError::Full { path },
-            (_, Some(ErrorCode::ReadOnly)) => StoreError::ReadOnly { path },
+            (_, Some(ErrorCode::DiskFull)) => StoreError::Full(path),
+            (_, Some(ErrorCode::ReadOnly)) => StoreError::ReadOnly(path),
             (_, Some(ErrorCode::NotADatabase)) => StoreError::Foreign { path, what },
             // Wrong column types, invalid text or a missing table, none of which this program writes.
             (_, Some(ErrorCode::DatabaseCorrupt | ErrorCode::Unknown))

@@ -3,9 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
-use crate::store::error::StoreError;
 use crate::store::row::NO_BLOCK;
-use crate::store::{Address, Store};
+use crate::store::{Address, Store, StoreError};
 use crate::tally::block::{Block, fold};
 use crate::tally::id::Id;
 
@@ -13,14 +12,8 @@ use crate::tally::id::Id;
 #[derive(Debug)]
 pub struct Index {
     path: PathBuf,
-    /// Blocks by point and estimate.
-    held: HashMap<(Id, Id), Held>,
-}
-
-#[derive(Debug)]
-struct Held {
-    digest: Id,
-    blocks: Vec<Block>,
+    /// Digests of parameters and blocks, by point and estimate.
+    held: HashMap<(Id, Id), (Id, Vec<Block>)>,
 }
 
 impl Store {
@@ -31,17 +24,17 @@ impl Store {
     /// A key is invalid, rows of a tally were computed from different parameters, or the disk fails.
     pub fn index(&self) -> Result<Index, StoreError> {
         let mut index = Index { path: self.path.clone(), held: HashMap::new() };
-        for (address, block) in self.keys()? {
+        for (address, block) in self.keep.keys()? {
             let Address { point, estimate, digest } = address;
             if !block.is_aligned() {
                 let (path, first) = (index.path, block.first);
                 return Err(StoreError::DamagedRow { path, point, estimate, first, what: NO_BLOCK });
             }
-            let held = index.held.entry((point, estimate)).or_insert(Held { digest, blocks: vec![] });
-            if held.digest != digest {
+            let (known, blocks) = index.held.entry((point, estimate)).or_insert((digest, vec![]));
+            if *known != digest {
                 return Err(index.disagrees(&address, block));
             }
-            held.blocks.push(block);
+            blocks.push(block);
         }
         Ok(index)
     }
@@ -60,8 +53,8 @@ impl Index {
     pub fn blocks(&self, address: &Address) -> Result<&[Block], StoreError> {
         match self.held.get(&(address.point, address.estimate)) {
             None => Ok(&[]),
-            Some(held) if held.digest == address.digest => Ok(&held.blocks),
-            Some(held) => Err(self.disagrees(address, held.blocks[0])),
+            Some((digest, blocks)) if *digest == address.digest => Ok(blocks),
+            Some((_, blocks)) => Err(self.disagrees(address, blocks[0])),
         }
     }
 

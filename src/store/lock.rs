@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use crate::store::error::StoreError;
+use crate::store::StoreError;
 
 /// The name of the file in a results folder.
 pub const LOCK: &str = "tallies.lock";
@@ -37,8 +37,8 @@ impl Lock {
     pub(crate) fn take(folder: &Path) -> Result<Lock, StoreError> {
         let path = folder.join(LOCK);
         let failed = |source: std::io::Error| match source.kind() {
-            ErrorKind::ReadOnlyFilesystem => StoreError::ReadOnly { path: folder.to_owned() },
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => StoreError::Full { path: folder.to_owned() },
+            ErrorKind::ReadOnlyFilesystem => StoreError::ReadOnly(folder.to_owned()),
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => StoreError::Full(folder.to_owned()),
             _ => StoreError::Folder { path: folder.to_owned(), source },
         };
         let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).clone();

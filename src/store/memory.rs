@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::store::error::StoreError;
 use crate::store::row::Raw;
-use crate::store::{Address, Provenance};
+use crate::store::{Address, Keep, Provenance, StoreError};
 use crate::tally::block::Block;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
@@ -14,19 +13,21 @@ use crate::tally::share::Share;
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     rows: HashMap<(Id, Id), Vec<Raw>>,
-    pub(crate) shares: Vec<Share>,
+    shares: Vec<Share>,
     provenance: Option<Provenance>,
 }
 
-impl Memory {
-    /// Inserts rows, all of them or, on an error, none, and replaces the provenance where it is given. Returns the
-    /// number of new rows.
-    pub(crate) fn insert(
-        &mut self,
-        rows: &[Raw],
-        so_far: Option<&Provenance>,
-        from: &Path,
-    ) -> Result<u64, StoreError> {
+impl Keep for Memory {
+    fn note_share(&mut self, share: Share) -> Result<(), StoreError> {
+        self.shares.push(share);
+        Ok(())
+    }
+
+    fn shares(&self) -> Result<Vec<Share>, StoreError> {
+        Ok(self.shares.clone())
+    }
+
+    fn insert(&mut self, rows: &[Raw], so_far: Option<&Provenance>, from: &Path) -> Result<u64, StoreError> {
         let mut added = Vec::new();
         for raw in rows {
             let held =
@@ -49,17 +50,15 @@ impl Memory {
         Ok(added.len() as u64)
     }
 
-    /// The rows of a tally.
-    pub(crate) fn rows(&self, address: &Address) -> Vec<Raw> {
-        self.rows.get(&(address.point, address.estimate)).cloned().unwrap_or_default()
+    fn rows(&self, address: &Address) -> Result<Vec<Raw>, StoreError> {
+        Ok(self.rows.get(&(address.point, address.estimate)).cloned().unwrap_or_default())
     }
 
-    /// The trials held of each tally.
-    pub(crate) fn keys(&self) -> Vec<(Address, Block)> {
-        self.rows.values().flatten().map(|raw| (raw.address, raw.block)).collect()
+    fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {
+        Ok(self.rows.values().flatten().map(|raw| (raw.address, raw.block)).collect())
     }
 
-    pub(crate) fn provenance(&self) -> Vec<Provenance> {
-        self.provenance.iter().cloned().collect()
+    fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
+        Ok(self.provenance.iter().cloned().collect())
     }
 }

@@ -160,16 +160,32 @@ pub struct Provenance {
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
-    keep: Keep,
+    keep: Box<dyn Keep>,
     identity: Identity,
 }
 
 /// Storage of the rows.
-#[derive(Debug)]
-enum Keep {
+trait Keep: std::fmt::Debug + Send {
+    fn note_share(&mut self, share: Share) -> Result<(), StoreError>;
+
+    fn shares(&self) -> Result<Vec<Share>, StoreError>;
+
+    /// Inserts rows of the store `from`, all of them or, on an error, none, and replaces the provenance of this session
+    /// where it is given. Returns the number of new rows.
+    fn insert(&mut self, rows: &[Raw], so_far: Option<&Provenance>, from: &Path) -> Result<u64, StoreError>;
+
+    /// The rows of a tally, without any check.
+    fn rows(&self, address: &Address) -> Result<Vec<Raw>, StoreError>;
+
+    /// The trials held of each tally.
+    fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError>;
+
+    fn provenance(&self) -> Result<Vec<Provenance>, StoreError>;
+
     #[cfg(feature = "store")]
-    Database(Database),
-    Memory(Memory),
+    fn database(&self) -> Option<&Database> {
+        None
+    }
 }
 
 /// Tallies whose rows are read at once, while as many others are added up. Rows of many trials have some 2 KiB, and a
@@ -179,7 +195,7 @@ const READ_AT_ONCE: usize = 1024;
 impl Store {
     /// A store in memory, for a run whose results are used at once.
     pub fn in_memory(identity: &Identity) -> Store {
-        let keep = Keep::Memory(Memory::default());
+        let keep = Box::new(Memory::default());
         Store { path: PathBuf::from("memory"), keep, identity: identity.clone() }
     }
 
@@ -190,7 +206,7 @@ impl Store {
     #[cfg(feature = "store")]
     pub fn open(folder: &Path, identity: &Identity) -> Result<Store, StoreError> {
         let path = folder.join(FILE);
-        let keep = Keep::Database(Database::open(folder, &path, identity)?);
+        let keep = Box::new(Database::open(folder, path.clone(), identity)?);
         Ok(Store { path, keep, identity: identity.clone() })
     }
 
@@ -204,14 +220,7 @@ impl Store {
     /// # Errors
     /// The disk fails.
     pub fn note_share(&mut self, share: Share) -> Result<(), StoreError> {
-        match &mut self.keep {
-            #[cfg(feature = "store")]
-            Keep::Database(database) => database.note_share(share, &self.path),
-            Keep::Memory(memory) => {
-                memory.shares.push(share);
-                Ok(())
-            }
-        }
+        self.keep.note_share(share)
     }
 
     /// The shares assigned to this folder; the whole study counts as one of them.
@@ -219,11 +228,7 @@ impl Store {
     /// # Errors
     /// The disk fails.
     pub fn shares(&self) -> Result<Vec<Share>, StoreError> {
-        match &self.keep {
-            #[cfg(feature = "store")]
-            Keep::Database(database) => database.shares(&self.path),
-            Keep::Memory(memory) => Ok(memory.shares.clone()),
-        }
+        self.keep.shares()
     }
 
     /// Inserts rows, all of them or, on an error, none. The provenance of this session, where given, is written in the
@@ -237,11 +242,7 @@ impl Store {
         so_far: Option<&Provenance>,
     ) -> Result<(), StoreError> {
         let rows: Vec<Raw> = rows.iter().map(Raw::of).collect();
-        match &mut self.keep {
-            #[cfg(feature = "store")]
-            Keep::Database(database) => database.insert(&rows, so_far, &self.path, &self.path).map(drop),
-            Keep::Memory(memory) => memory.insert(&rows, so_far, &self.path).map(drop),
-        }
+        self.keep.insert(&rows, so_far, &self.path).map(drop)
     }
 
     /// The tally over all trials held, merged from its rows.
@@ -305,13 +306,8 @@ impl Store {
     /// The rows that lie within the first `trials` trials, none of them twice, in order. Each is checked for damage and
     /// for the right parameters.
     fn held(&self, address: &Address, trials: u64) -> Result<Vec<Raw>, StoreError> {
-        let rows = match &self.keep {
-            #[cfg(feature = "store")]
-            Keep::Database(database) => database.rows(address, &self.path)?,
-            Keep::Memory(memory) => memory.rows(address),
-        };
         let mut held = Vec::new();
-        for raw in rows {
+        for raw in self.keep.rows(address)? {
             let raw = raw.sound(&self.path)?;
             if raw.address.digest != address.digest {
                 return Err(raw.disagrees(&self.path));
@@ -330,20 +326,7 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
-        match &self.keep {
-            #[cfg(feature = "store")]
-            Keep::Database(database) => database.provenance(&self.path),
-            Keep::Memory(memory) => Ok(memory.provenance()),
-        }
-    }
-
-    /// The trials held of each tally.
-    fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {
-        match &self.keep {
-            #[cfg(feature = "store")]
-            Keep::Database(database) => database.keys(&self.path),
-            Keep::Memory(memory) => Ok(memory.keys()),
-        }
+        self.keep.provenance()
     }
 }
 

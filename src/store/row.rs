@@ -4,8 +4,7 @@ use std::path::Path;
 
 use crate::kernel::moments::Moments;
 use crate::store::encoding::add;
-use crate::store::error::StoreError;
-use crate::store::{Address, Row, Tally};
+use crate::store::{Address, Row, StoreError, Tally};
 use crate::tally::block::Block;
 #[cfg(feature = "store")]
 use crate::tally::id::Id;
@@ -36,11 +35,17 @@ impl Raw {
         Raw { address: *address, block: *block, checksum: checksum(address, *block, &sums), sums }
     }
 
+    /// Reads the key of a row, which begins with point, estimate, first trial, log2 and digest.
+    #[cfg(feature = "store")]
+    pub(crate) fn read_key(row: &rusqlite::Row) -> Result<(Address, Block), rusqlite::Error> {
+        let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
+        Ok((address, Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? }))
+    }
+
     /// Reads a row without any check.
     #[cfg(feature = "store")]
     pub(crate) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
-        let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
-        let block = Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? };
+        let (address, block) = Raw::read_key(row)?;
         Ok(Raw { address, block, sums: row.get(5)?, checksum: row.get(6)? })
     }
 

@@ -3,28 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rusqlite::{Connection, params};
-
-use crate::store::error::StoreError;
-use crate::store::{Identity, SCHEMA_VERSION};
+use crate::store::database::Database;
+use crate::store::{Identity, SCHEMA_VERSION, StoreError};
 
 /// Application id in SQLite's header, "SGNC".
 const APPLICATION: i32 = 0x5347_4e43;
 
 /// Name and version of this program.
 pub(crate) const PROGRAM: &str = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
-
-/// Creates the tables of an empty database and claims it for a study, or checks that they belong to this study.
-///
-/// # Errors
-/// They belong to another study, program or version, or are damaged.
-pub(crate) fn claim(connection: &Connection, path: &Path, identity: &Identity) -> Result<(), StoreError> {
-    if is_empty(connection, path)? {
-        return create(connection, identity).map_err(|error| StoreError::of(path, error));
-    }
-    let found = claimed(connection, path)?;
-    is_same(&found, identity, path)
-}
 
 /// Checks that results may be added to those of `identity`.
 ///
@@ -52,77 +38,89 @@ pub(crate) struct Claim {
     pub(crate) program: String,
 }
 
-/// The owner of a database that is not empty.
-///
-/// # Errors
-/// The database belongs to another program or version, or is damaged.
-pub(crate) fn claimed(connection: &Connection, path: &Path) -> Result<Claim, StoreError> {
-    let failed = |error| StoreError::of(path, error);
-    let header = |name: &str| connection.pragma_query_value(None, name, |row| row.get::<_, i32>(0));
-    let application = header("application_id").map_err(failed)?;
-    if application != APPLICATION {
-        return Err(foreign(connection, path));
+impl Database {
+    /// Creates the tables of an empty database and claims it for a study, or checks that they belong to this study.
+    ///
+    /// # Errors
+    /// They belong to another study, program or version, or are damaged.
+    pub(crate) fn claim(&self, identity: &Identity) -> Result<(), StoreError> {
+        if self.is_empty()? {
+            return self.create(identity);
+        }
+        is_same(&self.claimed()?, identity, &self.path)
     }
-    let version = header("user_version").map_err(failed)?;
-    if version != SCHEMA_VERSION {
-        return Err(StoreError::Schema { path: path.to_owned(), found: version.to_string() });
+
+    /// The owner of a database that is not empty.
+    ///
+    /// # Errors
+    /// The database belongs to another program or version, or is damaged.
+    pub(crate) fn claimed(&self) -> Result<Claim, StoreError> {
+        let header = |name: &str| {
+            let found = self.connection.pragma_query_value(None, name, |row| row.get::<_, i32>(0));
+            found.map_err(|error| self.failed(error))
+        };
+        if header("application_id")? != APPLICATION {
+            return Err(self.foreign());
+        }
+        let version = header("user_version")?;
+        if version != SCHEMA_VERSION {
+            return Err(StoreError::Schema { path: self.path.clone(), found: version.to_string() });
+        }
+        let pairs = self.query("SELECT key, value FROM study", [], |row| row.try_into())?;
+        let mut about: BTreeMap<String, String> = pairs.into_iter().collect();
+        let mut take = |key: &str| about.remove(key);
+        let claim = take("seed").and_then(|seed| seed.parse().ok()).and_then(|seed| {
+            let identity =
+                Identity { kind: take("kind")?, seed, streams: take("streams")?, kernels: take("kernels")? };
+            (take("id")? == identity.id().to_string())
+                .then_some(Claim { identity, program: take("program")? })
+        });
+        claim.ok_or_else(|| {
+            let what = "its identification of the study is inconsistent".to_owned();
+            StoreError::Damaged { path: self.path.clone(), what }
+        })
     }
-    let mut statement = connection.prepare("SELECT key, value FROM study").map_err(failed)?;
-    let pairs = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).map_err(failed)?;
-    let mut about: BTreeMap<String, String> = pairs.collect::<Result<_, _>>().map_err(failed)?;
-    let mut take = |key: &str| about.remove(key);
-    let claim = take("seed").and_then(|seed| seed.parse().ok()).and_then(|seed| {
-        let identity =
-            Identity { kind: take("kind")?, seed, streams: take("streams")?, kernels: take("kernels")? };
-        (take("id")? == identity.id().to_string()).then_some(Claim { identity, program: take("program")? })
-    });
-    claim.ok_or_else(|| {
-        let what = "its identification of the study is inconsistent".to_owned();
-        StoreError::Damaged { path: path.to_owned(), what }
-    })
-}
 
-/// Whether a database has no owner yet, as after a program was killed while claiming it.
-pub(crate) fn is_empty(connection: &Connection, path: &Path) -> Result<bool, StoreError> {
-    let count = connection.query_row("SELECT COUNT(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0));
-    count.map(|tables| tables == 0).map_err(|error| StoreError::of(path, error))
-}
-
-/// The error for a database without our application id: it is from our first versions, which had none, or from another
-/// program.
-fn foreign(connection: &Connection, path: &Path) -> StoreError {
-    let path = path.to_owned();
-    let version = connection
-        .query_row("SELECT value FROM study WHERE key = 'schema'", [], |row| row.get::<_, String>(0));
-    match version {
-        Ok(found) => StoreError::Schema { path, found },
-        Err(_) => StoreError::Foreign { path, what: "it was written by another program".to_owned() },
+    /// Whether a database has no owner yet, as after a program was killed while claiming it.
+    pub(crate) fn is_empty(&self) -> Result<bool, StoreError> {
+        let counts = self.query("SELECT COUNT(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0))?;
+        Ok(counts == [0])
     }
-}
 
-fn create(connection: &Connection, identity: &Identity) -> Result<(), rusqlite::Error> {
-    connection.execute_batch(&format!(
-        "PRAGMA application_id = {APPLICATION};
-         PRAGMA user_version = {SCHEMA_VERSION};
-         CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-         CREATE TABLE tally (
-             point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
-             digest BLOB NOT NULL, sums BLOB NOT NULL, checksum INTEGER NOT NULL,
-             PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID;
-         CREATE TABLE provenance (
-             session BLOB PRIMARY KEY, finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
-             trials INTEGER NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID;"
-    ))?;
-    let Identity { kind, seed, streams, kernels } = identity;
-    let claims = [
-        ("id", &identity.id().to_string()),
-        ("kind", kind),
-        ("seed", &seed.to_string()),
-        ("streams", streams),
-        ("kernels", kernels),
-        ("program", &PROGRAM.to_owned()),
-    ];
-    claims.iter().try_for_each(|(key, value)| {
-        connection.execute("INSERT INTO study VALUES (?1, ?2)", params![key, value]).map(drop)
-    })
+    /// The error for a database without our application id: it is from our first versions, which had none, or from
+    /// another program.
+    fn foreign(&self) -> StoreError {
+        let path = self.path.clone();
+        let sql = "SELECT value FROM study WHERE key = 'schema'";
+        match self.connection.query_row(sql, [], |row| row.get::<_, String>(0)) {
+            Ok(found) => StoreError::Schema { path, found },
+            Err(_) => StoreError::Foreign { path, what: "it was written by another program".to_owned() },
+        }
+    }
+
+    fn create(&self, identity: &Identity) -> Result<(), StoreError> {
+        self.execute_batch(&format!(
+            "PRAGMA application_id = {APPLICATION};
+             PRAGMA user_version = {SCHEMA_VERSION};
+             CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+             CREATE TABLE tally (
+                 point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
+                 digest BLOB NOT NULL, sums BLOB NOT NULL, checksum INTEGER NOT NULL,
+                 PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID;
+             CREATE TABLE provenance (
+                 session BLOB PRIMARY KEY, finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
+                 trials INTEGER NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID;"
+        ))?;
+        let Identity { kind, seed, streams, kernels } = identity;
+        let claims = [
+            ("id", &*identity.id().to_string()),
+            ("kind", kind),
+            ("seed", &seed.to_string()),
+            ("streams", streams),
+            ("kernels", kernels),
+            ("program", PROGRAM),
+        ];
+        let sql = "INSERT INTO study VALUES (?1, ?2)";
+        claims.into_iter().try_for_each(|claim| self.execute(sql, claim).map(drop))
+    }
 }

@@ -2,24 +2,20 @@
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use rusqlite::{Connection, OpenFlags, params};
+use rusqlite::{Connection, OpenFlags};
 
-use crate::store::database::{Database, exclusive, shares};
-use crate::store::error::StoreError;
+use crate::store::database::Database;
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::{FILE, Identity, Keep, Store, schema};
+use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
 use crate::tally::share::Share;
 
 /// A store opened only for reading. No other program can open it meanwhile, unless its folder is read-only.
 #[derive(Debug)]
 pub struct Source {
-    pub(crate) path: PathBuf,
-    // Dropped before the lock is released.
-    pub(crate) connection: Connection,
-    lock: Option<Lock>,
+    pub(crate) database: Database,
 }
 
 /// What a merge did with the rows of the other store.
@@ -48,35 +44,36 @@ impl Source {
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
         if let Err(source) = std::fs::File::open(&path) {
-            let folder = folder.to_owned();
             return Err(match source.kind() {
-                ErrorKind::NotFound => StoreError::NoResults { folder },
+                ErrorKind::NotFound => StoreError::NoResults(folder.to_owned()),
                 _ => StoreError::Folder { path, source },
             });
         }
         let lock = match Lock::take(folder) {
             Ok(lock) => Some(lock),
-            Err(StoreError::ReadOnly { .. }) => None,
+            Err(StoreError::ReadOnly(_)) => None,
             // The folder belongs to another user.
             Err(StoreError::Folder { source, .. }) if source.kind() == ErrorKind::PermissionDenied => None,
             Err(error) => return Err(error),
         };
-        let failed = |source| StoreError::of(&path, source);
-        let connection = if lock.is_some() {
-            let connection = Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE | ALONE)
-                .map_err(failed)?;
-            exclusive(&connection).map_err(failed)?;
-            connection
+        let is_locked = lock.is_some();
+        let connection = if is_locked {
+            Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE | ALONE)
         } else {
             let journal = folder.join(format!("{FILE}-wal"));
             if journal.metadata().is_ok_and(|journal| journal.len() > 0) {
-                return Err(StoreError::Unfinished { path });
+                return Err(StoreError::Unfinished(path));
             }
             let uri = format!("file:{}?immutable=1", escaped(&path));
             let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | ALONE;
-            Connection::open_with_flags(uri, flags).map_err(failed)?
+            Connection::open_with_flags(uri, flags)
         };
-        Ok(Source { path, connection, lock })
+        let connection = connection.map_err(|source| StoreError::of(&path, source))?;
+        let database = Database::of(path, connection, lock);
+        if is_locked {
+            database.exclusive()?;
+        }
+        Ok(Source { database })
     }
 
     /// Opens it as the store of this study. Where the folder is read-only nothing can be added to it.
@@ -85,8 +82,8 @@ impl Source {
     /// It belongs to another study, program or version, or is damaged.
     pub fn into_store(self, identity: &Identity) -> Result<Store, StoreError> {
         self.is_of(identity)?;
-        let keep = Keep::Database(Database::of(self.connection, self.lock));
-        Ok(Store { path: self.path, keep, identity: identity.clone() })
+        let path = self.database.path.clone();
+        Ok(Store { path, keep: Box::new(self.database), identity: identity.clone() })
     }
 
     /// The identity of these results; `None` where the folder never held any.
@@ -103,7 +100,7 @@ impl Source {
     /// They belong to another study, program or version, or are damaged.
     pub fn is_of(&self, identity: &Identity) -> Result<(), StoreError> {
         match self.claim()? {
-            Some(theirs) => schema::is_same(&theirs, identity, &self.path),
+            Some(theirs) => schema::is_same(&theirs, identity, &self.database.path),
             None => Ok(()),
         }
     }
@@ -113,21 +110,11 @@ impl Source {
     /// # Errors
     /// The disk fails, or the store is damaged.
     pub fn shares(&self) -> Result<Vec<Share>, StoreError> {
-        if schema::is_empty(&self.connection, &self.path)? {
-            return Ok(vec![]);
-        }
-        shares(&self.connection, &self.path)
-    }
-
-    /// Reads what can be read of a damaged store, even of a file that is shorter than its header says.
-    fn salvage(&self) -> Result<(), StoreError> {
-        let relaxed = self.connection.execute_batch("PRAGMA writable_schema = ON");
-        relaxed.map_err(|error| StoreError::of(&self.path, error))
+        self.database.shares()
     }
 
     fn claim(&self) -> Result<Option<schema::Claim>, StoreError> {
-        let is_empty = schema::is_empty(&self.connection, &self.path)?;
-        (!is_empty).then(|| schema::claimed(&self.connection, &self.path)).transpose()
+        (!self.database.is_empty()?).then(|| self.database.claimed()).transpose()
     }
 
     /// Passes on all rows, intact or not, from the first one forwards or from the last one backwards. The last item may
@@ -137,11 +124,12 @@ impl Source {
         backwards: bool,
         mut hear: impl FnMut(Result<Raw, StoreError>) -> Result<(), StoreError>,
     ) -> Result<(), StoreError> {
-        let failed = |source| StoreError::of(&self.path, source);
+        let Database { path, connection, .. } = &self.database;
+        let failed = |source| StoreError::of(path, source);
         let order = if backwards { "DESC" } else { "ASC" };
         let keys = ["point", "estimate", "first", "log2"].map(|key| format!("{key} {order}")).join(", ");
         let sql = format!("SELECT {COLUMNS} FROM tally ORDER BY {keys}");
-        let mut statement = match self.connection.prepare(&sql) {
+        let mut statement = match connection.prepare(&sql) {
             Ok(statement) => statement,
             Err(error) => return hear(Err(failed(error))),
         };
@@ -149,7 +137,7 @@ impl Source {
         loop {
             match rows.next() {
                 Ok(None) => return Ok(()),
-                Ok(Some(row)) => hear(Raw::read(row).map_err(failed).and_then(|raw| raw.sound(&self.path)))?,
+                Ok(Some(row)) => hear(Raw::read(row).map_err(failed).and_then(|raw| raw.sound(path)))?,
                 Err(error) => return hear(Err(failed(error))),
             }
         }
@@ -171,7 +159,8 @@ impl Store {
     /// over before are kept.
     pub fn merge(&mut self, source: &Source, salvage: bool) -> Result<Merged, StoreError> {
         if salvage {
-            source.salvage()?;
+            // Reads what can be read even of a file that is shorter than its header says.
+            source.database.execute_batch("PRAGMA writable_schema = ON")?;
         }
         match source.is_of(&self.identity) {
             // The rows identify themselves.
@@ -211,7 +200,9 @@ impl Store {
             }
         }
         self.take_over(&batch, source, &mut merged)?;
-        match self.take_over_provenance(source) {
+        // A store in memory records only its own provenance.
+        let own = self.keep.database();
+        match own.map_or(Ok(()), |own| own.take_over_provenance(&source.database)) {
             Err(error) if salvage && error.is_damage() => {}
             taken => taken?,
         }
@@ -219,37 +210,9 @@ impl Store {
     }
 
     fn take_over(&mut self, batch: &[Raw], source: &Source, merged: &mut Merged) -> Result<(), StoreError> {
-        let added = match &mut self.keep {
-            Keep::Database(database) => database.insert(batch, None, &source.path, &self.path)?,
-            Keep::Memory(memory) => memory.insert(batch, None, &source.path)?,
-        };
+        let added = self.keep.insert(batch, None, &source.database.path)?;
         merged.added += added;
         merged.held += batch.len() as u64 - added;
-        Ok(())
-    }
-
-    /// Takes over the provenance of another store. A session that has continued since the last merge is updated.
-    fn take_over_provenance(&mut self, source: &Source) -> Result<(), StoreError> {
-        // A store in memory records only its own provenance.
-        let Keep::Database(database) = &self.keep else { return Ok(()) };
-        let theirs = |error| StoreError::of(&source.path, error);
-        let sql = "SELECT session, finished, program, device, trials, seconds FROM provenance";
-        let mut statement = source.connection.prepare(sql).map_err(theirs)?;
-        let mut rows = statement.query([]).map_err(theirs)?;
-        while let Some(row) = rows.next().map_err(theirs)? {
-            let values = params![
-                row.get::<_, Vec<u8>>(0).map_err(theirs)?,
-                row.get::<_, i64>(1).map_err(theirs)?,
-                row.get::<_, String>(2).map_err(theirs)?,
-                row.get::<_, String>(3).map_err(theirs)?,
-                row.get::<_, i64>(4).map_err(theirs)?,
-                row.get::<_, f64>(5).map_err(theirs)?,
-            ];
-            let sql = "INSERT INTO provenance VALUES (?1, ?2, ?3, ?4, ?5, ?6)
-                       ON CONFLICT DO UPDATE SET finished = ?2, device = ?4, trials = ?5, seconds = ?6
-                       WHERE trials < ?5";
-            database.connection.execute(sql, values).map_err(|error| StoreError::of(&self.path, error))?;
-        }
         Ok(())
     }
 }

@@ -4,8 +4,7 @@ use super::*;
 use crate::store::row::COLUMNS;
 
 fn connection(store: &Store) -> &Connection {
-    let Keep::Database(database) = &store.keep else { unreachable!("a folder") };
-    &database.connection
+    &store.keep.database().unwrap().connection
 }
 
 fn identity() -> Identity {
@@ -208,7 +207,7 @@ fn a_session_that_went_on_counts_once() {
     let mut store = Store::open(out.path(), &identity()).unwrap();
     for trials in [8, 4] {
         let source = Source::open(folder.path()).unwrap();
-        source.connection.execute("UPDATE provenance SET trials = ?1", [trials]).unwrap();
+        source.database.connection.execute("UPDATE provenance SET trials = ?1", [trials]).unwrap();
         store.merge(&source, false).unwrap();
     }
     let noted = connection(&store).query_row("SELECT COUNT(*), SUM(trials) FROM provenance", [], |row| {
@@ -221,7 +220,11 @@ fn a_session_that_went_on_counts_once() {
 fn damaged_rows_are_refused_by_a_merge_and_left_out_by_a_salvage() {
     let folder = folder_of(&[row(0, 2), row(4, 2), row(8, 2)]);
     let source = Source::open(folder.path()).unwrap();
-    source.connection.execute("UPDATE tally SET checksum = checksum + 1 WHERE first = 4", []).unwrap();
+    source
+        .database
+        .connection
+        .execute("UPDATE tally SET checksum = checksum + 1 WHERE first = 4", [])
+        .unwrap();
     let out = tempfile::tempdir().unwrap();
     let mut store = Store::open(out.path(), &identity()).unwrap();
     assert!(matches!(store.merge(&source, false), Err(StoreError::DamagedRow { first: 4, .. })));

@@ -124,7 +124,7 @@ fn at_the_length_that_is_named_nine_of_ten_comparisons_tell() {
     };
     let [a, b] = [found(0), found(1)].map(of_truth);
     for (term, length) in [Term::AngleRandomWalk, Term::BiasInstability].into_iter().zip(lengths) {
-        let Length::Needed { length_s } = length else { panic!("{term:?}: {length:?}") };
+        let Length::Needed(length_s) = length else { panic!("{term:?}: {length:?}") };
         let samples = (length_s / 0.5).round() as usize;
         let all = comparisons([(&a, samples), (&b, samples)], FEWER, 10, &terms);
         let p = |one: &Comparison| of(one, term).map(|found| found.p.unwrap_or(1.0));

@@ -1,14 +1,11 @@
 //! Coefficients of two records, term by term.
 
+use crate::analysis::compare::Length;
 use crate::analysis::compare::estimate::{Estimate, Two};
-use crate::analysis::compare::length::{self, Length};
-use crate::fit::choose::Terms;
-use crate::fit::coefficient::Fit;
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::fitter::fit_record;
+use crate::analysis::compare::length;
 use crate::fit::interval::WITHIN_95;
-use crate::fit::quantity::Quantity;
-use crate::theory::allan::terms::Term;
+use crate::fit::{Curve, Fit, FitError, Quantity, Terms, fit_record};
+use crate::theory::allan::Term;
 
 /// Significance level: differences with a smaller p are significant.
 pub const SIGNIFICANT: f64 = 0.05;
@@ -76,14 +73,12 @@ impl Fits {
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.
     pub(crate) fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
-        let [a, b] = &self.fits;
-        two(a, b, Quantity::Coefficient(term), widening)
+        two(&self.fits, Quantity::Coefficient(term), widening)
     }
 
     /// The differences of all quantities of the terms.
     pub(crate) fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
-        let [a, b] = &self.fits;
-        let difference = |quantity| Some(self.difference(quantity, &two(a, b, quantity, widening)?));
+        let difference = |quantity| Some(self.difference(quantity, &two(&self.fits, quantity, widening)?));
         Quantity::all(&self.terms).into_iter().filter_map(difference).collect()
     }
 
@@ -132,7 +127,7 @@ impl Fits {
 }
 
 /// Both estimates of a quantity; `None` where a fit has none.
-pub(crate) fn two(a: &Fit, b: &Fit, quantity: Quantity, widening: [f64; 2]) -> Option<Two> {
+pub(crate) fn two([a, b]: &[Fit; 2], quantity: Quantity, widening: [f64; 2]) -> Option<Two> {
     let estimate = |fit: &Fit, widening: f64| match quantity {
         Quantity::Coefficient(term) => {
             Some(Estimate::Square(fit.coefficient(term)?.evidence?.widened(widening)))

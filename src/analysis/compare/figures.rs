@@ -1,19 +1,20 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::analysis::compare::ratio::Ratio;
+use crate::allan::{Deviation, Point};
+use crate::analysis::compare::Ratio;
 use crate::key::scale::Scale;
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, probability, times};
-use crate::analysis::log::Curve;
 use crate::analysis::log::figures::line;
 
 /// Relative difference below which averaging times are the same.
 const SAME: f64 = 1e-4;
+
+/// Label of the times.
+const TIME: &str = "averaging time τ";
 
 /// Range of ratios below which the axis is linear.
 const NARROW: f64 = 3.0;
@@ -21,7 +22,6 @@ const NARROW: f64 = 3.0;
 /// The chart of both curves.
 pub fn curves(analysis: &Analysis) -> Figure {
     let labels = [0, 1].map(|i| analysis.sides[i].label.clone());
-    let entries = [0, 1].map(|style| Entry { style, name: labels[style].clone() }).into();
     let fits = fits(analysis).unwrap_or_default();
     let series = |colour: usize| {
         let point = |point: &Point| {
@@ -34,18 +34,14 @@ pub fn curves(analysis: &Analysis) -> Figure {
     Figure {
         title: format!("Overlapping Allan deviations of {} and {}", labels[0], labels[1]),
         subtitle: Some(subtitle(analysis)),
-        x: time(),
-        y: axis("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
-        colours: Grouping { title: "records".to_owned(), entries },
-        dashes: Grouping::default(),
+        x: Axis::log(TIME, "s"),
+        y: Axis::log("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
+        colours: Grouping::of("records", labels),
         points: measured(&fits[0]),
         bands: "95 % intervals".to_owned(),
         lines: "fit".to_owned(),
         series: [0, 1].map(series).into(),
-        laws: vec![],
-        parts: Parts::default(),
-        limit: None,
-        chosen: vec![],
+        ..Figure::default()
     }
 }
 
@@ -65,21 +61,15 @@ pub fn ratio(analysis: &Analysis) -> Figure {
     Figure {
         title: format!("{b} over {a}: ratio of overlapping Allan deviations"),
         subtitle: Some(found(analysis)),
-        x: time(),
-        y: Axis { scale, ..axis("ratio of the deviations", "") },
-        colours: Grouping {
-            title: "ratio".to_owned(),
-            entries: vec![Entry { style: 0, name: format!("{b} / {a}") }],
-        },
-        dashes: Grouping::default(),
+        x: Axis::log(TIME, "s"),
+        y: Axis { scale, ..Axis::log("ratio of the deviations", "") },
+        colours: Grouping::of("ratio", [format!("{b} / {a}")]),
         points: measured(&law),
         bands: "95 % interval".to_owned(),
         lines: "ratio of the fits".to_owned(),
         series: vec![Series { colour: 0, dash: 0, points, law }],
-        laws: vec![],
-        parts: Parts::default(),
         limit: Some(Limit { value: 1.0, label: "equal".to_owned() }),
-        chosen: vec![],
+        ..Figure::default()
     }
 }
 
@@ -89,11 +79,8 @@ type Line = Vec<(f64, f64)>;
 /// The expected curves of the fits of both records.
 fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
     let models = analysis.comparison.models()?;
-    Some([0, 1].map(|i| {
-        let points = analysis.comparison.curves[i].clone();
-        let curve = Curve { deviation: Deviation::Oadev, points, minimum: None };
-        line(models[i], &curve, analysis.sides[i].samples)
-    }))
+    let points = &analysis.comparison.curves;
+    Some([0, 1].map(|i| line(models[i], Deviation::Oadev, &points[i], analysis.sides[i].samples)))
 }
 
 /// The second line over the first, at the times of the first that the second contains or spans.
@@ -135,12 +122,4 @@ fn found(analysis: &Analysis) -> String {
     let same = analysis.comparison.same.map(|same| format!("same noise in both: {}", probability(same.p)));
     let all: Vec<String> = coefficients.chain(same).collect();
     if all.is_empty() { subtitle(analysis) } else { all.join("; ") }
-}
-
-fn time() -> Axis {
-    axis("averaging time τ", "s")
-}
-
-fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
 }

@@ -3,17 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::compare::difference::two;
-use crate::fit::choose::Terms;
-use crate::fit::coefficient::Fit;
-use crate::fit::curve::Curve;
-use crate::fit::fitter::fit_record;
-use crate::fit::quantity::Quantity;
 use crate::fit::record::factors;
-use crate::theory::allan::estimator::{Difference, Estimator};
-use crate::theory::allan::holds;
-use crate::theory::allan::part::Part;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::Term;
+use crate::fit::{Curve, Fit, Quantity, Terms, fit_record};
+use crate::theory::allan::{Difference, Estimator, Part, Process, Term, holds};
 
 /// Distance of 1.96 standard deviations for p = 5 %, plus 1.28, so that 90 % of records have at least that distance.
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;
@@ -27,16 +19,10 @@ const STEPS: u32 = 32;
 /// comparisons, if the true values are the estimated ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Length {
-    /// The required length, to 2 %.
-    Needed {
-        /// Length of each record, s.
-        length_s: f64,
-    },
-    /// More than the longest tried length.
-    Beyond {
-        /// The longest tried length, s.
-        length_s: f64,
-    },
+    /// The required length of each record to 2 %, s.
+    Needed(f64),
+    /// More than the longest tried length, s.
+    Beyond(f64),
     /// The values found are equal, or one is unknown and the difference not significant.
     Unknown,
 }
@@ -55,13 +41,13 @@ pub(crate) fn needed(
 ) -> Vec<Length> {
     let mut search = Search { processes, steps, terms, fits: BTreeMap::new() };
     let mut open: Vec<usize> = (0..quantities.len()).collect();
-    let mut lengths = vec![Length::Beyond { length_s: search.length(LONGEST * STEPS) }; quantities.len()];
+    let mut lengths = vec![Length::Beyond(search.length(LONGEST * STEPS)); quantities.len()];
     for octave in SHORTEST..=LONGEST {
         let at = octave * STEPS;
         open.retain(|&i| {
             let is_reached = search.distance(at, quantities[i]).is_some_and(|found| found >= DISTANCE);
             if is_reached {
-                lengths[i] = Length::Needed { length_s: search.between(at, quantities[i]) };
+                lengths[i] = Length::Needed(search.between(at, quantities[i]));
             }
             !is_reached
         });
@@ -77,7 +63,7 @@ struct Search<'a> {
     steps: [f64; 2],
     terms: &'a [Term],
     /// Fits by the logarithm of the length.
-    fits: BTreeMap<u32, [Option<Fit>; 2]>,
+    fits: BTreeMap<u32, Option<[Fit; 2]>>,
 }
 
 impl Search<'_> {
@@ -92,10 +78,9 @@ impl Search<'_> {
         let fits = self.fits.entry(at).or_insert_with(|| {
             let fit = |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, terms);
             let (a, b) = rayon::join(|| fit(0), || fit(1));
-            [a, b]
+            Some([a?, b?])
         });
-        let [Some(a), Some(b)] = fits else { return None };
-        Some(two(a, b, quantity, [1.0; 2])?.distance().0)
+        Some(two(fits.as_ref()?, quantity, [1.0; 2])?.distance().0)
     }
 
     /// The shortest sufficient length within an octave below one that is sufficient.

@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::allan::angles::Angles;
-use crate::allan::unit::Unit;
+use crate::allan::{Angles, Unit};
 use crate::analysis::compare::{Comparison, NoCommonTime, compare};
-use crate::fit::choose::Terms;
+use crate::fit::Terms;
 use crate::record::log::channel::Log;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;

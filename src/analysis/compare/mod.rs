@@ -50,17 +50,13 @@ pub mod words;
 pub use crate::analysis::compare::difference::{Difference, LEAST_P, SIGNIFICANT};
 pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
-pub use crate::analysis::compare::same::{By, Same};
+pub use crate::analysis::compare::same::Same;
 
-use crate::allan::angles::Angles;
-use crate::allan::curve::{Point, curve};
-use crate::allan::deviation::Deviation;
-use crate::allan::tau::Taus;
+use crate::allan::curve::curve;
+use crate::allan::{Angles, Deviation, Point, Taus};
 use crate::analysis::compare::difference::Fits;
-use crate::fit::choose::Terms;
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::record::curve_of;
-use crate::theory::allan::process::Process;
+use crate::fit::{FitError, Terms, curve_of};
+use crate::theory::allan::Process;
 
 /// The comparison of two records, the first of which has index 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,8 +148,7 @@ fn of_fits(
     terms: &Terms,
     ratios: &[Ratio],
 ) -> Result<(Vec<Difference>, Option<Same>, Fits), FitError> {
-    let curves: [Curve; 2] = [curve_of(records[0])?, curve_of(records[1])?];
-    let curves = [&curves[0], &curves[1]];
+    let curves = [&curve_of(records[0])?, &curve_of(records[1])?];
     let fits = Fits::of(curves, terms)?;
     // A gap costs as much information as the samples missing in it.
     let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));
@@ -161,10 +156,8 @@ fn of_fits(
     let left = |point: &Point, angles: &Angles| {
         point.terms as f64 / Deviation::Oadev.terms(angles.len(), point.m).max(1) as f64
     };
-    let left: Vec<[f64; 2]> = ratios
-        .iter()
-        .map(|ratio| [left(&ratio.points[0], records[0]), left(&ratio.points[1], records[1])])
-        .collect();
+    let left = |ratio: &Ratio| [0, 1].map(|i| left(&ratio.points[i], records[i]));
+    let left: Vec<[f64; 2]> = ratios.iter().map(left).collect();
     let same = crate::analysis::compare::same::by_fits(ratios, &left, curves, &fits, widening)?;
     Ok((differences, same, fits))
 }

@@ -1,9 +1,7 @@
 //! Two curves at their common averaging times, and their ratio.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::analysis::compare::difference::LEAST_P;
-use crate::analysis::compare::fisher;
+use crate::allan::{Deviation, Point};
+use crate::analysis::compare::{LEAST_P, fisher};
 
 /// Largest relative difference between two averaging times that count as one.
 pub const NEAREST: f64 = 0.02;

@@ -1,16 +1,11 @@
 //! Coefficients of two logs in the units of data sheets.
 
-use crate::allan::unit::Unit;
-use crate::analysis::compare::Comparison;
-use crate::analysis::compare::difference::{Difference, SIGNIFICANT};
-use crate::analysis::compare::length::Length;
-use crate::fit::quantity::Quantity;
+use crate::allan::Unit;
+use crate::analysis::compare::{Comparison, Difference, Length, SIGNIFICANT};
 
 /// The result for one coefficient of two logs.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// Quantity.
-    pub quantity: Quantity,
     /// Name in files.
     pub name: &'static str,
     /// Unit in files.
@@ -82,5 +77,5 @@ fn row(found: &Difference, length: Length, unit: Unit) -> Row {
         interval: found.interval.map(scaled),
         ..*found
     };
-    Row { quantity: found.quantity, name: found.quantity.name(), unit, symbol, found, length }
+    Row { name: found.quantity.name(), unit, symbol, found, length }
 }

@@ -2,15 +2,11 @@
 
 use statrs::function::gamma::digamma;
 
-use crate::analysis::compare::difference::{Fits, LEAST_P};
-use crate::analysis::compare::ratio::Ratio;
-use crate::fit::chi_squared::survival;
-use crate::fit::covariance::Covariance;
-use crate::fit::curve::{Curve, FitError};
+use crate::analysis::compare::difference::Fits;
+use crate::analysis::compare::{LEAST_P, Ratio};
 use crate::fit::record::factors;
-use crate::theory::allan::estimator::{Difference, Estimator};
-use crate::theory::allan::gaussian;
-use crate::theory::allan::terms::Term;
+use crate::fit::{Covariance, Curve, FitError, survival};
+use crate::theory::allan::{Difference, Estimator, Term, gaussian};
 
 /// The test of two records for equal noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,20 +17,9 @@ pub struct Same {
     pub times: usize,
     /// Longest of these times, s.
     pub longest_s: f64,
-    /// Method of the test; a test of all times together needs a fit.
-    pub by: By,
-}
-
-/// The method of a test.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum By {
-    /// χ² of the logarithms of all ratios, with the covariance between them.
-    ChiSquared {
-        /// χ², with as many degrees of freedom as times.
-        value: f64,
-    },
-    /// The least p of a single ratio times the number of ratios (Bonferroni), where there is no fit.
-    LeastP,
+    /// χ² of the logarithms of all ratios, with the covariance between them and as many degrees of freedom as times.
+    /// Without a fit it is absent, and p is the least one of a single ratio times the number of ratios (Bonferroni).
+    pub chi_squared: Option<f64>,
 }
 
 /// Tests by χ² of the logarithms of the ratios up to an eighth of the shorter record.
@@ -92,12 +77,12 @@ pub(crate) fn by_fits(
         }
     }
     let whitened = Covariance::new(rows)?.whiten(&logarithms);
-    let value = whitened.iter().map(|x| x * x).sum();
+    let chi_squared = whitened.iter().map(|x| x * x).sum();
     Ok(Some(Same {
-        p: survival(value, used.len()).max(LEAST_P),
+        p: survival(chi_squared, used.len()).max(LEAST_P),
         times: used.len(),
         longest_s: last.tau_s(),
-        by: By::ChiSquared { value },
+        chi_squared: Some(chi_squared),
     }))
 }
 
@@ -107,7 +92,7 @@ pub(crate) fn by_least_p(ratios: &[Ratio]) -> Option<Same> {
     let least = known.iter().map(|(_, p)| *p).fold(1.0, f64::min);
     let last = known.last()?.0;
     let times = known.len();
-    Some(Same { p: (times as f64 * least).min(1.0), times, longest_s: last.tau_s(), by: By::LeastP })
+    Some(Same { p: (times as f64 * least).min(1.0), times, longest_s: last.tau_s(), chi_squared: None })
 }
 
 /// A term with the square and the shape from which both records have the least distance.

@@ -1,10 +1,7 @@
 //! The results of `sagnac compare` as tables and as JSON.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::analysis::compare::length::Length;
-use crate::analysis::compare::ratio::Ratio;
-use crate::analysis::compare::same::By;
+use crate::allan::{Deviation, Point};
+use crate::analysis::compare::{Length, Ratio};
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
@@ -12,6 +9,7 @@ use serde_json::{Value, json};
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::sentences;
+use crate::analysis::log::tables::text;
 
 /// A row of `compare.csv`.
 pub(crate) struct RatioRow<'a> {
@@ -103,10 +101,6 @@ pub fn coefficients(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&coefficient_columns(), &rows) }
 }
 
-fn text(text: &str) -> Cell {
-    if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) }
-}
-
 fn verdict(ratio: &Ratio) -> &'static str {
     match ratio.is_above() {
         Some(true) => "B higher",
@@ -117,12 +111,12 @@ fn verdict(ratio: &Ratio) -> &'static str {
 }
 
 fn needed(length: Length) -> Option<f64> {
-    if let Length::Needed { length_s } = length { Some(length_s) } else { None }
+    if let Length::Needed(length_s) = length { Some(length_s) } else { None }
 }
 
 /// The length up to which none was found to suffice.
 fn beyond(length: Length) -> Option<f64> {
-    if let Length::Beyond { length_s } = length { Some(length_s) } else { None }
+    if let Length::Beyond(length_s) = length { Some(length_s) } else { None }
 }
 
 /// The complete comparison as JSON.
@@ -130,11 +124,8 @@ pub fn document(analysis: &Analysis) -> Value {
     let comparison = &analysis.comparison;
     let [a, b] = &analysis.sides;
     let same = comparison.same.map(|same| {
-        let (by, chi_squared) = match same.by {
-            By::ChiSquared { value } => ("chi_squared", Some(value)),
-            By::LeastP => ("least_p", None),
-        };
-        json!({ "p": same.p, "times": same.times, "longest_s": same.longest_s, "by": by, "chi_squared": chi_squared })
+        let by = if same.chi_squared.is_some() { "chi_squared" } else { "least_p" };
+        json!({ "p": same.p, "times": same.times, "longest_s": same.longest_s, "by": by, "chi_squared": same.chi_squared })
     });
     json!({
         "a": of_side(a, &comparison.curves[0]),

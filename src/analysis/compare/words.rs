@@ -1,7 +1,6 @@
 //! A comparison as sentences.
 
-use crate::analysis::compare::length::Length;
-use crate::analysis::compare::same::By;
+use crate::analysis::compare::Length;
 use crate::quantity::number::significant;
 
 use crate::analysis::compare::logs::Analysis;
@@ -44,8 +43,8 @@ pub fn duration(seconds: f64) -> String {
 /// The required length of a row, such as `31 h` or `> 2.1 years`; empty where it is unknown.
 pub fn length(length: Length) -> String {
     match length {
-        Length::Needed { length_s } => duration(length_s),
-        Length::Beyond { length_s } => format!("> {}", duration(length_s)),
+        Length::Needed(length_s) => duration(length_s),
+        Length::Beyond(length_s) => format!("> {}", duration(length_s)),
         Length::Unknown => String::new(),
     }
 }
@@ -54,20 +53,23 @@ pub fn length(length: Length) -> String {
 fn same(analysis: &Analysis) -> Option<String> {
     let same = analysis.comparison.same?;
     let times = format!("{} averaging times up to {} s", same.times, significant(same.longest_s, 6));
-    let how = match same.by {
-        By::ChiSquared { value } => {
+    let how = match same.chi_squared {
+        Some(value) => {
             format!("χ² = {} over {times}, with the covariance between them", significant(value, 4))
         }
-        By::LeastP => format!("the least p of {times}, times {}", same.times),
+        None => format!("the least p of {times}, times {}", same.times),
     };
     let said = if same.p < 0.05 { "The noise differs" } else { "No evidence that the noise differs" };
     Some(format!("{said}: {} for equal noise ({how}).", probability(same.p)))
 }
 
 fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
-    let name = row.quantity.title();
+    let name = row.found.quantity.title();
     let found = &row.found;
     let p = found.p.map(probability).unwrap_or_default();
+    let ratio = found.ratio.map(|ratio| times(ratio, 3)).unwrap_or_default();
+    let range = interval(found.ratio_interval);
+    let enough = of_significant(row.length, shorter_s);
     let (shows, other) = if found.values[1].is_some() { (b, a) } else { (a, b) };
     let most = at_most(row, found.at_most[usize::from(found.values[1].is_none())]);
     match (row.verdict(), found.ratio) {
@@ -78,22 +80,18 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
         (Verdict::Equal, _) => {
             format!("Both have the same {name}: no length of records would show a difference.")
         }
-        (Verdict::Higher | Verdict::Lower, Some(ratio)) => format!(
-            "{b} has {} times the {name} of {a} ({}, {p}){}.",
-            times(ratio, 3),
-            interval(found.ratio_interval),
-            of_significant(row.length, shorter_s)
-        ),
-        (Verdict::Higher | Verdict::Lower, None) => format!(
-            "{shows} has more {name} than {other}, which shows none: {most} ({p}){}.",
-            of_significant(row.length, shorter_s)
-        ),
-        (Verdict::NotToldApart, Some(ratio)) => format!(
-            "No significant difference in {name}: {b} has {} times that of {a} ({}, {p}){}.",
-            times(ratio, 3),
-            interval(found.ratio_interval),
-            of_open(row.length, ratio)
-        ),
+        (Verdict::Higher | Verdict::Lower, Some(_)) => {
+            format!("{b} has {ratio} times the {name} of {a} ({range}, {p}){enough}.")
+        }
+        (Verdict::Higher | Verdict::Lower, None) => {
+            format!("{shows} has more {name} than {other}, which shows none: {most} ({p}){enough}.")
+        }
+        (Verdict::NotToldApart, Some(value)) => {
+            let needed = of_open(row.length, value);
+            format!(
+                "No significant difference in {name}: {b} has {ratio} times that of {a} ({range}, {p}){needed}."
+            )
+        }
         (Verdict::NotToldApart, None) => format!(
             "Only {shows} shows {name}, but {other} may have as much: {most} ({p}). As long as its value is unknown, no \
              length of records can be given that would show a difference."
@@ -104,14 +102,12 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
 /// The required length of records for a significant difference.
 fn of_significant(length: Length, shorter_s: f64) -> String {
     match length {
-        Length::Needed { length_s } if length_s <= shorter_s => {
-            format!("; records of {} each would have been enough", duration(length_s))
+        Length::Needed(s) if s <= shorter_s => {
+            format!("; records of {} each would have been enough", duration(s))
         }
-        Length::Needed { length_s } => {
-            format!("; to show it in 9 of 10 cases takes records of {} each", duration(length_s))
-        }
-        Length::Beyond { length_s } => {
-            format!("; to show it in 9 of 10 cases takes records of more than {} each", duration(length_s))
+        Length::Needed(s) => format!("; to show it in 9 of 10 cases takes records of {} each", duration(s)),
+        Length::Beyond(s) => {
+            format!("; to show it in 9 of 10 cases takes records of more than {} each", duration(s))
         }
         Length::Unknown => String::new(),
     }
@@ -124,12 +120,8 @@ fn of_open(length: Length, ratio: f64) -> String {
         _ => format!("a factor of {}", significant(ratio.max(1.0 / ratio), 2)),
     };
     match length {
-        Length::Needed { length_s } => {
-            format!("; records of {} each would resolve {apart}", duration(length_s))
-        }
-        Length::Beyond { length_s } => {
-            format!("; to resolve {apart} takes records of more than {} each", duration(length_s))
-        }
+        Length::Needed(s) => format!("; records of {} each would resolve {apart}", duration(s)),
+        Length::Beyond(s) => format!("; to resolve {apart} takes records of more than {} each", duration(s)),
         Length::Unknown => String::new(),
     }
 }

@@ -38,7 +38,7 @@ impl Maker<'_> {
         points.sort_by(|a, b| a.schedule.interval_s.total_cmp(&b.schedule.interval_s));
         let all = points.into_iter().map(|point| self.lowered(point)).collect::<Result<Vec<_>, _>>()?;
         if all.is_empty() {
-            return Err(DesignError::NoCandidate { duration_s: self.runs.points[0].schedule.duration_s });
+            return Err(DesignError::NoCandidate(self.runs.points[0].schedule.duration_s));
         }
         (0..self.runs.fillers().len().max(1)).map(|place| self.of_filler(&all, place)).collect()
     }

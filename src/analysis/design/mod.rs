@@ -47,11 +47,10 @@ pub mod report;
 pub(crate) mod sampling;
 
 pub use crate::analysis::design::measure::Measure;
-pub use crate::analysis::design::optimum::Optimum;
 pub use crate::analysis::design::paper::PapersRule;
 
 use crate::analysis::design::candidates::{Candidate, Maker, even};
-use crate::analysis::design::optimum::{T_95, jackknife};
+use crate::analysis::design::optimum::{T_95, jackknife, least_of};
 use crate::device::Device;
 use crate::device::error::GpuError;
 use crate::drift::schedule::INTERVAL;
@@ -65,7 +64,7 @@ use crate::quantity::number::significant;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
 use crate::tally::stats::{Estimates, NORMAL_95};
-use crate::theory::drift::budget::Optimum as Minimum;
+use crate::theory::drift::budget::Optimum;
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,8 +103,9 @@ pub struct Filler {
     pub tried: Vec<Tried>,
     /// Index of the best interval.
     pub best: usize,
-    /// Optimum from a law fitted near the minimum.
-    pub optimum: Optimum,
+    /// Best interval, s, with the uncertainty from a law fitted near the minimum, which is absent where the minimum is
+    /// at an end of the tried range.
+    pub optimum: Found,
     /// The interval of the paper's rule, with its result.
     pub papers_rule: Option<PapersRule>,
 }
@@ -166,29 +166,20 @@ impl Design {
 /// Why a design is not possible.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
-    /// The study is of another kind.
-    #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
-    Kind {
-        /// Kind of the study.
-        kind: &'static str,
-    },
-    /// A swept key makes the study describe more than one gyro.
-    #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
-    Swept {
-        /// Swept key.
-        key: &'static str,
-    },
+    /// The study is of this other kind.
+    #[error("a study of kind = \"{0}\" has no switching interval to choose")]
+    Kind(&'static str),
+    /// This swept key makes the study describe more than one gyro.
+    #[error("{0} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
+    Swept(&'static str),
     /// Nothing depends on the interval.
     #[error("there is no drift and no residual: every interval is as good as any other")]
     Nothing,
-    /// The run is too short for two intervals.
+    /// The run of this time t, in s, is too short for two intervals.
     #[error(
-        "no run of about {duration_s} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
+        "no run of about {0} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
     )]
-    NoCandidate {
-        /// Run time t, s.
-        duration_s: f64,
-    },
+    NoCandidate(f64),
     /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
     Lower(#[from] Refusal),
@@ -216,10 +207,10 @@ pub fn design(
     progress: &dyn Progress,
 ) -> Result<Design, DesignError> {
     let Some(runs) = study.asked::<SwitchedRun>() else {
-        return Err(DesignError::Kind { kind: study.kind().name });
+        return Err(DesignError::Kind(study.kind().name));
     };
     if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != INTERVAL.name) {
-        return Err(DesignError::Swept { key: sweep.key.name });
+        return Err(DesignError::Swept(sweep.key.name));
     }
     // Further times would cost runs and are not needed.
     let runs = SwitchedRun { times: vec![], ..runs.clone() };
@@ -241,37 +232,33 @@ pub fn design(
         let parts = sampling::parts(candidate, trials, &mut worker, progress)?;
         of_parts(candidate, &parts, measure, trials)
     };
+    let point = &runs.points[0];
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
-        let mut tried = candidates
-            .iter()
-            .map(|candidate| sampled(candidate, false))
-            .collect::<Result<Vec<Tried>, _>>()?;
+        let tried = candidates.iter().map(|candidate| sampled(candidate, false));
+        let mut tried = tried.collect::<Result<Vec<Tried>, _>>()?;
         let fitted = optimum::of(&tried);
-        if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
+        if let Some(candidate) = maker.at(fitted.value, place)?.filter(|_| !maker.swept) {
             insert(&mut tried, sampled(&candidate, true)?);
         }
-        let point = &runs.points[0];
-        let papers_rule = match paper::optimum(point, &candidates[0].filled) {
-            None => None,
-            Some((residual_max, Minimum { interval_s, bound })) => {
-                let candidate = maker.at(interval_s, place)?;
-                let tried = candidate.as_ref().map(|candidate| sampled(candidate, true)).transpose()?;
-                tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
+        let filled = &candidates[0].filled;
+        let mut papers_rule = None;
+        if let Some(Optimum { interval_s, bound }) = paper::optimum(point, filled)
+            && let Some(candidate) = maker.at(interval_s, place)?
+        {
+            let at_rule = sampled(&candidate, true)?;
+            if !maker.swept {
+                insert(&mut tried, at_rule.clone());
             }
-        };
-        if let Some(rule) = papers_rule.as_ref().filter(|_| !maker.swept) {
-            insert(&mut tried, rule.tried.clone());
+            papers_rule = Some(PapersRule { interval_s, bound, tried: at_rule });
         }
         let (best, optimum) = optimum::among(&tried, fitted);
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
-        let filled = &candidates[0].filled;
         let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
         fillers.push(Filler { name, residual_rms, residual_max, tried, best, optimum, papers_rule });
     }
-    let of = |place: &usize| fillers[*place].best().drift.value;
-    let best = (0..fillers.len()).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
-    let point = &runs.points[0];
+    let drifts: Vec<f64> = fillers.iter().map(|filler| filler.best().drift.value).collect();
+    let best = least_of(&drifts);
     Ok(Design {
         measure,
         trials,
@@ -283,15 +270,15 @@ pub fn design(
     })
 }
 
+/// Note on residuals whose phases follow each other.
+const PHASES: &str = "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the \
+                      best interval holds for exactly this frequency and may be a coincidence, which timing = \"random\" \
+                      avoids";
+
 /// Notes on the runs, and on a recommendation that depends on an exact frequency.
 fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     let steady = runs.timing == Timing::Periodic
         && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
-    let phases = steady.then(|| {
-        "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the best interval holds \
-         for exactly this frequency and may be a coincidence, which timing = \"random\" avoids"
-            .to_owned()
-    });
     let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
         (true, _) | (false, 0) => None,
         (false, count) => Some(format!(
@@ -300,7 +287,11 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
             runs.points.len()
         )),
     };
-    study.notes.iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
+    let mut notes = study.notes.clone();
+    notes.extend(late(runs));
+    notes.extend(steady.then(|| PHASES.to_owned()));
+    notes.extend(left_out);
+    notes
 }
 
 /// Inserts a result in the order of the intervals, each interval once.
@@ -325,11 +316,8 @@ fn of_parts(
         let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
         match measure {
             Measure::DriftRms | Measure::LargestRms => {
-                let half = found.rms_se.map(|se| NORMAL_95 * se);
-                Some(Found {
-                    value: found.rms,
-                    interval: half.map(|half| (found.rms - half, found.rms + half)),
-                })
+                let around = |se: f64| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se);
+                Some(Found { value: found.rms, interval: found.rms_se.map(around) })
             }
             Measure::DriftQ9973 | Measure::LargestQ9973 => {
                 let q = found.q9973?;

@@ -1,6 +1,6 @@
 //! The interval of least drift between those that were tried, with its uncertainty.
 
-use crate::analysis::design::Tried;
+use crate::analysis::design::{Found, Tried};
 use crate::fit::nnls;
 
 /// Half the width of a 95 % interval in jackknife standard errors of 32 parts: Student's t with 31 degrees of freedom.
@@ -12,74 +12,60 @@ const FITTED: f64 = 1.6;
 /// Fewest candidates for a fit of the four terms.
 const FEWEST: usize = 6;
 
-/// The interval of least drift, s, with its 95 % interval, which is absent where the minimum is at an end of the tried
-/// range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Optimum {
-    /// Switching interval MT, s.
-    pub interval_s: f64,
-    /// Lower end, s.
-    pub lo_s: Option<f64>,
-    /// Upper end, s.
-    pub hi_s: Option<f64>,
-}
-
 /// The minimum of the law of the drift, with its scatter from a jackknife over parts of the trials, which all
 /// candidates share.
 ///
 /// The square of a level of the drift is approximately (a MT + k √(b/MT + c))²: the uncancelled magnetic drift grows
 /// with MT, the contribution of the switches falls as 1/√MT, and the rest does not depend on it. It is therefore fitted
 /// as a non-negative sum of MT², √MT, 1 and 1/MT.
-pub(crate) fn of(tried: &[Tried]) -> Optimum {
+///
+/// Without such a minimum it is the tried interval of least drift, without an uncertainty.
+pub(crate) fn of(tried: &[Tried]) -> Found {
     let all: Vec<f64> = tried.iter().map(|tried| tried.drift.value).collect();
-    let place = (0..all.len()).min_by(|&a, &b| all[a].total_cmp(&all[b])).unwrap_or(0);
+    let place = least_of(&all);
     let fitted: Vec<&Tried> = tried.iter().filter(|tried| tried.drift.value <= FITTED * all[place]).collect();
     let x: Vec<f64> = fitted.iter().map(|tried| tried.interval_s).collect();
-    let least_of = |value: &dyn Fn(&Tried) -> f64| {
+    let least = |value: &dyn Fn(&Tried) -> f64| {
         let y: Vec<f64> = fitted.iter().map(|tried| value(tried)).collect();
         least(&x, &y)
     };
     let parts = tried.first().map_or(0, |tried| tried.replicates.len());
     let replicates: Option<Vec<f64>> =
-        (0..parts).map(|k| Some(libm::log(least_of(&|tried| tried.replicates[k])?))).collect();
-    match (least_of(&|tried| tried.drift.value), replicates) {
+        (0..parts).map(|k| Some(libm::log(least(&|tried| tried.replicates[k])?))).collect();
+    match (least(&|tried| tried.drift.value), replicates) {
         (Some(at), Some(replicates)) => {
             let factor = libm::exp(T_95 * jackknife(&replicates));
-            Optimum { interval_s: at, lo_s: Some(at / factor), hi_s: Some(at * factor) }
+            Found { value: at, interval: Some((at / factor, at * factor)) }
         }
-        _ => Optimum {
-            interval_s: tried.get(place).map_or(0.0, |tried| tried.interval_s),
-            lo_s: None,
-            hi_s: None,
-        },
+        _ => Found { value: tried.get(place).map_or(0.0, |tried| tried.interval_s), interval: None },
     }
+}
+
+/// The place of the least of some numbers, the first of equal ones.
+pub(crate) fn least_of(values: &[f64]) -> usize {
+    (0..values.len()).min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
 }
 
 /// The index of the interval to choose, and the range of the best one: the fitted optimum with its interval, extended
 /// to all tried intervals whose drift does not differ significantly from the least. The law is only smooth, so a tried
 /// interval that is better than it predicts takes precedence.
-pub(crate) fn among(tried: &[Tried], fitted: Optimum) -> (usize, Optimum) {
-    let drift = |place: &usize| tried[*place].drift.value;
-    let least = (0..tried.len()).min_by(|a, b| drift(a).total_cmp(&drift(b))).unwrap_or(0);
+pub(crate) fn among(tried: &[Tried], fitted: Found) -> (usize, Found) {
+    let drifts: Vec<f64> = tried.iter().map(|tried| tried.drift.value).collect();
+    let least = least_of(&drifts);
     let is_as_good = |place: &usize| {
         let pairs = tried[*place].replicates.iter().zip(&tried[least].replicates);
         let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-        drift(place) - drift(&least) <= T_95 * jackknife(&apart)
+        drifts[*place] - drifts[least] <= T_95 * jackknife(&apart)
     };
     let good: Vec<usize> = (0..tried.len()).filter(|place| *place == least || is_as_good(place)).collect();
-    let far = |place: &usize| libm::log(tried[*place].interval_s / fitted.interval_s).abs();
+    let far = |place: &usize| libm::log(tried[*place].interval_s / fitted.value).abs();
     let best = good.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(least);
     let ends = good.iter().map(|place| tried[*place].interval_s);
     let at_end = good.first() == Some(&0) || good.last() == Some(&(tried.len() - 1));
-    let bound = |end: Option<f64>, wider: fn(f64, f64) -> f64| {
-        Some(ends.clone().fold(end?, wider)).filter(|_| tried.len() > 1 && !at_end)
-    };
-    let optimum = Optimum {
-        interval_s: tried[best].interval_s,
-        lo_s: bound(fitted.lo_s, f64::min),
-        hi_s: bound(fitted.hi_s, f64::max),
-    };
-    (best, optimum)
+    let extended =
+        |(low, high): (f64, f64)| (ends.clone().fold(low, f64::min), ends.clone().fold(high, f64::max));
+    let interval = fitted.interval.filter(|_| tried.len() > 1 && !at_end).map(extended);
+    (best, Found { value: tried[best].interval_s, interval })
 }
 
 /// The standard error from delete-one replicates.

@@ -3,14 +3,11 @@
 use crate::analysis::design::Tried;
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
-use crate::theory::drift::budget::Budget;
-pub(crate) use crate::theory::drift::budget::Optimum;
+use crate::theory::drift::budget::{Budget, Optimum};
 
 /// The paper's choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PapersRule {
-    /// δP_max of the filler, ″.
-    pub residual_max: f64,
     /// The interval at which the bound has its minimum, s.
     pub interval_s: f64,
     /// Z(7) at that interval, ″/s.
@@ -19,10 +16,10 @@ pub struct PapersRule {
     pub tried: Tried,
 }
 
-/// δP_max of a filler, and the minimum of the bound; `None` where switching costs nothing.
-pub(crate) fn optimum(point: &RunPoint, filled: &FilledRun) -> Option<(f64, Optimum)> {
+/// The minimum of the bound for a filler; `None` where switching costs nothing.
+pub(crate) fn optimum(point: &RunPoint, filled: &FilledRun) -> Option<Optimum> {
     let residual_max = filled.residual_max();
     let drift = &point.drift;
     let budget = Budget { magnetic: drift.magnetic_drift(), non_magnetic: drift.non_magnetic, residual_max };
-    Some((residual_max, budget.optimum(point.schedule.duration_s)?))
+    budget.optimum(point.schedule.duration_s)
 }

@@ -1,13 +1,12 @@
 //! The output of a design: the recommendation in words, all results as a table, and both as JSON.
 
-use crate::analysis::design::paper::PapersRule;
-use crate::analysis::design::{Design, Filler, Measure, Tried};
+use crate::analysis::design::{Design, Filler, Found, Measure, PapersRule, Tried};
 use crate::chart::{Chart, Shows};
 use crate::filler::FILLERS;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::quantity::number::significant;
 use crate::study::Study;
-use crate::table::column::{Band, columns_of};
+use crate::table::column::columns_of;
 use crate::table::{Cell, Column, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::Figure;
 use crate::view::chart::notes::ChartError;
@@ -17,12 +16,6 @@ use serde_json::{Value, json};
 pub(crate) struct Row<'a> {
     filler: &'a Filler,
     tried: &'a Tried,
-}
-
-impl Row<'_> {
-    fn interval(&self) -> Band {
-        self.tried.drift.interval
-    }
 }
 
 type Of<'a> = ColumnOf<Row<'a>>;
@@ -43,29 +36,26 @@ fn first_columns<'a>() -> [Of<'a>; 3] {
 /// The columns of a measure.
 fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
     macro_rules! columns {
-        ($name:literal, $meaning:literal) => {
+        ($name:literal, $meaning:literal) => {{
+            let lower = concat!("Lower end of the 95 % interval of `", $name, "`, °/h.");
+            let upper = concat!("Upper end of the 95 % interval of `", $name, "`, °/h.");
+            let [low, high] = [concat!($name, "_lo"), concat!($name, "_hi")];
             [
                 Of::new($name, Unit::DEG_PER_H, measure.label(), |row| Cell::Number(row.tried.drift.value))
                     .is(Role::Error, $meaning)
-                    .within(Row::interval),
-                Of::new(concat!($name, "_lo"), Unit::DEG_PER_H, "lower end", |row| {
-                    row.interval().map(|interval| interval.0).into()
-                })
-                .is_of(
+                    .within(|row| row.tried.drift.interval),
+                Of::new(low, Unit::DEG_PER_H, "lower end", |row| ends(row.tried.drift)[0].into()).is_of(
                     $name,
                     Role::Lower,
-                    concat!("Lower end of the 95 % interval of `", $name, "`, °/h."),
+                    lower,
                 ),
-                Of::new(concat!($name, "_hi"), Unit::DEG_PER_H, "upper end", |row| {
-                    row.interval().map(|interval| interval.1).into()
-                })
-                .is_of(
+                Of::new(high, Unit::DEG_PER_H, "upper end", |row| ends(row.tried.drift)[1].into()).is_of(
                     $name,
                     Role::Upper,
-                    concat!("Upper end of the 95 % interval of `", $name, "`, °/h."),
+                    upper,
                 ),
             ]
-        };
+        }};
     }
     match measure {
         Measure::DriftQ9973 => columns!(
@@ -109,21 +99,20 @@ pub fn called(filler: &Filler) -> &str {
     filler.name.as_deref().unwrap_or("as given")
 }
 
-/// The 95 % interval of the best switching interval.
-pub fn range(filler: &Filler) -> Option<(f64, f64)> {
-    filler.optimum.lo_s.zip(filler.optimum.hi_s)
-}
-
 /// The recommendation in one line.
 pub fn headline(found: &Design) -> String {
-    let best = found.best();
-    let interval = significant(best.best().interval_s, 4);
+    let (best, label) = (found.best(), found.measure.label());
     let filler = best.name.as_ref().map_or(String::new(), |name| format!(" with the {name} filler"));
-    format!(
-        "Switch every {interval} s{filler}: {} {} °/h",
-        found.measure.label(),
-        significant(best.best().drift.value, 3)
-    )
+    let (interval, drift) = (four(best.best().interval_s), three(best.best().drift.value));
+    format!("Switch every {interval} s{filler}: {label} {drift} °/h")
+}
+
+fn three(value: f64) -> String {
+    significant(value, 3)
+}
+
+fn four(value: f64) -> String {
+    significant(value, 4)
 }
 
 /// The chart of the drift over the interval for each filler.
@@ -154,90 +143,82 @@ pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, Ch
 pub fn recommendation(found: &Design) -> String {
     let best = found.best();
     let mut sentences = vec![format!("{}.", headline(found))];
-    match range(best) {
-        Some((lo, hi)) => sentences.push(format!(
-            "The best interval lies between {} s and {} s (95 %).",
-            significant(lo, 4),
-            significant(hi, 4)
-        )),
-        None if best.is_at_edge() => sentences.push(
-            "It is the shortest or longest that was tried: try others, by a sweep over switching.interval."
-                .to_owned(),
-        ),
-        None => {}
+    if let Some((lo, hi)) = best.optimum.interval {
+        let (lo, hi) = (four(lo), four(hi));
+        sentences.push(format!("The best interval lies between {lo} s and {hi} s (95 %)."));
+    } else if best.is_at_edge() {
+        let edge =
+            "It is the shortest or longest that was tried: try others, by a sweep over switching.interval.";
+        sentences.push(edge.to_owned());
     }
     let others = found.fillers.iter().enumerate().filter(|(place, _)| *place != found.best);
     let next = others.min_by(|a, b| a.1.best().drift.value.total_cmp(&b.1.best().drift.value));
     if let Some((_, next)) = next {
         let worse = found.worse_by(next);
         let (low, high) = worse.interval.unwrap_or((worse.value, worse.value));
-        sentences.push(if low > 1.0 {
-            format!(
-                "The next filler, {}, leaves {} times as much at its own best interval of {} s ({} to {}).",
-                called(next),
-                significant(worse.value, 3),
-                significant(next.best().interval_s, 4),
-                significant(low, 3),
-                significant(high, 3)
-            )
-        } else {
-            format!("{} does not differ significantly from it in these runs.", called(next))
+        let (name, interval) = (called(next), four(next.best().interval_s));
+        let [times, from, to] = [worse.value, low, high].map(three);
+        sentences.push(match low > 1.0 {
+            true => format!(
+                "The next filler, {name}, leaves {times} times as much at its own best interval of {interval} s ({from} to {to})."
+            ),
+            false => format!("{name} does not differ significantly from it in these runs."),
         });
     }
-    if let Some(PapersRule { interval_s, bound, tried, residual_max }) = &best.papers_rule {
+    if let Some(PapersRule { interval_s, bound, tried }) = &best.papers_rule {
         let times = found.times_best(tried);
         let (low, high) = times.interval.unwrap_or((times.value, times.value));
+        let [interval, tried_interval] = [*interval_s, tried.interval_s].map(four);
+        let [residual, bound, drift] = [best.residual_max, *bound, tried.drift.value].map(three);
+        let [times, from, to] = [times.value, low, high].map(three);
         sentences.push(format!(
-            "The paper's bound with δP_max = {} ″ has its minimum at {} s, where it allows {} °/h; switched every {} s the \
-             gyro would drift by {} °/h, {} times as much as at best ({} to {}).",
-            significant(*residual_max, 3),
-            significant(*interval_s, 4),
-            significant(*bound, 3),
-            significant(tried.interval_s, 4),
-            significant(tried.drift.value, 3),
-            significant(times.value, 3),
-            significant(low, 3),
-            significant(high, 3)
+            "The paper's bound with δP_max = {residual} ″ has its minimum at {interval} s, where it allows {bound} °/h; \
+             switched every {tried_interval} s the gyro would drift by {drift} °/h, {times} times as much as at best \
+             ({from} to {to})."
         ));
     }
     if found.non_magnetic != 0.0 {
-        sentences.push(format!(
-            "The non-magnetic drift of {} °/h comes on top: no interval changes it.",
-            significant(found.non_magnetic, 3)
-        ));
+        let drift = three(found.non_magnetic);
+        sentences
+            .push(format!("The non-magnetic drift of {drift} °/h comes on top: no interval changes it."));
     }
     sentences.join("\n")
+}
+
+/// The ends of the interval of a value.
+fn ends(found: Found) -> [Option<f64>; 2] {
+    found.interval.map_or([None; 2], |(low, high)| [Some(low), Some(high)])
 }
 
 /// The recommendation and all results.
 pub fn json(study: &Study, found: &Design) -> Value {
     let best = found.best();
-    let drift = best.best().drift;
+    let (drift, rule) = (best.best().drift, best.papers_rule.as_ref());
+    let [interval_lo_s, interval_hi_s] = ends(best.optimum);
+    let [drift_lo, drift_hi] = ends(drift);
+    let tried = |tried: &Tried| {
+        let [drift_lo, drift_hi] = ends(tried.drift);
+        json!({
+            "interval_s": tried.interval_s,
+            "switches": tried.switches,
+            "drift": tried.drift.value,
+            "drift_lo": drift_lo,
+            "drift_hi": drift_hi,
+            "closed_form_rms": tried.closed_form,
+        })
+    };
     let filler = |filler: &Filler| {
-        let tried: Vec<Value> = filler
-            .tried
-            .iter()
-            .map(|tried| {
-                json!({
-                    "interval_s": tried.interval_s,
-                    "switches": tried.switches,
-                    "drift": tried.drift.value,
-                    "drift_lo": tried.drift.interval.map(|interval| interval.0),
-                    "drift_hi": tried.drift.interval.map(|interval| interval.1),
-                    "closed_form_rms": tried.closed_form,
-                })
-            })
-            .collect();
+        let [interval_lo_s, interval_hi_s] = ends(filler.optimum);
         json!({
             "filler": filler.name,
             "residual_rms_arcsec": filler.residual_rms,
             "residual_max_arcsec": filler.residual_max,
             "interval_s": filler.best().interval_s,
-            "interval_lo_s": filler.optimum.lo_s,
-            "interval_hi_s": filler.optimum.hi_s,
+            "interval_lo_s": interval_lo_s,
+            "interval_hi_s": interval_hi_s,
             "drift": filler.best().drift.value,
             "drift_by_paper_rule": filler.papers_rule.as_ref().map(|rule| rule.tried.drift.value),
-            "tried": tried,
+            "tried": filler.tried.iter().map(tried).collect::<Vec<_>>(),
         })
     };
     json!({
@@ -248,15 +229,15 @@ pub fn json(study: &Study, found: &Design) -> Value {
         "seed": study.seed,
         "duration_s": found.duration_s,
         "interval_s": best.best().interval_s,
-        "interval_lo_s": best.optimum.lo_s,
-        "interval_hi_s": best.optimum.hi_s,
+        "interval_lo_s": interval_lo_s,
+        "interval_hi_s": interval_hi_s,
         "filler": best.name,
         "drift": drift.value,
-        "drift_lo": drift.interval.map(|interval| interval.0),
-        "drift_hi": drift.interval.map(|interval| interval.1),
-        "drift_by_paper_rule": best.papers_rule.as_ref().map(|rule| rule.tried.drift.value),
-        "interval_by_paper_rule_s": best.papers_rule.as_ref().map(|rule| rule.interval_s),
-        "bound_by_paper_rule": best.papers_rule.as_ref().map(|rule| rule.bound),
+        "drift_lo": drift_lo,
+        "drift_hi": drift_hi,
+        "drift_by_paper_rule": rule.map(|rule| rule.tried.drift.value),
+        "interval_by_paper_rule_s": rule.map(|rule| rule.interval_s),
+        "bound_by_paper_rule": rule.map(|rule| rule.bound),
         "non_magnetic_left_out": found.non_magnetic,
         "notes": found.notes,
         "fillers": found.fillers.iter().map(filler).collect::<Vec<_>>(),

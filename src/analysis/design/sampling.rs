@@ -30,11 +30,9 @@ pub(crate) fn parts(
     let block = |part: u64| Block { first: part * of_part, log2 };
     let jobs: Vec<Job> = (0..PARTS).map(|part| Job { launch, block: block(part) }).collect();
     let results = worker.tally(&jobs, &|trials| progress.advance(trials * switches))?;
-    Ok(results
-        .into_iter()
-        .map(|tallies| {
-            let mut tallies = tallies.into_iter();
-            [0, 1].map(|_| tallies.next().unwrap_or_else(|| Moments::empty(true)))
-        })
-        .collect())
+    let of_part = |tallies: Vec<Moments>| {
+        let mut tallies = tallies.into_iter();
+        [0, 1].map(|_| tallies.next().unwrap_or_else(|| Moments::empty(true)))
+    };
+    Ok(results.into_iter().map(of_part).collect())
 }

@@ -66,20 +66,23 @@ pub fn choose_point<'s>(
     // Sweeps multiply, so every combination of their values is a point.
     let first = points.first().copied().unwrap_or(&gap_fill.points[0]);
     let own = weights(first)?;
-    // For each key, whether it changes the weights by itself.
-    let mut matters = vec![false; study.sweeps.len()];
-    let mut differ = false;
+    let mut differing = Vec::new();
     for point in points {
         if weights(point)? != own {
-            differ = true;
-            let pairs =
-                || (0..).zip(point.swept.iter().zip(&first.swept)).filter(|(_, (own, of))| own.1 != of.1);
-            if let (1, Some((key, _))) = (pairs().count(), pairs().next()) {
-                matters[key] = true;
-            }
+            differing.push(point);
         }
     }
-    if differ { Err(ChoiceError::Asked(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
+    if differing.is_empty() {
+        return Ok(first);
+    }
+    // The keys that change the weights by themselves.
+    let only = |point: &Point| {
+        let pairs = (0..).zip(point.swept.iter().zip(&first.swept));
+        let mut others = pairs.filter(|(_, (own, of))| own.1 != of.1).map(|(key, _)| key);
+        others.next().filter(|_| others.next().is_none())
+    };
+    let matters: Vec<usize> = differing.into_iter().filter_map(only).collect();
+    Err(ChoiceError::Asked(ambiguous(study, &chosen, &matters)))
 }
 
 /// Whether the weights change along a sweep, starting from the first point.
@@ -103,12 +106,10 @@ fn changes_weights<W: PartialEq>(
 }
 
 /// The alternatives: the keys that change the weights, or all open keys where none does by itself.
-fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> String {
-    let any = matters.contains(&true);
-    let asked = study.sweeps.iter().zip(chosen).zip(matters);
-    let asked = asked.filter(|((_, chosen), matters)| chosen.is_none() && (**matters || !any));
-    let each: String =
-        asked.map(|((sweep, _), _)| format!("\n  {} = {}", sweep.key.name, values(sweep))).collect();
+fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[usize]) -> String {
+    let is_open = |key: &usize| chosen[*key].is_none() && (matters.is_empty() || matters.contains(key));
+    let keys = (0..chosen.len()).filter(is_open).map(|key| &study.sweeps[key]);
+    let each: String = keys.map(|sweep| format!("\n  {} = {}", sweep.key.name, values(sweep))).collect();
     format!(
         "the weights differ between the points of the study\nchoose one with `at = KEY=VALUE`, from{each}"
     )
@@ -129,7 +130,8 @@ fn quantities(sweep: &Sweep) -> Vec<Quantity> {
     sweep.values.iter().filter_map(Swept::quantity).collect()
 }
 
-fn shown(value: &Quantity) -> String {
+/// A value with its unit, as in reports.
+pub(crate) fn shown(value: &Quantity) -> String {
     let unit = value.dimension.unit().symbol;
     format!("{} {unit}", significant(value.shown(), 6)).trim_end().to_owned()
 }

@@ -1,9 +1,9 @@
 //! The fillers of one point of a study as integer rules, with their errors in closed form.
 
-use crate::analysis::firmware::rule::Rule;
+use crate::analysis::firmware::Rule;
+use crate::analysis::firmware::choice::shown;
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
-use crate::key::refusal::Refusal;
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -70,27 +70,27 @@ impl Firmware {
     /// The ticks do not determine the weights of a filler, or the weights need more than 32 bits.
     pub fn new(study: &Study, point: &Point, fillers: &[Filler]) -> Result<Firmware, StudyError> {
         let rules = rules(study, point, fillers)?;
-        let fill_of = |filler: &Filler| {
-            let place = fillers_of(study).iter().position(|own| own.name == filler.name);
-            place.map(|place| point.fills[place].clone())
-        };
-        let fills: Vec<Fill> = fillers.iter().filter_map(fill_of).collect();
+        let fills = fillers.iter().filter_map(|filler| fill_of(study, point, filler).cloned()).collect();
         let point = Point { fills, ..point.clone() };
         let inputs = &point.inputs;
         let tone = inputs.motion.single_tone();
+        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
         let mut designs = Vec::new();
-        for (filler, (interpolation, extrapolation)) in fillers.iter().zip(rules) {
+        for (place, (filler, (interpolation, extrapolation))) in fillers.iter().zip(rules).enumerate() {
             let amplitude = |rule: &Rule| {
                 let (rate, frequency_hz) = tone?;
                 Some(rate * response(&rule.whole(), inputs.gap_ticks, inputs.tick_s, frequency_hz))
             };
-            let errors = [Some(&interpolation), extrapolation.as_ref()]
-                .map(|rule| Closed { amplitude: rule.and_then(amplitude), rms: None });
+            let rms = |error: Error| {
+                let estimates = lowered.as_ref().ok()?.fillers.get(place)?;
+                estimates.iter().find(|estimate| estimate.error == error)?.oracle.rms
+            };
+            let amplitudes =
+                [Some(&interpolation), extrapolation.as_ref()].map(|rule| rule.and_then(amplitude));
+            let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(ERRORS[i]) });
             let (name, method) = (filler.name.clone(), method(filler, inputs));
             designs.push(Design { name, method, interpolation, extrapolation, errors });
         }
-        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
-        let unsampled = add_rms(&mut designs, &lowered);
         Ok(Firmware {
             title: study.title.clone(),
             at: point.swept.clone(),
@@ -98,18 +98,15 @@ impl Firmware {
             gap_ticks: inputs.gap_ticks,
             tone,
             designs,
-            unsampled,
+            unsampled: lowered.err().map(|refusal| refusal.to_string()),
             seed: study.seed,
         })
     }
 
     /// The point as text, such as `motion.frequency = 20 Hz, …`; empty without sweeps.
     pub fn place(&self) -> String {
-        let each = self.at.iter().filter_map(|(key, value)| {
-            let value = value.quantity()?;
-            let unit = value.dimension.unit().symbol;
-            Some(format!("{key} = {}", format!("{} {unit}", significant(value.shown(), 6)).trim_end()))
-        });
+        let each = self.at.iter();
+        let each = each.filter_map(|(key, value)| Some(format!("{key} = {}", shown(&value.quantity()?))));
         each.collect::<Vec<_>>().join(", ")
     }
 }
@@ -135,8 +132,7 @@ pub fn rules(
     let statistics = Statistics::of(&point.inputs);
     let mut rules = Vec::new();
     for filler in fillers {
-        let place = fillers_of(study).iter().position(|own| own.name == filler.name);
-        let Some(fill) = place.map(|place| &point.fills[place]) else { continue };
+        let Some(fill) = fill_of(study, point, filler) else { continue };
         let rule = |error, ticks: &[i32]| {
             let rows = match Rows::by_tick(filler, error, ticks, &statistics) {
                 Ok(None) => Rows::of(filler, error, ticks, &statistics),
@@ -153,21 +149,6 @@ pub fn rules(
         );
     }
     Ok(rules)
-}
-
-/// Takes the rms of each error from the oracle; returns the reason where there is none.
-fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, Refusal>) -> Option<String> {
-    let lowered = match lowered {
-        Ok(lowered) => lowered,
-        Err(error) => return Some(error.to_string()),
-    };
-    for (design, estimates) in designs.iter_mut().zip(&lowered.fillers) {
-        for (closed, error) in design.errors.iter_mut().zip(ERRORS) {
-            let estimate = estimates.iter().find(|estimate| estimate.error == error);
-            closed.rms = estimate.and_then(|estimate| estimate.oracle.rms);
-        }
-    }
-    None
 }
 
 /// Amplitude of the error of some weights for a vibration per amplitude of its rate, in ″ per ″/s, which is s.
@@ -209,7 +190,8 @@ fn too_large(study: &Study, filler: &Filler) -> StudyError {
     study.error_at(study.place_of("switching.fillers"), message, help)
 }
 
-/// The fillers of a study, in the order of the ticks of its points.
-fn fillers_of(study: &Study) -> &[Filler] {
-    study.asked::<GapFill>().map_or(&[], |gap_fill| &gap_fill.fillers)
+/// The ticks of a filler of a study at a point.
+fn fill_of<'p>(study: &Study, point: &'p Point, filler: &Filler) -> Option<&'p Fill> {
+    let place = study.asked::<GapFill>()?.fillers.iter().position(|own| own.name == filler.name)?;
+    Some(&point.fills[place])
 }

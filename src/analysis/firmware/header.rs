@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::analysis::firmware::design::{Design, Firmware};
-use crate::analysis::firmware::rule::Rule;
+use crate::analysis::firmware::{Design, Firmware, Rule};
 use crate::quantity::number::significant;
 
 /// Instructions in the header for using the tables.

@@ -27,12 +27,11 @@
 
 pub mod alone;
 pub mod choice;
-pub(crate) mod csv;
 pub mod design;
-pub(crate) mod document;
 pub(crate) mod header;
 pub(crate) mod response;
 pub mod rule;
+pub(crate) mod tables;
 pub(crate) mod vectors;
 
 pub use crate::analysis::firmware::alone::{Alone, KINDS, MINIMUM_VARIANCE};

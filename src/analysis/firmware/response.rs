@@ -2,10 +2,9 @@
 
 use crate::analysis::firmware::design::{Firmware, response};
 use crate::filler::keys::Error;
-use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::gap::Weights;
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
 
 /// Decades below the Nyquist frequency at which the chart begins, which is 1 Hz for ticks of 5 ms. Below it the errors
 /// fall on straight lines.
@@ -53,21 +52,10 @@ impl Firmware {
             let label = format!("the motion, {} Hz", significant(nu, 4));
             laws.push(law(label, vec![(nu, low), (nu, markers().fold(0.0, f64::max))]));
         }
-        let entries = |names: Vec<String>| {
-            names.into_iter().enumerate().map(|(style, name)| Entry { style, name }).collect()
-        };
-        let names = self.designs.iter().map(|design| design.name.clone()).collect();
+        let names = self.designs.iter().map(|design| design.name.clone());
         let extrapolates = self.designs.iter().any(|design| design.extrapolation.is_some());
-        let errors: &[Error] =
-            if extrapolates { &[Error::Residual, Error::Extrapolation] } else { &[Error::Residual] };
-        let errors = errors.iter().map(|error| error.name().to_owned()).collect();
-        let axis = |label: &str, unit: &str| Axis {
-            label: label.to_owned(),
-            unit: unit.to_owned(),
-            scale: Scale::Log,
-            whole: false,
-            names: vec![],
-        };
+        let errors = &[Error::Residual, Error::Extrapolation][..1 + usize::from(extrapolates)];
+        let errors = errors.iter().map(|error| error.name().to_owned());
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
         let (frequency_unit, error_unit) = if self.tick_s.is_some() {
@@ -78,18 +66,14 @@ impl Firmware {
         let mut figure = Figure {
             title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),
             subtitle: Some(self.title.clone()),
-            x: axis("vibration frequency", frequency_unit),
-            y: axis("error amplitude per rate amplitude", error_unit),
-            colours: Grouping { title: "filler".to_owned(), entries: entries(names) },
-            dashes: Grouping { title: "error".to_owned(), entries: entries(errors) },
-            points: String::new(),
-            bands: String::new(),
+            x: Axis::log("vibration frequency", frequency_unit),
+            y: Axis::log("error amplitude per rate amplitude", error_unit),
+            colours: Grouping::of("filler", names),
+            dashes: Grouping::of("error", errors),
             lines: "closed form".to_owned(),
             series,
             laws,
-            parts: Parts::default(),
-            limit: None,
-            chosen: vec![],
+            ..Figure::default()
         };
         figure.merge_coincident();
         figure

@@ -4,8 +4,7 @@ use std::io;
 
 use rand::rand_core::Rng;
 
-use crate::analysis::firmware::design::{Design, Firmware};
-use crate::analysis::firmware::rule::Rule;
+use crate::analysis::firmware::{Design, Firmware, Rule};
 use crate::kernel::philox::Philox;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::table::{About, Cell, Column, Role, Table};
@@ -91,18 +90,19 @@ impl Firmware {
         let single =
             |values: &[i64], j: usize| whole(values.get(j - 1).filter(|_| values.len() == lost).copied());
         let inputs = vectors.ticks.iter().enumerate();
-        let mut columns = vec![of(FILLER_COLUMN, &|row| row.filler.into())];
+        let [filler, input, delivered, known, sum_delivered, sum_known, correction] = COLUMNS;
+        let mut columns = vec![of(filler, &|row| row.filler.into())];
         columns.extend(inputs.map(|(place, tick)| {
-            at(INPUT, &tick.to_string(), &|row| Cell::Integer(row.inputs[place].into()))
+            at(input, &tick.to_string(), &|row| Cell::Integer(row.inputs[place].into()))
         }));
         columns.extend((1..=lost).map(|j| {
-            at(DELIVERED, &j.to_string(), &|row| single(row.delivered.as_deref().unwrap_or_default(), j))
+            at(delivered, &j.to_string(), &|row| single(row.delivered.as_deref().unwrap_or_default(), j))
         }));
-        columns.extend((1..=lost).map(|j| at(KNOWN, &j.to_string(), &|row| single(&row.known, j))));
+        columns.extend((1..=lost).map(|j| at(known, &j.to_string(), &|row| single(&row.known, j))));
         columns.extend([
-            of(SUM_DELIVERED, &|row| whole(row.delivered())),
-            of(SUM_KNOWN, &|row| Cell::Integer(row.known())),
-            of(CORRECTION, &|row| whole(row.delivered().map(|sum| sum - row.known()))),
+            of(sum_delivered, &|row| whole(row.delivered())),
+            of(sum_known, &|row| Cell::Integer(row.known())),
+            of(correction, &|row| whole(row.delivered().map(|sum| sum - row.known()))),
         ]);
         Table { columns }.write_csv(to)
     }
@@ -131,34 +131,21 @@ fn whole(value: Option<i64>) -> Cell {
     value.map_or(Cell::Blank, Cell::Integer)
 }
 
-const fn about(name: &'static str, role: Role, meaning: &'static str) -> About {
-    About { role, meaning, ..About::named(name) }
+const fn value(name: &'static str, meaning: &'static str) -> About {
+    About { role: Role::Estimate, meaning, ..About::named(name) }
 }
 
-const FILLER_COLUMN: About = about("filler", Role::Key, FILLER);
-const INPUT: About =
-    about("P[…]", Role::Estimate, "Input: the angle of this valid tick, a whole number of units.");
-const DELIVERED: About = about(
-    "E[…]",
-    Role::Estimate,
-    "Value delivered instead of this lost tick while the gap is open; blank where the filler has no extrapolation.",
-);
-const KNOWN: About = about(
-    "I[…]",
-    Role::Estimate,
-    "Value of the filler for this lost tick once the ticks after the gap are known.",
-);
-const SUM_DELIVERED: About = about("sum_E", Role::Estimate, "Sum of all E.");
-const SUM_KNOWN: About = about("sum_I", Role::Estimate, "Sum of all I.");
-const CORRECTION: About = about(
-    "dP",
-    Role::Estimate,
-    "ΔP, the correction once the gap is closed, as `sagnac_correction` of the C header gives it.",
-);
-
 /// The columns in the order of the file.
-pub(crate) const COLUMNS: [About; 7] =
-    [FILLER_COLUMN, INPUT, DELIVERED, KNOWN, SUM_DELIVERED, SUM_KNOWN, CORRECTION];
+#[rustfmt::skip]
+pub(crate) const COLUMNS: [About; 7] = [
+    About { role: Role::Key, meaning: FILLER, ..About::named("filler") },
+    value("P[…]", "Input: the angle of this valid tick, a whole number of units."),
+    value("E[…]", "Value delivered instead of this lost tick while the gap is open; blank where the filler has no extrapolation."),
+    value("I[…]", "Value of the filler for this lost tick once the ticks after the gap are known."),
+    value("sum_E", "Sum of all E."),
+    value("sum_I", "Sum of all I."),
+    value("dP", "ΔP, the correction once the gap is closed, as `sagnac_correction` of the C header gives it."),
+];
 
 impl Vectors {
     /// Selects the inputs on the ticks of a rule.

@@ -1,15 +1,11 @@
 //! The charts of `sagnac allan`.
 
-use crate::allan::deviation::Deviation;
-use crate::fit::coefficient::Coefficient;
-use crate::fit::quantity::Quantity;
-use crate::key::scale::Scale;
+use crate::allan::{Deviation, Point};
+use crate::fit::{Coefficient, Quantity};
 use crate::quantity::number::significant;
-use crate::theory::allan::estimator::{Difference, Estimator, Stride};
-use crate::theory::allan::holds;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::{Shape, Term};
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
+use crate::theory::allan::terms::Shape;
+use crate::theory::allan::{Difference, Estimator, Process, Stride, Term, holds};
+use crate::view::chart::figure::{Axis, Figure, Grouping, Part, Parts, Series, SeriesPoint};
 
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};
@@ -32,25 +28,15 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
     let deviations: Vec<Deviation> =
         first.curves.iter().map(|curve| curve.deviation).filter(|deviation| wanted(*deviation)).collect();
     let [deviation, others @ ..] = &deviations[..] else { return None };
-    let several_deviations =
-        deviations.iter().map(|deviation| deviation.name()).collect::<Vec<_>>().join(", ");
-    let title = if others.is_empty() {
-        capitalised(deviation.title())
-    } else {
-        format!("Deviations {several_deviations}")
-    };
-    let entries = |names: Vec<String>| {
-        names.into_iter().enumerate().map(|(style, name)| Entry { style, name }).collect()
+    let names: Vec<String> = deviations.iter().map(|deviation| deviation.name().to_owned()).collect();
+    let title = match others {
+        [] => capitalised(deviation.title()),
+        _ => format!("Deviations {}", names.join(", ")),
     };
     let several = analysis.columns.len() > 1;
-    let columns = Grouping {
-        title: if several { "columns".to_owned() } else { "column".to_owned() },
-        entries: entries(analysis.columns.iter().map(|column| column.name.clone()).collect()),
-    };
-    let names = Grouping {
-        title: "deviations".to_owned(),
-        entries: entries(deviations.iter().map(|deviation| deviation.name().to_owned()).collect()),
-    };
+    let columns = analysis.columns.iter().map(|column| column.name.clone());
+    let columns = Grouping::of(if several { "columns" } else { "column" }, columns);
+    let names = Grouping::of("deviations", names);
     // With one column, colours distinguish the deviations instead of the columns.
     let (colours, dashes) = match (others.is_empty(), several) {
         (true, _) => (columns, Grouping::default()),
@@ -71,18 +57,16 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
     Some(Figure {
         title,
         subtitle: Some(format!("{}; {}", heading(analysis), analysis.treatment.summary())),
-        x: axis("averaging time τ", "s"),
-        y: axis("deviation σ(τ)", first.unit.symbol(*deviation)),
+        x: Axis::log("averaging time τ", "s"),
+        y: Axis::log("deviation σ(τ)", first.unit.symbol(*deviation)),
         colours,
         dashes,
         points: if is_fitted { "measured".to_owned() } else { String::new() },
         bands: format!("{} intervals", analysis.percent()),
         lines: "fit".to_owned(),
         series,
-        laws: vec![],
         parts: if several { Parts::default() } else { parts(analysis, first, &deviations) },
-        limit: None,
-        chosen: vec![],
+        ..Figure::default()
     })
 }
 
@@ -91,15 +75,23 @@ fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (
         .points
         .iter()
         .filter_map(|point| Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval }));
-    let law = column.noise().map(|noise| line(&noise.fit.process, curve, analysis.samples));
+    let law = column
+        .noise()
+        .map(|noise| line(&noise.fit.process, curve.deviation, &curve.points, analysis.samples));
     Series { colour, dash, points: points.collect(), law: law.unwrap_or_default() }
 }
 
 /// The expected deviation of a process over the times of a curve; empty where there is no closed form.
-pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
-    let Some(estimator) = estimator(curve.deviation) else { return vec![] };
+pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: usize) -> Vec<(f64, f64)> {
+    if deviation.is_modified() {
+        return vec![];
+    }
+    let estimator = Estimator {
+        difference: if deviation.differences() == 2 { Difference::Second } else { Difference::Third },
+        stride: if deviation.overlaps() { Stride::Sample } else { Stride::Cluster },
+    };
     let shown: Vec<f64> =
-        curve.points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
+        points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
     let [Some(&first), Some(&last)] = [shown.first(), shown.last()] else { return vec![] };
     let is_rippled = process.parts.iter().any(|part| part.term == Term::Sine);
     let octave = if is_rippled { PLACES[0] } else { PLACES[1] };
@@ -112,18 +104,6 @@ pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)>
         Some((process.sample_s * m as f64, libm::sqrt(variance)))
     };
     ms.into_iter().filter_map(at).collect()
-}
-
-/// The estimator that has the expected square of a deviation in closed form.
-fn estimator(deviation: Deviation) -> Option<Estimator> {
-    let (difference, stride) = match deviation {
-        Deviation::Adev => (Difference::Second, Stride::Cluster),
-        Deviation::Oadev => (Difference::Second, Stride::Sample),
-        Deviation::Hdev => (Difference::Third, Stride::Cluster),
-        Deviation::Ohdev => (Difference::Third, Stride::Sample),
-        Deviation::Mdev | Deviation::Tdev => return None,
-    };
-    Some(Estimator { difference, stride })
 }
 
 /// The identified terms of the single column, where its Allan deviation is among those of a figure.
@@ -139,7 +119,7 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
         let shape = coefficient.shape.map_or(1.0, |shape| shape.value);
         let part = term.part(value * value, shape, octaves);
         let process = Process { sample_s: analysis.step_s, parts: vec![part] };
-        let mut points = line(&process, curve, analysis.samples);
+        let mut points = line(&process, curve.deviation, &curve.points, analysis.samples);
         if term == Term::Sine {
             points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
         }
@@ -170,10 +150,6 @@ fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &
         None => format!("{} = {value}", coefficient.term.symbol()),
     };
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
-}
-
-fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
 }
 
 fn capitalised(text: &str) -> String {

@@ -3,26 +3,20 @@
 //! Kalibr's model is a white rate noise and a random walk of the bias, both given by the square root of their two-sided
 //! density per Hz: N in rad/√s and K in rad/s^1.5. It has no other terms.
 
-use crate::allan::unit::Unit;
-use crate::fit::coefficient::Fit;
+use crate::allan::Unit;
+use crate::fit::Fit;
 use crate::quantity::number::significant;
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::Term;
 
 use crate::analysis::log::notes::{heading, one_line};
 use crate::analysis::log::{Analysis, Column};
 /// Size of 1 ″ in rad.
 const RADIANS: f64 = core::f64::consts::PI / 648_000.0;
 
-/// A key of the file with its coefficient.
-struct Key {
-    name: &'static str,
-    term: Term,
-    unit: &'static str,
-}
-
-const KEYS: [Key; 2] = [
-    Key { name: "gyroscope_noise_density", term: Term::AngleRandomWalk, unit: "rad/s/sqrt(Hz)" },
-    Key { name: "gyroscope_random_walk", term: Term::RateRandomWalk, unit: "rad/s^2/sqrt(Hz)" },
+/// The keys of the file with their coefficients and units.
+const KEYS: [(&str, Term, &str); 2] = [
+    ("gyroscope_noise_density", Term::AngleRandomWalk, "rad/s/sqrt(Hz)"),
+    ("gyroscope_random_walk", Term::RateRandomWalk, "rad/s^2/sqrt(Hz)"),
 ];
 
 /// The value of one key, from the column where it is largest.
@@ -39,11 +33,8 @@ enum Found<'a> {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KalibrError {
     /// A column has no unit of angle.
-    #[error("an imu.yaml needs rates or angles: {column} is plain numbers\ngive their unit, as in deg/s")]
-    Plain {
-        /// Name of the column.
-        column: String,
-    },
+    #[error("an imu.yaml needs rates or angles: {0} is plain numbers\ngive their unit, as in deg/s")]
+    Plain(String),
     /// A column has no noise coefficients.
     #[error("there is nothing to write: {column}: no coefficients: {why}")]
     NoCoefficients {
@@ -74,8 +65,22 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
     }
     text += "\n# A gyroscope log says nothing of accelerometers; Kalibr needs their keys too.\n\
              #accelerometer_noise_density:  # m/s^2/sqrt(Hz)\n#accelerometer_random_walk:    # m/s^3/sqrt(Hz)\n\n";
-    for key in &KEYS {
-        text += &line(key, &found(key, analysis)?, analysis.columns.len() > 1);
+    let several = analysis.columns.len() > 1;
+    for (name, term, unit) in KEYS {
+        text += &match (found(term, analysis)?, term.symbol()) {
+            (Found::Value(value, column, others), symbol) => {
+                let of = if several { format!(" of {}", one_line(column)) } else { String::new() };
+                let others = others.map_or_else(String::new, |most| {
+                    format!("; not identified in others, at most {}", number(most))
+                });
+                format!("{name}: {}  # {unit}, {symbol}{of}{others}\n", number(value))
+            }
+            (Found::Below(most), symbol) => {
+                let most = most.map_or_else(String::new, |most| format!(", and at most {}", number(most)));
+                format!("#{name}:  # {unit}; {symbol} is not identified{most}\n")
+            }
+            (Found::NotFitted, symbol) => format!("#{name}:  # {unit}; {symbol} was not fitted\n"),
+        };
     }
     text += &format!("\nrostopic: /imu0\nupdate_rate: {}  # Hz\n", plain_number(1.0 / analysis.step_s));
     Ok(text)
@@ -87,27 +92,25 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
 /// The same as for [`text`].
 pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
-    for key in &KEYS {
-        let (name, symbol) = (key.name, key.term.symbol());
-        match found(key, analysis)? {
-            Found::Value(..) => {}
-            Found::Below(None) => notes.push(format!("{name} is left out: {symbol} is not identified")),
-            Found::Below(Some(most)) => notes.push(format!(
-                "{name} is left out: {symbol} is not identified, and at most {} {}",
-                significant(most, 4),
-                key.unit
-            )),
-            Found::NotFitted => notes.push(format!("{name} is left out: the fit has no {symbol}")),
-        }
+    for (name, term, unit) in KEYS {
+        let why = match (found(term, analysis)?, term.symbol()) {
+            (Found::Value(..), _) => continue,
+            (Found::Below(None), symbol) => format!("{symbol} is not identified"),
+            (Found::Below(Some(most)), symbol) => {
+                format!("{symbol} is not identified, and at most {} {unit}", significant(most, 4))
+            }
+            (Found::NotFitted, symbol) => format!("the fit has no {symbol}"),
+        };
+        notes.push(format!("{name} is left out: {why}"));
     }
     Ok(notes)
 }
 
-fn found<'a>(key: &Key, analysis: &'a Analysis) -> Result<Found<'a>, KalibrError> {
+fn found(term: Term, analysis: &Analysis) -> Result<Found<'_>, KalibrError> {
     let mut largest: Option<(f64, &str)> = None;
     let mut bounds: Vec<Option<f64>> = Vec::new();
     for column in &analysis.columns {
-        let Some(coefficient) = fit(column)?.coefficient(key.term) else { return Ok(Found::NotFitted) };
+        let Some(coefficient) = fit(column)?.coefficient(term) else { return Ok(Found::NotFitted) };
         match coefficient.value.map(|value| RADIANS * value) {
             Some(value) if largest.is_none_or(|(most, _)| most < value) => {
                 largest = Some((value, &column.name));
@@ -126,33 +129,12 @@ fn found<'a>(key: &Key, analysis: &'a Analysis) -> Result<Found<'a>, KalibrError
 fn fit(column: &Column) -> Result<&Fit, KalibrError> {
     let name = &column.name;
     let why = match (&column.noise, column.unit) {
-        (_, Unit::Plain) => {
-            return Err(KalibrError::Plain { column: name.clone() });
-        }
+        (_, Unit::Plain) => return Err(KalibrError::Plain(name.clone())),
         (Ok(Some(noise)), _) => return Ok(&noise.fit),
         (Ok(None), _) => "none were requested",
         (Err(why), _) => why,
     };
     Err(KalibrError::NoCoefficients { column: name.clone(), why: why.to_owned() })
-}
-
-fn line(key: &Key, found: &Found, several: bool) -> String {
-    let Key { name, term, unit } = key;
-    let symbol = term.symbol();
-    match found {
-        Found::Value(value, column, others) => {
-            let of = if several { format!(" of {}", one_line(column)) } else { String::new() };
-            let others = others.map_or_else(String::new, |most| {
-                format!("; not identified in others, at most {}", number(most))
-            });
-            format!("{name}: {}  # {unit}, {symbol}{of}{others}\n", number(*value))
-        }
-        Found::Below(Some(most)) => {
-            format!("#{name}:  # {unit}; {symbol} is not identified, and at most {}\n", number(*most))
-        }
-        Found::Below(None) => format!("#{name}:  # {unit}; {symbol} is not identified\n"),
-        Found::NotFitted => format!("#{name}:  # {unit}; {symbol} was not fitted\n"),
-    }
 }
 
 /// Six digits in a form that YAML 1.1 accepts as a number: with a point, and with a sign in the exponent.

@@ -15,18 +15,14 @@ pub mod tables;
 
 use std::path::{Path, PathBuf};
 
-use crate::allan::angles::Angles;
-use crate::allan::curve::{Minimum, Point, curve, minimum};
-use crate::allan::deviation::Deviation;
-use crate::allan::tau::{TauError, Taus};
-use crate::allan::trend::{Line, Trend};
-use crate::allan::unit::Unit;
-use crate::analysis::data_sheet::{DataSheet, Row, Simulated};
-use crate::fit::choose::Terms;
+use crate::allan::curve::curve;
+use crate::allan::{Angles, Deviation, Line, Minimum, Point, TauError, Taus, Trend, Unit, minimum};
+use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
+use crate::fit::Terms;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::record::error::RecordError;
-use crate::record::log::channel::Log;
+use crate::record::log::channel::{Channel, Log};
 use crate::record::log::check::UnitCheck;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
@@ -205,8 +201,8 @@ impl Analysis {
         asked: &Asked,
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
-        let column = |at: usize| column(log, at, treatment, asked, progress);
-        let columns = (0..log.channels.len()).map(column).collect::<Result<_, _>>()?;
+        let column = |channel: &Channel| column(log, channel, treatment, asked, progress);
+        let columns = log.channels.iter().map(column).collect::<Result<_, _>>()?;
         Ok(Analysis {
             path: path.to_owned(),
             data: log.data,
@@ -223,6 +219,11 @@ impl Analysis {
         self.samples as f64 * self.step_s
     }
 
+    /// Times of samples from the start of the file, s.
+    pub(crate) fn times<'a>(&'a self, samples: &'a [usize]) -> impl Iterator<Item = f64> + 'a {
+        samples.iter().map(|&sample| self.treatment.skip_s + sample as f64 * self.step_s)
+    }
+
     /// The confidence as a percentage, such as `95 %`.
     pub fn percent(&self) -> String {
         format!("{} %", significant(100.0 * self.confidence, 6))
@@ -231,13 +232,12 @@ impl Analysis {
 
 fn column(
     log: &Log,
-    at: usize,
+    channel: &Channel,
     treatment: &Treatment,
     asked: &Asked,
     progress: &dyn Progress,
 ) -> Result<Column, TauError> {
     let (data, step_s) = (log.data, log.step_s);
-    let channel = &log.channels[at];
     let samples = channel.view(data, step_s);
     let (angles, outliers) = treatment.angles(&samples);
     let curves = asked.deviations.iter().map(|&deviation| {
@@ -248,7 +248,7 @@ fn column(
     let curves = curves.collect::<Result<_, TauError>>()?;
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
     let count = angles.len().saturating_sub(1);
-    let simulated = Simulated::of(asked.simulated, count);
+    let simulated = Intervals::simulated(asked.simulated, count);
     let records = simulated.records;
     if asked.terms.is_some() && count.saturating_mul(records) > LONG {
         progress.note(&format!(

@@ -1,9 +1,10 @@
 //! `noise.toml`: the identified coefficients of a column, in the form that studies read.
 
-use crate::allan::unit::Unit;
-use crate::fit::coefficient::Coefficient;
+use crate::allan::Unit;
+use crate::fit::Coefficient;
 use crate::quantity::number::significant;
-use crate::theory::allan::terms::{Shape, Term};
+use crate::theory::allan::Term;
+use crate::theory::allan::terms::Shape;
 
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};

@@ -1,7 +1,6 @@
 //! Notes attached to the results of an analysis.
 
-use crate::allan::unit::Unit;
-use crate::analysis::data_sheet::Intervals;
+use crate::allan::Unit;
 use crate::analysis::log::{Analysis, Column};
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
@@ -13,63 +12,47 @@ const UNLIKELY: f64 = 1e-9;
 
 /// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
-    let mut notes = Vec::new();
-    for column in &analysis.columns {
-        if let Some(unit) = &column.overruled {
-            notes.push(format!("{}: the header says {unit}, but the given unit was used", column.name));
-        }
-        if let Err(why) = &column.noise {
-            notes.push(format!("{}: no coefficients: {why}", column.name));
-        }
-        if column.unit == Unit::Plain && column.noise().is_some() {
-            notes.push(format!("{}: no noise.toml: plain numbers are not the noise of a gyro", column.name));
-        }
-        if let Some(Intervals::ClosedForm { why: Some(why) }) = column.noise().map(|noise| &noise.intervals) {
-            notes.push(format!("{}: intervals of coefficients are in closed form: {why}", column.name));
-        }
-        if let Some(noise) = column.noise()
-            && noise.fit.p_value().is_some_and(|p| p < UNLIKELY)
-        {
-            notes.push(format!(
-                "{}: the fit does not describe the curve, χ² = {} of {} degrees of freedom: other terms are needed, \
-                 and the coefficients mean little",
-                column.name,
-                significant(noise.fit.chi_squared, 3),
-                noise.fit.degrees_of_freedom
-            ));
-        }
-        if column.missing > 0 && column.noise().is_some() {
-            notes.push(format!(
-                "{}: intervals of coefficients are those of a record without gaps",
-                column.name
-            ));
-        }
-        notes.extend(missing(column, analysis.samples));
-        notes.extend(outliers(column, analysis));
-    }
-    notes
+    let of_column = |column: &Column| {
+        let notes = of_column(column, analysis).into_iter().flatten();
+        notes.map(|note| format!("{}: {note}", column.name)).collect::<Vec<_>>()
+    };
+    analysis.columns.iter().flat_map(of_column).collect()
 }
 
-fn missing(column: &Column, samples: usize) -> Option<String> {
-    let percent = significant(100.0 * column.missing as f64 / samples.max(1) as f64, 2);
-    let said = || {
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
+    let noise = column.noise();
+    let misfit = noise.filter(|noise| noise.fit.p_value().is_some_and(|p| p < UNLIKELY)).map(|noise| {
         format!(
-            "{}: {} of {samples} samples are missing ({percent} %); terms that touch a gap are left out",
-            column.name, column.missing
+            "the fit does not describe the curve, χ² = {} of {} degrees of freedom: other terms are needed, and the \
+             coefficients mean little",
+            significant(noise.fit.chi_squared, 3),
+            noise.fit.degrees_of_freedom
         )
-    };
-    (column.missing > 0).then(said)
+    });
+    let closed = noise.and_then(|noise| noise.intervals.without.as_ref());
+    let (is_plain, has_gaps) = (column.unit == Unit::Plain, column.missing > 0);
+    let said = |when: bool, what: &str| when.then(|| what.to_owned());
+    [
+        column.overruled.as_ref().map(|unit| format!("the header says {unit}, but the given unit was used")),
+        column.noise.as_ref().err().map(|why| format!("no coefficients: {why}")),
+        said(is_plain && noise.is_some(), "no noise.toml: plain numbers are not the noise of a gyro"),
+        closed.map(|why| format!("intervals of coefficients are in closed form: {why}")),
+        misfit,
+        said(has_gaps && noise.is_some(), "intervals of coefficients are those of a record without gaps"),
+        has_gaps.then(|| missing(column.missing, analysis.samples)),
+        outliers(column, analysis),
+    ]
+}
+
+fn missing(missing: usize, samples: usize) -> String {
+    let percent = significant(100.0 * missing as f64 / samples.max(1) as f64, 2);
+    format!("{missing} of {samples} samples are missing ({percent} %); terms that touch a gap are left out")
 }
 
 fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     const MOST: usize = 5;
     let found = &column.outliers.samples;
-    let start_s = analysis.treatment.skip_s;
-    let times: Vec<String> = found
-        .iter()
-        .take(MOST)
-        .map(|&sample| significant(start_s + sample as f64 * analysis.step_s, 9))
-        .collect();
+    let times: Vec<String> = analysis.times(found).take(MOST).map(|time_s| significant(time_s, 9)).collect();
     let more = if found.len() > MOST { ", …" } else { "" };
     let fate = match analysis.treatment.outliers_removed {
         true => "treated as gaps",
@@ -79,9 +62,8 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let of = if analysis.data == Data::Angle { "increments " } else { "" };
     (!found.is_empty()).then(|| {
         format!(
-            "{}: {} {named}, {of}more than {OUTLYING} standard deviations ({} in the file's unit) from the median of \
-             their neighbours, at {}{more} s: {fate}",
-            column.name,
+            "{} {named}, {of}more than {OUTLYING} standard deviations ({} in the file's unit) from the median of their \
+             neighbours, at {}{more} s: {fate}",
             found.len(),
             significant(column.outliers.threshold, 3),
             times.join(", "),
@@ -92,12 +74,8 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
 /// The file, its rate and the part that was used.
 pub fn heading(analysis: &Analysis) -> String {
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
-    format!(
-        "{file}: {} samples at {} Hz, {}",
-        analysis.samples,
-        significant(1.0 / analysis.step_s, 7),
-        duration(analysis.length_s())
-    )
+    let (samples, length) = (analysis.samples, duration(analysis.length_s()));
+    format!("{file}: {samples} samples at {} Hz, {length}", significant(1.0 / analysis.step_s, 7))
 }
 
 /// Text for a comment in a file, which must be a single line without control characters.

@@ -1,8 +1,6 @@
 //! The results of `sagnac allan` as a table and as JSON.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::allan::trend::Trend;
+use crate::allan::{Deviation, Point, Trend};
 use crate::analysis::data_sheet::Row;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -57,16 +55,17 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
     let treatment = &analysis.treatment.summary();
-    let curves = analysis.columns.iter();
-    let curves = curves.flat_map(|column| column.curves.iter().map(move |curve| (column, curve)));
-    let of_curve = |(column, curve)| move |point| CurveRow { column, curve, point, treatment };
-    let rows: Vec<CurveRow> = curves
-        .flat_map(|(column, curve): (_, &Curve)| curve.points.iter().map(of_curve((column, curve))))
-        .collect();
+    let mut rows = Vec::new();
+    for column in &analysis.columns {
+        for curve in &column.curves {
+            rows.extend(curve.points.iter().map(|point| CurveRow { column, curve, point, treatment }));
+        }
+    }
     Table { columns: columns_of(&curve_columns(), &rows) }
 }
 
-fn text(text: &str) -> Cell {
+/// A text, or a blank where it is empty.
+pub(crate) fn text(text: &str) -> Cell {
     if text.is_empty() { Cell::Blank } else { text.into() }
 }
 
@@ -79,14 +78,10 @@ pub(crate) struct Line<'a> {
 
 /// The coefficients of a column and the minimum of its curve.
 fn lines(column: &log::Column) -> Vec<Line<'_>> {
-    let line = |row: &Row, intervals: &str| Line {
-        column: &column.name,
-        row: row.clone(),
-        intervals: intervals.to_owned(),
-    };
     let name = column.noise().map_or_else(String::new, |noise| noise.intervals.name());
-    let found = column.coefficients().iter().map(|row| line(row, &name));
-    found.chain(stability(column).iter().map(|row| line(row, "of the curve"))).collect()
+    let found = column.coefficients().iter().cloned().map(|row| (row, name.clone()));
+    let stability = stability(column).into_iter().map(|row| (row, "of the curve".to_owned()));
+    found.chain(stability).map(|(row, intervals)| Line { column: &column.name, row, intervals }).collect()
 }
 
 /// The columns of `coefficients.csv`, in the order of the file.
@@ -181,12 +176,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
     /// Most outliers in a document, which suffice to find them.
     const MOST: usize = 100;
     let outliers = &column.outliers;
-    let times: Vec<f64> = outliers
-        .samples
-        .iter()
-        .take(MOST)
-        .map(|&sample| analysis.treatment.skip_s + sample as f64 * analysis.step_s)
-        .collect();
+    let times: Vec<f64> = analysis.times(&outliers.samples).take(MOST).collect();
     let curves: Vec<Value> = column.curves.iter().map(|curve| of_curve(column, curve)).collect();
     json!({
         "column": column.name,
@@ -199,7 +189,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
         "coefficients_missing": column.noise.as_ref().err(),
         "coefficient_intervals": column.noise().map(|noise| json!({
             "from": noise.intervals.name(),
-            "simulated_records": noise.intervals.records(),
+            "simulated_records": noise.intervals.records,
         })),
         "curves": curves,
     })

@@ -41,46 +41,36 @@ impl Log {
 
     /// The message and the help for a fault of a column.
     fn told(&self, channel: &Channel, fault: Fault) -> (String, String) {
-        let (name, file) = (&channel.name, &self.file);
+        let column = format!("column {} of {}", channel.name, self.file);
         let help_off = "if the unit is right, say `unit_check = off`";
-        match fault {
-            Fault::TooFew { there } => {
+        let (message, help) = match fault {
+            Fault::TooFew(there) => {
                 let samples = if there == 1 { "sample" } else { "samples" };
-                (
-                    format!(
-                        "column {name} of {file} has {there} {samples}, at least {LEAST_SAMPLES} are needed"
-                    ),
-                    "record longer, or skip less; the rows of an array are samples, its columns axes"
-                        .to_owned(),
-                )
+                let help = "record longer, or skip less; the rows of an array are samples, its columns axes";
+                (format!("has {there} {samples}, at least {LEAST_SAMPLES} are needed"), help.to_owned())
             }
-            Fault::Constant { there, value } => (
-                format!("column {name} of {file} is constant: all {there} samples are {value}"),
-                "is it the right column, and was the sensor on? a constant has no deviation to show"
-                    .to_owned(),
-            ),
-            Fault::DegreesAsRadians { mean } => {
+            Fault::Constant { there, value } => {
+                let help =
+                    "is it the right column, and was the sensor on? a constant has no deviation to show";
+                (format!("is constant: all {there} samples are {value}"), help.to_owned())
+            }
+            Fault::DegreesAsRadians(mean) => {
                 let other = if self.data == Data::Rate { "`unit = deg/s`" } else { "`unit = deg`" };
                 let message = format!(
-                    "column {name} of {file} looks like degrees taken for radians: its mean is {}, \
-                     in degrees it would be {}, as a gyro at rest shows of the Earth's 15.04 °/h",
+                    "looks like degrees taken for radians: its mean is {}, in degrees it would be {}, as a gyro at rest \
+                     shows of the Earth's 15.04 °/h",
                     rate(mean),
                     rate(mean / DEGREES)
                 );
                 (message, format!("give {other}; {help_off}"))
             }
-            Fault::NeverAtRest { mean } => (
-                format!(
-                    "column {name} of {file} has a mean rate of {}, which no gyro at rest has",
-                    rate(mean)
-                ),
-                format!(
-                    "is {} its unit? is `data = {}` right? {help_off}",
-                    channel.unit.text,
-                    self.data.name()
-                ),
-            ),
-        }
+            Fault::NeverAtRest(mean) => {
+                let (unit, data) = (&channel.unit.text, self.data.name());
+                let help = format!("is {unit} its unit? is `data = {data}` right? {help_off}");
+                (format!("has a mean rate of {}, which no gyro at rest has", rate(mean)), help)
+            }
+        };
+        (format!("{column} {message}"), help)
     }
 }
 

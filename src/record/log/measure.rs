@@ -1,33 +1,23 @@
 //! The quantity measured by a log, and its unit.
 
+use crate::key::holds::words;
 use crate::quantity::units::{Dimension, parse as parse_quantity, parse_unit};
 
-/// The quantity of the numbers of a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Data {
-    /// The mean angular rate over a sample.
-    Rate,
-    /// The angle turned during a sample.
-    Increment,
-    /// The angle since some start; also for phase records.
-    Angle,
+words! {
+    /// The quantity of the numbers of a log.
+    pub enum Data {
+        /// The mean angular rate over a sample.
+        Rate = "rate",
+        /// The angle turned during a sample.
+        Increment = "increment",
+        /// The angle since some start; also for phase records.
+        Angle = "angle",
+    }
 }
 
 impl Data {
     fn dimension(self) -> Dimension {
-        match self {
-            Data::Rate => Dimension::Rate,
-            Data::Increment | Data::Angle => Dimension::Angle,
-        }
-    }
-
-    /// Name as in the option.
-    pub fn name(self) -> &'static str {
-        match self {
-            Data::Rate => "rate",
-            Data::Increment => "increment",
-            Data::Angle => "angle",
-        }
+        if self == Data::Rate { Dimension::Rate } else { Dimension::Angle }
     }
 }
 
@@ -79,17 +69,14 @@ impl Unit {
     /// # Errors
     /// The text is not a number with a unit per pulse, or the unit does not measure this `data`.
     pub fn parse_scale(text: &str, data: Data) -> Result<Unit, UnitMismatch> {
-        let wrong = |message: String| UnitMismatch {
-            message,
-            help: match data {
-                Data::Rate => {
-                    "write the rate of a pulse, as in `scale = \"0.01 deg/s/LSB\"`; pulses counted in each \
-                               sample are `data = increment`"
-                        .to_owned()
-                }
-                _ => "write the angle of a pulse, as in `scale = \"0.5 arcsec/pulse\"`".to_owned(),
-            },
+        let help = match data {
+            Data::Rate => {
+                "write the rate of a pulse, as in `scale = \"0.01 deg/s/LSB\"`; pulses counted in each sample are \
+                 `data = increment`"
+            }
+            _ => "write the angle of a pulse, as in `scale = \"0.5 arcsec/pulse\"`",
         };
+        let wrong = |message: String| UnitMismatch { message, help: help.to_owned() };
         let size = text.trim().rsplit_once('/').filter(|(_, per)| PULSES.contains(&per.trim()));
         let Some((size, _)) = size else {
             return Err(wrong(format!("the scale \"{text}\" is not the size of a pulse")));

@@ -7,17 +7,16 @@ use crate::record::error::RecordError;
 use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
-use crate::record::recording::{Limits, Origin, Recording};
-use crate::record::time::{Spacing, grid};
+use crate::record::recording::{Origin, Recording, Rules};
+use crate::record::time::grid;
 
-const LIMITS: Limits =
-    Limits { most: MOST_SAMPLES, missing: "leave the cell empty or write NaN where a sample is missing" };
-
-/// Steps within 10 % of whole multiples of the sampling step; longer ones are gaps.
-const EVEN: Spacing = Spacing {
+/// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
+const RULES: Rules = Rules {
+    most: MOST_SAMPLES,
+    missing: "leave the cell empty or write NaN where a sample is missing",
     jitter: 0.1,
     has_gaps: true,
-    help: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` instead \
+    uneven: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` instead \
            of stamps if the stamps are only rounded or late",
 };
 
@@ -93,10 +92,10 @@ impl Log {
             let message = "a column is requested twice";
             return Err(file.refuse(None, message, "these are the columns", "name each column once"));
         }
-        let mut columns = file.read(&all, &LIMITS)?;
+        let mut columns = file.read(&all, &RULES)?;
         if let Some(time) = time {
             let stamps = columns.remove(0);
-            let grid = grid(&stamps, step_s, MOST_SAMPLES, &EVEN)
+            let grid = grid(&stamps, step_s, &RULES)
                 .map_err(|fault| file.refuse_row(fault.row, time, fault.words))?;
             columns = columns.into_iter().map(|values| grid.spread(values)).collect();
             step_s *= grid.step;

@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::allan::angles::Angles;
-use crate::allan::trend::Trend;
+use crate::allan::{Angles, Trend};
 use crate::record::log::check::{LEAST_SAMPLES, UnitCheck};
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
@@ -47,11 +46,8 @@ pub struct Samples<'a> {
 /// Why samples are unusable or suspicious.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    /// There are fewer than [`LEAST_SAMPLES`] samples.
-    TooFew {
-        /// Number of samples that are not missing.
-        there: usize,
-    },
+    /// There are only so many samples that are not missing, fewer than [`LEAST_SAMPLES`].
+    TooFew(usize),
     /// All samples are equal.
     Constant {
         /// Number of samples that are not missing.
@@ -60,16 +56,10 @@ pub enum Fault {
         value: f64,
     },
     /// The samples are rates in rad whose mean is above the Earth's rotation plus 1 °/h of bias, but would not be in
-    /// degrees.
-    DegreesAsRadians {
-        /// Magnitude of the mean rate, ″/s.
-        mean: f64,
-    },
-    /// The mean rate is above 20 °/s, unlike that of any gyro at rest.
-    NeverAtRest {
-        /// Magnitude of the mean rate, ″/s.
-        mean: f64,
-    },
+    /// degrees; with the magnitude of the mean rate, ″/s.
+    DegreesAsRadians(f64),
+    /// The mean rate is above 20 °/s, unlike that of any gyro at rest; with its magnitude, ″/s.
+    NeverAtRest(f64),
 }
 
 impl<'a> Samples<'a> {
@@ -137,7 +127,7 @@ impl<'a> Samples<'a> {
         let mut known = self.values.iter().copied().filter(|sample| !sample.is_nan());
         let there = known.clone().count();
         if there < LEAST_SAMPLES {
-            return Some(Fault::TooFew { there });
+            return Some(Fault::TooFew(there));
         }
         let value = known.next().unwrap_or(0.0);
         if known.all(|sample| sample == value) {
@@ -148,9 +138,9 @@ impl<'a> Samples<'a> {
         }
         match self.mean_rate()?.abs() {
             mean if self.unit.text.contains("rad") && mean > AT_REST && mean <= AT_REST * DEGREES => {
-                Some(Fault::DegreesAsRadians { mean })
+                Some(Fault::DegreesAsRadians(mean))
             }
-            mean if mean > NEVER_AT_REST => Some(Fault::NeverAtRest { mean }),
+            mean if mean > NEVER_AT_REST => Some(Fault::NeverAtRest(mean)),
             _ => None,
         }
     }

@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use crate::key::scale::Scale;
 
 /// A chart of curves y(x).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Figure {
     /// Title, in bold.
     pub title: String,
@@ -38,7 +38,7 @@ pub struct Figure {
 }
 
 /// One axis.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Axis {
     /// Label, such as `rms error`.
     pub label: String,
@@ -53,6 +53,11 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// A logarithmic axis of numbers.
+    pub fn log(label: &str, unit: &str) -> Axis {
+        Axis { label: label.to_owned(), unit: unit.to_owned(), ..Axis::default() }
+    }
+
     /// The axis title: `rms error, ″`.
     pub fn title(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{}, {}", self.label, self.unit) }
@@ -66,6 +71,14 @@ pub struct Grouping {
     pub title: String,
     /// Entries from top to bottom.
     pub entries: Vec<Entry>,
+}
+
+impl Grouping {
+    /// The names of the styles 0, 1, 2, ….
+    pub fn of(title: &str, names: impl IntoIterator<Item = String>) -> Grouping {
+        let entries = names.into_iter().enumerate().map(|(style, name)| Entry { style, name });
+        Grouping { title: title.to_owned(), entries: entries.collect() }
+    }
 }
 
 /// The meaning of one style.

@@ -1,9 +1,12 @@
-//! `weights.csv`, with a row for each weight.
+//! The fillers as a JSON document, and `weights.csv`, with a row for each weight.
 
 use std::io;
 
-use crate::analysis::firmware::design::Firmware;
+use serde_json::{Value, json};
+
+use crate::analysis::firmware::{Closed, Design, Firmware, Rule};
 use crate::filler::FILLERS;
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -44,6 +47,41 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
 }
 
 impl Firmware {
+    /// All fillers as JSON.
+    pub fn document(&self) -> Value {
+        let of_rule = |(error, rule, closed): (Error, &Rule, Closed)| {
+            let whole = rule.whole();
+            json!({
+                "error": error.name(),
+                "ticks": rule.ticks,
+                "denominator": rule.denominator,
+                "exact": rule.exact,
+                "by_tick": (rule.rows.len() == self.gap_ticks as usize).then_some(&rule.rows),
+                "numerators": whole.numerators,
+                "weights": whole.values().collect::<Vec<_>>(),
+                "noise_gain": whole.noise_gain(),
+                "largest_gain": whole.largest_gain(),
+                "largest_input": rule.largest_input(),
+                "amplitude_arcsec": closed.amplitude,
+                "rms_arcsec": closed.rms,
+            })
+        };
+        let of_filler = |design: &Design| {
+            let errors: Vec<Value> = design.rules().map(of_rule).collect();
+            json!({ "name": design.name, "method": design.method, "errors": errors })
+        };
+        let at: serde_json::Map<String, Value> =
+            self.at.iter().map(|(key, value)| ((*key).to_owned(), json!(value.to_string()))).collect();
+        json!({
+            "title": self.title,
+            "at": at,
+            "tick_s": self.tick_s,
+            "gap_ticks": self.gap_ticks,
+            "fillers": self.designs.iter().map(of_filler).collect::<Vec<_>>(),
+            "no_rms_because": self.unsampled,
+        })
+    }
+
     /// Writes a line for each weight, of each lost tick and of their sum.
     ///
     /// # Errors
