@@ -2,7 +2,7 @@
 
 use crate::view::chart::area::Frame;
 use crate::view::chart::axes::TICK_SIZE;
-use crate::view::chart::canvas::{Canvas, Lettering};
+use crate::view::chart::canvas::{Canvas, Lettering, Set};
 use crate::view::chart::palette::{INK, MUTED};
 use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
@@ -63,7 +63,7 @@ impl Titles<'_> {
 /// Writes the title of a vertical axis upwards, its baseline at `x`, centred between two heights.
 pub(crate) fn draw_axis_title(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64), title: &str) {
     let title = text::fitted(title, AXIS_TITLE.size, false, bottom - top);
-    canvas.upward_text((x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
+    canvas.set_text(Set::Upwards, (x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
 }
 
 /// Says why the frame is empty: there is no `what`, such as `point`, or all `left_out` of them cannot be shown.
@@ -76,5 +76,5 @@ pub(crate) fn draw_nothing(canvas: &mut Canvas, what: &str, left_out: usize, fra
     // Above the middle, where a limit might be.
     let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
     let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
-    canvas.text_on_white(place, &why, lettering);
+    canvas.set_text(Set::OnWhite, place, &why, lettering);
 }

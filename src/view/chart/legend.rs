@@ -234,7 +234,7 @@ impl Sample {
         }
         if let Some(colour) = self.band {
             let (over, under) = (middle - 5.0, middle + 5.0);
-            canvas.area(&[(left, over), (right, over), (right, under), (left, under)], colour);
+            canvas.area(vec![(left, over), (right, over), (right, under), (left, under)], colour);
         }
         if let Some(stroke) = self.line {
             canvas.line(&[(left, middle), (right, middle)], stroke);

@@ -2,7 +2,7 @@
 
 use crate::key::scale::Scale;
 use crate::view::chart::area::{Area, Frame};
-use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::{Figure, Limit, Series, SeriesPoint};
 use crate::view::chart::legend::{law_stroke, part_stroke};
 use crate::view::chart::palette::{self, LIMIT};
@@ -134,7 +134,7 @@ impl Plot<'_> {
                             canvas.line(&[(x - 5.0, y), (x + 5.0, y)], stroke);
                         }
                     }
-                    _ => canvas.area(&corners, colour),
+                    _ => canvas.area(corners, colour),
                 }
             }
         }
@@ -207,6 +207,6 @@ impl Plot<'_> {
         let starts = [left + 10.0, right - width - 10.0, 0.5 * (left + right - width)];
         let start = starts.into_iter().min_by_key(|&start| covered(start)).unwrap_or(left);
         let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
-        canvas.text_on_white((start, y), &label, lettering);
+        canvas.set_text(Set::OnWhite, (start, y), &label, lettering);
     }
 }

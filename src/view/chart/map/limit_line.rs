@@ -1,7 +1,7 @@
 //! The limit on a heat map: the line along which the values reach it.
 
 use crate::view::chart::area::{Area, Frame};
-use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::Limit;
 use crate::view::chart::map::Map;
 use crate::view::chart::map::contour::contour;
@@ -100,7 +100,7 @@ fn draw_label(canvas: &mut Canvas, lines: &[Vec<(f64, f64)>], frame: Frame, labe
     });
     if let Some(place) = places.filter(within).min_by_key(|place| covered(*place)) {
         let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
-        canvas.text_on_white(place, &label, lettering);
+        canvas.set_text(Set::OnWhite, place, &label, lettering);
     }
 }
 
