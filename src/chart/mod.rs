@@ -1,7 +1,6 @@
 //! The specification of a chart, as given in a study and as drawn. Columns are given by name and not yet looked up in a
 //! table.
 
-pub(crate) mod columns;
 pub mod file;
 pub(crate) mod ground;
 pub(crate) mod law;
