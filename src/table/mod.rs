@@ -2,6 +2,8 @@
 
 pub(crate) mod column;
 
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::io;
 
 use crate::quantity::number::significant;
@@ -130,6 +132,11 @@ impl Column {
         } else {
             format!("{}, {}", self.label, self.unit.symbol)
         }
+    }
+
+    /// The 95 % interval of a cell, where there is one.
+    pub fn interval(&self, row: usize) -> Option<(f64, f64)> {
+        self.band.as_ref()?.get(row).copied().flatten()
     }
 
     /// A value of the column as in a sentence: `vibration frequency 20 Hz`, `lost ticks n = 3`.
@@ -272,6 +279,23 @@ impl Table {
         }
         writer.flush()
     }
+}
+
+/// Rows by a key that each has, in the order of their first rows.
+pub(crate) fn grouped<K: Clone + Eq + Hash>(
+    rows: impl IntoIterator<Item = usize>,
+    key: impl Fn(usize) -> K,
+) -> Vec<(K, Vec<usize>)> {
+    let (mut groups, mut places): (Vec<(K, Vec<usize>)>, _) = (vec![], HashMap::new());
+    for row in rows {
+        let key = key(row);
+        let place = *places.entry(key.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((key, vec![]));
+        }
+        groups[place].1.push(row);
+    }
+    groups
 }
 
 /// Finds a column as [`Table::column`] does, among columns that need not form a table.

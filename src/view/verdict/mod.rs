@@ -23,12 +23,10 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, ColumnError, Role, Table};
+use crate::table::{Cell, Column, ColumnError, Role, Table, grouped};
 
 /// A question about a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,26 +96,16 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     if named {
         series.push(x);
     }
-    let mut curves: Vec<Vec<usize>> = Vec::new();
-    let mut place = BTreeMap::new();
-    // The least and the greatest x without a value, for each curve.
-    let mut blank: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
-    for row in table.rows_where(&question.filter)? {
-        let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
-        let Some(at) = x.cells[row].number().or(named.then_some(0.0)) else { continue };
-        if y.cells[row].number().is_none() {
-            let (least, greatest) = blank.entry(key).or_insert((at, at));
-            (*least, *greatest) = (least.min(at), greatest.max(at));
-        } else {
-            let next = curves.len();
-            let curve = *place.entry(key).or_insert(next);
-            if curve == next {
-                curves.push(Vec::new());
-            }
-            curves[curve].push(row);
-        }
-    }
-    let answer = |mut rows: Vec<usize>| {
+    let placed = |row: &usize| named || x.cells[*row].number().is_some();
+    let rows = table.rows_where(&question.filter)?.into_iter().filter(placed);
+    let curves =
+        grouped(rows, |row| series.iter().map(|column| column.cells[row].text()).collect::<Vec<_>>());
+    let has_value = |row: &usize| y.cells[*row].number().is_some();
+    let parts = curves.into_iter().map(|(_, rows)| rows.into_iter().partition(has_value));
+    let mut curves: Vec<(Vec<usize>, Vec<usize>)> =
+        parts.filter(|(known, _): &(Vec<_>, _)| !known.is_empty()).collect();
+    curves.sort_by_key(|(known, _)| known[0]);
+    let answer = |(mut rows, blank): (Vec<usize>, Vec<usize>)| {
         rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
         let last = rows[rows.len() - 1];
         // Values of both signs are judged by their magnitude.
@@ -161,10 +149,8 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let until = again.map_or(vec![], |(before, after)| crossing(before, after));
         let named: Vec<(&Column, &Cell)> =
             series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
-        let key: Vec<String> = named.iter().map(|(_, cell)| cell.text()).collect();
-        let blank = blank.get(&key);
-        let open = blank.is_some_and(|(_, end)| *end > value(x, last));
-        let late = blank.is_some_and(|(start, _)| *start < value(x, rows[0]));
+        let open = blank.iter().any(|&row| value(x, row) > value(x, last));
+        let late = blank.iter().any(|&row| value(x, row) < value(x, rows[0]));
         let first = if late { crossing(rows[0], rows[0]) } else { vec![] };
         let most = rows.iter().map(|&row| value(y, row).abs()).fold(0.0, f64::max);
         Answer { series: named, outcome, at, most, open, until, again: is_again, first }

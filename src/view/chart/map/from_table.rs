@@ -61,8 +61,7 @@ impl Map {
 
 /// The estimate of each cell, for each of `series` series.
 fn estimates(grid: &Grid, z: &Column, series: usize) -> Vec<Vec<Option<Estimate>>> {
-    let band = |row: usize| z.band.as_ref().and_then(|band| band.get(row).copied().flatten());
-    let estimate = |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, band(row))));
+    let estimate = |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, z.interval(row))));
     grid.found.iter().take(series).map(|found| found.iter().map(estimate).collect()).collect()
 }
 
