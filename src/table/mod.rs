@@ -134,6 +134,11 @@ impl Column {
         }
     }
 
+    /// The value of a cell; NaN where it is not a number.
+    pub(crate) fn value(&self, row: usize) -> f64 {
+        self.cells[row].number().unwrap_or(f64::NAN)
+    }
+
     /// The 95 % interval of a cell, where there is one.
     pub fn interval(&self, row: usize) -> Option<(f64, f64)> {
         self.band.as_ref()?.get(row).copied().flatten()

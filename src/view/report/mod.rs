@@ -21,6 +21,8 @@ pub(crate) mod page;
 pub(crate) mod sentences;
 pub mod source;
 pub(crate) mod standing;
+#[cfg(test)]
+mod tests;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
 pub use crate::view::report::answer::{Answer, answer};

@@ -119,7 +119,7 @@ fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> S
 mod tests {
     use super::*;
     use crate::table::Unit;
-    use crate::view::report::sentences::tests::table;
+    use crate::view::report::tests::table;
     use crate::view::verdict::{Question, verdict};
 
     fn judged(curves: &[(&str, [f64; 3])]) -> String {

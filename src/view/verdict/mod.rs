@@ -106,10 +106,10 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         parts.filter(|(known, _): &(Vec<_>, _)| !known.is_empty()).collect();
     curves.sort_by_key(|(known, _)| known[0]);
     let answer = |(mut rows, blank): (Vec<usize>, Vec<usize>)| {
-        rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
+        rows.sort_by(|&a, &b| x.value(a).total_cmp(&x.value(b)));
         let last = rows[rows.len() - 1];
         // Values of both signs are judged by their magnitude.
-        let is_above = |row: usize| value(y, row).abs() > question.limit;
+        let is_above = |row: usize| y.value(row).abs() > question.limit;
         let mut again = None;
         let within_from = |at: usize| rows[at..].iter().any(|&row| !is_above(row));
         let mut is_again = false;
@@ -139,9 +139,9 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
             }
         };
         let crossing = |before: usize, after: usize| {
-            let part = fraction(value(y, before), value(y, after), question.limit);
+            let part = fraction(y.value(before), y.value(after), question.limit);
             coordinates(table, x, rows[0], last)
-                .map(|column| (column, between(value(column, before), value(column, after), part)))
+                .map(|column| (column, between(column.value(before), column.value(after), part)))
                 .filter(|(_, value)| value.is_finite())
                 .collect::<Vec<_>>()
         };
@@ -149,17 +149,13 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let until = again.map_or(vec![], |(before, after)| crossing(before, after));
         let named: Vec<(&Column, &Cell)> =
             series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
-        let open = blank.iter().any(|&row| value(x, row) > value(x, last));
-        let late = blank.iter().any(|&row| value(x, row) < value(x, rows[0]));
+        let open = blank.iter().any(|&row| x.value(row) > x.value(last));
+        let late = blank.iter().any(|&row| x.value(row) < x.value(rows[0]));
         let first = if late { crossing(rows[0], rows[0]) } else { vec![] };
-        let most = rows.iter().map(|&row| value(y, row).abs()).fold(0.0, f64::max);
+        let most = rows.iter().map(|&row| y.value(row).abs()).fold(0.0, f64::max);
         Answer { series: named, outcome, at, most, open, until, again: is_again, first }
     };
     Ok(curves.into_iter().map(answer).collect())
-}
-
-fn value(column: &Column, row: usize) -> f64 {
-    column.cells[row].number().unwrap_or(f64::NAN)
 }
 
 /// The coordinates that describe the place on a curve between the rows `a` and `b`: x, and those coordinates and keys
