@@ -321,7 +321,7 @@ mod tests {
         let of = |series: &Series| series.points.iter().map(|point| (point.x, point.y)).collect::<Vec<_>>();
         assert_eq!(of(&figure.series[0]), [(1.0, 4.0), (2.0, 5.0), (3.0, 4.0)]);
         assert_eq!(of(&figure.series[1]), [(1.0, 2.0), (2.0, 2.0), (3.0, 2.0)]);
-        let svg = figure.svg();
+        let svg = figure.canvas().svg();
         for name in ["const", "quad", "copy"] {
             assert_eq!(svg.matches(&format!(">{name}<")).count(), 1, "{name}");
         }

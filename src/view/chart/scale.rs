@@ -30,7 +30,7 @@ impl Scale {
     }
 
     /// The value at a coordinate.
-    fn value(self, coordinate: f64) -> f64 {
+    pub(crate) fn value(self, coordinate: f64) -> f64 {
         match self {
             Scale::Log => libm::pow(10.0, coordinate),
             Scale::Linear => coordinate,
@@ -68,6 +68,14 @@ pub(crate) struct Range {
 }
 
 impl Range {
+    /// The range of cells with these `edges`; arbitrary without cells.
+    pub(crate) fn between(scale: Scale, edges: &[f64]) -> Range {
+        match *edges {
+            [low, .., high] => Range { scale, low, high },
+            _ => Range::around(scale, []),
+        }
+    }
+
     /// A range with all of `values` that the scale can show, and a margin around them; arbitrary without values.
     pub(crate) fn around(scale: Scale, values: impl IntoIterator<Item = f64>) -> Range {
         let ends =

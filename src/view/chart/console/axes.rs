@@ -40,11 +40,24 @@ impl<'a> Frame<'a> {
         (self.x.1.fraction(x), self.y.1.fraction(y))
     }
 
+    /// A chart as lines of text, each with its line end: the title, the page with its axes, and the legend with the
+    /// rows `chosen` last.
+    pub(crate) fn text(
+        &self,
+        title: &str,
+        page: &Page,
+        mut entries: Vec<String>,
+        chosen: &[String],
+    ) -> String {
+        entries.extend(chosen.iter().map(|chosen| self.look.spelled(chosen)));
+        format!("{}\n{}{}", self.look.spelled(title), self.drawn(page), legend(&entries, self.look))
+    }
+
     /// The page with its axes: the title of y, the rows, the labels and the title of x.
-    pub(crate) fn drawn(&self, page: &Page) -> String {
+    fn drawn(&self, page: &Page) -> String {
         let Frame { look, margin, .. } = *self;
         let [side, tick, corner, base, mark] =
-            if look.unicode { ['│', '┤', '└', '─', '┬'] } else { ['|', '+', '+', '-', '+'] };
+            look.either(['│', '┤', '└', '─', '┬'], ['|', '+', '+', '-', '+']);
         let mut text = format!("{}\n", look.spelled(&self.y.0.title()));
         for (row, label) in self.labels.iter().enumerate() {
             let (label, side) = label.as_ref().map_or(("", side), |label| (label.as_str(), tick));
@@ -69,10 +82,7 @@ impl<'a> Frame<'a> {
                     continue;
                 }
                 line[at] = mark;
-                row[start..start + length]
-                    .iter_mut()
-                    .zip(label.chars())
-                    .for_each(|(cell, sign)| *cell = sign);
+                row[start..].iter_mut().zip(label.chars()).for_each(|(cell, sign)| *cell = sign);
                 *free = start + length + 1;
             }
         }
@@ -102,7 +112,7 @@ fn in_rows(label: &str, most: usize) -> Vec<String> {
 }
 
 /// Entries of a legend in lines as wide as the terminal; widths are those of visible characters.
-pub(crate) fn legend(entries: &[String], look: Look) -> String {
+fn legend(entries: &[String], look: Look) -> String {
     let (mut text, mut used) = (String::new(), 0);
     for entry in entries {
         let length = seen(entry);

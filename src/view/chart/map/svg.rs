@@ -1,4 +1,4 @@
-//! A map as SVG.
+//! A map as shapes.
 
 use crate::key::scale::Scale;
 use crate::view::chart::area::{Area, Frame};
@@ -10,27 +10,13 @@ use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
 use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
-#[cfg(feature = "png")]
-use crate::view::chart::png::PngError;
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
 impl Map {
-    /// The map as SVG, 1000 CSS px wide. Equal maps give equal bytes on every machine.
-    pub fn svg(&self) -> String {
-        self.canvas().svg()
-    }
-
-    /// The map as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
-    ///
-    /// # Errors
-    /// The scale does not give a picture of 1 to 20000 pixels each way.
-    #[cfg(feature = "png")]
-    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
-        self.canvas().png(scale)
-    }
-
-    fn canvas(&self) -> Canvas {
+    /// The shapes of the map.
+    pub(crate) fn canvas(&self) -> Canvas {
+        let range = |scale: Scale, values| Range::between(scale, &scale.edges(values));
         let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
         let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
         let colours = self.colours();
@@ -176,14 +162,6 @@ fn unjudged_rows() -> Vec<Row> {
     lines.map(|line| Row::Remark(line.to_owned())).into()
 }
 
-/// The range of an axis: the cells, from edge to edge.
-fn range(scale: Scale, values: &[f64]) -> Range {
-    match scale.edges(values)[..] {
-        [low, .., high] => Range { scale, low, high },
-        _ => Range::around(scale, []),
-    }
-}
-
 /// The ticks of an axis: those of its scale, or one at each of a few well-separated counts.
 fn ticks(axis: &Axis, range: Range, cells: &[f64]) -> Ticks {
     /// Least distance of two labels, relative to the length of the axis.
@@ -209,7 +187,7 @@ mod tests {
                 whole,
                 names: vec![],
             };
-            let range = range(axis.scale, values);
+            let range = Range::between(axis.scale, &axis.scale.edges(values));
             ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
         };
         let labels = |values: &[f64]| labels_of(true, values);
