@@ -123,7 +123,7 @@ impl<'a> Asked<'a> {
     /// The verdict, after the minimum of a chart over the switching interval: the interval is chosen, so the limit alone
     /// does not answer the question.
     fn judged(&self, verdict: &Verdict) -> Result<Option<String>, ColumnError> {
-        let judged = of_verdict(verdict.answers(), verdict.limit());
+        let judged = of_verdict(&verdict.answers, verdict.limit);
         let chosen = match self.interval_for_each() {
             None if self.is_over_interval() => {
                 best(&self.shown.table, self.estimate, &self.rows, &self.by()?).map(|best| best.sentence())
