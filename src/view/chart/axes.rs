@@ -14,6 +14,11 @@ const AXIS: Stroke = Stroke { colour: INK, width: 1.1, dash: "" };
 /// Lengths of ticks with and without a label.
 const LENGTHS: [f64; 2] = [6.0, 3.0];
 
+/// The width of the widest label.
+pub(crate) fn widest(ticks: &Ticks) -> f64 {
+    ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max)
+}
+
 /// Draws lines across the frame, stronger ones at the labelled ticks.
 pub(crate) fn draw_grid(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
     let Frame { left, top, right, bottom } = area.frame;

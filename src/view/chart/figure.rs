@@ -170,6 +170,11 @@ impl Figure {
         self.x.scale.shows(x) && self.y.scale.shows(y)
     }
 
+    /// The places of all lines of laws.
+    pub(crate) fn law_places(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.laws.iter().flat_map(|law| &law.lines).flat_map(|line| &line.points).copied()
+    }
+
     /// Whether any series has a closed form.
     pub(crate) fn has_laws(&self) -> bool {
         self.series.iter().any(|series| !series.law.is_empty())

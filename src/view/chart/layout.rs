@@ -1,8 +1,9 @@
 //! The layout common to all pictures: their size, their titles, and the room for their axes.
 
 use crate::view::chart::area::Frame;
-use crate::view::chart::axes::TICK_SIZE;
+use crate::view::chart::axes::widest;
 use crate::view::chart::canvas::{Canvas, Lettering, Set};
+use crate::view::chart::figure::Axis;
 use crate::view::chart::palette::{INK, MUTED};
 use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
@@ -24,19 +25,17 @@ const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, 
 pub(crate) struct Titles<'a> {
     pub title: &'a str,
     pub subtitle: Option<&'a str>,
-    /// Title under the horizontal axis.
-    pub x: String,
-    /// Title along the vertical axis.
-    pub y: String,
+    /// The horizontal axis.
+    pub x: &'a Axis,
+    /// The vertical axis.
+    pub y: &'a Axis,
 }
 
 impl Titles<'_> {
     /// The frame that leaves room for the titles, the labels of the vertical axis and `beside` px on the right.
     pub(crate) fn frame(&self, y_ticks: &Ticks, beside: f64) -> Frame {
-        let labels =
-            y_ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max);
         Frame {
-            left: MARGIN + AXIS_TITLE.size + 14.0 + labels + 10.0,
+            left: MARGIN + AXIS_TITLE.size + 14.0 + widest(y_ticks) + 10.0,
             top: if self.subtitle.is_some() { 86.0 } else { 66.0 },
             right: WIDTH - MARGIN - if beside > 0.0 { beside + MARGIN } else { 0.0 },
             bottom: HEIGHT - 72.0,
@@ -55,8 +54,12 @@ impl Titles<'_> {
         }
         let Frame { left, top, right, bottom } = frame;
         let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);
-        canvas.text((0.5 * (left + right), HEIGHT - 20.0), &fitted(&self.x, right - left), AXIS_TITLE);
-        draw_axis_title(canvas, MARGIN + 0.8 * AXIS_TITLE.size, (top, bottom), &self.y);
+        canvas.text(
+            (0.5 * (left + right), HEIGHT - 20.0),
+            &fitted(&self.x.title(), right - left),
+            AXIS_TITLE,
+        );
+        draw_axis_title(canvas, MARGIN + 0.8 * AXIS_TITLE.size, (top, bottom), &self.y.title());
     }
 }
 

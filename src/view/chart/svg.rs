@@ -18,12 +18,8 @@ impl Figure {
             x_ticks.major.iter_mut().for_each(|(_, label)| label.clear());
         }
         let legend = Legend::of(self);
-        let titles = Titles {
-            title: &self.title,
-            subtitle: self.subtitle.as_deref(),
-            x: self.x.title(),
-            y: self.y.title(),
-        };
+        let (title, subtitle) = (&self.title, self.subtitle.as_deref());
+        let titles = Titles { title, subtitle, x: &self.x, y: &self.y };
         let frame = titles.frame(&y_ticks, legend.width());
         let area = Area { x, y, frame };
         let plot = Plot { figure: self, area };

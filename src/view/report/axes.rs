@@ -49,10 +49,11 @@ fn of_curves(figure: &Figure) -> Axes {
         ys.push(point.y);
         ys.extend(point.band.into_iter().flat_map(|(low, high)| [low, high]));
     }
-    let laws = figure.laws.iter().flat_map(|law| &law.lines).map(|line| &line.points);
-    for (x, y) in laws.chain(figure.series.iter().map(|series| &series.law)).flatten() {
-        xs.push(*x);
-        ys.push(*y);
+    for (x, y) in
+        figure.law_places().chain(figure.series.iter().flat_map(|series| series.law.iter().copied()))
+    {
+        xs.push(x);
+        ys.push(y);
     }
     ys.extend(figure.limit.as_ref().map(|limit| limit.value));
     Axes { x: ladders(&figure.x, &xs), y: ladders(&figure.y, &ys), z: None, edges: None }

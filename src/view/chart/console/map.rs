@@ -5,7 +5,7 @@ use crate::view::chart::console::Look;
 use crate::view::chart::console::axes::Frame;
 use crate::view::chart::figure::Grouping;
 use crate::view::chart::map::{Cells, Map};
-use crate::view::chart::scale::Range;
+use crate::view::chart::scale::{Range, extent};
 
 /// Shades from the least to the largest value.
 const SHADES: [char; 5] = ['·', '░', '▒', '▓', '█'];
@@ -70,9 +70,8 @@ fn letter(style: usize) -> char {
 /// The boundaries between shades, ascending; a limit is one of them.
 fn ends(map: &Map) -> Vec<f64> {
     let Cells::Values(values) = &map.cells else { return vec![] };
-    let known = || values.iter().flatten().copied();
-    let low = known().fold(f64::INFINITY, f64::min);
-    let high = known().fold(f64::NEG_INFINITY, f64::max);
+    let known = values.iter().flatten().copied();
+    let (low, high) = extent(known).unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
     let scale = map.z.scale;
     let part = |low: f64, high: f64, part: f64| {
         let [low, high] = [low, high].map(|end| scale.coordinate(end));

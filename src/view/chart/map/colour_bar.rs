@@ -1,13 +1,12 @@
 //! The scale of the colours, next to the map.
 
-use crate::view::chart::axes::TICK_SIZE;
+use crate::view::chart::axes::{TICK_SIZE, widest};
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::view::chart::layout::draw_axis_title;
 use crate::view::chart::map::colour_scale::colour;
 use crate::view::chart::map::limit_line;
 use crate::view::chart::palette::INK;
 use crate::view::chart::scale::Range;
-use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
 
 const WIDTH: f64 = 22.0;
@@ -29,13 +28,9 @@ pub(crate) struct ColourBar<'a> {
 }
 
 impl ColourBar<'_> {
-    fn labels(&self) -> f64 {
-        self.ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max)
-    }
-
     /// The total width.
     pub(crate) fn width(&self) -> f64 {
-        WIDTH + TO_LABELS + self.labels() + TO_TITLE
+        WIDTH + TO_LABELS + widest(self.ticks) + TO_TITLE
     }
 
     /// Draws it to the right of `left`.
@@ -66,7 +61,7 @@ impl ColourBar<'_> {
         }
         draw_axis_title(
             canvas,
-            right + TO_LABELS + self.labels() + TO_TITLE - 3.0,
+            right + TO_LABELS + widest(self.ticks) + TO_TITLE - 3.0,
             (top, bottom),
             self.title,
         );

@@ -10,7 +10,7 @@ use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
 use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
-use crate::view::chart::scale::Range;
+use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::ticks::Ticks;
 
 impl Map {
@@ -29,12 +29,8 @@ impl Map {
             limit: self.limit_on(colours),
         });
         let legend = self.legend();
-        let titles = Titles {
-            title: &self.title,
-            subtitle: self.subtitle.as_deref(),
-            x: self.x.title(),
-            y: self.y.title(),
-        };
+        let (title, subtitle) = (&self.title, self.subtitle.as_deref());
+        let titles = Titles { title, subtitle, x: &self.x, y: &self.y };
         let frame = titles.frame(&y_ticks, legend.width().max(bar.as_ref().map_or(0.0, ColourBar::width)));
         let area = Area { x, y, frame };
         let edges = Edges::new(self, &area);
@@ -61,11 +57,12 @@ impl Map {
 
     /// The scale of the colours: exactly the range of the values shown, or a range around a single one.
     fn colours(&self) -> Range {
-        let values: Vec<f64> = self.values().into_iter().flatten().collect();
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let scale = self.z.scale;
-        if low < high { Range { scale, low, high } } else { Range::around(scale, values) }
+        let (scale, values) = (self.z.scale, self.values());
+        let values = || values.iter().copied().flatten();
+        match extent(values()) {
+            Some((low, high)) if low < high => Range { scale, low, high },
+            _ => Range::around(scale, values()),
+        }
     }
 
     /// The limit, where it is on the scale of the colours.
@@ -93,12 +90,9 @@ impl Map {
         if let Cells::Winners { of, won, banded } = &self.cells {
             let won: Vec<Won> = won.iter().copied().flatten().collect();
             let entry = |style: usize, name: &str| {
-                let fill = Some((palette::area_colour(style), false));
                 let cells = won.iter().filter(|won| won.style == style).count();
-                wrapped_entry(
-                    Sample { fill, ..Sample::default() },
-                    &format!("{name}: {}", share(cells, won.len())),
-                )
+                let sample = Sample::Area(palette::area_colour(style), false);
+                wrapped_entry(sample, &format!("{name}: {}", share(cells, won.len())))
             };
             let judged = Row::Remark(format!("with the least {}", self.z.label));
             let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
@@ -118,32 +112,19 @@ impl Map {
         let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
             return vec![];
         };
-        let known = self.known();
+        let (known, label) = (self.known(), limit.label.replace(' ', "\u{a0}"));
         let (sample, text) = match self.cells {
             Cells::Values(_) => {
-                let line = Some(Stroke { colour: LIMIT, width: 2.2, dash: "" });
-                (
-                    Sample { line, ..Sample::default() },
-                    format!("{}, within: {}", no_break(&limit.label), share(within, known)),
-                )
+                let line = Stroke { colour: LIMIT, width: 2.2, dash: "" };
+                (Sample::Line(line), format!("{label}, within: {}", share(within, known)))
             }
             Cells::Winners { .. } => {
-                let fill = Some(("#ffffff", true));
-                let text = format!(
-                    "even the least is over the {}: {}",
-                    no_break(&limit.label),
-                    share(known - within, known)
-                );
-                (Sample { fill, ..Sample::default() }, text)
+                let over = share(known - within, known);
+                (Sample::Area("#ffffff", true), format!("even the least is over the {label}: {over}"))
             }
         };
         wrapped_entry(sample, &text)
     }
-}
-
-/// A text with its spaces replaced by no-break spaces.
-fn no_break(text: &str) -> String {
-    text.replace(' ', "\u{a0}")
 }
 
 /// Rows with the number of uncertain winners, if there are any.
@@ -153,7 +134,7 @@ fn close_rows(won: &[Won]) -> Vec<Row> {
         return vec![];
     }
     let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
-    wrapped_entry(Sample { fill: Some((PALE_MUTED, false)), ..Sample::default() }, &text)
+    wrapped_entry(Sample::Area(PALE_MUTED, false), &text)
 }
 
 /// Rows about leads where no intervals are known.
