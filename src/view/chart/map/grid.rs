@@ -6,24 +6,15 @@ use crate::key::scale::Scale;
 use crate::table::{Column, Table};
 use crate::view::chart::notes::ChartError;
 
-/// One axis of a grid, with its different values as files show them.
-struct Lines {
-    /// Values, ascending.
-    values: Vec<f64>,
-    /// The index of each value, by its text in files.
-    places: HashMap<String, usize>,
-}
-
-impl Lines {
-    fn new(column: &Column, rows: &[usize], scale: Scale) -> Lines {
-        let shown = |&row: &usize| column.cells[row].number().filter(|value| scale.shows(*value));
-        let mut cells: Vec<(f64, String)> =
-            rows.iter().filter_map(|row| Some((shown(row)?, column.cells[*row].text()))).collect();
-        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-        cells.dedup_by(|a, b| a.1 == b.1);
-        let places = cells.iter().enumerate().map(|(place, (_, text))| (text.clone(), place)).collect();
-        Lines { values: cells.into_iter().map(|cell| cell.0).collect(), places }
-    }
+/// The different values of an axis of a grid, ascending, and the index of each by its text in files.
+fn lines(column: &Column, rows: &[usize], scale: Scale) -> (Vec<f64>, HashMap<String, usize>) {
+    let shown = |&row: &usize| column.cells[row].number().filter(|value| scale.shows(*value));
+    let mut cells: Vec<(f64, String)> =
+        rows.iter().filter_map(|row| Some((shown(row)?, column.cells[*row].text()))).collect();
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    cells.dedup_by(|a, b| a.1 == b.1);
+    let (values, texts): (Vec<f64>, Vec<String>) = cells.into_iter().unzip();
+    (values, texts.into_iter().zip(0..).collect())
 }
 
 /// The values along two axes, with the rows on each cell.
@@ -50,23 +41,22 @@ impl Grid {
         series: usize,
         series_of: impl Fn(usize) -> usize,
     ) -> Result<Grid, ChartError> {
-        let (across, down) = (Lines::new(x, rows, x_scale), Lines::new(y, rows, y_scale));
-        let cells = across.values.len() * down.values.len();
-        let mut found = vec![vec![None; cells]; series];
+        let ((columns, across), (lines, down)) = (lines(x, rows, x_scale), lines(y, rows, y_scale));
+        let mut found = vec![vec![None; columns.len() * lines.len()]; series];
         let mut off_axes = 0;
         for &row in rows {
-            let place = across.places.get(&x.cells[row].text()).zip(down.places.get(&y.cells[row].text()));
+            let place = across.get(&x.cells[row].text()).zip(down.get(&y.cells[row].text()));
             let Some((&column, &line)) = place else {
                 off_axes += 1;
                 continue;
             };
-            let cell = &mut found[series_of(row)][line * across.values.len() + column];
+            let cell = &mut found[series_of(row)][line * columns.len() + column];
             if let Some(earlier) = *cell {
                 return Err(several(table, [x, y], earlier, row));
             }
             *cell = Some(row);
         }
-        Ok(Grid { columns: across.values, rows: down.values, found, off_axes })
+        Ok(Grid { columns, rows: lines, found, off_axes })
     }
 }
 
