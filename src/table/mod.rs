@@ -127,11 +127,7 @@ impl Column {
 
     /// The label with the unit, as in the title of an axis: `rms error, ″`.
     pub fn title(&self) -> String {
-        if self.unit.symbol.is_empty() {
-            self.label.clone()
-        } else {
-            format!("{}, {}", self.label, self.unit.symbol)
-        }
+        titled(&self.label, self.unit.symbol)
     }
 
     /// The value of a cell; NaN where it is not a number.
@@ -151,6 +147,11 @@ impl Column {
             symbol => format!("{} {value} {symbol}", self.label),
         }
     }
+}
+
+/// A label with its unit; a pure number has an empty one.
+pub(crate) fn titled(label: &str, unit: &str) -> String {
+    if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") }
 }
 
 /// Why a name or filter given by the user selects no single column, or no row.

@@ -1,7 +1,7 @@
 //! Grid, axes and tick labels.
 
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::palette::{GRID, INK};
 use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;

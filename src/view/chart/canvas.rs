@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::{self, Display, Write as _};
 
-use crate::view::chart::area::Frame;
-use crate::view::chart::layout::{HEIGHT, WIDTH};
+use crate::view::chart::layout::{Frame, HEIGHT, WIDTH};
 use crate::view::chart::palette;
 use crate::view::chart::text;
 

@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::key::scale::Scale;
+use crate::table::titled;
 
 /// A chart of curves y(x).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,7 +56,7 @@ pub struct Axis {
 impl Axis {
     /// The axis title: `rms error, ″`.
     pub fn title(&self) -> String {
-        if self.unit.is_empty() { self.label.clone() } else { format!("{}, {}", self.label, self.unit) }
+        titled(&self.label, &self.unit)
     }
 }
 

@@ -1,10 +1,10 @@
 //! The layout common to all pictures: their size, their titles, and the room for their axes.
 
-use crate::view::chart::area::Frame;
 use crate::view::chart::axes::widest;
 use crate::view::chart::canvas::{Canvas, Lettering, Set};
 use crate::view::chart::figure::Axis;
 use crate::view::chart::palette::{INK, MUTED};
+use crate::view::chart::scale::Range;
 use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
 
@@ -19,6 +19,42 @@ pub(crate) const MOST_LABELS: usize = 9;
 
 const TITLE_SIZE: f64 = 20.0;
 const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
+
+/// A rectangle of the picture, in px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+/// The ranges of two axes, and the frame that they span in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Area {
+    pub x: Range,
+    pub y: Range,
+    pub frame: Frame,
+}
+
+impl Area {
+    /// The place in the picture of a point of the data.
+    pub(crate) fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.across(x), self.down(y))
+    }
+
+    /// The horizontal place of a value of the x axis.
+    pub(crate) fn across(&self, x: f64) -> f64 {
+        let Frame { left, right, .. } = self.frame;
+        left + self.x.fraction(x) * (right - left)
+    }
+
+    /// The vertical place of a value of the y axis.
+    pub(crate) fn down(&self, y: f64) -> f64 {
+        let Frame { top, bottom, .. } = self.frame;
+        bottom - self.y.fraction(y) * (bottom - top)
+    }
+}
 
 /// The texts around a frame.
 #[derive(Debug, Clone)]

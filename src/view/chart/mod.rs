@@ -57,7 +57,6 @@
 //! # Ok::<(), sagnac::view::chart::notes::ChartError>(())
 //! ```
 
-pub(crate) mod area;
 pub(crate) mod axes;
 pub(crate) mod canvas;
 pub(crate) mod coincidence;

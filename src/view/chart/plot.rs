@@ -1,9 +1,9 @@
 //! The data of a figure, drawn into the frame of its axes.
 
 use crate::key::scale::Scale;
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::{Figure, Limit, Series, SeriesPoint};
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::legend::{law_stroke, part_stroke};
 use crate::view::chart::palette::{self, LIMIT};
 use crate::view::chart::scale::{Range, extent};

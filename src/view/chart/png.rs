@@ -8,9 +8,8 @@ use tiny_skia::{
 };
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-use crate::view::chart::area::Frame;
 use crate::view::chart::canvas::{Canvas, Fill, Lettering, Set, Shape, Stroke, TEXT_RIM, TRANSLUCENT};
-use crate::view::chart::layout::{HEIGHT, WIDTH};
+use crate::view::chart::layout::{Frame, HEIGHT, WIDTH};
 
 /// Why a PNG could not be made.
 #[derive(Debug, thiserror::Error)]

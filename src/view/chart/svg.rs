@@ -1,10 +1,9 @@
 //! A figure as shapes.
 
-use crate::view::chart::area::Area;
 use crate::view::chart::axes;
 use crate::view::chart::canvas::Canvas;
 use crate::view::chart::figure::Figure;
-use crate::view::chart::layout::{HEIGHT, MARGIN, Titles, draw_nothing};
+use crate::view::chart::layout::{Area, HEIGHT, MARGIN, Titles, draw_nothing};
 use crate::view::chart::legend::Legend;
 use crate::view::chart::plot::{self, Plot};
 

@@ -3,9 +3,8 @@
 use crate::view::chart::axes::{TICK_SIZE, widest};
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::view::chart::layout::draw_axis_title;
-use crate::view::chart::map::colour_scale::colour;
 use crate::view::chart::map::limit_line;
-use crate::view::chart::palette::INK;
+use crate::view::chart::palette::{INK, shade};
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
@@ -40,7 +39,7 @@ impl ColourBar<'_> {
         canvas.crisp_group("colour scale", |canvas| {
             for piece in 0..PIECES {
                 let [low, high] = [piece, piece + 1].map(|piece| piece as f64 / PIECES as f64);
-                canvas.block((left, height(high)), (right, height(low)), colour(0.5 * (low + high)));
+                canvas.block((left, height(high)), (right, height(low)), shade(0.5 * (low + high)));
             }
         });
         let line = Stroke { colour: INK, width: 1.1, dash: "" };

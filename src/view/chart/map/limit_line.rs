@@ -1,8 +1,8 @@
 //! The limit on a heat map: the line along which the values reach it.
 
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::Limit;
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::map::Map;
 use crate::view::chart::map::contour::contour;
 use crate::view::chart::palette::LIMIT;

@@ -1,10 +1,9 @@
 //! A map as shapes.
 
 use crate::key::scale::Scale;
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::axes;
 use crate::view::chart::canvas::{Canvas, Stroke};
-use crate::view::chart::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
+use crate::view::chart::layout::{Area, Frame, HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
 use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
 use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
