@@ -15,7 +15,7 @@ use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::source::diagnose::Fault;
-use crate::table::{Cell, Unit, Usual};
+use crate::table::{Unit, Usual};
 
 /// The charts of a study: those written, or one that suits the sweeps.
 ///
@@ -66,14 +66,15 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
         chosen.push(column);
         rows.push((name, cell));
     }
-    let usual_scale = |name: &str| match ground.is_linear {
-        true => Scale::Linear,
-        false => known.scale_over(name),
+    let scale = |key: &'static Key, column: &Named| match table.get(key) {
+        None if ground.is_linear => Scale::Linear,
+        None => known.scale_over(&column.name),
+        written => Scale::of(written),
     };
-    let chart = Chart {
+    let mut chart = Chart {
         title: table.get(&TITLE).map_or(String::new(), |title| title.text().to_owned()),
-        x_scale: table.get(&X_SCALE).map_or_else(|| usual_scale(&x.name), |scale| Scale::of(Some(scale))),
-        y_scale: table.get(&Y_SCALE).map_or_else(|| usual_scale(&y.name), |scale| Scale::of(Some(scale))),
+        x_scale: scale(&X_SCALE, &x),
+        y_scale: scale(&Y_SCALE, &y),
         source: ground.source,
         x,
         y,
@@ -89,9 +90,9 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
         let mut drawn = std::iter::once(&chart.x).chain(chart.series());
         chosen.iter().any(|name| name == column) || drawn.any(|named| named.name == column)
     };
-    let supplied = ground.usual_rows().filter(|(column, _)| !is_named(&column.name));
-    let supplied: Vec<(Named, Cell)> = supplied.collect();
-    Ok(Chart { rows: chart.rows.into_iter().chain(supplied).collect(), ..chart })
+    let supplied: Vec<_> = ground.usual_rows().filter(|(column, _)| !is_named(&column.name)).collect();
+    chart.rows.extend(supplied);
+    Ok(chart)
 }
 
 /// The table of results to draw.
@@ -238,11 +239,9 @@ fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
         }
         laws.push(law);
     }
-    for (item, law) in written.iter().zip(&laws) {
-        if !known.ground.laws.contains(law) {
-            let message = format!("chart.laws: \"{}\" is a law of {}", law.name(), law.subject());
-            return Err(item.fault(message, "not of this kind of study", "leave it out"));
-        }
+    if let Some((item, law)) = written.iter().zip(&laws).find(|(_, law)| !known.ground.laws.contains(law)) {
+        let message = format!("chart.laws: \"{}\" is a law of {}", law.name(), law.subject());
+        return Err(item.fault(message, "not of this kind of study", "leave it out"));
     }
     if !laws.is_empty() {
         known.coordinate(x, "laws cannot be drawn over")?;

@@ -6,13 +6,16 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::io;
 
+use serde::Serialize;
+
 use crate::quantity::number::significant;
 pub use crate::quantity::unit::Unit;
 use crate::quantity::units::{Dimension, Quantity};
 pub use crate::table::column::{About, ColumnOf, Role, Usual};
 
-/// One cell. An unknown value is [`Cell::Blank`], never 0.
-#[derive(Debug, Clone, PartialEq)]
+/// One cell. An unknown value is [`Cell::Blank`], never 0; in JSON it is null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Cell {
     /// An unknown value, or one without meaning in this row.
     Blank,

@@ -11,13 +11,13 @@ use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::{Verdict, verdicts};
 use crate::view::picture::{Drawn, pictures, shown};
 use crate::view::report::Report;
-use crate::view::report::answer::{Answer, answer};
+use crate::view::report::answer::Answer;
 use crate::view::report::source::Source;
 
 /// The results of a study that a store holds.
 pub struct Results<'a> {
-    study: &'a Study,
-    tables: &'a Tables,
+    pub(crate) study: &'a Study,
+    pub(crate) tables: &'a Tables,
     /// Number of missing trials.
     pub lacking: u64,
     /// Charts, in the order of the study.
@@ -69,14 +69,6 @@ impl<'a> Results<'a> {
     /// The table lacks something that a chart requires.
     pub fn verdicts(&self) -> Result<Vec<Verdict<'_>>, StudyError> {
         verdicts(self.study, &self.curves)
-    }
-
-    /// The answer of the study to its question.
-    ///
-    /// # Errors
-    /// The table lacks something that a chart requires.
-    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
-        answer(self.study, self.tables, &self.charts, &self.curves, verdicts, self.lacking)
     }
 
     /// The page of the study.

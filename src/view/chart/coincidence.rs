@@ -104,7 +104,7 @@ fn same_curve(a: &Series, b: &Series) -> bool {
 mod tests {
     use super::*;
     use crate::key::scale::Scale;
-    use crate::view::chart::figure::{Axis, Grouping, Parts, SeriesPoint};
+    use crate::view::chart::figure::{Grouping, SeriesPoint};
 
     fn curve(colour: usize, dash: usize, ys: &[f64]) -> Series {
         let points =
@@ -118,28 +118,12 @@ mod tests {
     }
 
     fn figure(series: Vec<Series>) -> Figure {
-        let axis = Axis {
-            label: String::new(),
-            unit: String::new(),
-            scale: Scale::Log,
-            whole: false,
-            names: vec![],
-        };
         Figure {
-            title: String::new(),
-            subtitle: None,
-            x: axis.clone(),
-            y: axis,
             colours: grouping(&["const", "linear", "quadratic"]),
             dashes: grouping(&["1", "2"]),
-            points: String::new(),
             bands: "95 % band".to_owned(),
-            lines: String::new(),
             series,
-            laws: vec![],
-            parts: Parts::default(),
-            limit: None,
-            chosen: vec![],
+            ..Figure::default()
         }
     }
 

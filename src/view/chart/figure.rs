@@ -6,7 +6,7 @@ use crate::key::scale::Scale;
 use crate::table::titled;
 
 /// A chart of curves y(x).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Figure {
     /// Title, in bold.
     pub title: String,
@@ -39,7 +39,7 @@ pub struct Figure {
 }
 
 /// One axis.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Axis {
     /// Label, such as `rms error`.
     pub label: String,

@@ -3,9 +3,7 @@
 use crate::chart::{self, Chart};
 use crate::key::scale::Scale;
 use crate::table::{Cell, Column, Role, Table, Unit, grouped};
-use crate::view::chart::figure::{
-    Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint,
-};
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::mixed::check_curves;
 use crate::view::chart::notes::{ChartError, Notes};
 use crate::view::chart::stack::Shown;
@@ -46,11 +44,9 @@ impl Figure {
             points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
             bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
-            series: vec![],
-            laws: vec![],
-            parts: Parts::default(),
             limit: chart.limit.map(limit),
             chosen: table.chosen(&filter)?,
+            ..Figure::default()
         };
         let mut notes = Notes::default();
         let names = figure.x.names.clone();

@@ -123,18 +123,9 @@ pub(crate) fn marker(style: usize) -> &'static [(f64, f64)] {
 
 /// Viridis of matplotlib, in tenths. Lightness rises evenly, so that equal steps look equal, even in greyscale and to
 /// colour-blind readers. By S. van der Walt, N. Smith and E. Firing, in the public domain (CC0).
-const VIRIDIS: [[u8; 3]; 11] = [
-    [0x44, 0x01, 0x54],
-    [0x48, 0x24, 0x75],
-    [0x41, 0x44, 0x87],
-    [0x35, 0x5f, 0x8d],
-    [0x2a, 0x78, 0x8e],
-    [0x21, 0x91, 0x8c],
-    [0x22, 0xa8, 0x84],
-    [0x44, 0xbf, 0x70],
-    [0x7a, 0xd1, 0x51],
-    [0xbd, 0xdf, 0x26],
-    [0xfd, 0xe7, 0x25],
+const VIRIDIS: [u32; 11] = [
+    0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151, 0xbddf26,
+    0xfde725,
 ];
 
 /// The colour at a fraction of the scale, 0 … 1, in SVG notation; beyond the ends, the colour of the end.
@@ -143,10 +134,10 @@ pub(crate) fn shade(fraction: f64) -> String {
     let at = fraction.clamp(0.0, 1.0) * last as f64;
     let lower = (at as usize).min(last - 1);
     let mix = |part: usize| {
-        let [a, b] = [lower, lower + 1].map(|anchor| f64::from(VIRIDIS[anchor][part]));
+        let [a, b] = [lower, lower + 1].map(|anchor| f64::from(VIRIDIS[anchor].to_be_bytes()[part]));
         libm::round(a + (b - a) * (at - lower as f64)) as u8
     };
-    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+    format!("#{:02x}{:02x}{:02x}", mix(1), mix(2), mix(3))
 }
 
 #[cfg(test)]

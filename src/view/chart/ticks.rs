@@ -224,16 +224,15 @@ fn linear_labels(labels: &[Decimal]) -> Vec<(f64, String)> {
     labels.iter().map(|&tick| (tick.value(), text(tick))).collect()
 }
 
+/// The signs of exponents with their plain forms.
+pub(crate) fn raised_signs() -> impl Iterator<Item = (char, char)> {
+    "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".chars().zip("0123456789-+".chars())
+}
+
 /// An exponent in superscript digits.
 fn superscript(exponent: i32) -> String {
-    let raised = |figure: char| match figure {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        _ => figure.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(figure),
-    };
-    exponent.to_string().chars().map(raised).collect()
+    let raised = |figure| raised_signs().find(|(_, plain)| *plain == figure).map(|(raised, _)| raised);
+    exponent.to_string().chars().filter_map(raised).collect()
 }
 
 #[cfg(test)]

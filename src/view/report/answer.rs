@@ -8,7 +8,6 @@ use crate::kinds::gap_fill::GapFill;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::motion::Frequency;
 use crate::quantity::number::short;
-use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::table::{Column, ColumnError, Role, Table, Usual};
@@ -19,6 +18,7 @@ use crate::view::picture::{Drawn, refused};
 use crate::view::report::curves::Curves;
 use crate::view::report::sentences::{best, less_is_better, of_map, side_by_side};
 use crate::view::report::standing::of_verdict;
+use crate::view::results::Results;
 
 /// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;
@@ -35,53 +35,47 @@ pub struct Answer {
     pub curves: Vec<(String, Vec<String>)>,
 }
 
-/// The answer of a study: the verdicts if there are any, else the content of the first chart, else the best row of the
-/// table.
-///
-/// `lacking` is the number of missing trials, which the answer states first.
-///
-/// # Errors
-/// The table lacks something that a chart requires.
-pub fn answer(
-    study: &Study,
-    tables: &Tables,
-    charts: &[Drawn],
-    shown: &[Shown],
-    verdicts: &[Verdict],
-    lacking: u64,
-) -> Result<Answer, StudyError> {
-    let refuse = |chart, error: ColumnError| refused(study, chart, &error.into());
-    let asked = study.charts.iter().zip(shown).zip(charts).map(|((chart, shown), drawn)| {
-        Asked::of(study, chart, shown, drawn).map_err(|error| refuse(chart, error))
-    });
-    let asked = asked.collect::<Result<Vec<_>, _>>()?;
-    let judged = asked.iter().find(|asked| asked.chart.limit.is_some() && asked.has_curves());
-    let headline = match (verdicts.first().zip(judged), asked.first()) {
-        (Some((first, asked)), _) => asked.judged(first).map_err(|error| refuse(asked.chart, error))?,
-        (None, Some(asked)) if !asked.shown.is_supplied(asked.chart) => {
-            asked.of_picture().map_err(|error| refuse(asked.chart, error))?
+impl Results<'_> {
+    /// The answer of the study: the verdicts if there are any, else the content of the first chart, else the best row of
+    /// the table. It states first how many trials are missing.
+    ///
+    /// # Errors
+    /// The table lacks something that a chart requires.
+    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
+        let study = self.study;
+        let refuse = |chart, error: ColumnError| refused(study, chart, &error.into());
+        let asked = study.charts.iter().zip(&self.curves).zip(&self.charts).map(|((chart, shown), drawn)| {
+            Asked::of(study, chart, shown, drawn).map_err(|error| refuse(chart, error))
+        });
+        let asked = asked.collect::<Result<Vec<_>, _>>()?;
+        let judged = asked.iter().find(|asked| asked.chart.limit.is_some() && asked.has_curves());
+        let headline = match (verdicts.first().zip(judged), asked.first()) {
+            (Some((first, asked)), _) => asked.judged(first).map_err(|error| refuse(asked.chart, error))?,
+            (None, Some(asked)) if !asked.shown.is_supplied(asked.chart) => {
+                asked.of_picture().map_err(|error| refuse(asked.chart, error))?
+            }
+            _ => undrawn(study, &self.tables.points),
+        };
+        let mut curves: Vec<(String, Vec<String>)> =
+            verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
+        for asked in asked.iter().filter(|asked| asked.has_curves() && asked.chart.limit.is_none()) {
+            let is_largest = asked.is_environment();
+            let each = asked.curves().map_or(vec![], |curves| curves.of_each(is_largest));
+            if !each.is_empty() {
+                let which = if is_largest { "largest" } else { "least" };
+                let Drawn { stem, picture, .. } = asked.drawn;
+                curves.push((format!("{stem}: the {which} {} of each curve", picture.shown().label), each));
+            }
         }
-        _ => undrawn(study, tables),
-    };
-    let mut curves: Vec<(String, Vec<String>)> =
-        verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
-    for asked in asked.iter().filter(|asked| asked.has_curves() && asked.chart.limit.is_none()) {
-        let is_largest = asked.is_environment();
-        let each = asked.curves().map_or(vec![], |curves| curves.of_each(is_largest));
-        if !each.is_empty() {
-            let which = if is_largest { "largest" } else { "least" };
-            let Drawn { stem, picture, .. } = asked.drawn;
-            curves.push((format!("{stem}: the {which} {} of each curve", picture.shown().label), each));
-        }
+        let headline = match (headline, self.lacking) {
+            (headline, 0) => headline.unwrap_or_default(),
+            (headline, lacking) => {
+                let so_far = headline.map_or(String::new(), |headline| format!(" So far: {headline}"));
+                format!("Incomplete, {} trials are missing.{so_far}", short(lacking as f64))
+            }
+        };
+        Ok(Answer { headline, curves })
     }
-    let headline = match (headline, lacking) {
-        (headline, 0) => headline.unwrap_or_default(),
-        (headline, lacking) => {
-            let so_far = headline.map_or(String::new(), |headline| format!(" So far: {headline}"));
-            format!("Incomplete, {} trials are missing.{so_far}", short(lacking as f64))
-        }
-    };
-    Ok(Answer { headline, curves })
 }
 
 /// A drawn chart of a study with its columns.
@@ -252,8 +246,7 @@ fn free_fillers<'a>(study: &'a Study, table: &'a Table) -> Option<(&'a Column, V
 }
 
 /// The best row of a study without its own chart.
-fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
-    let points = &tables.points;
+fn undrawn(study: &Study, points: &Table) -> Option<String> {
     let estimate = points.usual(Usual::Answer)?;
     // Errors and angles that the study omits have no rows.
     let filter = Some(study.usual_rows()).filter(|rows| points.rows_where(rows).is_ok()).unwrap_or_default();

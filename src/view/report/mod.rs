@@ -24,7 +24,7 @@ pub(crate) mod standing;
 mod tests;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
-pub use crate::view::report::answer::{Answer, answer};
+pub use crate::view::report::answer::Answer;
 pub use crate::view::report::gallery::{Card, gallery};
 pub use crate::view::report::source::{Named, Source};
 
