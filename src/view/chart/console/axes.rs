@@ -1,5 +1,6 @@
 //! The frame of a chart in text.
 
+use crate::view::chart::axes::in_lines;
 use crate::view::chart::console::Look;
 use crate::view::chart::console::page::Page;
 use crate::view::chart::figure::Axis;
@@ -102,13 +103,11 @@ impl<'a> Frame<'a> {
 /// truncated.
 fn in_rows(label: &str, most: usize) -> Vec<String> {
     let length = |text: &str| text.chars().count();
-    let cuts = label.match_indices(' ').map(|(at, _)| [&label[..at], &label[at + 1..]]);
-    let rows = cuts.min_by_key(|[a, b]| length(a).max(length(b))).filter(|_| length(label) > most);
     let cut = |row: &str| match length(row) > most {
         true => row.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
         false => row.to_owned(),
     };
-    rows.map_or(vec![cut(label)], |rows| rows.into_iter().map(cut).collect())
+    in_lines(label, most as f64, |text| length(text) as f64).into_iter().map(cut).collect()
 }
 
 /// Entries of a legend in lines as wide as the terminal; widths are those of visible characters.

@@ -20,12 +20,12 @@ impl Map {
         let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
         let colours = self.colours();
         let colour_ticks = colours.ticks(MOST_LABELS);
-        let z_title = self.z.title();
+        let (z_title, limit) = (self.z.title(), self.limit.as_ref().map(|limit| limit.value));
         let bar = matches!(self.cells, Cells::Values(_)).then_some(ColourBar {
             range: colours,
             ticks: &colour_ticks,
             title: &z_title,
-            limit: self.limit_on(colours),
+            limit: limit.filter(|limit| (colours.low..=colours.high).contains(limit)),
         });
         let legend = self.legend();
         let (title, subtitle) = (&self.title, self.subtitle.as_deref());
@@ -64,12 +64,6 @@ impl Map {
         }
     }
 
-    /// The limit, where it is on the scale of the colours.
-    fn limit_on(&self, colours: Range) -> Option<f64> {
-        let limit = self.limit.as_ref()?.value;
-        (colours.low..=colours.high).contains(&limit).then_some(limit)
-    }
-
     /// Draws the parts that lie over the cells.
     fn draw_over(&self, canvas: &mut Canvas, area: &Area, edges: &Edges) {
         match (&self.cells, &self.limit) {
@@ -96,7 +90,7 @@ impl Map {
             let judged = Row::Remark(format!("with the least {}", self.z.label));
             let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
             legend.part(Some(&of.title), std::iter::once(judged).chain(rows).collect());
-            legend.part(None, if *banded { close_rows(&won) } else { unjudged_rows() });
+            legend.part(None, lead_rows(&won, *banded));
         }
         legend.part(None, self.limit_rows());
         if self.known() < self.columns.len() * self.rows.len() {
@@ -126,20 +120,19 @@ impl Map {
     }
 }
 
-/// Rows with the number of uncertain winners, if there are any.
-fn close_rows(won: &[Won]) -> Vec<Row> {
+/// Rows on the leads of the winners: the number of uncertain ones, if there are any, or that no intervals are known.
+fn lead_rows(won: &[Won], banded: bool) -> Vec<Row> {
     let close = won.iter().filter(|won| !won.certain).count();
-    if close == 0 {
-        return vec![];
+    match (banded, close) {
+        (false, _) => ["no 95 % bands are known here:", "any lead is shown as certain"]
+            .map(|line| Row::Remark(line.to_owned()))
+            .into(),
+        (true, 0) => vec![],
+        (true, close) => {
+            let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
+            wrapped_entry(Sample::Area(PALE_MUTED, false), &text)
+        }
     }
-    let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
-    wrapped_entry(Sample::Area(PALE_MUTED, false), &text)
-}
-
-/// Rows about leads where no intervals are known.
-fn unjudged_rows() -> Vec<Row> {
-    let lines = ["no 95 % bands are known here:", "any lead is shown as certain"];
-    lines.map(|line| Row::Remark(line.to_owned())).into()
 }
 
 /// The ticks of an axis: those of its scale, or one at each of a few well-separated counts.
