@@ -159,11 +159,12 @@ pub struct Limit {
 impl Figure {
     /// Number of points that the axes cannot show: not finite, or not positive on a logarithmic axis.
     pub fn left_out(&self) -> usize {
-        self.series
-            .iter()
-            .flat_map(|series| &series.points)
-            .filter(|point| !self.shows((point.x, point.y)))
-            .count()
+        self.all_points().filter(|point| !self.shows((point.x, point.y))).count()
+    }
+
+    /// The points of all series.
+    pub(crate) fn all_points(&self) -> impl Iterator<Item = &SeriesPoint> {
+        self.series.iter().flat_map(|series| &series.points)
     }
 
     /// Whether both axes can show the place.

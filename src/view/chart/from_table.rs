@@ -133,10 +133,10 @@ pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
 fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
     let mut names: Vec<String> = vec![];
     for &row in rows {
-        match &column.cells[row] {
-            Cell::Text(name) if names.contains(name) => {}
-            Cell::Text(name) => names.push(name.clone()),
-            _ => {}
+        if let Cell::Text(name) = &column.cells[row]
+            && !names.contains(name)
+        {
+            names.push(name.clone());
         }
     }
     (!names.is_empty()).then(|| Axis { whole: true, names, ..axis(column, Scale::Linear) })

@@ -197,7 +197,7 @@ pub(crate) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {
-    let has_band = figure.series.iter().flat_map(|series| &series.points).any(|point| point.band.is_some());
+    let has_band = figure.all_points().any(|point| point.band.is_some());
     let mut rows = vec![];
     if !figure.points.is_empty() && !figure.series.is_empty() {
         // In the style in which they are drawn: joined where there is no closed form.

@@ -58,7 +58,7 @@ fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
 }
 
 fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
-    figure.series.iter().flat_map(|series| &series.points).filter(|point| figure.shows((point.x, point.y)))
+    figure.all_points().filter(|point| figure.shows((point.x, point.y)))
 }
 
 impl Plot<'_> {

@@ -31,7 +31,7 @@ impl Figure {
             axes::draw_names(canvas, &area, &self.x.names);
         });
         plot.draw(&mut canvas);
-        let points = self.series.iter().map(|series| series.points.len()).sum::<usize>();
+        let points = self.all_points().count();
         if points == self.left_out() && self.laws.is_empty() {
             draw_nothing(&mut canvas, "point", points, frame);
         }

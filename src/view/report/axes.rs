@@ -57,12 +57,11 @@ impl Axes {
 }
 
 fn of_curves(figure: &Figure) -> Axes {
-    let points = || figure.series.iter().flat_map(|series| &series.points);
     let laws = || figure.series.iter().flat_map(|series| &series.law).copied().chain(figure.law_places());
-    let bands = points().filter_map(|point| point.band).flat_map(|(low, high)| [low, high]);
+    let bands = figure.all_points().filter_map(|point| point.band).flat_map(|(low, high)| [low, high]);
     let limit = figure.limit.iter().map(|limit| limit.value);
-    let xs: Vec<f64> = points().map(|point| point.x).chain(laws().map(|place| place.0)).collect();
-    let ys = points().map(|point| point.y).chain(laws().map(|place| place.1));
+    let xs: Vec<f64> = figure.all_points().map(|point| point.x).chain(laws().map(|place| place.0)).collect();
+    let ys = figure.all_points().map(|point| point.y).chain(laws().map(|place| place.1));
     let ys: Vec<f64> = ys.chain(bands).chain(limit).collect();
     Axes { x: ladders(&figure.x, &xs), y: ladders(&figure.y, &ys), z: None, edges: None }
 }

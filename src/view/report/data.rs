@@ -90,8 +90,11 @@ pub(crate) struct Packed<'t> {
 }
 
 pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
-    let points: usize = report.charts.iter().map(|drawn| points(&drawn.picture)).sum();
-    let thinned = points.div_ceil(MOST_POINTS).max(1);
+    let points = report.charts.iter().map(|drawn| match &drawn.picture {
+        Picture::Curves(figure) => figure.all_points().count(),
+        Picture::Map(_) => 0,
+    });
+    let thinned = points.sum::<usize>().div_ceil(MOST_POINTS).max(1);
     let charts = report.charts.iter().map(|drawn| Chart {
         stem: drawn.stem.clone(),
         picture: json(&one_in(thinned, &drawn.picture)),
@@ -101,14 +104,6 @@ pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
         report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
     let data = Data { looks: Looks::new(), charts: charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
-}
-
-/// The points of the curves of a picture.
-fn points(picture: &Picture) -> usize {
-    match picture {
-        Picture::Curves(figure) => figure.series.iter().map(|series| series.points.len()).sum(),
-        Picture::Map(_) => 0,
-    }
 }
 
 /// A picture with only every `step`-th point of its curves and laws.
