@@ -1,7 +1,6 @@
 //! The answer of a study to its question.
 
-use crate::chart::Chart;
-use crate::chart::Source;
+use crate::chart::{Chart, Source};
 use crate::drift::schedule::INTERVAL;
 use crate::filler::{FILLERS, Filler, Method};
 use crate::kinds::gap_fill::GapFill;
