@@ -103,7 +103,7 @@ pub struct StudyError {
     help: String,
     /// Lines to show; absent where the file could not be read.
     #[source_code]
-    shown: Option<Place>,
+    shown: Option<Arc<Place>>,
     #[label("{label}")]
     span: Option<SourceSpan>,
 }
@@ -117,6 +117,7 @@ impl StudyError {
         shown: Option<Place>,
     ) -> StudyError {
         let span = shown.as_ref().map(|place| place.span.clone().into());
+        let shown = shown.map(Arc::new);
         StudyError { message: message.into(), label: label.into(), help: help.into(), shown, span }
     }
 
