@@ -11,7 +11,6 @@ use sagnac::quantity::number::{short, significant};
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::verify::select;
-use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
@@ -94,7 +93,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
     let table = report::table(&found);
-    let figure = write_all(&study, &found, &table, &folder)?;
+    let picture = write_all(&study, &found, &table, &folder)?;
     if options.json {
         return print_json(&report::json(&study, &found));
     }
@@ -103,7 +102,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
             say!("note: {note}");
         }
         if options.plot {
-            print(&format!("{}\n", figure.text(look::of_output())))?;
+            print(&format!("{}\n", picture.text(look::of_output())))?;
         }
         print(&summary(&found, &table))?;
     }
@@ -133,13 +132,14 @@ fn failure(study: &Study, error: DesignError) -> Failure {
     }
 }
 
-fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Figure, Failure> {
+fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Picture, Failure> {
     write_table(&folder.join("design.csv"), table)?;
     let json = serde_json::to_vec_pretty(&report::json(study, found));
     write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
     let figure = report::figure(study, found, table).map_err(|error| Failure::Picture(error.to_string()))?;
-    write_pictures(folder, "design", &Picture::Curves(figure.clone()))?;
-    Ok(figure)
+    let picture = Picture::Curves(figure);
+    write_pictures(folder, "design", &picture)?;
+    Ok(picture)
 }
 
 /// A line for each filler at its best interval.

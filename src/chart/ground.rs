@@ -1,10 +1,7 @@
 //! The properties of a table of results that are known before anything is sampled; charts are checked against them.
 
 use crate::chart::law::Law;
-use crate::chart::rows::coordinate;
 use crate::chart::{Named, Source};
-use crate::key::scale::Scale;
-use crate::key::sweep::Sweep;
 use crate::quantity::units::Dimension;
 use crate::table::{About, Cell, Role, Usual};
 
@@ -63,11 +60,6 @@ impl Ground {
         self.texts.iter().map(|text| text.name).collect()
     }
 
-    /// The values of a text column.
-    pub(crate) fn values(&self, name: &str) -> Option<&[String]> {
-        self.texts.iter().find(|text| text.name == name).map(|text| &text.values[..])
-    }
-
     /// The numeric columns that are known before anything is sampled.
     pub(crate) fn coordinates(&self) -> impl Iterator<Item = &About> {
         self.columns.iter().filter(|column| column.role == Role::Coordinate)
@@ -92,16 +84,6 @@ impl Ground {
     pub(crate) fn usual_rows(&self) -> impl Iterator<Item = (Named, Cell)> {
         let usual = |text: &Text| Some((text.name.into(), Cell::Text(text.usual.clone()?)));
         self.texts.iter().filter_map(usual)
-    }
-
-    /// The default scale of an axis over this column: that of its sweep, or of the sweep on which it depends.
-    pub(crate) fn scale_over(&self, name: &str, sweeps: &[Sweep]) -> Scale {
-        let Ok(column) = coordinate(sweeps, self, name, 0..0, "no axis over") else {
-            return Scale::default();
-        };
-        let followed = self.coordinates().find(|known| known.name == column).map(|known| known.of);
-        let key = followed.filter(|of| !of.is_empty()).unwrap_or(&column);
-        sweeps.iter().find(|sweep| sweep.key.name == key).map_or(Scale::default(), |sweep| sweep.scale)
     }
 }
 

@@ -30,51 +30,43 @@ impl Law {
         }
     }
 
-    /// Its column in the table.
+    /// Its column in the table. Z(20) holds for one tick while charts show the whole gap, and the noise is 3σ; each
+    /// label says so.
     pub(crate) fn about(self) -> About {
-        let meaning = match self {
-            Law::TaylorExtremum => {
+        let (name, label, meaning) = match self {
+            Law::TaylorExtremum => (
+                "law_taylor_extremum",
+                "Taylor term of one tick at an extremum, as published, Z(20)",
                 "A law of the chart, ″: the first Taylor term that the filler drops at an extremum of the rate, of a single tick as \
-                 published in Z(20)."
-            }
-            Law::TaylorZeroCrossing => {
+                 published in Z(20).",
+            ),
+            Law::TaylorZeroCrossing => (
+                "law_taylor_zero_crossing",
+                "Taylor term of one tick at a zero crossing, as published, Z(20)",
                 "A law of the chart, ″: the first Taylor term that the filler drops near a zero crossing of the rate, of a single \
-                 tick as published in Z(20)."
-            }
-            Law::NoiseAsPublished => {
-                "A law of the chart, ″: 3 σ of the constant filler as published, which grows as √n with the lost ticks."
-            }
-            Law::Noise => {
-                "A law of the chart, ″: 3 σ of the constant filler by Z(18), which grows as n with the lost ticks."
-            }
-            Law::ZeemanTables => {
-                "A law of the chart, ″: tables 1 and 2 of the paper, measured and compensated."
-            }
+                 tick as published in Z(20).",
+            ),
+            Law::NoiseAsPublished => (
+                "law_noise_as_published",
+                "3σ noise of const as published, growing as √n",
+                "A law of the chart, ″: 3 σ of the constant filler as published, which grows as √n with the lost ticks.",
+            ),
+            Law::Noise => (
+                "law_noise",
+                "3σ noise of const by Z(18), growing as n",
+                "A law of the chart, ″: 3 σ of the constant filler by Z(18), which grows as n with the lost ticks.",
+            ),
+            Law::ZeemanTables => (
+                "law_zeeman_tables",
+                "the paper's tables 1 and 2",
+                "A law of the chart, ″: tables 1 and 2 of the paper, measured and compensated.",
+            ),
         };
-        let (name, label) = (self.column(), self.label());
         About { unit: Unit::ARCSEC, label, role: Role::Law, meaning, ..About::named(name) }
     }
 
     /// The name of its column in the table.
     pub fn column(self) -> &'static str {
-        match self {
-            Law::TaylorExtremum => "law_taylor_extremum",
-            Law::TaylorZeroCrossing => "law_taylor_zero_crossing",
-            Law::NoiseAsPublished => "law_noise_as_published",
-            Law::Noise => "law_noise",
-            Law::ZeemanTables => "law_zeeman_tables",
-        }
-    }
-
-    /// Label for the user. Z(20) holds for one tick while charts show the whole gap, and the noise is 3σ; each label
-    /// says so.
-    pub fn label(self) -> &'static str {
-        match self {
-            Law::TaylorExtremum => "Taylor term of one tick at an extremum, as published, Z(20)",
-            Law::TaylorZeroCrossing => "Taylor term of one tick at a zero crossing, as published, Z(20)",
-            Law::NoiseAsPublished => "3σ noise of const as published, growing as √n",
-            Law::Noise => "3σ noise of const by Z(18), growing as n",
-            Law::ZeemanTables => "the paper's tables 1 and 2",
-        }
+        self.about().name
     }
 }

@@ -1,7 +1,6 @@
 //! The specification of a chart, as given in a study and as drawn. Columns are given by name and not yet looked up in a
 //! table.
 
-pub(crate) mod columns;
 pub mod file;
 pub(crate) mod ground;
 pub(crate) mod law;
@@ -19,7 +18,7 @@ use crate::quantity::number::significant;
 use crate::table::{Cell, Unit};
 
 /// The name of a column, with its place in the study for messages about an unknown one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Named {
     /// Name as written, such as `q9973` or `motion.frequency`.
     pub name: String,
@@ -39,8 +38,8 @@ impl From<Given<'_>> for Named {
     }
 }
 
-/// One chart of a table: curves, or a map.
-#[derive(Debug, Clone, PartialEq)]
+/// One chart of a table: curves, or a map. By default it has curves without columns, over logarithmic axes.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Chart {
     /// Title, in bold above the chart.
     pub title: String,
@@ -73,28 +72,6 @@ pub struct Chart {
     pub points: String,
     /// Name of the bands, such as `95 % band`.
     pub bands: String,
-}
-
-impl Default for Chart {
-    /// Curves without columns, over logarithmic axes.
-    fn default() -> Chart {
-        Chart {
-            title: String::new(),
-            subtitle: String::new(),
-            source: Source::Points,
-            x: "".into(),
-            y: "".into(),
-            beside: vec![],
-            shows: Shows::Curves { series: vec![], laws: vec![] },
-            rows: vec![],
-            limit: None,
-            x_scale: Scale::Log,
-            y_scale: Scale::Log,
-            apart: vec![],
-            points: String::new(),
-            bands: String::new(),
-        }
-    }
 }
 
 /// A limit of an estimate.
@@ -141,6 +118,12 @@ pub enum Shows {
         /// The column whose values compete.
         of: Named,
     },
+}
+
+impl Default for Shows {
+    fn default() -> Shows {
+        Shows::Curves { series: vec![], laws: vec![] }
+    }
 }
 
 impl Chart {

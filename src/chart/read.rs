@@ -6,8 +6,8 @@ use crate::chart::file::{
 };
 use crate::chart::ground::Ground;
 use crate::chart::law::Law;
-use crate::chart::rows::{chooser, coordinate, row};
-use crate::chart::{Chart, Limit, Named, Shows, columns, supplied};
+use crate::chart::rows::Known;
+use crate::chart::{Chart, Limit, Named, Shows, supplied};
 use crate::key::given::Given;
 use crate::key::holds::unlimited;
 use crate::key::row::Key;
@@ -15,7 +15,7 @@ use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::source::diagnose::Fault;
-use crate::table::{Cell, Unit, Usual};
+use crate::table::{Unit, Usual};
 
 /// The charts of a study: those written, or one that suits the sweeps.
 ///
@@ -41,18 +41,19 @@ fn axis<'a>(table: &Table<'a>, key: &'static Key, usual: Option<&str>) -> Result
 
 fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fault> {
     let ground = ground(table, grounds)?;
+    let known = Known { sweeps, ground };
     let usual = |usual| Some(grounds.first()?.usual(usual)?.name);
     let usual_x = usual(Usual::Abscissa).or(sweeps.first().map(|sweep| sweep.key.name));
     let limit = table.get(&LIMIT).map(|limit| read_limit(limit, ground)).transpose()?;
     let x = Named::from(axis(table, &X, usual_x)?);
-    let (y, beside) = columns::read(axis(table, &Y, usual(Usual::Estimate))?)?;
-    let shows = shows(table, &x, &y, &beside, sweeps, ground)?;
+    let (y, beside) = estimates(axis(table, &Y, usual(Usual::Estimate))?)?;
+    let shows = shows(table, &x, &y, &beside, known)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
     for (name, value) in table.get(&WHERE).and_then(|rows| rows.table()).iter().flat_map(|rows| rows.entries)
     {
         let name = Named { name: name.get_ref().to_string(), span: name.span() };
-        let (column, cell) = row(&name, Given { key: &WHERE, value }, sweeps, ground)?;
+        let (column, cell) = known.row(&name, Given { key: &WHERE, value })?;
         if chosen.contains(&column) {
             let message = format!("`where` gives {column} twice");
             return Err(Fault::new(name.span, message, "one of the two", "leave one of them out"));
@@ -65,14 +66,15 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
         chosen.push(column);
         rows.push((name, cell));
     }
-    let usual_scale = |name: &str| match ground.is_linear {
-        true => Scale::Linear,
-        false => ground.scale_over(name, sweeps),
+    let scale = |key: &'static Key, column: &Named| match table.get(key) {
+        None if ground.is_linear => Scale::Linear,
+        None => known.scale_over(&column.name),
+        written => Scale::of(written),
     };
-    let chart = Chart {
+    let mut chart = Chart {
         title: table.get(&TITLE).map_or(String::new(), |title| title.text().to_owned()),
-        x_scale: table.get(&X_SCALE).map_or_else(|| usual_scale(&x.name), |scale| Scale::of(Some(scale))),
-        y_scale: table.get(&Y_SCALE).map_or_else(|| usual_scale(&y.name), |scale| Scale::of(Some(scale))),
+        x_scale: scale(&X_SCALE, &x),
+        y_scale: scale(&Y_SCALE, &y),
         source: ground.source,
         x,
         y,
@@ -88,9 +90,9 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
         let mut drawn = std::iter::once(&chart.x).chain(chart.series());
         chosen.iter().any(|name| name == column) || drawn.any(|named| named.name == column)
     };
-    let supplied = ground.usual_rows().filter(|(column, _)| !is_named(&column.name));
-    let supplied: Vec<(Named, Cell)> = supplied.collect();
-    Ok(Chart { rows: chart.rows.into_iter().chain(supplied).collect(), ..chart })
+    let supplied: Vec<_> = ground.usual_rows().filter(|(column, _)| !is_named(&column.name)).collect();
+    chart.rows.extend(supplied);
+    Ok(chart)
 }
 
 /// The table of results to draw.
@@ -107,14 +109,7 @@ fn ground<'g>(table: &Table, grounds: &'g [Ground]) -> Result<&'g Ground, Fault>
 }
 
 /// Reads the content of a chart, by its kind.
-fn shows(
-    table: &Table,
-    x: &Named,
-    y: &Named,
-    beside: &[Named],
-    sweeps: &[Sweep],
-    ground: &Ground,
-) -> Result<Shows, Fault> {
+fn shows(table: &Table, x: &Named, y: &Named, beside: &[Named], known: Known) -> Result<Shows, Fault> {
     let kind = ChartKind::of(table.get(&KIND));
     let kind_span = || table.span_of(&KIND).unwrap_or_default();
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
@@ -125,14 +120,20 @@ fn shows(
         (&SERIES, &[ChartKind::Curves]),
         (&LAWS, &[ChartKind::Curves]),
     ] {
-        only_for(kind, kinds, table.get(key))?;
+        if let Some(written) = table.get(key).filter(|_| !kinds.contains(&kind)) {
+            let others: Vec<String> =
+                kinds.iter().map(|kind| format!("kind = \"{}\"", kind.name())).collect();
+            let message = format!("{} is not a key of a chart of kind = \"{}\"", key.name, kind.name());
+            let help = format!("leave it out, or write {}", others.join(" or "));
+            return Err(written.fault(message, "not of this kind", help));
+        }
     }
     if kind == ChartKind::Curves {
-        let laws = laws(table, x, sweeps, ground)?;
+        let laws = laws(table, x, known)?;
         if !beside.is_empty() {
-            columns::check_beside(table, &laws)?;
+            check_beside(table, &laws)?;
         }
-        let mut series = series(table.get(&SERIES), &x.name, sweeps, ground)?;
+        let mut series = series(table.get(&SERIES), &x.name, known)?;
         if !beside.is_empty() {
             series.truncate(1);
         }
@@ -147,8 +148,7 @@ fn shows(
         return Err(Fault::new(kind_span(), message, "a map of what?", "add it as in\nz = \"q9973\""));
     };
     for (name, axis) in [("x", x), ("y", y)] {
-        let cannot = format!("a map cannot have as its {name}");
-        coordinate(sweeps, ground, &axis.name, axis.span.clone(), &cannot)?;
+        known.coordinate(axis, &format!("a map cannot have as its {name}"))?;
     }
     if kind == ChartKind::HeatMap {
         return Ok(Shows::HeatMap { z, z_scale: Scale::of(table.get(&Z_SCALE)) });
@@ -158,40 +158,64 @@ fn shows(
             let message = "a winner map needs of, the swept key whose values compete";
             let help = "add it as in\nof = \"length\"";
             let none = || Fault::new(kind_span(), message, "the winner of what?", help);
-            ground.rivals().ok_or_else(none)?.into()
+            known.ground.rivals().ok_or_else(none)?.into()
         }
         Some(of) => {
-            let name = chooser(sweeps, ground, of.text(), of.span(), "a winner map cannot compare by")?;
+            let name = known.chooser(&of.into(), "a winner map cannot compare by")?;
             Named { name, span: of.span() }
         }
     };
     Ok(Shows::WinnerMap { z, of })
 }
 
-/// Refuses a key that is written but belongs to other kinds of chart.
-fn only_for(kind: ChartKind, kinds: &[ChartKind], written: Option<Given>) -> Result<(), Fault> {
-    let Some(written) = written.filter(|_| !kinds.contains(&kind)) else {
-        return Ok(());
-    };
-    let others: Vec<String> = kinds.iter().map(|kind| format!("kind = \"{}\"", kind.name())).collect();
-    let message = format!("{} is not a key of a chart of kind = \"{}\"", written.key.name, kind.name());
-    let help = format!("leave it out, or write {}", others.join(" or "));
-    Err(written.fault(message, "not of this kind", help))
+/// Most columns shown at once.
+const MOST_COLUMNS: usize = 8;
+
+/// Reads the column y, and the further columns where y is a list.
+fn estimates(y: Given) -> Result<(Named, Vec<Named>), Fault> {
+    if !y.is_list() {
+        return Ok((Named::from(y), vec![]));
+    }
+    let mut names = y.items().into_iter().map(Named::from);
+    let count = names.len();
+    if let (Some(first), 2..=MOST_COLUMNS) = (names.next(), count) {
+        return Ok((first, names.collect()));
+    }
+    let label = if count < 2 { "too few for a list" } else { "too many columns" };
+    let help = format!(
+        "accepted: the name of a column, or a list of names as in [\"bound\", \"mean_drift\"], 2 to {MOST_COLUMNS}"
+    );
+    Err(y.fault(format!("chart.y lists {count} columns"), label, help))
+}
+
+/// Refuses what cannot be combined with several columns y: more than one further column of series, and laws.
+fn check_beside(table: &Table, laws: &[Law]) -> Result<(), Fault> {
+    if let Some(series) = table.get(&SERIES).filter(|series| series.items().len() > 1) {
+        let message = "series names two columns, but y lists several";
+        let help = "name one column, for the dash: the columns y have the colours";
+        return Err(series.fault(message, "one too many", help));
+    }
+    match table.get(&LAWS).filter(|_| !laws.is_empty()) {
+        Some(written) => {
+            let message = "chart.laws conflict with several columns y";
+            Err(written.fault(message, "of one column", "leave them out, or name one column y"))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The columns that distinguish curves. If none are written, and the table has neither fillers nor coefficients, they
 /// are the swept keys other than x.
-fn series(written: Option<Given>, x: &str, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Named>, Fault> {
+fn series(written: Option<Given>, x: &str, known: Known) -> Result<Vec<Named>, Fault> {
     let Some(written) = written else {
-        return Ok(match ground.text_names().first() {
+        return Ok(match known.ground.texts.first() {
             // Columns side by side need no further distinction.
-            Some(name) if *name == x => vec![],
-            Some(name) => vec![(*name).into()],
+            Some(text) if text.name == x => vec![],
+            Some(text) => vec![text.name.into()],
             None => {
-                let across = coordinate(sweeps, ground, x, 0..0, "no axis over").ok();
-                let others =
-                    sweeps.iter().map(|sweep| sweep.key.name).filter(|name| Some(*name) != across.as_deref());
-                others.take(2).map(Named::from).collect()
+                let across = known.coordinate(&x.into(), "no axis over").ok();
+                let swept = known.sweeps.iter().map(|sweep| sweep.key.name);
+                swept.filter(|name| Some(*name) != across.as_deref()).take(2).map(Named::from).collect()
             }
         });
     };
@@ -204,7 +228,7 @@ fn series(written: Option<Given>, x: &str, sweeps: &[Sweep], ground: &Ground) ->
     Err(written.fault(message, "not one or two names", help))
 }
 
-fn laws(table: &Table, x: &Named, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Law>, Fault> {
+fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
     let written = table.get(&LAWS).map(|laws| laws.items()).unwrap_or_default();
     let mut laws = Vec::new();
     for item in &written {
@@ -215,14 +239,12 @@ fn laws(table: &Table, x: &Named, sweeps: &[Sweep], ground: &Ground) -> Result<V
         }
         laws.push(law);
     }
-    for (item, law) in written.iter().zip(&laws) {
-        if !ground.laws.contains(law) {
-            let message = format!("chart.laws: \"{}\" is a law of {}", law.name(), law.subject());
-            return Err(item.fault(message, "not of this kind of study", "leave it out"));
-        }
+    if let Some((item, law)) = written.iter().zip(&laws).find(|(_, law)| !known.ground.laws.contains(law)) {
+        let message = format!("chart.laws: \"{}\" is a law of {}", law.name(), law.subject());
+        return Err(item.fault(message, "not of this kind of study", "leave it out"));
     }
     if !laws.is_empty() {
-        coordinate(sweeps, ground, &x.name, x.span.clone(), "laws cannot be drawn over")?;
+        known.coordinate(x, "laws cannot be drawn over")?;
     }
     Ok(laws)
 }

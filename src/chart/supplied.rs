@@ -1,6 +1,7 @@
 //! Default charts of studies that specify none.
 
 use crate::chart::ground::Ground;
+use crate::chart::rows::Known;
 use crate::chart::{Chart, Named, Shows};
 use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
@@ -32,7 +33,7 @@ pub(crate) fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
     let x_scale = match abscissa.filter(|column| column.name == x) {
         Some(_) if ground.along().is_some() => Scale::Log,
         Some(_) => Scale::Linear,
-        None => ground.scale_over(x, sweeps),
+        None => Known { sweeps, ground }.scale_over(x),
     };
     Some(Chart {
         rows: whole.chain(fixed.filter_map(at_first)).chain(ground.usual_rows()).collect(),

@@ -2,7 +2,6 @@
 
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::source::place::Place;
-use crate::source::shown::Shown;
 
 /// Why a record or a log was refused: the finding with its place, the accepted values and a remedy.
 ///
@@ -21,8 +20,7 @@ impl RecordError {
         help: impl Into<String>,
         place: impl Into<Option<Place>>,
     ) -> RecordError {
-        let shown = place.into().map(|place| Shown::Piece(Box::new(place)));
-        RecordError(StudyError::new(message, label, help, shown))
+        RecordError(StudyError::new(message, label, help, place.into()))
     }
 
     /// The error for a file that cannot be read.

@@ -1,14 +1,13 @@
 //! Faults of a study, or of a file that it names: the finding, its place and a remedy.
 
-use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 
+use crate::source::place::Place;
 use crate::source::setting::spelled;
-use crate::source::shown::Shown;
 
 /// Most files of a folder that a help lists.
 const MOST_FILES: usize = 4;
@@ -81,7 +80,7 @@ impl Fault {
     /// Combines the fault with its text.
     pub(crate) fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
-        let shown = Shown::new(text, self.span.start..end);
+        let shown = Place::within(text, self.span.start..end);
         StudyError::new(self.message, self.label, self.help, Some(shown))
     }
 }
@@ -95,14 +94,18 @@ fn first_line_end(text: &str, span: &Range<usize>) -> usize {
 /// Why a study was refused: the finding with its place, the accepted values and a remedy.
 ///
 /// A [`miette::Diagnostic`]; [`StudyError::render`] gives the text for a terminal.
-#[derive(Debug, Clone, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error, Diagnostic)]
 #[error("{message}")]
 pub struct StudyError {
     message: String,
     label: String,
+    #[help]
     help: String,
     /// Lines to show; absent where the file could not be read.
-    shown: Option<Shown>,
+    #[source_code]
+    shown: Option<Arc<Place>>,
+    #[label("{label}")]
+    span: Option<SourceSpan>,
 }
 
 impl StudyError {
@@ -111,9 +114,11 @@ impl StudyError {
         message: impl Into<String>,
         label: impl Into<String>,
         help: impl Into<String>,
-        shown: Option<Shown>,
+        shown: Option<Place>,
     ) -> StudyError {
-        StudyError { message: message.into(), label: label.into(), help: help.into(), shown }
+        let span = shown.as_ref().map(|place| place.span.clone().into());
+        let shown = shown.map(Arc::new);
+        StudyError { message: message.into(), label: label.into(), help: help.into(), shown, span }
     }
 
     /// The error for a file that could not be read; `what` names its purpose, such as `the study`, and `help` an
@@ -164,21 +169,6 @@ impl StudyError {
             // The text does not contain the place.
             Err(_) => format!("{self}\nhelp: {}\n", self.help),
         }
-    }
-}
-
-impl Diagnostic for StudyError {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        Some(Box::new(&self.help))
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.shown.as_ref().map(|shown| shown as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.shown.as_ref()?.span();
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label.clone()), span))))
     }
 }
 

@@ -3,5 +3,4 @@
 pub mod diagnose;
 pub(crate) mod place;
 pub mod setting;
-pub(crate) mod shown;
 pub(crate) mod text_file;

@@ -1,22 +1,29 @@
-//! A piece of one line of a file.
+//! The part of a text that an error shows.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
+use miette::{MietteError, MietteSpanContents, NamedSource, SourceCode, SourceSpan, SpanContents};
 
-/// Characters of a line that an error shows on each side of its cell.
+use crate::source::diagnose::Text;
+
+/// Characters of a line that an error shows on each side of its cell, where it shows only a piece of the line.
 const SHOWN: usize = 60;
 
-/// The piece of a line of a text file that is kept for messages.
+/// Length in bytes from which on only a piece of a line is shown. Longer lines are unreadable in a report, and miette
+/// panics for a caret beyond column 65535.
+const LONG: usize = 1000;
+
+/// A text, or a piece of one of its lines, with the bytes under the caret.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Place {
-    file: String,
-    /// Line number, from 1.
+    text: Text,
+    /// Line number of the start of the text in its file, from 1.
     line: usize,
-    /// Bytes of the line before the piece.
+    /// Bytes of that line before the text.
     before: usize,
-    text: String,
-    span: Range<usize>,
+    /// The bytes under the caret, within the text.
+    pub(crate) span: Range<usize>,
 }
 
 impl Place {
@@ -32,12 +39,30 @@ impl Place {
         let [head, cell, tail] = [from..span.start, span.start..span.end.min(to), span.end.min(to)..to]
             .map(|part| String::from_utf8_lossy(&text[part]).into_owned());
         let span = head.len()..head.len() + cell.len();
-        Place { file: file.to_owned(), line, before: from, text: head + &cell + &tail, span }
+        Place { text: Arc::new(NamedSource::new(file, head + &cell + &tail)), line, before: from, span }
     }
 
-    /// The byte range of the cell within the piece.
-    pub(crate) fn span(&self) -> Range<usize> {
-        self.span.clone()
+    /// The bytes `span` of a whole `text`; of a long line only a piece.
+    pub(crate) fn within(text: &Text, span: Range<usize>) -> Place {
+        let whole = text.inner();
+        let is_end = |c: char| matches!(c, '\n' | '\r');
+        let everything = |span| Place { text: text.clone(), line: 1, before: 0, span };
+        let (Some(before), Some(after)) = (whole.get(..span.start), whole.get(span.end..)) else {
+            return everything(span);
+        };
+        let start = before.rfind(is_end).map_or(0, |end| end + 1);
+        let end = after.find(is_end).map_or(whole.len(), |length| span.end + length);
+        let neighbours = [
+            whole[..start].trim_end_matches(is_end).rsplit(is_end).next(),
+            whole[end..].trim_start_matches(is_end).split(is_end).next(),
+        ];
+        if end - start <= LONG && neighbours.iter().flatten().all(|line| line.len() <= LONG) {
+            return everything(span);
+        }
+        // \r\n counts as one line end.
+        let ends = before[..start].bytes().zip(before[..start].bytes().skip(1).chain([0]));
+        let line = 1 + ends.filter(|&(byte, next)| byte == b'\n' || (byte == b'\r' && next != b'\n')).count();
+        Place::new(text.name(), line, &whole.as_bytes()[start..end], span.start - start..span.end - start)
     }
 }
 
@@ -48,9 +73,37 @@ impl SourceCode for Place {
         before: usize,
         after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
-        let inner = self.text.read_span(span, before, after)?;
+        let inner = self.text.inner().read_span(span, before, after)?;
         let (line, column) = (self.line - 1 + inner.line(), self.before + inner.column());
-        let (file, span, lines) = (self.file.clone(), *inner.span(), inner.line_count());
+        let (file, span, lines) = (self.text.name().to_owned(), *inner.span(), inner.line_count());
         Ok(Box::new(MietteSpanContents::new_named(file, inner.data(), span, line, column, lines)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::diagnose::Fault;
+
+    #[test]
+    fn of_a_long_line_a_piece_is_shown_at_its_true_place() {
+        for filling in [10, LONG, 70_000, 1_000_000] {
+            let long = "é".repeat(filling);
+            for (text, place) in [
+                (format!("x = 1\r\ny = {long} bad\nz = 2\n"), format!("a.toml:2:{}", 6 + 2 * filling)),
+                (format!("x = 1\n\nbad = {long}\n"), "a.toml:3:1".to_owned()),
+                (format!("{long}\n bad\n"), "a.toml:2:2".to_owned()),
+                (format!("\rbad\n\n{long}"), "a.toml:2:1".to_owned()),
+            ] {
+                let at = text.find("bad").unwrap();
+                let text: Text = Arc::new(NamedSource::new("a.toml", text));
+                let shown =
+                    Fault::new(at..at + 3, "bad y", "this one", "mend it").within(&text).render(false, 100);
+                for piece in [place.as_str(), "bad", "this one", "mend it"] {
+                    assert!(shown.contains(piece), "{piece} is missing in\n{shown}");
+                }
+                assert!(shown.len() < 4 * LONG, "{} bytes with {filling}", shown.len());
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Files that are read as a whole.
 
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -32,7 +33,7 @@ pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, Error> {
 /// if a file changes meanwhile or is a pipe.
 pub(crate) struct Files {
     folder: PathBuf,
-    read: RefCell<Vec<(PathBuf, Arc<str>)>>,
+    read: RefCell<HashMap<PathBuf, Arc<str>>>,
 }
 
 impl Files {
@@ -52,12 +53,11 @@ impl Files {
     /// The same as for [`read_text`].
     pub(crate) fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
         let path = self.path(name);
-        let known = self.read.borrow().iter().find(|(known, _)| *known == path).map(|(_, text)| text.clone());
-        if let Some(text) = known {
-            return Ok(text);
+        if let Some(known) = self.read.borrow().get(&path) {
+            return Ok(known.clone());
         }
         let text: Arc<str> = read_text(&path, most)?.into();
-        self.read.borrow_mut().push((path, text.clone()));
+        self.read.borrow_mut().insert(path, text.clone());
         Ok(text)
     }
 }

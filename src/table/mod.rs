@@ -2,15 +2,20 @@
 
 pub(crate) mod column;
 
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::io;
+
+use serde::Serialize;
 
 use crate::quantity::number::significant;
 pub use crate::quantity::unit::Unit;
 use crate::quantity::units::{Dimension, Quantity};
 pub use crate::table::column::{About, ColumnOf, Role, Usual};
 
-/// One cell. An unknown value is [`Cell::Blank`], never 0.
-#[derive(Debug, Clone, PartialEq)]
+/// One cell. An unknown value is [`Cell::Blank`], never 0; in JSON it is null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Cell {
     /// An unknown value, or one without meaning in this row.
     Blank,
@@ -125,11 +130,17 @@ impl Column {
 
     /// The label with the unit, as in the title of an axis: `rms error, ″`.
     pub fn title(&self) -> String {
-        if self.unit.symbol.is_empty() {
-            self.label.clone()
-        } else {
-            format!("{}, {}", self.label, self.unit.symbol)
-        }
+        titled(&self.label, self.unit.symbol)
+    }
+
+    /// The value of a cell; NaN where it is not a number.
+    pub(crate) fn value(&self, row: usize) -> f64 {
+        self.cells[row].number().unwrap_or(f64::NAN)
+    }
+
+    /// The 95 % interval of a cell, where there is one.
+    pub fn interval(&self, row: usize) -> Option<(f64, f64)> {
+        self.band.as_ref()?.get(row).copied().flatten()
     }
 
     /// A value of the column as in a sentence: `vibration frequency 20 Hz`, `lost ticks n = 3`.
@@ -139,6 +150,11 @@ impl Column {
             symbol => format!("{} {value} {symbol}", self.label),
         }
     }
+}
+
+/// A label with its unit; a pure number has an empty one.
+pub(crate) fn titled(label: &str, unit: &str) -> String {
+    if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") }
 }
 
 /// Why a name or filter given by the user selects no single column, or no row.
@@ -272,6 +288,23 @@ impl Table {
         }
         writer.flush()
     }
+}
+
+/// Rows by a key that each has, in the order of their first rows.
+pub(crate) fn grouped<K: Clone + Eq + Hash>(
+    rows: impl IntoIterator<Item = usize>,
+    key: impl Fn(usize) -> K,
+) -> Vec<(K, Vec<usize>)> {
+    let (mut groups, mut places): (Vec<(K, Vec<usize>)>, _) = (vec![], HashMap::new());
+    for row in rows {
+        let key = key(row);
+        let place = *places.entry(key.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((key, vec![]));
+        }
+        groups[place].1.push(row);
+    }
+    groups
 }
 
 /// Finds a column as [`Table::column`] does, among columns that need not form a table.

@@ -1,21 +1,23 @@
 //! The results of a study as a whole: tables, charts, verdicts, notes and the report.
 
+use crate::quantity::number::short;
 use crate::run::{Plan, Tables};
 use crate::source::diagnose::StudyError;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::study::Study;
+use crate::table::{Cell, Role, Table};
 use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::{Verdict, verdicts};
 use crate::view::picture::{Drawn, pictures, shown};
-use crate::view::report::answer::{Answer, answer};
+use crate::view::report::Report;
+use crate::view::report::answer::Answer;
 use crate::view::report::source::Source;
-use crate::view::report::{Report, notes};
 
 /// The results of a study that a store holds.
 pub struct Results<'a> {
-    study: &'a Study,
-    tables: &'a Tables,
+    pub(crate) study: &'a Study,
+    pub(crate) tables: &'a Tables,
     /// Number of missing trials.
     pub lacking: u64,
     /// Charts, in the order of the study.
@@ -43,7 +45,10 @@ impl<'a> Results<'a> {
         let (charts, curves) = (pictures(study, tables)?, shown(study, tables)?);
         let index = store.index()?;
         let held = plan.held(&index)?;
-        let notes = notes(study, plan, (store, &index), tables, (held, lacking), degraded)?;
+        let missing = || format!("the run is incomplete: {} trials are missing", short(lacking as f64));
+        let uneven = if study.precision.is_some() { None } else { uneven(&tables.points) };
+        let notes = (lacking > 0).then(missing).into_iter().chain(degraded.iter().cloned());
+        let notes = notes.chain(plan.notes(store, &index, held)?).chain(uneven).collect();
         let source = Source::of(study, plan, store, held, lacking)?;
         Ok(Results { study, tables, lacking, charts, curves, notes, source })
     }
@@ -66,14 +71,6 @@ impl<'a> Results<'a> {
         verdicts(self.study, &self.curves)
     }
 
-    /// The answer of the study to its question.
-    ///
-    /// # Errors
-    /// The table lacks something that a chart requires.
-    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
-        answer(self.study, self.tables, &self.charts, &self.curves, verdicts, self.lacking)
-    }
-
     /// The page of the study.
     pub fn page(&self, answer: Answer) -> String {
         let report = Report {
@@ -87,4 +84,12 @@ impl<'a> Results<'a> {
         };
         report.html()
     }
+}
+
+/// A note that rows have different numbers of trials.
+fn uneven(table: &Table) -> Option<String> {
+    let column = table.of_role(Role::Trials)?;
+    let trials = || column.cells.iter().filter_map(Cell::number);
+    let (least, most) = (trials().reduce(f64::min)?, trials().reduce(f64::max)?);
+    (least < most).then(|| format!("rows are from {} to {} trials", short(least), short(most)))
 }

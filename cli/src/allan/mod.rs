@@ -38,8 +38,9 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
             let notes = notes::notes(&analysis).into_iter().chain(about_kalibr);
             notes.for_each(|note| say!("note: {}", in_options(&note)));
-            if let Some((_, Some(figure))) = figures::figures(&analysis).first().filter(|_| options.plot) {
-                print(&format!("{}\n", figure.text(look::of_output())))?;
+            let mut figures = figures::figures(&analysis).into_iter().filter(|_| options.plot);
+            if let Some((_, Some(figure))) = figures.next() {
+                print(&format!("{}\n", Picture::Curves(figure).text(look::of_output())))?;
             }
             print(&crate::allan::report::report(&analysis))?;
             say!("results are in {}", folder.display());

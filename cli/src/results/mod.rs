@@ -126,7 +126,7 @@ impl Ran<'_> {
             }
             print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;
             // For a single curve the verdict says the same.
-            let judged: usize = verdicts.iter().map(|verdict| verdict.answers().len()).sum();
+            let judged: usize = verdicts.iter().map(|verdict| verdict.answers.len()).sum();
             if judged != 1 && !headline.is_empty() {
                 print(&format!("\n{}", look::wrapped(&headline, look::width())))?;
             }

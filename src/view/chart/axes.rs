@@ -1,7 +1,7 @@
 //! Grid, axes and tick labels.
 
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::palette::{GRID, INK};
 use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
@@ -13,6 +13,11 @@ const LABEL: Lettering = Lettering { size: TICK_SIZE, bold: false, colour: INK, 
 const AXIS: Stroke = Stroke { colour: INK, width: 1.1, dash: "" };
 /// Lengths of ticks with and without a label.
 const LENGTHS: [f64; 2] = [6.0, 3.0];
+
+/// The width of the widest label.
+pub(crate) fn widest(ticks: &Ticks) -> f64 {
+    ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max)
+}
 
 /// Draws lines across the frame, stronger ones at the labelled ticks.
 pub(crate) fn draw_grid(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
@@ -61,22 +66,22 @@ pub(crate) fn draw_names(canvas: &mut Canvas, area: &Area, names: &[String]) {
     let room = (right - left) / names.len().max(1) as f64 - 8.0;
     for (place, name) in (1..).zip(names) {
         let x = area.across(f64::from(place));
-        for (line, y) in in_lines(name, room).iter().zip([bottom + 21.0, bottom + 36.0]) {
+        let lines = in_lines(name, room, |line| text::width(line, TICK_SIZE, false));
+        for (line, y) in lines.iter().zip([bottom + 21.0, bottom + 36.0]) {
             canvas.text((x, y), &text::fitted(line, TICK_SIZE, false, room), LABEL);
         }
     }
 }
 
-/// A name in one line if it fits, else in two of about equal length.
-fn in_lines(name: &str, room: f64) -> Vec<&str> {
-    let width = |line: &str| text::width(line, TICK_SIZE, false);
-    if width(name) <= room {
-        return vec![name];
+/// A text in one line if it fits, else in two of about equal length.
+pub(crate) fn in_lines(text: &str, room: f64, width: impl Fn(&str) -> f64) -> Vec<&str> {
+    if width(text) <= room {
+        return vec![text];
     }
-    let cuts = name.match_indices(' ').map(|(at, _)| [&name[..at], &name[at + 1..]]);
+    let cuts = text.match_indices(' ').map(|(at, _)| [&text[..at], &text[at + 1..]]);
     let longer = |[a, b]: &[&str; 2]| width(a).max(width(b));
     let best = cuts.min_by(|a, b| longer(a).total_cmp(&longer(b)));
-    best.map_or(vec![name], Vec::from)
+    best.map_or(vec![text], Vec::from)
 }
 
 /// The places of the ticks of the x axis: the labelled ones (rank 0) or the others (rank 1).

@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::{self, Display, Write as _};
 
-use crate::view::chart::area::Frame;
-use crate::view::chart::layout::{HEIGHT, WIDTH};
+use crate::view::chart::layout::{Frame, HEIGHT, WIDTH};
 use crate::view::chart::palette;
 use crate::view::chart::text;
 
@@ -24,28 +23,44 @@ type Place = (f64, f64);
 
 #[derive(Debug)]
 pub(crate) enum Shape {
-    /// Begins a part that is clipped to a frame.
-    Window(Frame),
-    /// Begins a named part.
+    /// A part that is clipped to a frame.
+    Window(Frame, Vec<Shape>),
+    /// A named part.
     Group {
         name: String,
         /// Whether edges are not smoothed, so that no seams show between adjacent areas.
         crisp: bool,
+        shapes: Vec<Shape>,
     },
-    /// Ends the part begun last.
-    End,
-    /// A filled polygon.
-    Block { corners: [Place; 4], colour: Colour },
+    Polygon(Vec<Place>, Fill),
+    /// A circle around a place, with its radius.
+    Circle(Place, f64, Fill),
     /// Separate straight lines with round ends.
-    Lines { lines: Vec<[Place; 2]>, stroke: Stroke },
+    Lines {
+        lines: Vec<[Place; 2]>,
+        stroke: Stroke,
+    },
     /// A line through two or more places.
-    Line { places: Vec<Place>, stroke: Stroke },
-    /// A translucent polygon.
-    Area { corners: Vec<Place>, colour: &'static str },
-    /// A polygon, or a circle if it has no corners, with the width of its white rim.
-    Marker { middle: Place, radius: f64, corners: Vec<Place>, colour: &'static str, rim: Option<f64> },
+    Line {
+        places: Vec<Place>,
+        stroke: Stroke,
+    },
     /// A text with its baseline at a place.
-    Text { place: Place, text: String, lettering: Lettering, set: Set },
+    Text {
+        place: Place,
+        text: String,
+        lettering: Lettering,
+        set: Set,
+    },
+}
+
+/// The style of an area.
+#[derive(Debug, Clone)]
+pub(crate) struct Fill {
+    pub colour: Colour,
+    pub is_translucent: bool,
+    /// Width of its white rim.
+    pub rim: Option<f64>,
 }
 
 /// The way in which a text is set.
@@ -105,18 +120,6 @@ impl Display for Escaped<'_> {
     }
 }
 
-/// Writes places as `x,y x,y …`.
-struct Corners<'a>(&'a [(f64, f64)]);
-
-impl Display for Corners<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().enumerate().try_for_each(|(i, &(x, y))| {
-            let space = if i == 0 { "" } else { " " };
-            write!(f, "{space}{},{}", Px(x), Px(y))
-        })
-    }
-}
-
 /// Radius of a marker below which it is small.
 const SMALL_MARKER: f64 = 2.4;
 
@@ -133,29 +136,25 @@ impl Canvas {
 
     /// Draws a part that is clipped to its frame; places keep their meaning.
     pub(crate) fn window(&mut self, frame: Frame, draw: impl FnOnce(&mut Canvas)) {
-        self.part(Shape::Window(frame), draw);
+        let shapes = part(draw);
+        self.shapes.push(Shape::Window(frame, shapes));
     }
 
     /// Draws a named part.
     pub(crate) fn group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
-        self.part(Shape::Group { name: name.to_owned(), crisp: false }, draw);
+        self.shapes.push(Shape::Group { name: name.to_owned(), crisp: false, shapes: part(draw) });
     }
 
     /// Draws a named part whose edges are not smoothed.
     pub(crate) fn crisp_group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
-        self.part(Shape::Group { name: name.to_owned(), crisp: true }, draw);
-    }
-
-    fn part(&mut self, start: Shape, draw: impl FnOnce(&mut Canvas)) {
-        self.shapes.push(start);
-        draw(self);
-        self.shapes.push(Shape::End);
+        self.shapes.push(Shape::Group { name: name.to_owned(), crisp: true, shapes: part(draw) });
     }
 
     /// Draws a filled rectangle between two corners; adjacent ones are drawn with the same corners.
     pub(crate) fn block(&mut self, (left, top): Place, (right, bottom): Place, colour: impl Into<Colour>) {
-        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.shapes.push(Shape::Block { corners, colour: colour.into() });
+        let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
+        let fill = Fill { colour: colour.into(), is_translucent: false, rim: None };
+        self.shapes.push(Shape::Polygon(corners, fill));
     }
 
     /// Draws separate straight lines, if there are any.
@@ -172,147 +171,120 @@ impl Canvas {
     }
 
     /// Draws a translucent area.
-    pub(crate) fn area(&mut self, corners: &[Place], colour: &'static str) {
-        self.shapes.push(Shape::Area { corners: corners.to_vec(), colour });
+    pub(crate) fn area(&mut self, corners: Vec<Place>, colour: &'static str) {
+        let fill = Fill { colour: colour.into(), is_translucent: true, rim: None };
+        self.shapes.push(Shape::Polygon(corners, fill));
     }
 
     /// Draws a marker with a white rim, which separates neighbours; small ones have none, because their rims would hide
     /// each other.
-    pub(crate) fn marker(&mut self, middle: Place, radius: f64, style: usize, colour: &'static str) {
-        let corner = |(dx, dy): &Place| (middle.0 + radius * dx, middle.1 + radius * dy);
-        let corners = palette::marker(style).iter().map(corner).collect();
+    pub(crate) fn marker(&mut self, (x, y): Place, radius: f64, style: usize, colour: &'static str) {
         let rim = (radius >= SMALL_MARKER).then_some(0.2 * radius);
-        self.shapes.push(Shape::Marker { middle, radius, corners, colour, rim });
+        let fill = Fill { colour: colour.into(), is_translucent: false, rim };
+        self.shapes.push(match palette::marker(style) {
+            [] => Shape::Circle((x, y), radius, fill),
+            corners => {
+                let corner = |(dx, dy): &Place| (x + radius * dx, y + radius * dy);
+                Shape::Polygon(corners.iter().map(corner).collect(), fill)
+            }
+        });
+    }
+
+    /// Draws a level text with its baseline at a place.
+    pub(crate) fn text(&mut self, place: Place, text: &str, lettering: Lettering) {
+        self.set_text(Set::Level, place, text, lettering);
     }
 
     /// Draws a text with its baseline at a place.
-    pub(crate) fn text(&mut self, place: Place, text: &str, lettering: Lettering) {
-        self.set(Set::Level, place, text, lettering);
-    }
-
-    /// Draws a text that reads upwards.
-    pub(crate) fn upward_text(&mut self, place: Place, text: &str, lettering: Lettering) {
-        self.set(Set::Upwards, place, text, lettering);
-    }
-
-    /// Draws a text with a white rim, legible over lines.
-    pub(crate) fn text_on_white(&mut self, place: Place, text: &str, lettering: Lettering) {
-        self.set(Set::OnWhite, place, text, lettering);
-    }
-
-    fn set(&mut self, set: Set, place: Place, text: &str, lettering: Lettering) {
+    pub(crate) fn set_text(&mut self, set: Set, place: Place, text: &str, lettering: Lettering) {
         self.shapes.push(Shape::Text { place, text: text.to_owned(), lettering, set });
     }
 
-    /// The picture as SVG, one element per line. Windows are nested pictures, which clip like a `clipPath` but need no
-    /// id.
+    /// The picture as SVG, one element per line.
     pub(crate) fn svg(&self) -> String {
-        let mut svg = String::new();
-        let mut depth = 0;
-        // Writing to a String cannot fail.
-        let mut put = |depth: usize, line: fmt::Arguments<'_>| {
-            let _ = writeln!(svg, "{:indent$}{line}", "", indent = 2 * depth);
-        };
         let (w, h, family, name) = (Px(WIDTH), Px(HEIGHT), text::FAMILY, Escaped(&self.name));
-        put(
-            0,
-            format_args!(
-                r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" font-family="{family}" role="img" aria-label="{name}">"#
-            ),
-        );
-        put(1, format_args!(r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##));
-        let mut open = vec![];
-        for shape in &self.shapes {
-            if let Shape::End = shape {
-                depth -= 1;
-                put(1 + depth, format_args!("</{}>", open.pop().unwrap_or("g")));
-                continue;
-            }
-            put(1 + depth, format_args!("{}", Element(shape)));
-            match shape {
-                Shape::Window(_) => open.push("svg"),
-                Shape::Group { .. } => open.push("g"),
-                _ => continue,
-            }
-            depth += 1;
-        }
-        put(0, format_args!("</svg>"));
-        svg
+        let shapes = elements(&self.shapes, 1);
+        format!(
+            r##"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" font-family="{family}" role="img" aria-label="{name}">
+  <rect width="{w}" height="{h}" fill="#ffffff"/>
+{shapes}</svg>
+"##
+        )
     }
 }
 
-/// A shape as an element of SVG, or the start of one.
-struct Element<'a>(&'a Shape);
+/// The shapes that `draw` draws.
+fn part(draw: impl FnOnce(&mut Canvas)) -> Vec<Shape> {
+    let mut part = Canvas::new("");
+    draw(&mut part);
+    part.shapes
+}
 
-impl Display for Element<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Shape::Window(Frame { left, top, right, bottom }) => {
-                let [x, y, w, h] = [*left, *top, right - left, bottom - top].map(Px);
-                write!(f, r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#)
-            }
-            Shape::Group { name, crisp } => {
-                let crisp = if *crisp { r#" shape-rendering="crispEdges""# } else { "" };
-                write!(f, r#"<g aria-label="{}"{crisp}>"#, Escaped(name))
-            }
-            Shape::End => Ok(()),
-            Shape::Block { corners, colour } => {
-                write!(f, r#"<polygon points="{}" fill="{colour}"/>"#, Corners(corners))
-            }
-            Shape::Lines { lines, stroke: Stroke { colour, width, .. } } => {
-                f.write_str("<path d=\"")?;
-                for [(x0, y0), (x1, y1)] in lines {
-                    write!(f, "M{},{}L{},{}", Px(*x0), Px(*y0), Px(*x1), Px(*y1))?;
-                }
-                let width = Px(*width);
-                write!(
-                    f,
-                    r#"" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
-                )
-            }
-            Shape::Line { places, stroke: Stroke { colour, width, dash } } => {
-                let dash =
-                    if dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{dash}""#) };
-                let (corners, width) = (Corners(places), Px(*width));
-                write!(
-                    f,
-                    r#"<polyline points="{corners}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"{dash}/>"#
-                )
-            }
-            Shape::Area { corners, colour } => {
-                let corners = Corners(corners);
-                write!(f, r#"<polygon points="{corners}" fill="{colour}" fill-opacity="{TRANSLUCENT}"/>"#)
-            }
-            Shape::Marker { middle: (x, y), radius, corners, colour, rim } => {
-                let rim = rim
-                    .map(|width| format!(r##" stroke="#ffffff" stroke-width="{}""##, Px(width)))
-                    .unwrap_or_default();
-                if corners.is_empty() {
-                    let (x, y, r) = (Px(*x), Px(*y), Px(*radius));
-                    return write!(f, r#"<circle cx="{x}" cy="{y}" r="{r}" fill="{colour}"{rim}/>"#);
-                }
-                write!(f, r#"<polygon points="{}" fill="{colour}"{rim}/>"#, Corners(corners))
-            }
-            Shape::Text { place: (x, y), text, lettering, set } => {
-                let (x, y) = (Px(*x), Px(*y));
-                match set {
-                    Set::Level => write!(f, r#"<text x="{x}" y="{y}""#)?,
-                    Set::Upwards => write!(f, r#"<text transform="translate({x} {y}) rotate(-90)""#)?,
-                    Set::OnWhite => write!(
-                        f,
-                        r##"<text x="{x}" y="{y}" stroke="#ffffff" stroke-width="{TEXT_RIM}" stroke-linejoin="round" paint-order="stroke""##
-                    )?,
-                }
-                let Lettering { size, bold, colour, anchor } = lettering;
-                let weight = if *bold { r#" font-weight="bold""# } else { "" };
-                let (size, text) = (Px(*size), Escaped(text));
-                write!(
-                    f,
-                    r#" font-size="{size}"{weight} fill="{colour}" text-anchor="{anchor}">{text}</text>"#
-                )
-            }
+/// Shapes as elements of SVG, one per line, at a depth. Windows are nested pictures, which clip like a `clipPath` but
+/// need no id.
+fn elements(shapes: &[Shape], depth: usize) -> String {
+    let indent = "  ".repeat(depth);
+    let within = |shapes: &[Shape]| format!("{}{indent}", elements(shapes, depth + 1));
+    let element = |shape: &Shape| match shape {
+        Shape::Window(Frame { left, top, right, bottom }, shapes) => {
+            let [x, y, w, h] = [*left, *top, right - left, bottom - top].map(Px);
+            let start =
+                format!(r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#);
+            format!("{start}\n{}</svg>", within(shapes))
         }
-    }
+        Shape::Group { name, crisp, shapes } => {
+            let crisp = if *crisp { r#" shape-rendering="crispEdges""# } else { "" };
+            format!("<g aria-label=\"{}\"{crisp}>\n{}</g>", Escaped(name), within(shapes))
+        }
+        Shape::Polygon(corners, fill) => {
+            format!(r#"<polygon points="{}" {}/>"#, places(corners), filled(fill))
+        }
+        Shape::Circle((x, y), radius, fill) => {
+            let (x, y, r) = (Px(*x), Px(*y), Px(*radius));
+            format!(r#"<circle cx="{x}" cy="{y}" r="{r}" {}/>"#, filled(fill))
+        }
+        Shape::Lines { lines, stroke: Stroke { colour, width, .. } } => {
+            let line = |[from, to]: &[Place; 2]| format!("M{}L{}", places(&[*from]), places(&[*to]));
+            let (lines, width) = (lines.iter().map(line).collect::<String>(), Px(*width));
+            format!(
+                r#"<path d="{lines}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
+            )
+        }
+        Shape::Line { places: line, stroke: Stroke { colour, width, dash } } => {
+            let dash = if dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{dash}""#) };
+            let (line, width) = (places(line), Px(*width));
+            format!(
+                r#"<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"{dash}/>"#
+            )
+        }
+        Shape::Text { place: (x, y), text, lettering: Lettering { size, bold, colour, anchor }, set } => {
+            let (x, y, size, text) = (Px(*x), Px(*y), Px(*size), Escaped(text));
+            let place = match set {
+                Set::Level => format!(r#"x="{x}" y="{y}""#),
+                Set::Upwards => format!(r#"transform="translate({x} {y}) rotate(-90)""#),
+                Set::OnWhite => format!(
+                    r##"x="{x}" y="{y}" stroke="#ffffff" stroke-width="{TEXT_RIM}" stroke-linejoin="round" paint-order="stroke""##
+                ),
+            };
+            let weight = if *bold { r#" font-weight="bold""# } else { "" };
+            format!(
+                r#"<text {place} font-size="{size}"{weight} fill="{colour}" text-anchor="{anchor}">{text}</text>"#
+            )
+        }
+    };
+    shapes.iter().map(|shape| format!("{indent}{}\n", element(shape))).collect()
+}
+
+/// Places as `x,y x,y …`.
+fn places(places: &[Place]) -> String {
+    places.iter().map(|&(x, y)| format!("{},{}", Px(x), Px(y))).collect::<Vec<_>>().join(" ")
+}
+
+/// The attributes of an area.
+fn filled(Fill { colour, is_translucent, rim }: &Fill) -> String {
+    let opacity = if *is_translucent { format!(r#" fill-opacity="{TRANSLUCENT}""#) } else { String::new() };
+    let rim = rim.map(|width| format!(r##" stroke="#ffffff" stroke-width="{}""##, Px(width)));
+    format!(r#"fill="{colour}"{opacity}{}"#, rim.unwrap_or_default())
 }
 
 #[cfg(test)]

@@ -32,36 +32,18 @@ impl Figure {
     }
 }
 
-/// The names of the entries into which others were merged; a pair is a merged style and the style that remains.
-fn names_of(entries: &[Entry], merged: &[(usize, usize)]) -> Vec<String> {
-    let stays = |entry: &&Entry| merged.iter().any(|(_, to)| *to == entry.style);
-    entries.iter().filter(stays).map(|entry| entry.name.clone()).collect()
-}
-
-/// Merges the entries of one grouping; `style` is a curve's style in it, `other` that in the other grouping. Returns
-/// the removed styles with those that replace them.
-fn merge(
+/// Merges entries that are the `same`: the earlier one is named for both, as in `const = linear`. Returns the removed
+/// styles with those that replace them.
+pub(crate) fn merge_entries(
     entries: &mut Vec<Entry>,
-    series: &mut Vec<Series>,
-    style: fn(&Series) -> usize,
-    other: fn(&Series) -> usize,
+    same: impl Fn(&Entry, &Entry) -> bool,
 ) -> Vec<(usize, usize)> {
-    let mut kept: Vec<Entry> = Vec::new();
-    let mut merged = vec![];
+    let (mut kept, mut merged): (Vec<Entry>, _) = (vec![], vec![]);
     for entry in entries.drain(..) {
-        let of = |wanted: usize| series.iter().filter(move |curve| style(curve) == wanted);
-        let twin =
-            |curve: &Series, wanted| of(wanted).any(|b| other(b) == other(curve) && same_curve(curve, b));
-        let coincides = |earlier: &&mut Entry| {
-            of(entry.style).count() > 0
-                && of(entry.style).count() == of(earlier.style).count()
-                && of(entry.style).all(|curve| twin(curve, earlier.style))
-        };
-        match kept.iter_mut().find(coincides) {
+        match kept.iter_mut().find(|earlier| same(earlier, &entry)) {
             Some(earlier) => {
                 earlier.name = format!("{} = {}", earlier.name, entry.name);
                 merged.push((entry.style, earlier.style));
-                series.retain(|curve| style(curve) != entry.style);
             }
             None => kept.push(entry),
         }
@@ -70,9 +52,39 @@ fn merge(
     merged
 }
 
+/// The names of the entries into which others were merged; a pair is a merged style and the style that remains.
+pub(crate) fn names_of(entries: &[Entry], merged: &[(usize, usize)]) -> Vec<String> {
+    let stays = |entry: &&Entry| merged.iter().any(|(_, to)| *to == entry.style);
+    entries.iter().filter(stays).map(|entry| entry.name.clone()).collect()
+}
+
+/// Merges the entries of one grouping whose curves are identical; `style` is a curve's style in it, `other` that in the
+/// other grouping.
+fn merge(
+    entries: &mut Vec<Entry>,
+    series: &mut Vec<Series>,
+    style: fn(&Series) -> usize,
+    other: fn(&Series) -> usize,
+) -> Vec<(usize, usize)> {
+    let of = |wanted: usize| series.iter().filter(move |curve| style(curve) == wanted);
+    let merged = merge_entries(entries, |earlier, entry| {
+        let twin =
+            |curve: &Series| of(earlier.style).any(|b| other(b) == other(curve) && same_curve(curve, b));
+        of(entry.style).count() > 0
+            && of(entry.style).count() == of(earlier.style).count()
+            && of(entry.style).all(twin)
+    });
+    series.retain(|curve| merged.iter().all(|(from, _)| *from != style(curve)));
+    merged
+}
+
+/// Whether two numbers agree to the nine digits that files show.
+pub(crate) fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
 /// Whether two curves are identical to the nine digits that files show. Curves without points are not compared.
 fn same_curve(a: &Series, b: &Series) -> bool {
-    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
     let near_pair = |a: (f64, f64), b: (f64, f64)| near(a.0, b.0) && near(a.1, b.1);
     let same_band = |a: Option<(f64, f64)>, b: Option<(f64, f64)>| match (a, b) {
         (Some(a), Some(b)) => near_pair(a, b),
@@ -92,7 +104,7 @@ fn same_curve(a: &Series, b: &Series) -> bool {
 mod tests {
     use super::*;
     use crate::key::scale::Scale;
-    use crate::view::chart::figure::{Axis, Grouping, Parts, SeriesPoint};
+    use crate::view::chart::figure::{Grouping, SeriesPoint};
 
     fn curve(colour: usize, dash: usize, ys: &[f64]) -> Series {
         let points =
@@ -106,28 +118,12 @@ mod tests {
     }
 
     fn figure(series: Vec<Series>) -> Figure {
-        let axis = Axis {
-            label: String::new(),
-            unit: String::new(),
-            scale: Scale::Log,
-            whole: false,
-            names: vec![],
-        };
         Figure {
-            title: String::new(),
-            subtitle: None,
-            x: axis.clone(),
-            y: axis,
             colours: grouping(&["const", "linear", "quadratic"]),
             dashes: grouping(&["1", "2"]),
-            points: String::new(),
             bands: "95 % band".to_owned(),
-            lines: String::new(),
             series,
-            laws: vec![],
-            parts: Parts::default(),
-            limit: None,
-            chosen: vec![],
+            ..Figure::default()
         }
     }
 

@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::key::scale::Scale;
+use crate::table::titled;
 
 /// A chart of curves y(x).
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -60,7 +61,7 @@ impl Axis {
 
     /// The axis title: `rms error, ″`.
     pub fn title(&self) -> String {
-        if self.unit.is_empty() { self.label.clone() } else { format!("{}, {}", self.label, self.unit) }
+        titled(&self.label, &self.unit)
     }
 }
 
@@ -171,16 +172,22 @@ pub struct Limit {
 impl Figure {
     /// Number of points that the axes cannot show: not finite, or not positive on a logarithmic axis.
     pub fn left_out(&self) -> usize {
-        self.series
-            .iter()
-            .flat_map(|series| &series.points)
-            .filter(|point| !self.shows((point.x, point.y)))
-            .count()
+        self.all_points().filter(|point| !self.shows((point.x, point.y))).count()
+    }
+
+    /// The points of all series.
+    pub(crate) fn all_points(&self) -> impl Iterator<Item = &SeriesPoint> {
+        self.series.iter().flat_map(|series| &series.points)
     }
 
     /// Whether both axes can show the place.
     pub(crate) fn shows(&self, (x, y): (f64, f64)) -> bool {
         self.x.scale.shows(x) && self.y.scale.shows(y)
+    }
+
+    /// The places of all lines of laws.
+    pub(crate) fn law_places(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.laws.iter().flat_map(|law| &law.lines).flat_map(|line| &line.points).copied()
     }
 
     /// Whether any series has a closed form.

@@ -1,13 +1,9 @@
 //! A figure from a table and the specification of its chart.
 
-use std::collections::BTreeMap;
-
 use crate::chart::{self, Chart};
 use crate::key::scale::Scale;
-use crate::table::{Cell, Column, Role, Table, Unit};
-use crate::view::chart::figure::{
-    Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint,
-};
+use crate::table::{Cell, Column, Role, Table, Unit, grouped};
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::mixed::check_curves;
 use crate::view::chart::notes::{ChartError, Notes};
 use crate::view::chart::stack::Shown;
@@ -48,51 +44,53 @@ impl Figure {
             points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
             bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
-            series: vec![],
-            laws: vec![],
-            parts: Parts::default(),
             limit: chart.limit.map(limit),
             chosen: table.chosen(&filter)?,
+            ..Figure::default()
         };
-        let names = figure.x.names.clone();
         let mut notes = Notes::default();
-        let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
+        let names = figure.x.names.clone();
         let place = |row: usize| match names.is_empty() {
             true => x.cells[row].number(),
             false => Some(1.0 + names.iter().position(|name| *name == x.cells[row].text())? as f64),
         };
         // Rows without a place on an axis where other rows have one are of another kind, such as the sum of all ticks.
         let some = rows.iter().any(|&row| place(row).is_some());
-        for row in rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank) {
-            let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
-            let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
-            let series = curve(&mut figure.series, colour, dash);
-            let Some(x) = place(row) else {
-                notes.blank += 1;
-                continue;
+        let rows = rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank);
+        let styles = |row: usize| {
+            let of = |column: Option<&Column>, grouping| {
+                column.map_or(0, |column| style(grouping, &column.cells[row]))
             };
-            series.law.extend(oracle.and_then(|oracle| oracle.cells[row].number()).map(|law| (x, law)));
-            for (law, column) in laws.iter().enumerate() {
-                let point = column.cells[row].number().map(|value| (x, value));
-                lines.entry((law, colour, dash)).or_default().extend(point);
-            }
-            match y.cells[row].number() {
-                Some(value) => {
-                    let band = y.band.as_ref().and_then(|band| band.get(row).copied().flatten());
-                    series.points.push(SeriesPoint { x, y: value, band });
-                }
-                None => notes.blank += 1,
-            }
+            (of(colours, &figure.colours), of(dashes, &figure.dashes))
+        };
+        let mut curves = grouped(rows, styles);
+        for ((colour, dash), rows) in &mut curves {
+            let all = rows.len();
+            rows.retain(|&row| place(row).is_some());
+            rows.sort_by(|&a, &b| place(a).unwrap_or(f64::NAN).total_cmp(&place(b).unwrap_or(f64::NAN)));
+            let point = |&row: &usize| {
+                Some(SeriesPoint { x: place(row)?, y: y.cells[row].number()?, band: y.interval(row) })
+            };
+            let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
+            notes.blank += all - points.len();
+            let law = oracle.map_or(vec![], |oracle| along(oracle, rows, place));
+            figure.series.push(Series { colour: *colour, dash: *dash, points, law });
         }
-        for series in &mut figure.series {
-            series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
-            series.law.sort_by(|a, b| a.0.total_cmp(&b.0));
-        }
-        figure.laws = laws.iter().map(|law| Law { label: law.label.clone(), lines: vec![] }).collect();
-        for ((law, colour, _), mut points) in lines {
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            figure.laws[law].lines.push(LawLine { colours: vec![colour], points });
-        }
+        // In the order of the legend.
+        curves.sort_by_key(|(styles, _)| *styles);
+        figure.laws = laws
+            .iter()
+            .map(|law| Law {
+                label: law.label.clone(),
+                lines: curves
+                    .iter()
+                    .map(|((colour, _), rows)| LawLine {
+                        colours: vec![*colour],
+                        points: along(law, rows, place),
+                    })
+                    .collect(),
+            })
+            .collect();
         notes.left_out = figure.left_out();
         notes.merged = figure.merge_coincident();
         notes.coincident = figure.coincident();
@@ -135,10 +133,10 @@ pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
 fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
     let mut names: Vec<String> = vec![];
     for &row in rows {
-        match &column.cells[row] {
-            Cell::Text(name) if names.contains(name) => {}
-            Cell::Text(name) => names.push(name.clone()),
-            _ => {}
+        if let Cell::Text(name) = &column.cells[row]
+            && !names.contains(name)
+        {
+            names.push(name.clone());
         }
     }
     (!names.is_empty()).then(|| Axis { whole: true, names, ..axis(column, Scale::Linear) })
@@ -172,13 +170,9 @@ pub(crate) fn style(grouping: &Grouping, cell: &Cell) -> usize {
     grouping.entries.iter().find(|entry| entry.name == name).map_or(0, |entry| entry.style)
 }
 
-/// The curve with these styles, which is created if it does not exist yet.
-fn curve(series: &mut Vec<Series>, colour: usize, dash: usize) -> &mut Series {
-    let place = series.iter().position(|s| (s.colour, s.dash) == (colour, dash)).unwrap_or_else(|| {
-        series.push(Series { colour, dash, points: vec![], law: vec![] });
-        series.len() - 1
-    });
-    &mut series[place]
+/// The values of a column over the places of some rows.
+fn along(column: &Column, rows: &[usize], place: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)> {
+    rows.iter().filter_map(|&row| place(row).zip(column.cells[row].number())).collect()
 }
 
 #[cfg(test)]
@@ -323,7 +317,7 @@ mod tests {
         let of = |series: &Series| series.points.iter().map(|point| (point.x, point.y)).collect::<Vec<_>>();
         assert_eq!(of(&figure.series[0]), [(1.0, 4.0), (2.0, 5.0), (3.0, 4.0)]);
         assert_eq!(of(&figure.series[1]), [(1.0, 2.0), (2.0, 2.0), (3.0, 2.0)]);
-        let svg = figure.svg();
+        let svg = figure.canvas().svg();
         for name in ["const", "quad", "copy"] {
             assert_eq!(svg.matches(&format!(">{name}<")).count(), 1, "{name}");
         }

@@ -80,37 +80,15 @@ fn on_line(line: &[(f64, f64)], x: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::scale::Scale;
-    use crate::view::chart::figure::{Axis, Grouping, Law, Parts};
+    use crate::view::chart::figure::Law;
 
     fn line(colour: usize, xs: &[f64], law: fn(f64) -> f64) -> LawLine {
         LawLine { colours: vec![colour], points: xs.iter().map(|&x| (x, law(x))).collect() }
     }
 
     fn merged(lines: Vec<LawLine>) -> Vec<(Vec<usize>, usize)> {
-        let axis = Axis {
-            label: String::new(),
-            unit: String::new(),
-            scale: Scale::Log,
-            whole: false,
-            names: vec![],
-        };
-        let mut figure = Figure {
-            title: String::new(),
-            subtitle: None,
-            x: axis.clone(),
-            y: axis,
-            colours: Grouping::default(),
-            dashes: Grouping::default(),
-            points: String::new(),
-            bands: String::new(),
-            lines: String::new(),
-            series: vec![],
-            laws: vec![Law { label: String::new(), lines }],
-            parts: Parts::default(),
-            limit: None,
-            chosen: vec![],
-        };
+        let laws = vec![Law { label: String::new(), lines }];
+        let mut figure = Figure { laws, ..Figure::default() };
         figure.merge_laws();
         let lines = figure.laws.into_iter().flat_map(|law| law.lines);
         lines.map(|line| (line.colours, line.points.len())).collect()

@@ -1,9 +1,10 @@
 //! The layout common to all pictures: their size, their titles, and the room for their axes.
 
-use crate::view::chart::area::Frame;
-use crate::view::chart::axes::TICK_SIZE;
-use crate::view::chart::canvas::{Canvas, Lettering};
+use crate::view::chart::axes::widest;
+use crate::view::chart::canvas::{Canvas, Lettering, Set};
+use crate::view::chart::figure::Axis;
 use crate::view::chart::palette::{INK, MUTED};
+use crate::view::chart::scale::Range;
 use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
 
@@ -19,24 +20,58 @@ pub(crate) const MOST_LABELS: usize = 9;
 const TITLE_SIZE: f64 = 20.0;
 const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
 
+/// A rectangle of the picture, in px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+/// The ranges of two axes, and the frame that they span in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Area {
+    pub x: Range,
+    pub y: Range,
+    pub frame: Frame,
+}
+
+impl Area {
+    /// The place in the picture of a point of the data.
+    pub(crate) fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.across(x), self.down(y))
+    }
+
+    /// The horizontal place of a value of the x axis.
+    pub(crate) fn across(&self, x: f64) -> f64 {
+        let Frame { left, right, .. } = self.frame;
+        left + self.x.fraction(x) * (right - left)
+    }
+
+    /// The vertical place of a value of the y axis.
+    pub(crate) fn down(&self, y: f64) -> f64 {
+        let Frame { top, bottom, .. } = self.frame;
+        bottom - self.y.fraction(y) * (bottom - top)
+    }
+}
+
 /// The texts around a frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Titles<'a> {
     pub title: &'a str,
     pub subtitle: Option<&'a str>,
-    /// Title under the horizontal axis.
-    pub x: String,
-    /// Title along the vertical axis.
-    pub y: String,
+    /// The horizontal axis.
+    pub x: &'a Axis,
+    /// The vertical axis.
+    pub y: &'a Axis,
 }
 
 impl Titles<'_> {
     /// The frame that leaves room for the titles, the labels of the vertical axis and `beside` px on the right.
     pub(crate) fn frame(&self, y_ticks: &Ticks, beside: f64) -> Frame {
-        let labels =
-            y_ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max);
         Frame {
-            left: MARGIN + AXIS_TITLE.size + 14.0 + labels + 10.0,
+            left: MARGIN + AXIS_TITLE.size + 14.0 + widest(y_ticks) + 10.0,
             top: if self.subtitle.is_some() { 86.0 } else { 66.0 },
             right: WIDTH - MARGIN - if beside > 0.0 { beside + MARGIN } else { 0.0 },
             bottom: HEIGHT - 72.0,
@@ -55,15 +90,19 @@ impl Titles<'_> {
         }
         let Frame { left, top, right, bottom } = frame;
         let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);
-        canvas.text((0.5 * (left + right), HEIGHT - 20.0), &fitted(&self.x, right - left), AXIS_TITLE);
-        draw_axis_title(canvas, MARGIN + 0.8 * AXIS_TITLE.size, (top, bottom), &self.y);
+        canvas.text(
+            (0.5 * (left + right), HEIGHT - 20.0),
+            &fitted(&self.x.title(), right - left),
+            AXIS_TITLE,
+        );
+        draw_axis_title(canvas, MARGIN + 0.8 * AXIS_TITLE.size, (top, bottom), &self.y.title());
     }
 }
 
 /// Writes the title of a vertical axis upwards, its baseline at `x`, centred between two heights.
 pub(crate) fn draw_axis_title(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64), title: &str) {
     let title = text::fitted(title, AXIS_TITLE.size, false, bottom - top);
-    canvas.upward_text((x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
+    canvas.set_text(Set::Upwards, (x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
 }
 
 /// Says why the frame is empty: there is no `what`, such as `point`, or all `left_out` of them cannot be shown.
@@ -76,5 +115,5 @@ pub(crate) fn draw_nothing(canvas: &mut Canvas, what: &str, left_out: usize, fra
     // Above the middle, where a limit might be.
     let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
     let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
-    canvas.text_on_white(place, &why, lettering);
+    canvas.set_text(Set::OnWhite, place, &why, lettering);
 }

@@ -32,14 +32,15 @@ pub(crate) enum Row {
 }
 
 /// A sample of the style that an entry explains.
-#[derive(Debug, Default)]
-pub(crate) struct Sample {
-    pub line: Option<Stroke>,
-    /// Style and colour of a marker.
-    pub marker: Option<(usize, &'static str)>,
-    pub band: Option<&'static str>,
-    /// Colour of an area, and whether it is hatched.
-    pub fill: Option<(&'static str, bool)>,
+#[derive(Debug)]
+pub(crate) enum Sample {
+    Line(Stroke),
+    /// The style and colour of a marker, over the line that joins them.
+    Markers(Option<Stroke>, (usize, &'static str)),
+    /// The colour of a band.
+    Band(&'static str),
+    /// The colour of an area, and whether it is hatched.
+    Area(&'static str, bool),
 }
 
 impl Legend {
@@ -51,16 +52,22 @@ impl Legend {
         legend.grouping(&figure.colours, |style| {
             let colour = palette::colour(style);
             if own_dashes {
-                return Sample { line: Some(Stroke { colour, width: 3.5, dash: "" }), ..Sample::default() };
+                return Sample::Line(Stroke { colour, width: 3.5, dash: "" });
             }
             curve_sample(style, colour, has_line(figure, |series| series.colour == style))
         });
         legend.grouping(&figure.dashes, |style| {
             curve_sample(style, MUTED, has_line(figure, |series| series.dash == style))
         });
-        legend.part(None, law_rows(figure));
+        let laws = figure.laws.iter().enumerate();
+        let laws =
+            laws.flat_map(|(i, law)| wrapped_entry(Sample::Line(law_stroke(i, colour_of(law))), &law.label));
+        legend.part(None, laws.collect());
         legend.part(None, reading_entries(figure));
-        legend.part(Some(&figure.parts.title), part_rows(figure));
+        let parts = figure.parts.lines.iter().enumerate();
+        let parts =
+            parts.flat_map(|(i, part)| wrapped_entry(Sample::Line(part_stroke(i, part)), &part.label));
+        legend.part(Some(&figure.parts.title), parts.collect());
         let coincident = figure.coincident();
         if !coincident.is_empty() {
             legend.part(Some("the same curve"), coincident.into_iter().map(Row::Remark).collect());
@@ -156,7 +163,7 @@ impl Legend {
 
 fn curve_sample(style: usize, colour: &'static str, has_line: bool) -> Sample {
     let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
-    Sample { line: has_line.then_some(line), marker: Some((style, colour)), ..Sample::default() }
+    Sample::Markers(has_line.then_some(line), (style, colour))
 }
 
 /// Whether a line is drawn for some of the series; if others have closed forms, series without one are points only.
@@ -164,28 +171,17 @@ fn has_line(figure: &Figure, is_meant: impl Fn(&Series) -> bool) -> bool {
     !figure.has_laws() || figure.series.iter().any(|series| is_meant(series) && !series.law.is_empty())
 }
 
-fn law_rows(figure: &Figure) -> Vec<Row> {
-    // The colour of its lines, where they have one.
-    let colour = |law: &Law| {
-        let mut colours = law.lines.iter().map(LawLine::colour);
-        let first = colours.next().flatten();
-        colours.all(|colour| colour == first).then_some(first).flatten()
-    };
-    let sample = |i, law| Sample { line: Some(law_stroke(i, colour(law))), ..Sample::default() };
-    let laws = figure.laws.iter().enumerate();
-    laws.flat_map(|(i, law)| wrapped_entry(sample(i, law), &law.label)).collect()
+/// The colour of the lines of a law, where they have one.
+fn colour_of(law: &Law) -> Option<usize> {
+    let mut colours = law.lines.iter().map(LawLine::colour);
+    let first = colours.next().flatten();
+    first.filter(|_| colours.all(|colour| colour == first))
 }
 
 /// The style of the lines of a law: broad and pale, in the colour of the curves to which it applies if they have one.
 pub(crate) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
     let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
     Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
-}
-
-fn part_rows(figure: &Figure) -> Vec<Row> {
-    let sample = |i, part: &Part| Sample { line: Some(part_stroke(i, part)), ..Sample::default() };
-    let parts = figure.parts.lines.iter().enumerate();
-    parts.flat_map(|(i, part)| wrapped_entry(sample(i, part), &part.label)).collect()
 }
 
 /// The style of a part of a sum: dashed, and thinner than the sum.
@@ -201,21 +197,20 @@ pub(crate) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {
-    let has_band = figure.series.iter().flat_map(|series| &series.points).any(|point| point.band.is_some());
+    let has_band = figure.all_points().any(|point| point.band.is_some());
     let mut rows = vec![];
     if !figure.points.is_empty() && !figure.series.is_empty() {
         // In the style in which they are drawn: joined where there is no closed form.
         let line = (!figure.has_laws()).then_some(Stroke { colour: MUTED, width: 1.8, dash: "" });
-        let sample = Sample { line, marker: Some((0, MUTED)), ..Sample::default() };
-        rows.push(Row::Entry(sample, figure.points.clone()));
+        rows.push(Row::Entry(Sample::Markers(line, (0, MUTED)), figure.points.clone()));
     }
     // Without a name for the points there is no need to explain them.
     if figure.has_laws() && !figure.points.is_empty() {
         let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
-        rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, figure.lines.clone()));
+        rows.push(Row::Entry(Sample::Line(line), figure.lines.clone()));
     }
     if has_band {
-        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, figure.bands.clone()));
+        rows.push(Row::Entry(Sample::Band(MUTED), figure.bands.clone()));
     }
     rows
 }
@@ -223,24 +218,27 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
 impl Sample {
     fn draw(&self, canvas: &mut Canvas, left: f64, middle: f64) {
         let right = left + SAMPLE;
-        let (over, under) = (middle - FILL, middle + FILL);
-        if let Some((colour, hatched)) = self.fill {
-            canvas.block((left, over), (right, under), colour);
-            if hatched {
-                canvas.lines(hatching((left, over), (right, under)), HATCH);
+        let corners = |half: f64| {
+            let (over, under) = (middle - half, middle + half);
+            [(left, over), (right, over), (right, under), (left, under)]
+        };
+        let line = |canvas: &mut Canvas, stroke| canvas.line(&[(left, middle), (right, middle)], stroke);
+        match *self {
+            Sample::Line(stroke) => line(canvas, stroke),
+            Sample::Markers(stroke, (style, colour)) => {
+                stroke.into_iter().for_each(|stroke| line(canvas, stroke));
+                canvas.marker((left + 0.5 * SAMPLE, middle), 4.2, style, colour);
             }
-            let corners = [(left, over), (right, over), (right, under), (left, under), (left, over)];
-            canvas.line(&corners, Stroke { colour: MUTED, width: 0.8, dash: "" });
-        }
-        if let Some(colour) = self.band {
-            let (over, under) = (middle - 5.0, middle + 5.0);
-            canvas.area(&[(left, over), (right, over), (right, under), (left, under)], colour);
-        }
-        if let Some(stroke) = self.line {
-            canvas.line(&[(left, middle), (right, middle)], stroke);
-        }
-        if let Some((style, colour)) = self.marker {
-            canvas.marker((left + 0.5 * SAMPLE, middle), 4.2, style, colour);
+            Sample::Band(colour) => canvas.area(corners(5.0).to_vec(), colour),
+            Sample::Area(colour, hatched) => {
+                let corners = corners(FILL);
+                canvas.block(corners[0], corners[2], colour);
+                if hatched {
+                    canvas.lines(hatching(corners[0], corners[2]), HATCH);
+                }
+                let rim = Stroke { colour: MUTED, width: 0.8, dash: "" };
+                canvas.line(&[&corners[..], &corners[..1]].concat(), rim);
+            }
         }
     }
 }

@@ -1,9 +1,7 @@
 //! Curves that run through rows of several curves.
 
-use std::collections::HashMap;
-
 use crate::chart::Chart;
-use crate::table::{Cell, Column, Role, Table};
+use crate::table::{Cell, Column, Role, Table, grouped};
 use crate::view::chart::notes::ChartError;
 
 /// Refuses curves along which more than one of the columns that distinguish rows varies, or whose abscissa is constant
@@ -20,28 +18,17 @@ pub(crate) fn check_curves(
     let columns =
         |names: &[String]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
     let (x, series, apart) = (table.column(&chart.x.name)?, columns(series)?, columns(&chart.apart)?);
-    let mut curves: Vec<Vec<usize>> = vec![];
-    let mut places = HashMap::new();
-    for &row in rows {
-        let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
-        let place = *places.entry(key).or_insert(curves.len());
-        if place == curves.len() {
-            curves.push(vec![]);
-        }
-        curves[place].push(row);
-    }
+    let texts = |row: usize| series.iter().map(|column| column.cells[row].text()).collect::<Vec<_>>();
+    let curves = grouped(rows.iter().copied(), texts);
     // The key with which x varies; for an estimate that of the first coordinate.
     let coordinate = |column: &&Column| column.role == Role::Coordinate && !column.of.is_empty();
     let base = Some(x).filter(coordinate).or_else(|| table.columns.iter().find(coordinate));
     let base = base.map_or("", |column| column.of.as_str());
-    let mixed = curves.iter().find_map(|rows| Some((rows[0], mixed(x, base, &apart, rows)?)));
+    let mixed = curves.iter().find_map(|(_, rows)| Some((rows[0], mixed(x, base, &apart, rows)?)));
     let Some((row, (column, values))) = mixed else { return Ok(()) };
     let names: Vec<String> = series.iter().map(|column| column.valued(&column.cells[row].text())).collect();
-    Err(ChartError::MixedCurve {
-        curve: names.join(", "),
-        column: column.name.clone(),
-        values: values.into(),
-    })
+    let (curve, column) = (names.join(", "), column.name.clone());
+    Err(ChartError::MixedCurve { curve, column, values: values.into() })
 }
 
 /// The other column that varies along the rows of one curve, with two of its values.

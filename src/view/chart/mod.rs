@@ -2,8 +2,9 @@
 //! shapes, which is written as SVG or painted as PNG.
 //!
 //! ```text
-//! Table, Chart ─┬─▶ Figure ─┬─▶ Canvas ─┬─ svg() ─▶ SVG text
-//!               └─▶ Map ────┘           └─ png() ─▶ PNG bytes
+//! Table, Chart ─┬─▶ Figure ─┬─▶ Picture ─┬─ svg() ─▶ SVG text
+//!               └─▶ Map ────┘            ├─ png() ─▶ PNG bytes
+//!                                        └─ text() ─▶ text for a terminal
 //! ```
 //!
 //! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
@@ -19,6 +20,7 @@
 //! use sagnac::table::{Cell, Column, Table, Unit};
 //! use sagnac::view::chart::figure::Figure;
 //! use sagnac::view::chart::map::Map;
+//! use sagnac::view::chart::picture::Picture;
 //!
 //! let column = |name: &str, unit, values: &[f64]| Column {
 //!     name: name.to_owned(),
@@ -45,17 +47,16 @@
 //! };
 //! let (figure, notes) = Figure::from_table(&table, &curves)?;
 //! assert_eq!((figure.series.len(), notes.left_out), (2, 0));
-//! assert!(figure.svg().starts_with("<svg"));
+//! assert!(Picture::Curves(figure).svg().starts_with("<svg"));
 //!
 //! let shows = Shows::HeatMap { z: "rms".into(), z_scale: Scale::Log };
 //! let cells = Chart { y: "amplitude".into(), shows, ..curves };
 //! let (map, _) = Map::from_table(&table, &cells)?;
 //! assert_eq!((map.known(), map.within_limit()), (4, Some(3)));
-//! assert!(map.svg().contains("Error"));
+//! assert!(Picture::Map(map).svg().contains("Error"));
 //! # Ok::<(), sagnac::view::chart::notes::ChartError>(())
 //! ```
 
-pub(crate) mod area;
 pub(crate) mod axes;
 pub(crate) mod canvas;
 pub(crate) mod coincidence;

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::view::chart::map::colour_scale;
 use crate::view::chart::plot::{MARKED, MOST_MARKED};
 
 /// Colours that colour-blind readers can distinguish, the first three also by lightness in greyscale (L* 29, 48, 69).
@@ -68,7 +67,7 @@ impl Looks {
     pub(crate) fn new() -> Looks {
         /// Number of colours, more than can be distinguished.
         const COLOURS: u8 = 200;
-        let colour = |at: u8| colour_scale::colour(f64::from(at) / f64::from(COLOURS));
+        let colour = |at: u8| shade(f64::from(at) / f64::from(COLOURS));
         Looks {
             dashes: &DASHES,
             thin_dashes: &THIN_DASHES,
@@ -122,6 +121,25 @@ pub(crate) fn marker(style: usize) -> &'static [(f64, f64)] {
     MARKERS[style % MARKERS.len()]
 }
 
+/// Viridis of matplotlib, in tenths. Lightness rises evenly, so that equal steps look equal, even in greyscale and to
+/// colour-blind readers. By S. van der Walt, N. Smith and E. Firing, in the public domain (CC0).
+const VIRIDIS: [u32; 11] = [
+    0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151, 0xbddf26,
+    0xfde725,
+];
+
+/// The colour at a fraction of the scale, 0 … 1, in SVG notation; beyond the ends, the colour of the end.
+pub(crate) fn shade(fraction: f64) -> String {
+    let last = VIRIDIS.len() - 1;
+    let at = fraction.clamp(0.0, 1.0) * last as f64;
+    let lower = (at as usize).min(last - 1);
+    let mix = |part: usize| {
+        let [a, b] = [lower, lower + 1].map(|anchor| f64::from(VIRIDIS[anchor].to_be_bytes()[part]));
+        libm::round(a + (b - a) * (at - lower as f64)) as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", mix(1), mix(2), mix(3))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,5 +159,32 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// CIE L* of an sRGB colour.
+    fn lightness(colour: &str) -> f64 {
+        let linear = |at: usize| {
+            let c = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+        };
+        let y = 0.2126 * linear(1) + 0.7152 * linear(3) + 0.0722 * linear(5);
+        116.0 * libm::cbrt(y) - 16.0
+    }
+
+    #[test]
+    fn lightness_rises_in_even_steps() {
+        let all: Vec<f64> = (0..=40).map(|step| lightness(&shade(f64::from(step) / 40.0))).collect();
+        let mean = (all[40] - all[0]) / 40.0;
+        assert!(all[0] < 20.0 && all[40] > 88.0, "from {} to {}", all[0], all[40]);
+        for (step, pair) in all.windows(2).enumerate() {
+            let rise = (pair[1] - pair[0]) / mean;
+            assert!((0.6..1.4).contains(&rise), "step {step} rises by {rise} of the mean");
+        }
+    }
+
+    #[test]
+    fn the_ends_are_the_anchors_and_hold_beyond() {
+        assert_eq!([shade(0.0), shade(-3.0)], ["#440154", "#440154"]);
+        assert_eq!([shade(1.0), shade(20.0)], ["#fde725", "#fde725"]);
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::view::chart::console::Look;
+use crate::view::chart::canvas::Canvas;
+use crate::view::chart::console::{self, Look};
 use crate::view::chart::figure::{Axis, Figure};
 use crate::view::chart::map::Map;
 #[cfg(feature = "png")]
@@ -19,31 +20,62 @@ pub enum Picture {
 }
 
 impl Picture {
-    /// The picture as SVG. Equal pictures give equal bytes on every machine.
+    /// The picture as SVG, 1000 CSS px wide. Equal pictures give equal bytes on every machine.
+    ///
+    /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
+    ///
+    /// ```
+    /// # use sagnac::key::scale::Scale;
+    /// # use sagnac::view::chart::figure::*;
+    /// # use sagnac::view::chart::picture::Picture;
+    /// let axis = |label: &str, unit: &str| Axis {
+    ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
+    /// };
+    /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None };
+    /// let figure = Figure {
+    ///     title: "Residual of the constant filler".into(),
+    ///     subtitle: None,
+    ///     x: axis("vibration frequency", "Hz"),
+    ///     y: axis("rms error", "″"),
+    ///     colours: Grouping::default(),
+    ///     dashes: Grouping::default(),
+    ///     points: "Monte Carlo".into(),
+    ///     bands: "95 % band".into(),
+    ///     lines: "closed form".into(),
+    ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
+    ///     laws: vec![],
+    ///     parts: Parts::default(),
+    ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
+    ///     chosen: vec![],
+    /// };
+    /// assert!(Picture::Curves(figure).svg().starts_with("<svg"));
+    /// ```
     pub fn svg(&self) -> String {
-        match self {
-            Picture::Curves(figure) => figure.svg(),
-            Picture::Map(map) => map.svg(),
-        }
+        self.canvas().svg()
     }
 
-    /// The picture as PNG, with `scale` pixels per CSS pixel.
+    /// The picture as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
     ///
     /// # Errors
     /// The scale does not give a picture of 1 to 20000 pixels each way.
     #[cfg(feature = "png")]
     pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
+        self.canvas().png(scale)
+    }
+
+    fn canvas(&self) -> Canvas {
         match self {
-            Picture::Curves(figure) => figure.png(scale),
-            Picture::Map(map) => map.png(scale),
+            Picture::Curves(figure) => figure.canvas(),
+            Picture::Map(map) => map.canvas(),
         }
     }
 
-    /// The picture as text for a terminal.
+    /// The picture as lines of text for a terminal, each with its line end: title, curves or cells in their axes,
+    /// legend.
     pub fn text(&self, look: Look) -> String {
         match self {
-            Picture::Curves(figure) => figure.text(look),
-            Picture::Map(map) => map.text(look),
+            Picture::Curves(figure) => console::curves::text(figure, look),
+            Picture::Map(map) => console::map::text(map, look),
         }
     }
 

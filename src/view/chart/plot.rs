@@ -1,12 +1,12 @@
 //! The data of a figure, drawn into the frame of its axes.
 
 use crate::key::scale::Scale;
-use crate::view::chart::area::{Area, Frame};
-use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::{Figure, Limit, Series, SeriesPoint};
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::legend::{law_stroke, part_stroke};
 use crate::view::chart::palette::{self, LIMIT};
-use crate::view::chart::scale::Range;
+use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::text;
 
 /// Most points of a line that all have markers.
@@ -28,14 +28,8 @@ pub(crate) struct Plot<'a> {
 /// The x range of a figure, from its points and laws.
 pub(crate) fn x_range(figure: &Figure) -> Range {
     let points = shown_points(figure).map(|point| point.x);
-    let laws = figure
-        .laws
-        .iter()
-        .flat_map(|law| &law.lines)
-        .flat_map(|line| &line.points)
-        .filter(|place| figure.shows(**place))
-        .map(|place| place.0);
-    figure.x.around(points.chain(laws))
+    let laws = figure.law_places().filter(|place| figure.shows(*place));
+    figure.x.around(points.chain(laws.map(|place| place.0)))
 }
 
 /// The y range of a figure: its points, its limit and, within reason, bands and laws.
@@ -43,9 +37,8 @@ pub(crate) fn y_range(figure: &Figure) -> Range {
     let scale = figure.y.scale;
     let points: Vec<f64> = shown_points(figure).map(|point| point.y).collect();
     let bands = shown_points(figure).filter_map(|point| point.band).flat_map(|(lower, upper)| [lower, upper]);
-    let lines = figure.laws.iter().flat_map(|law| &law.lines).map(|line| &line.points);
-    let laws = figure.series.iter().map(|series| &series.law).chain(lines);
-    let laws = laws.flatten().filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
+    let laws = figure.series.iter().flat_map(|series| &series.law).copied().chain(figure.law_places());
+    let laws = laws.filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
     let (low, high) = reach(scale, &points);
     let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
     let limit = figure.limit.iter().map(|limit| limit.value);
@@ -54,18 +47,18 @@ pub(crate) fn y_range(figure: &Figure) -> Range {
 
 /// Distance by which the axis may extend beyond the points for other items: one decade, or the span of the points.
 fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
-    let low = points.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = points.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let Some((low, high)) = extent(points.iter().copied()) else {
+        return (f64::NEG_INFINITY, f64::INFINITY);
+    };
     let room = (high - low).max(0.5 * low.abs().max(high.abs()));
     match scale {
-        _ if points.is_empty() => (f64::NEG_INFINITY, f64::INFINITY),
         Scale::Log => (low / 10.0, high * 10.0),
         Scale::Linear => (low - room, high + room),
     }
 }
 
 fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
-    figure.series.iter().flat_map(|series| &series.points).filter(|point| figure.shows((point.x, point.y)))
+    figure.all_points().filter(|point| figure.shows((point.x, point.y)))
 }
 
 impl Plot<'_> {
@@ -134,7 +127,7 @@ impl Plot<'_> {
                             canvas.line(&[(x - 5.0, y), (x + 5.0, y)], stroke);
                         }
                     }
-                    _ => canvas.area(&corners, colour),
+                    _ => canvas.area(corners, colour),
                 }
             }
         }
@@ -207,6 +200,6 @@ impl Plot<'_> {
         let starts = [left + 10.0, right - width - 10.0, 0.5 * (left + right - width)];
         let start = starts.into_iter().min_by_key(|&start| covered(start)).unwrap_or(left);
         let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
-        canvas.text_on_white((start, y), &label, lettering);
+        canvas.set_text(Set::OnWhite, (start, y), &label, lettering);
     }
 }

@@ -8,9 +8,8 @@ use tiny_skia::{
 };
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-use crate::view::chart::area::Frame;
-use crate::view::chart::canvas::{Canvas, Lettering, Set, Shape, Stroke, TEXT_RIM, TRANSLUCENT};
-use crate::view::chart::layout::{HEIGHT, WIDTH};
+use crate::view::chart::canvas::{Canvas, Fill, Lettering, Set, Shape, Stroke, TEXT_RIM, TRANSLUCENT};
+use crate::view::chart::layout::{Frame, HEIGHT, WIDTH};
 
 /// Why a PNG could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -51,21 +50,7 @@ impl Canvas {
         pixmap.fill(tiny_skia::Color::WHITE);
         let scale = Transform::from_scale(scale, scale);
         let mut painter = Painter { pixmap, scale, window: None, smooth: true };
-        let mut open = vec![];
-        for shape in &self.shapes {
-            match shape {
-                Shape::Window(frame) => painter.window = painter.mask(frame),
-                Shape::Group { crisp, .. } => painter.smooth = !crisp,
-                Shape::End => match open.pop() {
-                    Some(true) => painter.window = None,
-                    _ => painter.smooth = true,
-                },
-                shape => painter.shape(shape),
-            }
-            if let Shape::Window(_) | Shape::Group { .. } = shape {
-                open.push(matches!(shape, Shape::Window(_)));
-            }
-        }
+        painter.shapes(&self.shapes);
         painter.pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
     }
 }
@@ -88,14 +73,25 @@ impl Painter {
         Some(mask)
     }
 
+    fn shapes(&mut self, shapes: &[Shape]) {
+        shapes.iter().for_each(|shape| self.shape(shape));
+    }
+
     fn shape(&mut self, shape: &Shape) {
         match shape {
-            Shape::Window(_) | Shape::Group { .. } | Shape::End => {}
-            Shape::Block { corners, colour } => {
-                self.fill(path([&corners[..]], true), colour, 1.0);
+            Shape::Window(frame, shapes) => {
+                self.window = self.mask(frame);
+                self.shapes(shapes);
+                self.window = None;
             }
-            Shape::Area { corners, colour } => {
-                self.fill(path([&corners[..]], true), colour, TRANSLUCENT);
+            Shape::Group { crisp, shapes, .. } => {
+                self.smooth = !crisp;
+                self.shapes(shapes);
+                self.smooth = true;
+            }
+            Shape::Polygon(corners, fill) => self.area(path([&corners[..]], true), fill),
+            Shape::Circle((x, y), radius, fill) => {
+                self.area(PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32), fill);
             }
             Shape::Lines { lines, stroke } => {
                 let path = path(lines.iter().map(|line| &line[..]), false);
@@ -104,18 +100,16 @@ impl Painter {
             Shape::Line { places, stroke } => {
                 self.stroke(path([&places[..]], false), stroke, LineCap::Butt, LineJoin::Round);
             }
-            Shape::Marker { middle: (x, y), radius, corners, colour, rim } => {
-                let marker = match corners[..] {
-                    [] => PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32),
-                    _ => path([&corners[..]], true),
-                };
-                self.fill(marker.clone(), colour, 1.0);
-                if let Some(width) = *rim {
-                    let stroke = Stroke { colour: "#ffffff", width, dash: "" };
-                    self.stroke(marker, &stroke, LineCap::Butt, LineJoin::Miter);
-                }
-            }
             Shape::Text { place, text, lettering, set } => self.text(*place, text, lettering, *set),
+        }
+    }
+
+    fn area(&mut self, outline: Option<Path>, fill: &Fill) {
+        let opacity = if fill.is_translucent { TRANSLUCENT } else { 1.0 };
+        self.fill(outline.clone(), &fill.colour, opacity);
+        if let Some(width) = fill.rim {
+            let stroke = Stroke { colour: "#ffffff", width, dash: "" };
+            self.stroke(outline, &stroke, LineCap::Butt, LineJoin::Miter);
         }
     }
 
@@ -185,17 +179,20 @@ fn path<'p>(lines: impl IntoIterator<Item = &'p [(f64, f64)]>, closed: bool) -> 
 fn outline(text: &str, lettering: &Lettering) -> Option<(Path, f32)> {
     let face = FACES[usize::from(lettering.bold)].as_ref()?;
     let scale = lettering.size as f32 / f32::from(face.units_per_em());
-    let mut pen = Glyphs { path: PathBuilder::new(), scale, x: 0.0 };
-    let mut before = None;
+    let (mut path, mut x, mut before) = (PathBuilder::new(), 0.0, None);
     for letter in text.chars().filter(|letter| !letter.is_control()) {
         let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
-        pen.x += before.map_or(0.0, |before| scale * f32::from(kerning(face, before, glyph)));
-        face.outline_glyph(glyph, &mut pen);
-        pen.x += scale * f32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
+        x += before.map_or(0.0, |before| scale * f32::from(kerning(face, before, glyph)));
+        let mut outline = Outline(PathBuilder::new());
+        face.outline_glyph(glyph, &mut outline);
+        let place = Transform::from_row(scale, 0.0, 0.0, scale, x, 0.0);
+        if let Some(outline) = outline.0.finish().and_then(|outline| outline.transform(place)) {
+            path.push_path(&outline);
+        }
+        x += scale * f32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
         before = Some(glyph);
     }
-    let width = pen.x;
-    Some((pen.path.finish()?, width))
+    Some((path.finish()?, x))
 }
 
 /// Correction of the distance between two glyphs relative to the advance, in units of the font.
@@ -205,42 +202,28 @@ fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> i16 {
     usual.find_map(|table| table.glyphs_kerning(left, right)).unwrap_or(0)
 }
 
-/// Collects the outline of a glyph at `x`; vertical coordinates of fonts point upwards, those of pictures downwards.
-struct Glyphs {
-    path: PathBuilder,
-    scale: f32,
-    x: f32,
-}
+/// The outline of a glyph in units of the font, whose vertical coordinates point upwards, those of pictures downwards.
+struct Outline(PathBuilder);
 
-impl Glyphs {
-    fn place(&self, x: f32, y: f32) -> (f32, f32) {
-        (self.x + self.scale * x, -self.scale * y)
-    }
-}
-
-impl OutlineBuilder for Glyphs {
+impl OutlineBuilder for Outline {
     fn move_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.place(x, y);
-        self.path.move_to(x, y);
+        self.0.move_to(x, -y);
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.place(x, y);
-        self.path.line_to(x, y);
+        self.0.line_to(x, -y);
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let ((x1, y1), (x, y)) = (self.place(x1, y1), self.place(x, y));
-        self.path.quad_to(x1, y1, x, y);
+        self.0.quad_to(x1, -y1, x, -y);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let ((x1, y1), (x2, y2), (x, y)) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
-        self.path.cubic_to(x1, y1, x2, y2, x, y);
+        self.0.cubic_to(x1, -y1, x2, -y2, x, -y);
     }
 
     fn close(&mut self) {
-        self.path.close();
+        self.0.close();
     }
 }
 

@@ -30,7 +30,7 @@ impl Scale {
     }
 
     /// The value at a coordinate.
-    fn value(self, coordinate: f64) -> f64 {
+    pub(crate) fn value(self, coordinate: f64) -> f64 {
         match self {
             Scale::Log => libm::pow(10.0, coordinate),
             Scale::Linear => coordinate,
@@ -68,14 +68,17 @@ pub(crate) struct Range {
 }
 
 impl Range {
+    /// The range of cells with these `edges`; arbitrary without cells.
+    pub(crate) fn between(scale: Scale, edges: &[f64]) -> Range {
+        match *edges {
+            [low, .., high] => Range { scale, low, high },
+            _ => Range::around(scale, []),
+        }
+    }
+
     /// A range with all of `values` that the scale can show, and a margin around them; arbitrary without values.
     pub(crate) fn around(scale: Scale, values: impl IntoIterator<Item = f64>) -> Range {
-        let ends =
-            values.into_iter().filter(|&value| scale.shows(value)).fold(None, |ends, value| match ends {
-                None => Some((value, value)),
-                Some((low, high)) => Some((value.min(low), value.max(high))),
-            });
-        let (low, high) = match (scale, ends) {
+        let (low, high) = match (scale, extent(values.into_iter().filter(|&value| scale.shows(value)))) {
             (Scale::Log, None) => (1.0, 10.0),
             (Scale::Linear, None) => (0.0, 1.0),
             (Scale::Log, Some((low, high))) => log_margins(low, high),
@@ -94,6 +97,14 @@ impl Range {
         let [low, high, at] = [self.low, self.high, value].map(|v| self.scale.coordinate(v));
         ((at - low) / (high - low)).clamp(-FAR, FAR)
     }
+}
+
+/// The least and the greatest of some values.
+pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    values
+        .into_iter()
+        .map(|value| (value, value))
+        .reduce(|(low, high), (value, _)| (value.min(low), value.max(high)))
 }
 
 fn log_margins(low: f64, high: f64) -> (f64, f64) {

@@ -1,59 +1,15 @@
-//! A figure as SVG.
+//! A figure as shapes.
 
-use crate::view::chart::area::Area;
 use crate::view::chart::axes;
 use crate::view::chart::canvas::Canvas;
 use crate::view::chart::figure::Figure;
-use crate::view::chart::layout::{HEIGHT, MARGIN, Titles, draw_nothing};
+use crate::view::chart::layout::{Area, HEIGHT, MARGIN, Titles, draw_nothing};
 use crate::view::chart::legend::Legend;
 use crate::view::chart::plot::{self, Plot};
-#[cfg(feature = "png")]
-use crate::view::chart::png::PngError;
 
 impl Figure {
-    /// The figure as SVG, 1000 CSS px wide. Equal figures give equal bytes on every machine.
-    ///
-    /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
-    ///
-    /// ```
-    /// # use sagnac::key::scale::Scale;
-    /// # use sagnac::view::chart::figure::*;
-    /// let axis = |label: &str, unit: &str| Axis {
-    ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
-    /// };
-    /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None };
-    /// let figure = Figure {
-    ///     title: "Residual of the constant filler".into(),
-    ///     subtitle: None,
-    ///     x: axis("vibration frequency", "Hz"),
-    ///     y: axis("rms error", "″"),
-    ///     colours: Grouping::default(),
-    ///     dashes: Grouping::default(),
-    ///     points: "Monte Carlo".into(),
-    ///     bands: "95 % band".into(),
-    ///     lines: "closed form".into(),
-    ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
-    ///     laws: vec![],
-    ///     parts: Parts::default(),
-    ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
-    ///     chosen: vec![],
-    /// };
-    /// assert!(figure.svg().starts_with("<svg"));
-    /// ```
-    pub fn svg(&self) -> String {
-        self.canvas().svg()
-    }
-
-    /// The figure as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
-    ///
-    /// # Errors
-    /// The scale does not give a picture of 1 to 20000 pixels each way.
-    #[cfg(feature = "png")]
-    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
-        self.canvas().png(scale)
-    }
-
-    fn canvas(&self) -> Canvas {
+    /// The shapes of the figure. Points that the axes cannot show are missing; [`Figure::left_out`] counts them.
+    pub(crate) fn canvas(&self) -> Canvas {
         let (x, y) = (plot::x_range(self), plot::y_range(self));
         let (mut x_ticks, y_ticks) = (self.x.ticks(x), self.y.ticks(y));
         if !self.x.names.is_empty() {
@@ -61,12 +17,8 @@ impl Figure {
             x_ticks.major.iter_mut().for_each(|(_, label)| label.clear());
         }
         let legend = Legend::of(self);
-        let titles = Titles {
-            title: &self.title,
-            subtitle: self.subtitle.as_deref(),
-            x: self.x.title(),
-            y: self.y.title(),
-        };
+        let (title, subtitle) = (&self.title, self.subtitle.as_deref());
+        let titles = Titles { title, subtitle, x: &self.x, y: &self.y };
         let frame = titles.frame(&y_ticks, legend.width());
         let area = Area { x, y, frame };
         let plot = Plot { figure: self, area };
@@ -79,7 +31,7 @@ impl Figure {
             axes::draw_names(canvas, &area, &self.x.names);
         });
         plot.draw(&mut canvas);
-        let points = self.series.iter().map(|series| series.points.len()).sum::<usize>();
+        let points = self.all_points().count();
         if points == self.left_out() && self.laws.is_empty() {
             draw_nothing(&mut canvas, "point", points, frame);
         }
@@ -157,7 +109,7 @@ mod tests {
     /// After a wanted change of the drawing: look at `golden.new.svg`, then rename it to `golden.svg`.
     #[test]
     fn the_picture_is_the_golden_one_byte_for_byte() {
-        let svg = figure().svg();
+        let svg = figure().canvas().svg();
         if svg != include_str!("golden.svg") {
             let new = concat!(env!("CARGO_MANIFEST_DIR"), "/src/view/chart/golden.new.svg");
             std::fs::write(new, svg).unwrap();
@@ -169,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_picture_has_every_curve_and_legend_entry_and_no_ids_or_comments() {
-        let svg = figure().svg();
+        let svg = figure().canvas().svg();
         let document = Document::parse(&svg).unwrap();
         assert_eq!(elements(&document, "circle", "quadratic, 1"), 4);
         assert_eq!(elements(&document, "polygon", "const = linear, 3"), 4);
@@ -179,7 +131,7 @@ mod tests {
 
     /// The strokes of the samples in the legend.
     fn sample_strokes(figure: &Figure) -> Vec<String> {
-        let svg = figure.svg();
+        let svg = figure.canvas().svg();
         let document = Document::parse(&svg).unwrap();
         let legend =
             document.descendants().find(|node| node.attribute("aria-label") == Some("legend")).unwrap();
@@ -196,15 +148,15 @@ mod tests {
         let before = samples(&figure);
         figure.series.iter_mut().for_each(|series| series.law.clear());
         assert_eq!(samples(&figure), before, "the line of the closed form goes, that of the points comes");
-        assert!(!figure.svg().contains("closed form"));
+        assert!(!figure.canvas().svg().contains("closed form"));
     }
 
     #[test]
     fn parts_of_a_sum_are_thin_dashed_lines_for_which_the_axes_do_not_reach() {
-        let without = figure().svg();
+        let without = figure().canvas().svg();
         let points = vec![(0.02, 1e-9), (0.05, 1.0), (0.08, 1e9)];
         let lines = vec![Part { label: "K = 1 °/h/√h".to_owned(), colour: 4, points }];
-        let svg = Figure { parts: Parts { title: "parts".to_owned(), lines }, ..figure() }.svg();
+        let svg = Figure { parts: Parts { title: "parts".to_owned(), lines }, ..figure() }.canvas().svg();
         let document = Document::parse(&svg).unwrap();
         assert_eq!(elements(&document, "polyline", "K = 1 °/h/√h"), 1);
         assert!(svg.contains(">parts<") && svg.contains(">K = 1 °/h/√h<"), "{svg}");
@@ -220,15 +172,15 @@ mod tests {
     #[test]
     fn the_legend_says_which_rows_were_chosen() {
         let chosen = vec!["error = extrapolation".to_owned()];
-        let svg = Figure { chosen, ..figure() }.svg();
+        let svg = Figure { chosen, ..figure() }.canvas().svg();
         assert!(svg.contains(">shown<") && svg.contains(">error = extrapolation<"), "{svg}");
     }
 
     #[test]
     fn equal_figures_give_equal_bytes() {
-        assert_eq!(figure().svg(), figure().svg());
+        assert_eq!(figure().canvas().svg(), figure().canvas().svg());
         #[cfg(feature = "png")]
-        assert_eq!(figure().png(1.0).unwrap(), figure().png(1.0).unwrap());
+        assert_eq!(figure().canvas().png(1.0).unwrap(), figure().canvas().png(1.0).unwrap());
     }
 
     #[test]
@@ -245,7 +197,7 @@ mod tests {
                     .iter()
                     .map(|&y| SeriesPoint { x: 1.0, y, band: Some((f64::NAN, f64::INFINITY)) })
                     .collect();
-                let svg = figure.svg();
+                let svg = figure.canvas().svg();
                 assert!(!svg.contains("NaN") && !svg.contains("inf"), "{scale:?} {ys:?}");
                 let drawn = ys.len() - figure.left_out();
                 assert_eq!(elements(&Document::parse(&svg).unwrap(), "circle", "const = linear, 1"), drawn);
@@ -257,7 +209,7 @@ mod tests {
     #[cfg(feature = "png")]
     #[test]
     fn the_png_has_the_colours_of_its_curves_and_mostly_white() {
-        let pixmap = Pixmap::decode_png(&figure().png(2.0).unwrap()).unwrap();
+        let pixmap = Pixmap::decode_png(&figure().canvas().png(2.0).unwrap()).unwrap();
         assert_eq!((pixmap.width(), pixmap.height()), (2000, 1300));
         let share = |red, green, blue| {
             let alike = pixmap

@@ -16,6 +16,14 @@ pub(crate) struct Ticks {
     pub minor: Vec<f64>,
 }
 
+impl Ticks {
+    /// Removes ticks that are not at whole numbers.
+    pub(crate) fn keep_whole(&mut self) {
+        self.major.retain(|(value, _)| value.fract() == 0.0);
+        self.minor.retain(|value| value.fract() == 0.0);
+    }
+}
+
 /// The number `count · 10^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Decimal {
@@ -143,10 +151,7 @@ impl Range {
         let wider = Range { low: self.low / BEYOND, high: self.high * BEYOND, ..*self };
         let mut levels = if self.scale == Scale::Log { wider.log_levels() } else { vec![] };
         if whole {
-            for level in &mut levels {
-                level.major.retain(|(value, _)| value.fract() == 0.0);
-                level.minor.retain(|value| value.fract() == 0.0);
-            }
+            levels.iter_mut().for_each(Ticks::keep_whole);
         }
         let largest = self.low.abs().max(self.high.abs());
         // Down to a thousandth of the axis; on a logarithmic axis small values have as much room as large ones.
@@ -219,16 +224,15 @@ fn linear_labels(labels: &[Decimal]) -> Vec<(f64, String)> {
     labels.iter().map(|&tick| (tick.value(), text(tick))).collect()
 }
 
+/// The signs of exponents with their plain forms.
+pub(crate) fn raised_signs() -> impl Iterator<Item = (char, char)> {
+    "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".chars().zip("0123456789-+".chars())
+}
+
 /// An exponent in superscript digits.
 fn superscript(exponent: i32) -> String {
-    let raised = |figure: char| match figure {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        _ => figure.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(figure),
-    };
-    exponent.to_string().chars().map(raised).collect()
+    let raised = |figure| raised_signs().find(|(_, plain)| *plain == figure).map(|(raised, _)| raised);
+    exponent.to_string().chars().filter_map(raised).collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::key::scale::Scale;
 use crate::view::chart::figure::Axis;
 use crate::view::chart::layout::MOST_LABELS;
-use crate::view::chart::scale::Range;
+use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::ticks::Ticks;
 
 /// Number of whole numbers that all get a label.
@@ -17,13 +17,13 @@ impl Axis {
         if !self.names.is_empty() {
             return Range { scale: self.scale, low: 0.5, high: self.names.len() as f64 + 0.5 };
         }
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if self.whole && self.scale == Scale::Linear && 0.0 < low && low < high {
-            let margin = 0.05 * (high - low);
-            return Range { scale: self.scale, low: (low - margin).max(0.0), high: high + margin };
+        match extent(values.iter().copied()) {
+            Some((low, high)) if self.whole && self.scale == Scale::Linear && 0.0 < low && low < high => {
+                let margin = 0.05 * (high - low);
+                Range { scale: self.scale, low: (low - margin).max(0.0), high: high + margin }
+            }
+            _ => Range::around(self.scale, values),
         }
-        Range::around(self.scale, values)
     }
 
     /// The ticks in a range of the axis.
@@ -41,8 +41,7 @@ impl Axis {
             let all = (first as i64..=last as i64).map(|count| (count as f64, count.to_string()));
             return Ticks { major: all.collect(), minor: vec![] };
         }
-        ticks.major.retain(|(value, _)| value.fract() == 0.0);
-        ticks.minor.retain(|value| value.fract() == 0.0);
+        ticks.keep_whole();
         ticks
     }
 }

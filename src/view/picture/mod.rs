@@ -13,8 +13,7 @@ use crate::kinds::keys::{explain_key, explained_keys};
 use crate::quantity::unit::bare;
 use crate::quantity::units::Dimension;
 use crate::run::Tables;
-use crate::source::diagnose::StudyError;
-use crate::source::diagnose::nearest;
+use crate::source::diagnose::{StudyError, nearest};
 use crate::study::Study;
 use crate::table::{Cell, ColumnError};
 use crate::view::chart::figure::Figure;
@@ -55,7 +54,15 @@ impl Drawn {
 /// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show this before anything is sampled.
 pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError> {
     let of = |(index, chart): (usize, &Chart)| {
-        let (picture, note) = picture(study, tables, chart)?;
+        let table = tables.of(chart.source);
+        let drawn = match &chart.shows {
+            Shows::Curves { .. } => Figure::from_table(table, chart)
+                .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
+            Shows::HeatMap { .. } | Shows::WinnerMap { .. } => {
+                Map::from_table(table, chart).map(|(map, notes)| (Picture::Map(map), notes.sentence()))
+            }
+        };
+        let (picture, note) = drawn.map_err(|error| refused(study, chart, &error))?;
         Ok(Drawn { stem: chart_stem(index, study.charts.len()), picture, note })
     };
     study.charts.iter().enumerate().map(of).collect()
@@ -66,26 +73,8 @@ pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError
 /// # Errors
 /// The table lacks something that a chart requires.
 pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
-    let of = |chart: &Chart| {
-        Shown::of(tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))
-    };
-    study.charts.iter().map(of).collect()
-}
-
-/// One chart, with a note on it.
-///
-/// # Errors
-/// The table lacks something that the chart requires; the error points at the name in the study.
-fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Picture, Option<String>), StudyError> {
-    let table = tables.of(chart.source);
-    let drawn = match &chart.shows {
-        Shows::Curves { .. } => Figure::from_table(table, chart)
-            .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
-        Shows::HeatMap { .. } | Shows::WinnerMap { .. } => {
-            Map::from_table(table, chart).map(|(map, notes)| (Picture::Map(map), notes.sentence()))
-        }
-    };
-    drawn.map_err(|error| refused(study, chart, &error))
+    let of = |chart: &Chart| Shown::of(tables.of(chart.source), chart);
+    study.charts.iter().map(|chart| of(chart).map_err(|error| refused(study, chart, &error))).collect()
 }
 
 /// The rows that a chart selects, without supplied values except those common to all charts of the table, which has a
@@ -100,13 +89,12 @@ pub fn written(study: &Study, chart: &Chart) -> Vec<(String, String)> {
 
 /// A chart's error at the name in the study that caused it.
 pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
-    let named = || [&chart.x, chart.estimate()].into_iter().chain(chart.columns()).chain(chart.series());
-    let rows = || chart.rows.iter().map(|row| &row.0);
-    let place = |mut names: Box<dyn Iterator<Item = &Named> + '_>, name: &str| {
-        // A default has no place in the text; another name may have one.
-        names
-            .find(|named| named.name == name && !named.span.is_empty())
-            .map_or(0..0, |named| named.span.clone())
+    let rows: Vec<&Named> = chart.rows.iter().map(|row| &row.0).collect();
+    let estimates: Vec<&Named> = std::iter::once(chart.estimate()).chain(chart.columns()).collect();
+    // A default has no place in the text; another name may have one.
+    let place = |names: &[&Named], name: &str| {
+        let written = names.iter().find(|named| named.name == name && !named.span.is_empty());
+        written.map_or(0..0, |named| named.span.clone())
     };
     let file = chart.source.file();
     let mut column = format!("name a column of {file}, with or without its unit");
@@ -124,10 +112,11 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let (span, help) = match error {
         ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
         | ChartError::NotNumbers { column: name, .. } => {
-            (place(Box::new(named().chain(rows())), name), column)
+            let series: Vec<&Named> = chart.series().iter().collect();
+            (place(&[&[&chart.x], &estimates[..], &series, &rows].concat(), name), column)
         }
         ChartError::Column(ColumnError::NoRow { column, .. }) => {
-            (place(Box::new(rows()), column), format!("`where` takes values that the column has in {file}"))
+            (place(&rows, column), format!("`where` takes values that the column has in {file}"))
         }
         ChartError::OtherUnit { column, beside, wanted, .. } => {
             let instead = match *wanted {
@@ -136,7 +125,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
                 unit => format!("an estimate in {unit}"),
             };
             let help = format!("name {instead} instead, or leave out the {beside}");
-            (place(Box::new(std::iter::once(chart.estimate()).chain(chart.columns())), column), help)
+            (place(&estimates, column), help)
         }
         ChartError::Twice { column } => {
             // The first one with this name may be the other one.

@@ -17,10 +17,12 @@ pub struct Verdict<'t> {
     charts: Vec<String>,
     /// Column that is judged.
     of: &'t Column,
-    limit: Limit,
+    /// The limit.
+    pub limit: Limit,
     /// Rows to which it applies, as columns with their values in files.
     rows: Vec<(&'t Column, String)>,
-    answers: Vec<Answer<'t>>,
+    /// The answer of each curve.
+    pub answers: Vec<Answer<'t>>,
 }
 
 /// The verdicts of all charts of curves with a limit, equal ones once. A map shows by itself where the limit is
@@ -34,9 +36,9 @@ pub fn verdicts<'t>(study: &Study, shown: &'t [Shown]) -> Result<Vec<Verdict<'t>
         let Some(limit) = chart.limit.filter(|_| matches!(chart.shows, Shows::Curves { .. })) else {
             continue;
         };
-        let name = chart_stem(index, study.charts.len());
-        let found = of_chart(shown, chart, name, limit).map_err(|error| refused(study, chart, &error))?;
-        match all.iter_mut().find(|earlier| earlier.says_as_much_as(&found)) {
+        let charts = vec![chart_stem(index, study.charts.len())];
+        let found = of_chart(shown, chart, charts, limit).map_err(|error| refused(study, chart, &error))?;
+        match all.iter_mut().find(|earlier| earlier.says() == found.says()) {
             Some(earlier) => earlier.charts.extend(found.charts),
             None => all.push(found),
         }
@@ -47,7 +49,7 @@ pub fn verdicts<'t>(study: &Study, shown: &'t [Shown]) -> Result<Vec<Verdict<'t>
 fn of_chart<'t>(
     shown: &'t Shown,
     chart: &Chart,
-    name: String,
+    charts: Vec<String>,
     limit: Limit,
 ) -> Result<Verdict<'t>, ChartError> {
     let table: &Table = &shown.table;
@@ -61,7 +63,7 @@ fn of_chart<'t>(
     };
     let rows = rows.into_iter().map(|(column, value)| Ok((table.column(&column)?, value)));
     Ok(Verdict {
-        charts: vec![name],
+        charts,
         of: table.column(&shown.estimate)?,
         limit,
         rows: rows.collect::<Result<_, ChartError>>()?,
@@ -70,11 +72,9 @@ fn of_chart<'t>(
 }
 
 impl Verdict<'_> {
-    fn says_as_much_as(&self, other: &Verdict) -> bool {
-        self.of.name == other.of.name
-            && self.rows == other.rows
-            && self.answers == other.answers
-            && self.limit == other.limit
+    /// What it says, apart from the charts that show it.
+    fn says(&self) -> impl PartialEq {
+        (&self.of.name, &self.rows, &self.answers, self.limit)
     }
 
     /// A heading that says what is judged, with the remarks `besides`, and a sentence for each curve.
@@ -94,16 +94,6 @@ impl Verdict<'_> {
     pub fn sentences(&self) -> Vec<String> {
         let limit = self.limit.text();
         self.answers.iter().map(|answer| answer.sentence(&limit)).collect()
-    }
-
-    /// The answer of each curve.
-    pub fn answers(&self) -> &[Answer<'_>] {
-        &self.answers
-    }
-
-    /// The limit.
-    pub fn limit(&self) -> Limit {
-        self.limit
     }
 
     /// Column, charts, limit, and for each curve its outcome and places, as JSON.

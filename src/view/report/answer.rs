@@ -1,25 +1,23 @@
 //! The answer of a study to its question.
 
-use crate::chart::Chart;
-use crate::chart::Source;
+use crate::chart::{Chart, Source};
 use crate::drift::schedule::INTERVAL;
 use crate::filler::{FILLERS, Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::motion::Frequency;
 use crate::quantity::number::short;
-use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::table::{Column, ColumnError, Role, Table, Usual};
-use crate::view::chart::notes::ChartError;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::Verdict;
 use crate::view::picture::{Drawn, refused};
-use crate::view::report::curves::{Curves, least_for_each};
+use crate::view::report::curves::Curves;
 use crate::view::report::sentences::{best, less_is_better, of_map, side_by_side};
 use crate::view::report::standing::of_verdict;
+use crate::view::results::Results;
 
 /// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;
@@ -36,185 +34,200 @@ pub struct Answer {
     pub curves: Vec<(String, Vec<String>)>,
 }
 
-/// The answer of a study: the verdicts if there are any, else the content of the first chart, else the best row of the
-/// table.
-///
-/// `lacking` is the number of missing trials, which the answer states first.
-///
-/// # Errors
-/// The table lacks something that a chart requires.
-pub fn answer(
-    study: &Study,
-    tables: &Tables,
-    charts: &[Drawn],
-    shown: &[Shown],
-    verdicts: &[Verdict],
-    lacking: u64,
-) -> Result<Answer, StudyError> {
-    let all = || study.charts.iter().zip(shown).zip(charts);
-    let judged = all()
-        .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
-    let headline = match (verdicts.first().zip(judged), all().next()) {
-        (Some((first, ((chart, shown), _))), _) => {
-            let judged = of_verdict(first.answers(), first.limit());
-            let headline = match chosen_interval(study, chart, shown)
-                .map_err(|error| refused(study, chart, &error.into()))?
-            {
-                Some(best) => judged.map(|judged| format!("{best} {judged}")),
-                None => judged,
-            };
-            with_caveat(study, headline, &shown.table, &chart.filter())
-                .map_err(|error| refused(study, chart, &error.into()))?
-        }
-        (None, Some(((chart, shown), _))) if shown.is_supplied(chart) => undrawn(study, tables),
-        (None, Some(((chart, shown), drawn))) => {
-            of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
-        }
-        (None, None) => undrawn(study, tables),
-    };
-    let mut curves: Vec<(String, Vec<String>)> =
-        verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
-    for ((chart, shown), drawn) in all() {
-        let each = match &drawn.picture {
-            Picture::Curves(_) if chart.limit.is_none() => {
-                of_each(chart, shown).map_err(|error| refused(study, chart, &error.into()))?
+impl Results<'_> {
+    /// The answer of the study: the verdicts if there are any, else the content of the first chart, else the best row of
+    /// the table. It states first how many trials are missing.
+    ///
+    /// # Errors
+    /// The table lacks something that a chart requires.
+    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
+        let study = self.study;
+        let refuse = |chart, error: ColumnError| refused(study, chart, &error.into());
+        let asked = study.charts.iter().zip(&self.curves).zip(&self.charts).map(|((chart, shown), drawn)| {
+            Asked::of(study, chart, shown, drawn).map_err(|error| refuse(chart, error))
+        });
+        let asked = asked.collect::<Result<Vec<_>, _>>()?;
+        let judged = asked.iter().find(|asked| asked.chart.limit.is_some() && asked.has_curves());
+        let headline = match (verdicts.first().zip(judged), asked.first()) {
+            (Some((first, asked)), _) => asked.judged(first).map_err(|error| refuse(asked.chart, error))?,
+            (None, Some(asked)) if !asked.shown.is_supplied(asked.chart) => {
+                asked.of_picture().map_err(|error| refuse(asked.chart, error))?
             }
-            _ => vec![],
+            _ => undrawn(study, &self.tables.points),
         };
-        if !each.is_empty() {
-            let which = if is_environment(chart, shown) { "largest" } else { "least" };
-            let heading =
-                format!("{}: the {which} {} of each curve", drawn.stem, drawn.picture.shown().label);
-            curves.push((heading, each));
+        let mut curves: Vec<(String, Vec<String>)> =
+            verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
+        for asked in asked.iter().filter(|asked| asked.has_curves() && asked.chart.limit.is_none()) {
+            let is_largest = asked.is_environment();
+            let each = asked.curves().map_or(vec![], |curves| curves.of_each(is_largest));
+            if !each.is_empty() {
+                let which = if is_largest { "largest" } else { "least" };
+                let Drawn { stem, picture, .. } = asked.drawn;
+                curves.push((format!("{stem}: the {which} {} of each curve", picture.shown().label), each));
+            }
         }
+        let headline = match (headline, self.lacking) {
+            (headline, 0) => headline.unwrap_or_default(),
+            (headline, lacking) => {
+                let so_far = headline.map_or(String::new(), |headline| format!(" So far: {headline}"));
+                format!("Incomplete, {} trials are missing.{so_far}", short(lacking as f64))
+            }
+        };
+        Ok(Answer { headline, curves })
     }
-    let headline = match (headline, lacking) {
-        (headline, 0) => headline.unwrap_or_default(),
-        (Some(headline), lacking) => {
-            format!("Incomplete, {} trials are missing. So far: {headline}", short(lacking as f64))
-        }
-        (None, lacking) => format!("Incomplete, {} trials are missing.", short(lacking as f64)),
-    };
-    Ok(Answer { headline, curves })
 }
 
-fn of_chart(
-    study: &Study,
-    chart: &Chart,
-    shown: &Shown,
-    picture: &Picture,
-) -> Result<Option<String>, ChartError> {
-    if let Picture::Map(map) = picture {
-        return Ok(with_caveat(study, of_map(map), &shown.table, &chart.filter())?);
+/// A drawn chart of a study with its columns.
+struct Asked<'a> {
+    study: &'a Study,
+    chart: &'a Chart,
+    shown: &'a Shown<'a>,
+    drawn: &'a Drawn,
+    x: &'a Column,
+    estimate: &'a Column,
+    series: Vec<&'a Column>,
+    rows: Vec<usize>,
+}
+
+impl<'a> Asked<'a> {
+    fn of(
+        study: &'a Study,
+        chart: &'a Chart,
+        shown: &'a Shown<'a>,
+        drawn: &'a Drawn,
+    ) -> Result<Asked<'a>, ColumnError> {
+        let table: &Table = &shown.table;
+        let (x, estimate) = (table.column(&chart.x.name)?, table.column(&shown.estimate)?);
+        let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?;
+        let rows = table.rows_where(&chart.filter())?;
+        Ok(Asked { study, chart, shown, drawn, x, estimate, series, rows })
     }
-    let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
-    let by = apart(study, chart.source, series.collect());
-    let rows = chart.filter();
-    let ground = study.ground(chart.source);
-    let whole = ground.and_then(|ground| ground.texts.iter().find_map(|text| Some((text.name, text.whole?))));
-    let is_by_part =
-        shown.is_named(chart) || shown.table.column(&chart.x.name).is_ok_and(|x| x.role == Role::Coordinate);
-    let whole = whole.filter(|(name, _)| is_by_part && rows.iter().all(|(column, _)| column != name));
-    if let Some((name, whole)) = whole {
-        // The least of all ticks says nothing about a compensation; the remainder in their sum does.
-        let all = [&rows[..], &[(name.to_owned(), whole.to_owned())]].concat();
-        let sums = shown.table.rows_where(&all).unwrap_or_default();
-        let beside = side_by_side(&shown.table, &shown.estimate, &sums, &by)?;
-        if let Some(beside) = beside.filter(|_| sums.len() <= MOST_BESIDE) {
-            return Ok(Some(format!("All ticks together, {beside}.")));
+
+    fn has_curves(&self) -> bool {
+        matches!(self.drawn.picture, Picture::Curves(_))
+    }
+
+    /// The columns that distinguish rows, with those of the chart first.
+    fn by(&self) -> Result<Vec<&'a Column>, ColumnError> {
+        let columns = self.series.iter().copied().chain([self.x]).collect();
+        apart(self.study, self.chart.source, &self.shown.table, columns)
+    }
+
+    /// The verdict, after the minimum of a chart over the switching interval: the interval is chosen, so the limit alone
+    /// does not answer the question.
+    fn judged(&self, verdict: &Verdict) -> Result<Option<String>, ColumnError> {
+        let judged = of_verdict(&verdict.answers, verdict.limit);
+        let chosen = match self.interval_for_each() {
+            None if self.is_over_interval() => {
+                best(&self.shown.table, self.estimate, &self.rows, &self.by()?).map(|best| best.sentence())
+            }
+            told => told,
+        };
+        Ok(self.with_caveat(match chosen {
+            Some(best) => judged.map(|judged| format!("{best} {judged}")),
+            None => judged,
+        }))
+    }
+
+    fn of_picture(&self) -> Result<Option<String>, ColumnError> {
+        if let Picture::Map(map) = &self.drawn.picture {
+            return Ok(self.with_caveat(of_map(map)));
         }
-    }
-    if is_environment(chart, shown) {
-        let told = of_range(chart, shown, |curves| curves.least_at_worst())?.flatten();
+        let (table, by, filter) = (&self.shown.table, self.by()?, self.chart.filter());
+        let ground = self.study.ground(self.chart.source);
+        let whole =
+            ground.and_then(|ground| ground.texts.iter().find_map(|text| Some((text.name, text.whole?))));
+        let is_by_part = self.shown.is_named(self.chart) || self.x.role == Role::Coordinate;
+        let whole = whole.filter(|(name, _)| is_by_part && filter.iter().all(|(column, _)| column != name));
+        if let Some((name, whole)) = whole {
+            // The least of all ticks says nothing about a compensation; the remainder in their sum does.
+            let all = [&filter[..], &[(name.to_owned(), whole.to_owned())]].concat();
+            let sums = table.rows_where(&all).unwrap_or_default();
+            if let Some(beside) =
+                side_by_side(self.estimate, &sums, &by).filter(|_| sums.len() <= MOST_BESIDE)
+            {
+                return Ok(Some(format!("All ticks together, {beside}.")));
+            }
+        }
+        let curves = if self.is_environment() { self.curves() } else { None };
+        let told = curves.and_then(|curves| curves.least_at_worst()).or_else(|| self.interval_for_each());
         if told.is_some() {
-            return Ok(with_caveat(study, told, &shown.table, &rows)?);
+            return Ok(self.with_caveat(told));
         }
+        Ok(leading(self.study, table, self.estimate, &self.rows, &by))
     }
-    if let Some(told) = interval_for_each(chart, shown)? {
-        return Ok(with_caveat(study, Some(told), &shown.table, &rows)?);
-    }
-    Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
-}
 
-/// The minimum of a chart over the switching interval: the interval is chosen, so the limit alone does not answer the
-/// question.
-fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
-    let table = &shown.table;
-    if table.column(&chart.x.name)?.name != INTERVAL.name {
-        return Ok(None);
+    /// The minimum over the switching interval for each condition or requirement of a gyro, if its curves differ in
+    /// these; the best of all of them would not help the others.
+    fn interval_for_each(&self) -> Option<String> {
+        if !self.is_over_interval() || !less_is_better(&self.shown.table, self.estimate, &self.rows) {
+            return None;
+        }
+        let is_given = |column: &&Column| GIVEN.iter().any(|key| column.name.starts_with(key));
+        let (given, chosen): (Vec<&Column>, Vec<&Column>) = self.series.iter().copied().partition(is_given);
+        let curves = Curves::of(self.x, self.estimate, &self.rows, &given);
+        curves.least_for_each([&given, &chosen], MOST_BESIDE)
     }
-    let told = interval_for_each(chart, shown)?;
-    if told.is_some() {
-        return Ok(told);
-    }
-    let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
-    let by = apart(study, chart.source, series.collect());
-    let best = best(table, &shown.estimate, &table.rows_where(&chart.filter())?, &by)?;
-    Ok(best.map(|best| best.sentence()))
-}
 
-/// The minimum over the switching interval for each condition or requirement of a gyro, if its curves differ in these;
-/// the best of all of them would not help the others.
-fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
-    let table = &shown.table;
-    let rows = table.rows_where(&chart.filter())?;
-    let is_over_interval = table.column(&chart.x.name)?.name == INTERVAL.name;
-    if !is_over_interval || !less_is_better(table, &shown.estimate, &rows)? {
-        return Ok(None);
+    fn is_over_interval(&self) -> bool {
+        self.x.name == INTERVAL.name
     }
-    let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let (given, chosen): (Vec<&Column>, Vec<&Column>) =
-        series.into_iter().partition(|column| GIVEN.iter().any(|key| column.name.starts_with(key)));
-    least_for_each(table, (&chart.x.name, &shown.estimate), &rows, [&given, &chosen], MOST_BESIDE)
-}
 
-/// Whether the abscissa is a condition that is not chosen, so that the worst case counts.
-fn is_environment(chart: &Chart, shown: &Shown) -> bool {
-    let Ok(x) = shown.table.column(&chart.x.name) else { return false };
-    let key = if x.role == Role::Coordinate { &x.of } else { &x.name };
-    key.starts_with("motion.")
-}
-
-/// The statement of `say` on the curves of a chart, if less of the estimate is better.
-fn of_range<T>(chart: &Chart, shown: &Shown, say: impl Fn(&Curves) -> T) -> Result<Option<T>, ColumnError> {
-    let (table, estimate) = (&shown.table, shown.estimate.as_str());
-    let rows = table.rows_where(&chart.filter())?;
-    if !less_is_better(table, estimate, &rows)? {
-        return Ok(None);
+    /// Whether the abscissa is a condition that is not chosen, so that the worst case counts.
+    fn is_environment(&self) -> bool {
+        let key = if self.x.role == Role::Coordinate { &self.x.of } else { &self.x.name };
+        key.starts_with("motion.")
     }
-    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
-    Ok(Some(say(&Curves::of(table, (&chart.x.name, estimate), &rows, &series)?)))
+
+    /// The curves of the chart, if less of the estimate is better.
+    fn curves(&self) -> Option<Curves<'a>> {
+        less_is_better(&self.shown.table, self.estimate, &self.rows)
+            .then(|| Curves::of(self.x, self.estimate, &self.rows, &self.series))
+    }
+
+    /// A headline with a caveat on the fillers among the rows of the chart.
+    fn with_caveat(&self, headline: Option<String>) -> Option<String> {
+        let Some((filler, mut free, why)) = free_fillers(self.study, &self.shown.table) else {
+            return headline;
+        };
+        free.retain(|name| self.rows.iter().any(|&row| filler.cells[row].text() == *name));
+        if free.is_empty() {
+            return headline;
+        }
+        let (is, names) = (if free.len() == 1 { "is" } else { "are" }, free.join(" and "));
+        let caveat = format!("Without a band {names} {is} designed for {why}, which firmware does not know.");
+        headline.map(|headline| format!("{headline} {caveat}"))
+    }
 }
 
 /// The best row, and where that has a filler that firmware cannot have, the best of the others.
 fn leading(
     study: &Study,
     table: &Table,
-    estimate: &str,
-    filter: &[(String, String)],
-    by: &[&str],
-) -> Result<Option<String>, ColumnError> {
-    let rows = table.rows_where(filter)?;
-    let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
+    estimate: &Column,
+    rows: &[usize],
+    by: &[&Column],
+) -> Option<String> {
+    let first = best(table, estimate, rows, by)?;
     let sentence = first.sentence();
-    let Some((row, (free, why))) = first.row.zip(free_fillers(study)) else { return Ok(Some(sentence)) };
-    let Some(filler) = table.listed_by(FILLERS) else { return Ok(Some(sentence)) };
+    let Some((row, (filler, free, why))) = first.row.zip(free_fillers(study, table)) else {
+        return Some(sentence);
+    };
     let is_free = |row: usize| free.contains(&filler.cells[row].text().as_str());
     if !is_free(row) {
-        return Ok(Some(sentence));
+        return Some(sentence);
     }
-    let others: Vec<usize> = rows.into_iter().filter(|&row| !is_free(row)).collect();
-    let known = best(table, estimate, &others, by)?
-        .map_or(", which firmware does not know".to_owned(), |second| {
-            format!(", which firmware does not know; of the others the least is {}", second.value)
-        });
-    Ok(Some(format!("{sentence} That filler is designed for {why}{known}.")))
+    let others: Vec<usize> = rows.iter().copied().filter(|&row| !is_free(row)).collect();
+    let second = best(table, estimate, &others, by)
+        .map_or(String::new(), |second| format!("; of the others the least is {}", second.value));
+    Some(format!("{sentence} That filler is designed for {why}, which firmware does not know{second}."))
 }
 
-/// The names of fillers whose weights firmware cannot have, with the reason: designed without a band, they follow the
+/// The column of fillers, the names of those whose weights firmware cannot have, and the reason: designed without a band, they follow the
 /// motion of each point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of
 /// the band.
-fn free_fillers(study: &Study) -> Option<(Vec<&str>, &'static str)> {
+fn free_fillers<'a>(study: &'a Study, table: &'a Table) -> Option<(&'a Column, Vec<&'a str>, &'static str)> {
+    let column = table.listed_by(FILLERS)?;
     let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
     let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
     let free: Vec<&str> =
@@ -228,58 +241,20 @@ fn free_fillers(study: &Study) -> Option<(Vec<&str>, &'static str)> {
         (false, true) => "exactly this frequency",
         (false, false) => return None,
     };
-    (!free.is_empty()).then_some((free, why))
-}
-
-/// A headline with a caveat on the fillers among some rows.
-fn with_caveat(
-    study: &Study,
-    headline: Option<String>,
-    table: &Table,
-    filter: &[(String, String)],
-) -> Result<Option<String>, ColumnError> {
-    let Some(headline) = headline else { return Ok(None) };
-    let Some((mut free, why)) = free_fillers(study) else { return Ok(Some(headline)) };
-    let Some(filler) = table.listed_by(FILLERS) else { return Ok(Some(headline)) };
-    let rows = table.rows_where(filter)?;
-    free.retain(|name| rows.iter().any(|&row| filler.cells[row].text() == *name));
-    Ok(Some(match &free[..] {
-        [] => headline,
-        names => {
-            let is = if names.len() == 1 { "is" } else { "are" };
-            let names = names.join(" and ");
-            format!(
-                "{headline} Without a band {names} {is} designed for {why}, which firmware does not know."
-            )
-        }
-    }))
-}
-
-/// The minimum of each curve of a chart, or the maximum where that counts; empty where neither is of interest.
-fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
-    let is_largest = is_environment(chart, shown);
-    let each =
-        of_range(
-            chart,
-            shown,
-            |curves| {
-                if is_largest { curves.largest_of_each() } else { curves.least_of_each() }
-            },
-        );
-    Ok(each?.unwrap_or_default())
+    (!free.is_empty()).then_some((column, free, why))
 }
 
 /// The best row of a study without its own chart.
-fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
-    let points = &tables.points;
+fn undrawn(study: &Study, points: &Table) -> Option<String> {
     let estimate = points.usual(Usual::Answer)?;
     // Errors and angles that the study omits have no rows.
-    let rows = Some(study.usual_rows()).filter(|rows| points.rows_where(rows).is_ok()).unwrap_or_default();
-    let abscissa = points.usual(Usual::Abscissa).map(|column| column.name.as_str());
-    let by = apart(study, Source::Points, abscissa.into_iter().collect());
+    let filter = Some(study.usual_rows()).filter(|rows| points.rows_where(rows).is_ok()).unwrap_or_default();
+    let rows = points.rows_where(&filter).ok()?;
     // Every study of the kind has the columns.
-    let sentence = leading(study, points, &estimate.name, &rows, &by).ok().flatten()?;
-    match points.chosen(&rows) {
+    let abscissa = points.usual(Usual::Abscissa).into_iter().collect();
+    let by = apart(study, Source::Points, points, abscissa).ok()?;
+    let sentence = leading(study, points, estimate, &rows, &by)?;
+    match points.chosen(&filter) {
         Ok(chosen) if !chosen.is_empty() => {
             Some(format!("{} ({}).", sentence.trim_end_matches('.'), chosen.join(", ")))
         }
@@ -287,14 +262,18 @@ fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     }
 }
 
-/// The columns that distinguish rows, each once, with those of a chart first.
-fn apart<'n>(study: &'n Study, source: Source, mut columns: Vec<&'n str>) -> Vec<&'n str> {
+/// The columns that distinguish rows, each once, after some `columns`.
+fn apart<'t>(
+    study: &Study,
+    source: Source,
+    table: &'t Table,
+    mut columns: Vec<&'t Column>,
+) -> Result<Vec<&'t Column>, ColumnError> {
     let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
     for name in study.text_columns(source).into_iter().chain(sweeps) {
-        // A chart may give only the end of a column's name.
-        if !columns.iter().any(|column| name == *column || name.ends_with(&format!(".{column}"))) {
-            columns.push(name);
+        if columns.iter().all(|column| column.name != name) {
+            columns.push(table.column(name)?);
         }
     }
-    columns
+    Ok(columns)
 }

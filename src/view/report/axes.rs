@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::key::scale::Scale;
 use crate::view::chart::figure::{Axis, Figure};
-use crate::view::chart::map::{Estimate, Map};
+use crate::view::chart::map::Estimate;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ladder;
@@ -37,41 +37,33 @@ impl Axes {
     pub(crate) fn of(picture: &Picture) -> Axes {
         match picture {
             Picture::Curves(figure) => of_curves(figure),
-            Picture::Map(map) => of_map(map),
+            Picture::Map(map) => {
+                let interval = |(value, band): &Estimate| {
+                    let (low, high) = band.unwrap_or((*value, *value));
+                    [*value, low, high]
+                };
+                let known = map.layers.iter().flat_map(|layer| &layer.values).flatten();
+                let limit = map.limit.iter().map(|limit| limit.value);
+                let zs: Vec<f64> = known.flat_map(interval).chain(limit).collect();
+                Axes {
+                    x: ladders(&map.x, &map.columns),
+                    y: ladders(&map.y, &map.rows),
+                    z: Some(ladders(&map.z, &zs)),
+                    edges: Some([edges(&map.columns), edges(&map.rows)]),
+                }
+            }
         }
     }
 }
 
 fn of_curves(figure: &Figure) -> Axes {
-    let (mut xs, mut ys) = (vec![], vec![]);
-    for point in figure.series.iter().flat_map(|series| &series.points) {
-        xs.push(point.x);
-        ys.push(point.y);
-        ys.extend(point.band.into_iter().flat_map(|(low, high)| [low, high]));
-    }
-    let laws = figure.laws.iter().flat_map(|law| &law.lines).map(|line| &line.points);
-    for (x, y) in laws.chain(figure.series.iter().map(|series| &series.law)).flatten() {
-        xs.push(*x);
-        ys.push(*y);
-    }
-    ys.extend(figure.limit.as_ref().map(|limit| limit.value));
+    let laws = || figure.series.iter().flat_map(|series| &series.law).copied().chain(figure.law_places());
+    let bands = figure.all_points().filter_map(|point| point.band).flat_map(|(low, high)| [low, high]);
+    let limit = figure.limit.iter().map(|limit| limit.value);
+    let xs: Vec<f64> = figure.all_points().map(|point| point.x).chain(laws().map(|place| place.0)).collect();
+    let ys = figure.all_points().map(|point| point.y).chain(laws().map(|place| place.1));
+    let ys: Vec<f64> = ys.chain(bands).chain(limit).collect();
     Axes { x: ladders(&figure.x, &xs), y: ladders(&figure.y, &ys), z: None, edges: None }
-}
-
-fn of_map(map: &Map) -> Axes {
-    let known = map.layers.iter().flat_map(|layer| &layer.values).flatten();
-    let values = |(value, band): &Estimate| {
-        let (low, high) = band.unwrap_or((*value, *value));
-        [*value, low, high]
-    };
-    let mut zs: Vec<f64> = known.flat_map(values).collect();
-    zs.extend(map.limit.as_ref().map(|limit| limit.value));
-    Axes {
-        x: ladders(&map.x, &map.columns),
-        y: ladders(&map.y, &map.rows),
-        z: Some(ladders(&map.z, &zs)),
-        edges: Some([edges(&map.columns), edges(&map.rows)]),
-    }
 }
 
 fn ladders(axis: &Axis, values: &[f64]) -> Either<Ladder> {

@@ -13,7 +13,7 @@ use serde_json::value::RawValue;
 
 use crate::chart::Source;
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, Role, Table};
+use crate::table::{Cell, Column, Role, Table, titled};
 use crate::view::chart::palette::Looks;
 use crate::view::chart::picture::Picture;
 use crate::view::report::Report;
@@ -45,7 +45,7 @@ struct Chart {
 /// The part of a table in a page.
 #[derive(Serialize)]
 pub(crate) struct Listed<'t> {
-    file: &'static str,
+    pub(crate) file: &'static str,
     /// Number of rows of the whole table.
     pub(crate) rows: usize,
     pub(crate) all_columns: usize,
@@ -69,23 +69,15 @@ struct Listing<'t> {
 }
 
 impl Listed<'_> {
-    pub(crate) fn file(&self) -> &'static str {
-        self.file
-    }
-
     /// The part of the table that the page omits, if any.
     pub(crate) fn left_out(&self) -> Option<String> {
         let (rows, columns) = (self.shown, self.columns.len());
-        let part = match (rows < self.rows, columns < self.all_columns) {
-            (false, false) => return None,
-            (true, false) => format!("the first {rows} of {} rows", self.rows),
-            (false, true) => format!("the {columns} columns that charts show, of {}", self.all_columns),
-            (true, true) => format!(
-                "the first {rows} of {} rows and the {columns} columns that charts show, of {}",
-                self.rows, self.all_columns
-            ),
-        };
-        Some(format!("The page has {part}; all are in {}.", self.file))
+        let first = || format!("the first {rows} of {} rows", self.rows);
+        let charted = || format!("the {columns} columns that charts show, of {}", self.all_columns);
+        let parts = [(rows < self.rows).then(first), (columns < self.all_columns).then(charted)];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        let part = parts.join(" and ");
+        (!part.is_empty()).then(|| format!("The page has {part}; all are in {}.", self.file))
     }
 }
 
@@ -98,8 +90,11 @@ pub(crate) struct Packed<'t> {
 }
 
 pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
-    let points: usize = report.charts.iter().map(|drawn| points(&drawn.picture)).sum();
-    let thinned = points.div_ceil(MOST_POINTS).max(1);
+    let points = report.charts.iter().map(|drawn| match &drawn.picture {
+        Picture::Curves(figure) => figure.all_points().count(),
+        Picture::Map(_) => 0,
+    });
+    let thinned = points.sum::<usize>().div_ceil(MOST_POINTS).max(1);
     let charts = report.charts.iter().map(|drawn| Chart {
         stem: drawn.stem.clone(),
         picture: json(&one_in(thinned, &drawn.picture)),
@@ -109,14 +104,6 @@ pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
         report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
     let data = Data { looks: Looks::new(), charts: charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
-}
-
-/// The points of the curves of a picture.
-fn points(picture: &Picture) -> usize {
-    match picture {
-        Picture::Curves(figure) => figure.series.iter().map(|series| series.points.len()).sum(),
-        Picture::Map(_) => 0,
-    }
 }
 
 /// A picture with only every `step`-th point of its curves and laws.
@@ -175,12 +162,10 @@ fn listed<'t>(source: Source, table: &'t Table, report: &Report) -> Listed<'t> {
 /// The heading of a column, which is unique in its table.
 fn title(column: &Column, table: &Table) -> String {
     let first = table.columns.iter().find(|other| other.title() == column.title());
-    match first {
+    match first.is_some_and(|other| other.name != column.name) {
         // As for the name of a tick and its number.
-        Some(other) if other.name != column.name => {
-            Column { label: column.name.replace('_', " "), cells: vec![], ..column.clone() }.title()
-        }
-        _ => column.title(),
+        true => titled(&column.name.replace('_', " "), column.unit.symbol),
+        false => column.title(),
     }
 }
 
@@ -201,18 +186,6 @@ fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
         Picture::Map(map) => [&map.z.label, &map.z.label],
     });
     tells(column) || labels.filter_map(shown).any(belongs)
-}
-
-impl Serialize for Cell {
-    /// The cell in JSON: null for a blank.
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Cell::Blank => serializer.serialize_none(),
-            Cell::Text(text) => serializer.serialize_str(text),
-            Cell::Integer(integer) => serializer.serialize_i64(*integer),
-            Cell::Number(number) => serializer.serialize_f64(*number),
-        }
-    }
 }
 
 /// Numbers as files show them.

@@ -16,16 +16,16 @@ pub(crate) mod axes;
 pub(crate) mod curves;
 pub(crate) mod data;
 pub mod gallery;
-pub(crate) mod notes;
 pub(crate) mod page;
 pub(crate) mod sentences;
 pub mod source;
 pub(crate) mod standing;
+#[cfg(test)]
+mod tests;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
-pub use crate::view::report::answer::{Answer, answer};
+pub use crate::view::report::answer::Answer;
 pub use crate::view::report::gallery::{Card, gallery};
-pub use crate::view::report::notes::notes;
 pub use crate::view::report::source::{Named, Source};
 
 use crate::chart;

@@ -157,7 +157,7 @@ fn listings(tables: &[Listed]) -> Markup {
             h2 { "Tables" }
             @for (at, table) in tables.iter().enumerate() {
                 div.table data-table=(at) {
-                    h3 { (table.file()) }
+                    h3 { (table.file) }
                     @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
                     div.listing {}
                 }

@@ -1,7 +1,7 @@
 //! Sentences with answers: the minimum and the winner.
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, ColumnError, Role, Table};
+use crate::table::{Cell, Column, Role, Table};
 use crate::view::chart::map::{Cells, Map, share};
 
 /// The statement of a table about an estimate.
@@ -26,23 +26,11 @@ impl Best {
 ///
 /// `rows` are the compared rows, `by` the columns that distinguish them. `None` where no row has a value. Rows that
 /// agree to the four digits shown are counted.
-///
-/// # Errors
-/// A name selects no single column.
-pub(crate) fn best(
-    table: &Table,
-    estimate: &str,
-    rows: &[usize],
-    by: &[&str],
-) -> Result<Option<Best>, ColumnError> {
-    let column = table.column(estimate)?;
-    let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+pub(crate) fn best(table: &Table, column: &Column, rows: &[usize], by: &[&Column]) -> Option<Best> {
     let known: Vec<(usize, f64)> =
         rows.iter().filter_map(|&row| Some((row, column.cells[row].number()?))).collect();
     let order = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
-    let Some((least, most)) = known.iter().min_by(order).zip(known.iter().max_by(order)) else {
-        return Ok(None);
-    };
+    let (least, most) = (known.iter().min_by(order)?, known.iter().max_by(order)?);
     let place = |row: usize| {
         let mut places: Vec<String> = Vec::new();
         for column in by.iter().filter(|column| rows.iter().any(|&at| column.cells[at] != column.cells[row]))
@@ -55,8 +43,7 @@ pub(crate) fn best(
     let shown = |value: f64| measured(column, value);
     let label = &column.label;
     let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
-    let band = column.band.as_ref().and_then(|band| band[least.0]);
-    let band = band.map_or(String::new(), |(low, high)| {
+    let band = column.interval(least.0).map_or(String::new(), |(low, high)| {
         format!(" (95 %: {} to {})", significant(low, 4), significant(high, 4))
     });
     let least_of = |value: String| Best {
@@ -65,51 +52,37 @@ pub(crate) fn best(
         row: Some(least.0),
     };
     let told = |how: &str, value: String| Best { subject: format!("The {label} {how}"), value, row: None };
-    Ok(Some(match (known.len(), alike) {
+    Some(match (known.len(), alike) {
         (1, _) => told("is", format!("{}{band}", shown(least.1))),
         (all, alike) if alike == all => told("is", format!("{} in all {all} rows", shown(least.1))),
-        _ if !less_is_better(table, estimate, rows)? => {
+        _ if !less_is_better(table, column, rows) => {
             let end = |(row, value): &(usize, f64)| format!("{} ({})", shown(*value), place(*row));
             told("runs from", format!("{} to {}", end(least), end(most)))
         }
         (_, 1) => least_of(format!(": {}", place(least.0))),
         (_, alike) => least_of(format!(", in {alike} rows: {}, …", place(least.0))),
-    }))
+    })
 }
 
 /// Whether less of an estimate is better in all selected rows: its role says so, and none of its values is negative.
-///
-/// # Errors
-/// The same as for [`best`].
-pub(crate) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> Result<bool, ColumnError> {
-    let column = table.column(estimate)?;
+pub(crate) fn less_is_better(table: &Table, column: &Column, rows: &[usize]) -> bool {
     let estimate = if column.role == Role::Oracle { table.referred(column) } else { Some(column) };
-    let signed = rows.iter().filter_map(|&row| column.cells[row].number()).any(|value| value < 0.0);
-    Ok(estimate.is_some_and(|column| column.role.less_is_better()) && !signed)
+    let signed = rows.iter().any(|&row| column.value(row) < 0.0);
+    estimate.is_some_and(|column| column.role.less_is_better()) && !signed
 }
 
 /// The estimate of some rows side by side, distinguished by `by`, such as `rms angle left: 34.7 ″ (none), 20.4 ″
 /// (frequency)`. `None` where a row has no value, or there are no rows.
-///
-/// # Errors
-/// A name selects no single column.
-pub(crate) fn side_by_side(
-    table: &Table,
-    estimate: &str,
-    rows: &[usize],
-    by: &[&str],
-) -> Result<Option<String>, ColumnError> {
-    let column = table.column(estimate)?;
-    let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let differs = |by: &&&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
+pub(crate) fn side_by_side(column: &Column, rows: &[usize], by: &[&Column]) -> Option<String> {
+    let differs = |by: &&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
+    let by: Vec<&Column> = by.iter().copied().filter(differs).collect();
     let of_row = |&row: &usize| {
         let value = measured(column, column.cells[row].number()?);
-        let names: Vec<String> =
-            by.iter().filter(differs).filter_map(|by| named(by, &by.cells[row])).collect();
-        Some(if names.is_empty() { value } else { format!("{value} ({})", names.join(", ")) })
+        let names = names(&by, row);
+        Some(if names.is_empty() { value } else { format!("{value} ({names})") })
     };
-    let told = rows.iter().map(of_row).collect::<Option<Vec<String>>>();
-    Ok(told.filter(|told| !told.is_empty()).map(|told| format!("{}: {}", column.label, told.join(", "))))
+    let told = rows.iter().map(of_row).collect::<Option<Vec<String>>>().filter(|told| !told.is_empty())?;
+    Some(format!("{}: {}", column.label, told.join(", ")))
 }
 
 /// A value of a column with its unit.
@@ -118,13 +91,18 @@ pub(crate) fn measured(column: &Column, value: f64) -> String {
 }
 
 /// A value as in a sentence; `None` for a blank.
-pub(crate) fn named(column: &Column, cell: &Cell) -> Option<String> {
+fn named(column: &Column, cell: &Cell) -> Option<String> {
     match cell {
         Cell::Blank => None,
         Cell::Text(text) if text.parse::<f64>().is_ok() => Some(column.valued(text)),
         Cell::Text(text) => Some(text.clone()),
         cell => cell.number().map(|x| column.valued(&significant(x, 4))),
     }
+}
+
+/// The values of some columns in a row, as in a sentence.
+pub(crate) fn names(columns: &[&Column], row: usize) -> String {
+    columns.iter().filter_map(|column| named(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
 }
 
 /// The content of a map as a sentence: the shares of the winners, or the least and greatest value of a heat map.
@@ -170,51 +148,4 @@ pub(crate) fn of_map(map: &Map) -> Option<String> {
         }
     };
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
-}
-
-#[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-    use crate::table::Unit;
-
-    fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
-    }
-
-    /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.
-    pub(crate) fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
-        let role = if estimate == "rms" { Role::Error } else { Role::Estimate };
-        let names = curves.iter().flat_map(|(name, _)| vec![Cell::Text((*name).to_owned()); 3]).collect();
-        let xs = curves.iter().flat_map(|_| [1.0, 2.0, 4.0].map(Cell::Number)).collect();
-        let values = curves.iter().flat_map(|(_, values)| values.map(|x| Cell::from(Some(x)))).collect();
-        Table {
-            columns: vec![
-                column("filler", Unit::NONE, names),
-                column("frequency", Unit::HZ, xs),
-                Column { role, ..column(estimate, Unit::ARCSEC, values) },
-            ],
-        }
-    }
-
-    #[test]
-    fn what_is_least_is_told_of_errors_and_of_others_where_they_run() {
-        let curves = [("a", [3.0, 2.0, 5.0]), ("b", [4.0, 4.0, 4.0])];
-        let told = |estimate: &str| {
-            best(&table(estimate, &curves), estimate, &[0, 1, 2, 3, 4, 5], &["filler", "frequency"])
-                .unwrap()
-                .unwrap()
-                .sentence()
-        };
-        assert_eq!(told("rms"), "The least rms is 2 ″: a, frequency 2 Hz.");
-        let range = "The coverage95 runs from 2 ″ (a, frequency 2 Hz) to 5 ″ (a, frequency 4 Hz).";
-        assert_eq!(told("coverage95"), range);
-        let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
-        assert!(
-            best(&signed, "rms", &[0, 1, 2], &["frequency"])
-                .unwrap()
-                .unwrap()
-                .sentence()
-                .contains("from −3 ″")
-        );
-    }
 }

@@ -5,28 +5,26 @@ use crate::quantity::number::significant;
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome};
 
+/// The verb for one curve and for several.
+const STAY: [&str; 2] = ["stays", "stay"];
+
 /// The relation of the curves to their limit as a sentence: how many stay within it everywhere and how many nowhere,
 /// and of those that exceed it which one does so last and which first. `None` without curves.
 pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
-    let is_always =
-        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
-    let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
-    // The rest of these is unknown, as in an incomplete run, so they cannot be ordered.
-    let is_open =
-        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && answer.open && answer.first.is_empty();
-    let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
+    let is_within = |one: &&Judged| one.outcome == Outcome::WithinUpTo && one.first.is_empty();
+    let (within, others): (Vec<&Judged>, Vec<&Judged>) = answers.iter().partition(is_within);
+    // The rest of open ones is unknown, as in an incomplete run, so they cannot be ordered.
+    let (mut open, mut always): (Vec<&Judged>, Vec<&Judged>) = within.into_iter().partition(|one| one.open);
+    let (never, partly): (Vec<&Judged>, Vec<&Judged>) =
+        others.into_iter().partition(|one| one.outcome == Outcome::AboveFrom);
     // The one with the largest margin first.
-    always.sort_by(|a, b| a.most.total_cmp(&b.most));
-    let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
-    let mut open: Vec<&Judged> = answers.iter().filter(is_open).collect();
-    open.sort_by(|a, b| a.most.total_cmp(&b.most));
-    let is_partly = |answer: &&Judged| !is_always(answer) && !is_never(answer) && !is_open(answer);
-    let partly: Vec<&Judged> = answers.iter().filter(is_partly).collect();
+    for curves in [&mut always, &mut open] {
+        curves.sort_by(|a, b| a.most.total_cmp(&b.most));
+    }
     let all = answers.len();
-    let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str, named: String| {
-        let count = curves.len();
-        let verb = if count == 1 { one } else { more };
+    let counted = |curves: &[&Judged], verbs: [&str; 2], how: &str, named: String| {
+        let (count, verb) = (curves.len(), verbs[usize::from(curves.len() != 1)]);
         (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({named})"))
     };
     let with_most = |curves: &[&Judged]| {
@@ -41,13 +39,8 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         }
         _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
         _ => [
-            counted(&always, ["stays", "stay"], &format!("within {limit}"), with_most(&always)),
-            counted(
-                &open,
-                ["stays", "stay"],
-                &format!("within {limit} as far as there are values"),
-                with_most(&open),
-            ),
+            counted(&always, STAY, &format!("within {limit}"), with_most(&always)),
+            counted(&open, STAY, &format!("within {limit} as far as there are values"), with_most(&open)),
             order(&partly, limit, partly.len() + never.len() < all),
             counted(&never, ["is", "are"], &format!("nowhere within {limit}"), names(&never)),
         ],
@@ -56,6 +49,9 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     Some(capitalised(&said.join("; ")) + ".")
 }
 
+/// The outcomes of curves that leave the range within the limit.
+const LEAVE: [Outcome; 3] = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
+
 /// Of the curves that are partly within the limit, the one that is so longest or first, and the one shortest or last.
 /// Curves that leave the range and curves that enter it have no common order and are counted. `are_others` says that
 /// some never exceed the limit, so that none of these is the longest of all.
@@ -63,11 +59,9 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
     // A curve without values at first, or within the limit once more, cannot be ordered.
     let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
-    let leaves = |answer: &&&Judged| {
-        let outcomes = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
-        is_plain(answer) && outcomes.contains(&answer.outcome)
+    let all_are = |outcomes: &[Outcome]| {
+        curves.iter().all(|answer| is_plain(answer) && outcomes.contains(&answer.outcome))
     };
-    let comes = |answer: &&&Judged| is_plain(answer) && answer.outcome == Outcome::WithinFrom;
     let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
     let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
     // All curves with the same value as one, to the digits shown.
@@ -75,10 +69,10 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
         let place = one.place();
         names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
     };
-    let (first, how, last, end) = if curves.iter().filter(leaves).count() == curves.len() {
-        ("longest", "up to", greatest, least)
-    } else if curves.iter().filter(comes).count() == curves.len() {
-        ("first", "from", least, greatest)
+    let (first, other, how, best, worst) = if all_are(&LEAVE) {
+        ("longest", "shortest", "up to", greatest, least)
+    } else if all_are(&[Outcome::WithinFrom]) {
+        ("first", "last", "from", least, greatest)
     } else {
         return Some(match curves[..] {
             [one] => one.sentence(limit),
@@ -87,12 +81,9 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     };
     let others = if are_others { "of the others " } else { "" };
     let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
-    Some(match last.place() == end.place() {
-        true => format!("{others}within {limit}: {}", side(last)),
-        false => {
-            let other = if first == "longest" { "shortest" } else { "last" };
-            format!("{others}{first} within {limit}: {}; {other}: {}", side(last), side(end))
-        }
+    Some(match best.place() == worst.place() {
+        true => format!("{others}within {limit}: {}", side(best)),
+        false => format!("{others}{first} within {limit}: {}; {other}: {}", side(best), side(worst)),
     })
 }
 
@@ -119,7 +110,7 @@ fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> S
 mod tests {
     use super::*;
     use crate::table::Unit;
-    use crate::view::report::sentences::tests::table;
+    use crate::view::report::tests::table;
     use crate::view::verdict::{Question, verdict};
 
     fn judged(curves: &[(&str, [f64; 3])]) -> String {

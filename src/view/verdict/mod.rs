@@ -23,12 +23,10 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, ColumnError, Role, Table};
+use crate::table::{Cell, Column, ColumnError, Role, Table, grouped};
 
 /// A question about a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,82 +96,52 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     if named {
         series.push(x);
     }
-    let mut curves: Vec<Vec<usize>> = Vec::new();
-    let mut place = BTreeMap::new();
-    // The least and the greatest x without a value, for each curve.
-    let mut blank: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
-    for row in table.rows_where(&question.filter)? {
-        let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
-        let Some(at) = x.cells[row].number().or(named.then_some(0.0)) else { continue };
-        if y.cells[row].number().is_none() {
-            let (least, greatest) = blank.entry(key).or_insert((at, at));
-            (*least, *greatest) = (least.min(at), greatest.max(at));
-        } else {
-            let next = curves.len();
-            let curve = *place.entry(key).or_insert(next);
-            if curve == next {
-                curves.push(Vec::new());
-            }
-            curves[curve].push(row);
-        }
-    }
-    let answer = |mut rows: Vec<usize>| {
-        rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
+    let placed = |row: &usize| named || x.cells[*row].number().is_some();
+    let rows = table.rows_where(&question.filter)?.into_iter().filter(placed);
+    let curves =
+        grouped(rows, |row| series.iter().map(|column| column.cells[row].text()).collect::<Vec<_>>());
+    let has_value = |row: &usize| y.cells[*row].number().is_some();
+    let parts = curves.into_iter().map(|(_, rows)| rows.into_iter().partition(has_value));
+    let mut curves: Vec<(Vec<usize>, Vec<usize>)> =
+        parts.filter(|(known, _): &(Vec<_>, _)| !known.is_empty()).collect();
+    curves.sort_by_key(|(known, _)| known[0]);
+    let answer = |(mut rows, blank): (Vec<usize>, Vec<usize>)| {
+        rows.sort_by(|&a, &b| x.value(a).total_cmp(&x.value(b)));
         let last = rows[rows.len() - 1];
         // Values of both signs are judged by their magnitude.
-        let is_above = |row: usize| value(y, row).abs() > question.limit;
-        let mut again = None;
-        let within_from = |at: usize| rows[at..].iter().any(|&row| !is_above(row));
-        let mut is_again = false;
-        let (outcome, before, after) = match rows.iter().position(|&row| is_above(row)) {
-            None => (Outcome::WithinUpTo, last, last),
-            Some(0) if !is_above(last) => {
-                // It is above the limit somewhere, but not at its end.
-                let above = rows.iter().rposition(|&row| is_above(row)).unwrap_or(0);
-                (Outcome::WithinFrom, rows[above], rows[above + 1])
-            }
-            Some(0) => match rows.iter().position(|&row| !is_above(row)) {
-                None => (Outcome::AboveFrom, rows[0], rows[0]),
-                Some(within) => {
-                    // It is above the limit at its end.
-                    let above = within + rows[within..].iter().position(|&row| is_above(row)).unwrap_or(0);
-                    again = Some((rows[above - 1], rows[above]));
-                    is_again = within_from(above);
-                    (Outcome::WithinBetween, rows[within - 1], rows[within])
-                }
+        let is_above = |row: usize| y.value(row).abs() > question.limit;
+        // In turn within and above the limit.
+        let stretches: Vec<&[usize]> = rows.chunk_by(|&a, &b| is_above(a) == is_above(b)).collect();
+        // The rows between which one stretch ends and the next begins.
+        let after =
+            |stretch: usize| (stretches[stretch][stretches[stretch].len() - 1], stretches[stretch + 1][0]);
+        let (outcome, at, until, again) = match (is_above(rows[0]), stretches.len()) {
+            (false, 1) => (Outcome::WithinUpTo, (last, last), None, false),
+            (false, count) => match after(0) {
+                (a, b) if counts_between(table, a, b) => (Outcome::LastWithin, (a, a), None, count > 2),
+                between => (Outcome::Passes, between, None, count > 2),
             },
-            Some(i) => {
-                is_again = within_from(i);
-                match counts_between(table, rows[i - 1], rows[i]) {
-                    true => (Outcome::LastWithin, rows[i - 1], rows[i - 1]),
-                    false => (Outcome::Passes, rows[i - 1], rows[i]),
-                }
-            }
+            (true, 1) => (Outcome::AboveFrom, (rows[0], rows[0]), None, false),
+            (true, count) if count % 2 == 0 => (Outcome::WithinFrom, after(count - 2), None, false),
+            (true, count) => (Outcome::WithinBetween, after(0), Some(after(1)), count > 3),
         };
-        let crossing = |before: usize, after: usize| {
-            let part = fraction(value(y, before), value(y, after), question.limit);
+        let crossing = |(before, after): (usize, usize)| {
+            let part = fraction(y.value(before), y.value(after), question.limit);
             coordinates(table, x, rows[0], last)
-                .map(|column| (column, between(value(column, before), value(column, after), part)))
+                .map(|column| (column, between(column.value(before), column.value(after), part)))
                 .filter(|(_, value)| value.is_finite())
                 .collect::<Vec<_>>()
         };
-        let at = crossing(before, after);
-        let until = again.map_or(vec![], |(before, after)| crossing(before, after));
+        let (at, until) = (crossing(at), until.map_or(vec![], crossing));
         let named: Vec<(&Column, &Cell)> =
             series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
-        let key: Vec<String> = named.iter().map(|(_, cell)| cell.text()).collect();
-        let blank = blank.get(&key);
-        let open = blank.is_some_and(|(_, end)| *end > value(x, last));
-        let late = blank.is_some_and(|(start, _)| *start < value(x, rows[0]));
-        let first = if late { crossing(rows[0], rows[0]) } else { vec![] };
-        let most = rows.iter().map(|&row| value(y, row).abs()).fold(0.0, f64::max);
-        Answer { series: named, outcome, at, most, open, until, again: is_again, first }
+        let open = blank.iter().any(|&row| x.value(row) > x.value(last));
+        let late = blank.iter().any(|&row| x.value(row) < x.value(rows[0]));
+        let first = if late { crossing((rows[0], rows[0])) } else { vec![] };
+        let most = rows.iter().map(|&row| y.value(row).abs()).fold(0.0, f64::max);
+        Answer { series: named, outcome, at, most, open, until, again, first }
     };
     Ok(curves.into_iter().map(answer).collect())
-}
-
-fn value(column: &Column, row: usize) -> f64 {
-    column.cells[row].number().unwrap_or(f64::NAN)
 }
 
 /// The coordinates that describe the place on a curve between the rows `a` and `b`: x, and those coordinates and keys

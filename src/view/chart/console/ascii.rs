@@ -1,20 +1,6 @@
 //! Replacement of the characters of charts by plain ASCII.
 
-/// Superscript characters with their plain forms.
-const RAISED: [(char, char); 12] = [
-    ('⁰', '0'),
-    ('¹', '1'),
-    ('²', '2'),
-    ('³', '3'),
-    ('⁴', '4'),
-    ('⁵', '5'),
-    ('⁶', '6'),
-    ('⁷', '7'),
-    ('⁸', '8'),
-    ('⁹', '9'),
-    ('⁻', '-'),
-    ('⁺', '+'),
-];
+use crate::view::chart::ticks::raised_signs;
 
 /// Other characters, replaced by words where there is no similar one.
 const OTHERS: [(char, &str); 20] = [
@@ -46,12 +32,12 @@ pub(crate) fn spelled(text: &str) -> String {
     let mut out = String::new();
     let mut raised = false;
     for sign in text.chars() {
-        if let Some((_, plain)) = RAISED.iter().find(|(known, _)| *known == sign) {
+        if let Some((_, plain)) = raised_signs().find(|(known, _)| *known == sign) {
             if !raised {
                 begin_exponent(&mut out);
             }
             raised = true;
-            out.push(*plain);
+            out.push(plain);
             continue;
         }
         raised = false;

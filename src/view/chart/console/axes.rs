@@ -1,5 +1,6 @@
 //! The frame of a chart in text.
 
+use crate::view::chart::axes::in_lines;
 use crate::view::chart::console::Look;
 use crate::view::chart::console::page::Page;
 use crate::view::chart::figure::Axis;
@@ -40,11 +41,24 @@ impl<'a> Frame<'a> {
         (self.x.1.fraction(x), self.y.1.fraction(y))
     }
 
+    /// A chart as lines of text, each with its line end: the title, the page with its axes, and the legend with the
+    /// rows `chosen` last.
+    pub(crate) fn text(
+        &self,
+        title: &str,
+        page: &Page,
+        mut entries: Vec<String>,
+        chosen: &[String],
+    ) -> String {
+        entries.extend(chosen.iter().map(|chosen| self.look.spelled(chosen)));
+        format!("{}\n{}{}", self.look.spelled(title), self.drawn(page), legend(&entries, self.look))
+    }
+
     /// The page with its axes: the title of y, the rows, the labels and the title of x.
-    pub(crate) fn drawn(&self, page: &Page) -> String {
+    fn drawn(&self, page: &Page) -> String {
         let Frame { look, margin, .. } = *self;
         let [side, tick, corner, base, mark] =
-            if look.unicode { ['│', '┤', '└', '─', '┬'] } else { ['|', '+', '+', '-', '+'] };
+            look.either(['│', '┤', '└', '─', '┬'], ['|', '+', '+', '-', '+']);
         let mut text = format!("{}\n", look.spelled(&self.y.0.title()));
         for (row, label) in self.labels.iter().enumerate() {
             let (label, side) = label.as_ref().map_or(("", side), |label| (label.as_str(), tick));
@@ -69,10 +83,7 @@ impl<'a> Frame<'a> {
                     continue;
                 }
                 line[at] = mark;
-                row[start..start + length]
-                    .iter_mut()
-                    .zip(label.chars())
-                    .for_each(|(cell, sign)| *cell = sign);
+                row[start..].iter_mut().zip(label.chars()).for_each(|(cell, sign)| *cell = sign);
                 *free = start + length + 1;
             }
         }
@@ -92,17 +103,15 @@ impl<'a> Frame<'a> {
 /// truncated.
 fn in_rows(label: &str, most: usize) -> Vec<String> {
     let length = |text: &str| text.chars().count();
-    let cuts = label.match_indices(' ').map(|(at, _)| [&label[..at], &label[at + 1..]]);
-    let rows = cuts.min_by_key(|[a, b]| length(a).max(length(b))).filter(|_| length(label) > most);
     let cut = |row: &str| match length(row) > most {
         true => row.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
         false => row.to_owned(),
     };
-    rows.map_or(vec![cut(label)], |rows| rows.into_iter().map(cut).collect())
+    in_lines(label, most as f64, |text| length(text) as f64).into_iter().map(cut).collect()
 }
 
 /// Entries of a legend in lines as wide as the terminal; widths are those of visible characters.
-pub(crate) fn legend(entries: &[String], look: Look) -> String {
+fn legend(entries: &[String], look: Look) -> String {
     let (mut text, mut used) = (String::new(), 0);
     for entry in entries {
         let length = seen(entry);

@@ -1,7 +1,7 @@
 //! Curves as text.
 
 use crate::view::chart::console::Look;
-use crate::view::chart::console::axes::{Frame, legend};
+use crate::view::chart::console::axes::Frame;
 use crate::view::chart::console::page::{Page, painted};
 use crate::view::chart::figure::{Figure, Series};
 use crate::view::chart::plot::{x_range, y_range};
@@ -13,6 +13,7 @@ const FEW_ASCII: [char; 6] = ['o', 'x', '*', '#', '@', '%'];
 /// Number of cells for each point that is marked in a curve with more points.
 const CELLS_PER_SIGN: usize = 3;
 
+/// The figure as text. Bands and parts are left out.
 pub(crate) fn text(figure: &Figure, look: Look) -> String {
     let frame = Frame::new((&figure.x, x_range(figure)), (&figure.y, y_range(figure)), look);
     let mut page = frame.page();
@@ -22,10 +23,9 @@ pub(crate) fn text(figure: &Figure, look: Look) -> String {
     let limit = figure.limit.as_ref().filter(|limit| figure.y.scale.shows(limit.value));
     if let Some(limit) = limit {
         let (_, height) = frame.place((0.0, limit.value));
-        let sign = limit_sign(look);
         let columns = page.columns;
         let places = (0..columns).map(|column| (column as f64 + 0.5) / columns as f64);
-        places.for_each(|across| page.sign((across, height), sign, None));
+        places.for_each(|across| page.sign((across, height), look.either('─', '-'), None));
     }
     for series in &figure.series {
         let points: Vec<(f64, f64)> = series.points.iter().map(|point| (point.x, point.y)).collect();
@@ -41,10 +41,7 @@ pub(crate) fn text(figure: &Figure, look: Look) -> String {
             page.sign(frame.place((point.x, point.y)), sign(figure, at, look), Some(series.colour))
         });
     }
-    let mut text = format!("{}\n", look.spelled(&figure.title));
-    text += &frame.drawn(&page);
-    text += &legend(&entries(figure, look), look);
-    text
+    frame.text(&figure.title, &page, entries(figure, look), &figure.chosen)
 }
 
 /// Draws a line through those places that the axes can show.
@@ -55,16 +52,12 @@ fn joined(page: &mut Page, frame: &Frame, places: &[(f64, f64)], step: usize, co
 
 /// The character of a curve: a shape of its own if there are few curves, else a letter.
 fn sign(figure: &Figure, at: usize, look: Look) -> char {
-    let signs = if look.unicode { FEW } else { FEW_ASCII };
+    let signs = look.either(FEW, FEW_ASCII);
     if figure.series.len() <= signs.len() {
         return signs[at];
     }
     let letters = ('a'..='z').chain('A'..='Z').collect::<Vec<char>>();
     letters[at % letters.len()]
-}
-
-fn limit_sign(look: Look) -> char {
-    if look.unicode { '─' } else { '-' }
 }
 
 /// The meaning of each character and line.
@@ -76,13 +69,12 @@ fn entries(figure: &Figure, look: Look) -> Vec<String> {
     });
     let mut entries: Vec<String> = series.collect();
     let line = |sign: &str, plain: &str, label: &str| {
-        format!("{} {}", if look.unicode { sign } else { plain }, look.spelled(label))
+        format!("{} {}", look.either(sign, plain), look.spelled(label))
     };
     if figure.has_laws() && figure.x.names.is_empty() {
         entries.push(line("⠒⠒", "..", &figure.lines));
     }
     entries.extend(figure.laws.iter().map(|law| line("⠐ ⠐", ". .", &law.label)));
     entries.extend(figure.limit.iter().map(|limit| line("──", "--", &limit.label)));
-    entries.extend(figure.chosen.iter().map(|chosen| look.spelled(chosen)));
     entries
 }

@@ -11,9 +11,6 @@ pub(crate) mod page;
 #[cfg(test)]
 mod tests;
 
-use crate::view::chart::figure::Figure;
-use crate::view::chart::map::Map;
-
 /// The capabilities of a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
@@ -34,22 +31,12 @@ impl Look {
         if self.unicode { text.to_owned() } else { crate::view::chart::console::ascii::spelled(text) }
     }
 
+    /// The one of two items that the terminal can show.
+    fn either<T>(self, unicode: T, ascii: T) -> T {
+        if self.unicode { unicode } else { ascii }
+    }
+
     fn wide(self) -> usize {
         self.width.max(Look::LEAST_WIDTH)
-    }
-}
-
-impl Figure {
-    /// The figure as lines of text, each with its line end: title, curves in their axes, legend. Bands and parts are
-    /// left out.
-    pub fn text(&self, look: Look) -> String {
-        crate::view::chart::console::curves::text(self, look)
-    }
-}
-
-impl Map {
-    /// The map as lines of text, each with its line end: title, cells in their axes, legend.
-    pub fn text(&self, look: Look) -> String {
-        crate::view::chart::console::map::text(self, look)
     }
 }

@@ -5,20 +5,15 @@ pub(crate) struct Page {
     pub(crate) columns: usize,
     pub(crate) rows: usize,
     unicode: bool,
-    signs: Vec<Option<Cell>>,
-    dots: Vec<Dots>,
+    cells: Vec<Cell>,
 }
 
 /// The contents of a cell, with their terminal colour.
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    sign: char,
-    colour: Option<usize>,
-}
-
 #[derive(Debug, Clone, Copy, Default)]
-struct Dots {
-    bits: u8,
+struct Cell {
+    sign: Option<char>,
+    /// Bits of the dots, as of [`BRAILLE`].
+    dots: u8,
     colour: Option<usize>,
 }
 
@@ -30,8 +25,7 @@ const BRAILLE: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80
 
 impl Page {
     pub(crate) fn new(columns: usize, rows: usize, unicode: bool) -> Page {
-        let cells = columns * rows;
-        Page { columns, rows, unicode, signs: vec![None; cells], dots: vec![Dots::default(); cells] }
+        Page { columns, rows, unicode, cells: vec![Cell::default(); columns * rows] }
     }
 
     /// Dots across and down in a cell.
@@ -43,7 +37,7 @@ impl Page {
     pub(crate) fn sign(&mut self, (x, y): (f64, f64), sign: char, colour: Option<usize>) {
         let place = cell_of(x, self.columns).zip(cell_of(1.0 - y, self.rows));
         if let Some((column, row)) = place {
-            self.signs[row * self.columns + column] = Some(Cell { sign, colour });
+            self.cells[row * self.columns + column] = Cell { sign: Some(sign), dots: 0, colour };
         }
     }
 
@@ -64,32 +58,27 @@ impl Page {
         let (fine_x, fine_y) = self.fine();
         let place = cell_of(x, self.columns * fine_x).zip(cell_of(1.0 - y, self.rows * fine_y));
         if let Some((across, down)) = place {
-            let cell = &mut self.dots[down / fine_y * self.columns + across / fine_x];
-            cell.bits |= BRAILLE[across % fine_x][down % fine_y];
-            cell.colour = colour;
+            let cell = &mut self.cells[down / fine_y * self.columns + across / fine_x];
+            cell.dots |= BRAILLE[across % fine_x][down % fine_y];
+            cell.colour = if cell.sign.is_some() { cell.colour } else { colour };
         }
     }
 
     /// A row of cells, in colour where that is wanted.
     pub(crate) fn row(&self, row: usize, color: bool) -> String {
-        let mut text = String::new();
-        for place in row * self.columns..(row + 1) * self.columns {
-            let dots = self.dots[place];
-            let cell =
-                self.signs[place].unwrap_or(Cell { sign: self.sign_of(dots.bits), colour: dots.colour });
-            text += &painted(cell.sign, cell.colour.filter(|_| color));
-        }
-        text
-    }
-
-    fn sign_of(&self, bits: u8) -> char {
-        match bits {
-            0 => ' ',
-            bits if self.unicode => char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' '),
-            1 => '\'',
-            2 => '.',
-            _ => ':',
-        }
+        let cells = &self.cells[row * self.columns..(row + 1) * self.columns];
+        let shown = |cell: &Cell| {
+            let sign = match (cell.sign, cell.dots) {
+                (Some(sign), _) => sign,
+                (None, 0) => ' ',
+                (None, dots) if self.unicode => char::from_u32(0x2800 + u32::from(dots)).unwrap_or(' '),
+                (None, 1) => '\'',
+                (None, 2) => '.',
+                (None, _) => ':',
+            };
+            painted(sign, cell.colour.filter(|_| color))
+        };
+        cells.iter().map(shown).collect()
     }
 }
 

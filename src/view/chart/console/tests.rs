@@ -4,6 +4,7 @@ use crate::key::scale::Scale;
 use crate::view::chart::console::Look;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
 use crate::view::chart::map::{Cells, Map};
+use crate::view::chart::picture::Picture;
 
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 
@@ -37,10 +38,14 @@ fn figure() -> Figure {
     }
 }
 
+fn text(figure: Figure, look: Look) -> String {
+    Picture::Curves(figure).text(look)
+}
+
 #[test]
 fn a_figure_has_its_title_units_ticks_limit_and_legend_in_no_more_columns_than_there_are() {
     for look in [PLAIN, Look { unicode: true, ..PLAIN }, Look { width: 120, ..PLAIN }] {
-        let text = figure().text(look);
+        let text = text(figure(), look);
         let unit = if look.unicode { "error, ″" } else { "error, arcsec" };
         for piece in ["Powers\n", unit, "x, Hz", " 100 ", "square", "first", "limit 10"] {
             assert!(text.contains(piece), "{piece} is missing in\n{text}");
@@ -55,7 +60,7 @@ fn a_figure_has_its_title_units_ticks_limit_and_legend_in_no_more_columns_than_t
 
 #[test]
 fn points_stand_where_their_logarithms_are() {
-    let text = figure().text(PLAIN);
+    let text = text(figure(), PLAIN);
     // The rows after the axis of y, whose margin is as wide as its longest label, 10000.
     let rows: Vec<String> = text.lines().skip(2).take(20).map(|row| row.chars().skip(8).collect()).collect();
     let first =
@@ -69,8 +74,8 @@ fn points_stand_where_their_logarithms_are() {
 
 #[test]
 fn only_a_coloured_look_has_escape_codes() {
-    assert!(!figure().text(PLAIN).contains('\u{1b}'));
-    let coloured = figure().text(Look { color: true, unicode: true, ..PLAIN });
+    assert!(!text(figure(), PLAIN).contains('\u{1b}'));
+    let coloured = text(figure(), Look { color: true, unicode: true, ..PLAIN });
     assert!(coloured.contains("\u{1b}[34m●\u{1b}[0m square"), "{coloured}");
 }
 
@@ -89,7 +94,7 @@ fn the_shades_of_a_map_end_at_its_limit() {
         chosen: vec![],
         layers: vec![],
     };
-    let text = map.text(PLAIN);
+    let text = Picture::Map(map).text(PLAIN);
     let rows: Vec<&str> = text.lines().filter(|line| line.contains(['|', '+'])).collect();
     assert!(
         rows[1].contains("####") && !rows[1].contains("::::"),
@@ -108,7 +113,7 @@ fn names_stand_side_by_side_in_up_to_two_rows_and_no_line_joins_them() {
         series.points.truncate(3);
         series.points.iter_mut().zip([1.0, 2.0, 3.0]).for_each(|(point, x)| point.x = x);
     }
-    let text = figure.text(Look { width: 50, unicode: true, ..PLAIN });
+    let text = text(figure, Look { width: 50, unicode: true, ..PLAIN });
     let under: Vec<&str> =
         text.lines().skip_while(|line| !line.contains('└')).skip(1).map(str::trim).collect();
     assert!(

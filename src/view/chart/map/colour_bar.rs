@@ -1,13 +1,11 @@
 //! The scale of the colours, next to the map.
 
-use crate::view::chart::axes::TICK_SIZE;
+use crate::view::chart::axes::{TICK_SIZE, widest};
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::view::chart::layout::draw_axis_title;
-use crate::view::chart::map::colour_scale::colour;
 use crate::view::chart::map::limit_line;
-use crate::view::chart::palette::INK;
+use crate::view::chart::palette::{INK, shade};
 use crate::view::chart::scale::Range;
-use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
 
 const WIDTH: f64 = 22.0;
@@ -29,13 +27,9 @@ pub(crate) struct ColourBar<'a> {
 }
 
 impl ColourBar<'_> {
-    fn labels(&self) -> f64 {
-        self.ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max)
-    }
-
     /// The total width.
     pub(crate) fn width(&self) -> f64 {
-        WIDTH + TO_LABELS + self.labels() + TO_TITLE
+        WIDTH + TO_LABELS + widest(self.ticks) + TO_TITLE
     }
 
     /// Draws it to the right of `left`.
@@ -45,7 +39,7 @@ impl ColourBar<'_> {
         canvas.crisp_group("colour scale", |canvas| {
             for piece in 0..PIECES {
                 let [low, high] = [piece, piece + 1].map(|piece| piece as f64 / PIECES as f64);
-                canvas.block((left, height(high)), (right, height(low)), colour(0.5 * (low + high)));
+                canvas.block((left, height(high)), (right, height(low)), shade(0.5 * (low + high)));
             }
         });
         let line = Stroke { colour: INK, width: 1.1, dash: "" };
@@ -66,7 +60,7 @@ impl ColourBar<'_> {
         }
         draw_axis_title(
             canvas,
-            right + TO_LABELS + self.labels() + TO_TITLE - 3.0,
+            right + TO_LABELS + widest(self.ticks) + TO_TITLE - 3.0,
             (top, bottom),
             self.title,
         );

@@ -1,8 +1,7 @@
 //! The cells of a map, drawn into the frame of its axes.
 
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::canvas::{Canvas, Colour, Stroke};
-use crate::view::chart::map::colour_scale::colour;
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::map::{Cells, Map, Won};
 use crate::view::chart::palette::{self, INK};
 use crate::view::chart::scale::Range;
@@ -26,34 +25,30 @@ impl Edges {
         Edges { xs: xs.collect(), ys: ys.collect() }
     }
 
-    /// Column and row of a cell.
-    fn place(&self, cell: usize) -> (usize, usize) {
+    /// The upper left and the lower right corner of a cell.
+    fn corners(&self, cell: usize) -> ((f64, f64), (f64, f64)) {
         let columns = self.xs.len().saturating_sub(1).max(1);
-        (cell % columns, cell / columns)
-    }
-
-    fn block(&self, canvas: &mut Canvas, cell: usize, colour: impl Into<Colour>) {
-        let (column, row) = self.place(cell);
-        canvas.block((self.xs[column], self.ys[row + 1]), (self.xs[column + 1], self.ys[row]), colour);
+        let (column, row) = (cell % columns, cell / columns);
+        ((self.xs[column], self.ys[row + 1]), (self.xs[column + 1], self.ys[row]))
     }
 }
 
 /// Draws the cells: values in the colour of their place on the `range`, winners in their own colour.
 pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, range: Range) {
-    canvas.crisp_group("cells", |canvas| match &map.cells {
-        Cells::Values(values) => {
-            for (cell, value) in values.iter().enumerate() {
-                if let Some(value) = value {
-                    edges.block(canvas, cell, colour(range.fraction(*value)));
-                }
-            }
-        }
+    let colours: Vec<Option<Colour>> = match &map.cells {
+        Cells::Values(values) => values
+            .iter()
+            .map(|value| value.map(|value| palette::shade(range.fraction(value)).into()))
+            .collect(),
         Cells::Winners { won, .. } => {
-            for (cell, won) in won.iter().enumerate() {
-                if let Some(won) = won {
-                    edges.block(canvas, cell, winner_colour(won));
-                }
-            }
+            won.iter().map(|won| Some(winner_colour(won.as_ref()?).into())).collect()
+        }
+    };
+    canvas.crisp_group("cells", |canvas| {
+        for (cell, colour) in colours.into_iter().enumerate() {
+            let Some(colour) = colour else { continue };
+            let (from, to) = edges.corners(cell);
+            canvas.block(from, to, colour);
         }
     });
 }
@@ -68,8 +63,8 @@ pub(crate) fn draw_hatching(canvas: &mut Canvas, edges: &Edges, won: &[Option<Wo
     let beyond = |cell: &usize| won[*cell].is_some_and(|won| won.value > limit);
     let cells = (0..won.len()).filter(beyond);
     let lines = cells.flat_map(|cell| {
-        let (column, row) = edges.place(cell);
-        hatching((edges.xs[column], edges.ys[row + 1]), (edges.xs[column + 1], edges.ys[row]))
+        let (from, to) = edges.corners(cell);
+        hatching(from, to)
     });
     canvas.group("beyond the limit", |canvas| canvas.lines(lines, HATCH));
 }

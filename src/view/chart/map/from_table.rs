@@ -1,11 +1,12 @@
 //! A map from the columns of a table.
 
+use std::collections::HashMap;
+
 use crate::chart::{Chart, Shows};
 use crate::key::scale::Scale;
 use crate::table::{Column, Table};
-use crate::view::chart::figure::{Entry, Grouping};
+use crate::view::chart::figure::Entry;
 use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
-use crate::view::chart::map::grid::Grid;
 use crate::view::chart::map::winners::winners;
 use crate::view::chart::map::{Cells, Estimate, Layer, Map};
 use crate::view::chart::notes::{ChartError, MapNotes};
@@ -31,15 +32,42 @@ impl Map {
         };
         let filter = chart.filter();
         let rows = table.rows_where(&filter)?;
-        let competing = grouping(of, &rows);
+        let mut competing = grouping(of, &rows);
         let series_of = |row: usize| of.map_or(0, |of| style(&competing, &of.cells[row]));
         let series = competing.entries.len().max(1);
         let grid = Grid::new(table, &rows, (x, chart.x_scale), (y, chart.y_scale), series, series_of)?;
+        let estimate =
+            |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, z.interval(row))));
+        let mut estimates: Vec<Vec<Option<Estimate>>> =
+            grid.found.iter().map(|found| found.iter().map(estimate).collect()).collect();
         let mut notes = MapNotes { off_axes: grid.off_axes, ..MapNotes::default() };
-        let estimates = estimates(&grid, z, series);
-        let ((cells, layers), z_scale) = match chart.shows {
-            Shows::HeatMap { z_scale, .. } => (heat(&grid, z, z_scale, estimates, &mut notes), z_scale),
-            _ => (competition(&grid, z, competing, estimates, &mut notes), Scale::Linear),
+        for cell in 0..grid.columns.len() * grid.rows.len() {
+            if grid.found.iter().any(|found| found[cell].is_none()) {
+                notes.no_row += 1;
+            } else if estimates.iter().any(|values| values[cell].is_none()) {
+                notes.blank += 1;
+            }
+        }
+        let (cells, layers, z_scale) = match chart.shows {
+            Shows::HeatMap { z_scale, .. } => {
+                let values = estimates.swap_remove(0);
+                let known = || values.iter().map(|estimate| estimate.map(|(value, _)| value));
+                notes.left_out = known().flatten().filter(|value| !z_scale.shows(*value)).count();
+                let shown = known().map(|value| value.filter(|value| z_scale.shows(*value))).collect();
+                (Cells::Values(shown), vec![Layer { style: 0, name: String::new(), values }], z_scale)
+            }
+            _ => {
+                estimates.truncate(competing.entries.len());
+                let (won, merged) = winners(&mut competing.entries, &estimates);
+                notes.merged = merged;
+                // Neither merged entries nor those of ties, which come last.
+                let layer = |entry: &Entry| {
+                    let values = estimates.get_mut(entry.style).map(std::mem::take)?;
+                    Some(Layer { style: entry.style, name: entry.name.clone(), values })
+                };
+                let layers = competing.entries.iter().filter_map(layer).collect();
+                (Cells::Winners { of: competing, won, banded: z.band.is_some() }, layers, Scale::Linear)
+            }
         };
         let map = Map {
             title: chart.title.clone(),
@@ -59,63 +87,69 @@ impl Map {
     }
 }
 
-/// The estimate of each cell, for each of `series` series.
-fn estimates(grid: &Grid, z: &Column, series: usize) -> Vec<Vec<Option<Estimate>>> {
-    let band = |row: usize| z.band.as_ref().and_then(|band| band.get(row).copied().flatten());
-    let estimate = |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, band(row))));
-    grid.found.iter().take(series).map(|found| found.iter().map(estimate).collect()).collect()
+/// The different values of an axis of a grid, ascending, and the index of each by its text in files.
+fn lines(column: &Column, rows: &[usize], scale: Scale) -> (Vec<f64>, HashMap<String, usize>) {
+    let shown = |&row: &usize| column.cells[row].number().filter(|value| scale.shows(*value));
+    let mut cells: Vec<(f64, String)> =
+        rows.iter().filter_map(|row| Some((shown(row)?, column.cells[*row].text()))).collect();
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    cells.dedup_by(|a, b| a.1 == b.1);
+    let (values, texts): (Vec<f64>, Vec<String>) = cells.into_iter().unzip();
+    (values, texts.into_iter().zip(0..).collect())
 }
 
-/// The value of each cell, where the scale can show it.
-fn heat(
-    grid: &Grid,
-    z: &Column,
-    scale: Scale,
-    estimates: Vec<Vec<Option<Estimate>>>,
-    notes: &mut MapNotes,
-) -> (Cells, Vec<Layer>) {
-    let mut value = |row: &Option<usize>| {
-        let Some(row) = row else {
-            notes.no_row += 1;
-            return None;
-        };
-        let Some(value) = z.cells[*row].number() else {
-            notes.blank += 1;
-            return None;
-        };
-        if !scale.shows(value) {
-            notes.left_out += 1;
-        }
-        Some(value).filter(|value| scale.shows(*value))
-    };
-    let cells = grid.found.iter().flatten().map(&mut value).collect();
-    let layers = estimates.into_iter().map(|values| Layer { style: 0, name: String::new(), values });
-    (Cells::Values(cells), layers.collect())
+/// The values along two axes, with the rows on each cell.
+struct Grid {
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    /// Row of the table on each cell, for each series.
+    found: Vec<Vec<Option<usize>>>,
+    /// Number of rows of the table without a cell.
+    off_axes: usize,
 }
 
-/// The winner of each cell in which the values of all competitors are known.
-fn competition(
-    grid: &Grid,
-    z: &Column,
-    mut of: Grouping,
-    mut estimates: Vec<Vec<Option<Estimate>>>,
-    notes: &mut MapNotes,
-) -> (Cells, Vec<Layer>) {
-    for cell in 0..grid.columns.len() * grid.rows.len() {
-        if grid.found.iter().any(|found| found[cell].is_none()) {
-            notes.no_row += 1;
-        } else if estimates.iter().any(|values| values[cell].is_none()) {
-            notes.blank += 1;
+impl Grid {
+    /// Assigns the `rows` of a table to cells by their columns x and y, separately for each of `series` series, which
+    /// `series_of` gives for a row.
+    ///
+    /// # Errors
+    /// Two rows of one series fall on one cell.
+    fn new(
+        table: &Table,
+        rows: &[usize],
+        (x, x_scale): (&Column, Scale),
+        (y, y_scale): (&Column, Scale),
+        series: usize,
+        series_of: impl Fn(usize) -> usize,
+    ) -> Result<Grid, ChartError> {
+        let ((columns, across), (lines, down)) = (lines(x, rows, x_scale), lines(y, rows, y_scale));
+        let mut found = vec![vec![None; columns.len() * lines.len()]; series];
+        let mut off_axes = 0;
+        for &row in rows {
+            let place = across.get(&x.cells[row].text()).zip(down.get(&y.cells[row].text()));
+            let Some((&column, &line)) = place else {
+                off_axes += 1;
+                continue;
+            };
+            let cell = &mut found[series_of(row)][line * columns.len() + column];
+            if let Some(earlier) = *cell {
+                return Err(several(table, [x, y], earlier, row));
+            }
+            *cell = Some(row);
         }
+        Ok(Grid { columns, rows: lines, found, off_axes })
     }
-    estimates.truncate(of.entries.len());
-    let (won, merged) = winners(&mut of.entries, &estimates);
-    notes.merged = merged;
-    // Neither merged entries nor those of ties, which come last.
-    let layer = |entry: &Entry| {
-        let values = estimates.get_mut(entry.style).map(std::mem::take)?;
-        Some(Layer { style: entry.style, name: entry.name.clone(), values })
-    };
-    let layers = of.entries.iter().filter_map(layer).collect();
-    (Cells::Winners { of, won, banded: z.band.is_some() }, layers)
+}
+
+/// The error for two rows on one cell. They differ first in a swept column, in the filler or in the error, which
+/// precede all estimates.
+fn several(table: &Table, axes: [&Column; 2], a: usize, b: usize) -> ChartError {
+    let shown = |column: &Column, row: usize| column.cells[row].text();
+    let at = axes.map(|axis| format!("{} = {}", axis.name, shown(axis, a)));
+    let differing = table.columns.iter().find(|column| shown(column, a) != shown(column, b));
+    ChartError::SeveralRows {
+        cell: at.join(", "),
+        column: differing.map(|column| column.name.clone()),
+        values: differing.map_or(vec![], |column| vec![shown(column, a), shown(column, b)]),
+    }
 }

@@ -1,8 +1,8 @@
 //! The limit on a heat map: the line along which the values reach it.
 
-use crate::view::chart::area::{Area, Frame};
-use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::Limit;
+use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::map::Map;
 use crate::view::chart::map::contour::contour;
 use crate::view::chart::palette::LIMIT;
@@ -20,8 +20,10 @@ pub(crate) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
         return;
     }
     let Frame { left, top, right, bottom } = area.frame;
-    let across = Points::new(left, map.columns.iter().map(|x| area.across(*x)).collect(), right);
-    let down = Points::new(bottom, map.rows.iter().map(|y| area.down(*y)).collect(), top);
+    let columns = map.columns.iter().map(|x| area.across(*x));
+    let across: Vec<f64> = std::iter::once(left).chain(columns).chain([right]).collect();
+    let rows = map.rows.iter().map(|y| area.down(*y));
+    let down: Vec<f64> = std::iter::once(bottom).chain(rows).chain([top]).collect();
     let values = map.values();
     let known = |column: usize, row: usize| -> Option<f64> {
         let value = values.get(row * map.columns.len() + column).copied().flatten();
@@ -29,42 +31,31 @@ pub(crate) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
     };
     let level = map.z.scale.coordinate(limit.value);
     let value = |column: usize, row: usize| {
-        let across_in = |row: usize| across.value(column, level, |column| known(column, row));
-        down.value(row, level, across_in)
+        let across_in = |row: usize| value_at(&across, column, level, |column| known(column, row));
+        value_at(&down, row, level, across_in)
     };
-    let lines = contour(&across.places, &down.places, value, level);
+    let lines = contour(&across, &down, value, level);
     canvas.group(&limit.label, |canvas| lines.iter().for_each(|line| draw_line(canvas, line)));
     draw_label(canvas, &lines, area.frame, &limit.label);
 }
 
-/// The centres of the cells along one axis, between the two ends of the frame.
-struct Points {
-    places: Vec<f64>,
-}
-
-impl Points {
-    fn new(from: f64, middles: Vec<f64>, to: f64) -> Points {
-        Points { places: std::iter::once(from).chain(middles).chain([to]).collect() }
-    }
-
-    /// The value at a point, where `of` gives that of each cell. At the ends it is extrapolated along the straight line
-    /// through the two outermost cells, but not across the `level`, because noise would then create additional lines.
-    fn value(&self, point: usize, level: f64, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
-        let cells = self.places.len() - 2;
-        let (outer, inner) = match point {
-            0 => (0, 1),
-            _ if point > cells => (cells.checked_sub(1)?, cells.saturating_sub(2)),
-            _ => return of(point - 1),
-        };
-        let outermost = of(outer)?;
-        let Some(next) = of(inner).filter(|_| outer != inner && inner < cells) else {
-            return Some(outermost);
-        };
-        let at = |cell: usize| self.places[cell + 1];
-        let continued =
-            outermost + (outermost - next) * (self.places[point] - at(outer)) / (at(outer) - at(inner));
-        Some(if (continued > level) == (outermost > level) { continued } else { outermost })
-    }
+/// The value at one of the `places` along an axis: the centres of cells, of which `of` gives the values, between the two
+/// ends of the frame. At the ends it is extrapolated along the straight line through the two outermost cells, but not
+/// across the `level`, because noise would then create additional lines.
+fn value_at(places: &[f64], point: usize, level: f64, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+    let cells = places.len() - 2;
+    let (outer, inner) = match point {
+        0 => (0, 1),
+        _ if point > cells => (cells.checked_sub(1)?, cells.saturating_sub(2)),
+        _ => return of(point - 1),
+    };
+    let outermost = of(outer)?;
+    let Some(next) = of(inner).filter(|_| outer != inner && inner < cells) else {
+        return Some(outermost);
+    };
+    let at = |cell: usize| places[cell + 1];
+    let continued = outermost + (outermost - next) * (places[point] - at(outer)) / (at(outer) - at(inner));
+    Some(if (continued > level) == (outermost > level) { continued } else { outermost })
 }
 
 /// Draws a stretch of the limit.
@@ -100,7 +91,7 @@ fn draw_label(canvas: &mut Canvas, lines: &[Vec<(f64, f64)>], frame: Frame, labe
     });
     if let Some(place) = places.filter(within).min_by_key(|place| covered(*place)) {
         let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
-        canvas.text_on_white(place, &label, lettering);
+        canvas.set_text(Set::OnWhite, place, &label, lettering);
     }
 }
 
@@ -122,17 +113,21 @@ mod tests {
 
     #[test]
     fn values_go_on_to_the_frame_along_a_straight_line_where_two_are_known() {
-        let points = Points::new(0.0, vec![1.0, 3.0, 7.0], 9.0);
+        let points = [0.0, 1.0, 3.0, 7.0, 9.0];
         let all = |cell: usize| Some([10.0, 14.0, 22.0][cell]);
-        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, 12.0, all)).collect();
+        let found: Vec<Option<f64>> = (0..5).map(|point| value_at(&points, point, 12.0, all)).collect();
         assert_eq!(found, [8.0, 10.0, 14.0, 22.0, 26.0].map(Some));
-        assert_eq!([0, 4].map(|end| points.value(end, 9.0, all)), [Some(10.0), Some(26.0)], "not across 9");
+        assert_eq!(
+            [0, 4].map(|end| value_at(&points, end, 9.0, all)),
+            [Some(10.0), Some(26.0)],
+            "not across 9"
+        );
         let without = |cell: usize| all(cell).filter(|_| cell != 1);
-        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, 12.0, without)).collect();
+        let found: Vec<Option<f64>> = (0..5).map(|point| value_at(&points, point, 12.0, without)).collect();
         assert_eq!(found, [Some(10.0), Some(10.0), None, Some(22.0), Some(22.0)]);
-        let one = Points::new(0.0, vec![1.0], 2.0);
-        assert_eq!([0, 1, 2].map(|point| one.value(point, 12.0, |_| Some(5.0))), [Some(5.0); 3]);
-        let none = Points::new(0.0, vec![], 2.0);
-        assert_eq!([0, 1].map(|point| none.value(point, 12.0, |_| None)), [None; 2]);
+        let one = [0.0, 1.0, 2.0];
+        assert_eq!([0, 1, 2].map(|point| value_at(&one, point, 12.0, |_| Some(5.0))), [Some(5.0); 3]);
+        let none = [0.0, 2.0];
+        assert_eq!([0, 1].map(|point| value_at(&none, point, 12.0, |_| None)), [None; 2]);
     }
 }

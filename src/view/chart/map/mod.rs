@@ -3,11 +3,9 @@
 //! A heat map shows a value by colour, a winner map the series with the least value.
 
 pub(crate) mod colour_bar;
-pub(crate) mod colour_scale;
 pub(crate) mod contour;
 pub(crate) mod draw;
 pub(crate) mod from_table;
-pub(crate) mod grid;
 pub(crate) mod limit_line;
 pub(crate) mod svg;
 #[cfg(test)]

@@ -1,54 +1,35 @@
-//! A map as SVG.
+//! A map as shapes.
 
 use crate::key::scale::Scale;
-use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::axes;
 use crate::view::chart::canvas::{Canvas, Stroke};
-use crate::view::chart::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
+use crate::view::chart::layout::{Area, Frame, HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
 use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
 use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
 use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
-#[cfg(feature = "png")]
-use crate::view::chart::png::PngError;
-use crate::view::chart::scale::Range;
+use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::ticks::Ticks;
 
 impl Map {
-    /// The map as SVG, 1000 CSS px wide. Equal maps give equal bytes on every machine.
-    pub fn svg(&self) -> String {
-        self.canvas().svg()
-    }
-
-    /// The map as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
-    ///
-    /// # Errors
-    /// The scale does not give a picture of 1 to 20000 pixels each way.
-    #[cfg(feature = "png")]
-    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
-        self.canvas().png(scale)
-    }
-
-    fn canvas(&self) -> Canvas {
+    /// The shapes of the map.
+    pub(crate) fn canvas(&self) -> Canvas {
+        let range = |scale: Scale, values| Range::between(scale, &scale.edges(values));
         let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
         let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
         let colours = self.colours();
         let colour_ticks = colours.ticks(MOST_LABELS);
-        let z_title = self.z.title();
+        let (z_title, limit) = (self.z.title(), self.limit.as_ref().map(|limit| limit.value));
         let bar = matches!(self.cells, Cells::Values(_)).then_some(ColourBar {
             range: colours,
             ticks: &colour_ticks,
             title: &z_title,
-            limit: self.limit_on(colours),
+            limit: limit.filter(|limit| (colours.low..=colours.high).contains(limit)),
         });
         let legend = self.legend();
-        let titles = Titles {
-            title: &self.title,
-            subtitle: self.subtitle.as_deref(),
-            x: self.x.title(),
-            y: self.y.title(),
-        };
+        let (title, subtitle) = (&self.title, self.subtitle.as_deref());
+        let titles = Titles { title, subtitle, x: &self.x, y: &self.y };
         let frame = titles.frame(&y_ticks, legend.width().max(bar.as_ref().map_or(0.0, ColourBar::width)));
         let area = Area { x, y, frame };
         let edges = Edges::new(self, &area);
@@ -75,17 +56,12 @@ impl Map {
 
     /// The scale of the colours: exactly the range of the values shown, or a range around a single one.
     fn colours(&self) -> Range {
-        let values: Vec<f64> = self.values().into_iter().flatten().collect();
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let scale = self.z.scale;
-        if low < high { Range { scale, low, high } } else { Range::around(scale, values) }
-    }
-
-    /// The limit, where it is on the scale of the colours.
-    fn limit_on(&self, colours: Range) -> Option<f64> {
-        let limit = self.limit.as_ref()?.value;
-        (colours.low..=colours.high).contains(&limit).then_some(limit)
+        let (scale, values) = (self.z.scale, self.values());
+        let values = || values.iter().copied().flatten();
+        match extent(values()) {
+            Some((low, high)) if low < high => Range { scale, low, high },
+            _ => Range::around(scale, values()),
+        }
     }
 
     /// Draws the parts that lie over the cells.
@@ -107,17 +83,14 @@ impl Map {
         if let Cells::Winners { of, won, banded } = &self.cells {
             let won: Vec<Won> = won.iter().copied().flatten().collect();
             let entry = |style: usize, name: &str| {
-                let fill = Some((palette::area_colour(style), false));
                 let cells = won.iter().filter(|won| won.style == style).count();
-                wrapped_entry(
-                    Sample { fill, ..Sample::default() },
-                    &format!("{name}: {}", share(cells, won.len())),
-                )
+                let sample = Sample::Area(palette::area_colour(style), false);
+                wrapped_entry(sample, &format!("{name}: {}", share(cells, won.len())))
             };
             let judged = Row::Remark(format!("with the least {}", self.z.label));
             let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
             legend.part(Some(&of.title), std::iter::once(judged).chain(rows).collect());
-            legend.part(None, if *banded { close_rows(&won) } else { unjudged_rows() });
+            legend.part(None, lead_rows(&won, *banded));
         }
         legend.part(None, self.limit_rows());
         if self.known() < self.columns.len() * self.rows.len() {
@@ -132,55 +105,33 @@ impl Map {
         let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
             return vec![];
         };
-        let known = self.known();
+        let (known, label) = (self.known(), limit.label.replace(' ', "\u{a0}"));
         let (sample, text) = match self.cells {
             Cells::Values(_) => {
-                let line = Some(Stroke { colour: LIMIT, width: 2.2, dash: "" });
-                (
-                    Sample { line, ..Sample::default() },
-                    format!("{}, within: {}", no_break(&limit.label), share(within, known)),
-                )
+                let line = Stroke { colour: LIMIT, width: 2.2, dash: "" };
+                (Sample::Line(line), format!("{label}, within: {}", share(within, known)))
             }
             Cells::Winners { .. } => {
-                let fill = Some(("#ffffff", true));
-                let text = format!(
-                    "even the least is over the {}: {}",
-                    no_break(&limit.label),
-                    share(known - within, known)
-                );
-                (Sample { fill, ..Sample::default() }, text)
+                let over = share(known - within, known);
+                (Sample::Area("#ffffff", true), format!("even the least is over the {label}: {over}"))
             }
         };
         wrapped_entry(sample, &text)
     }
 }
 
-/// A text with its spaces replaced by no-break spaces.
-fn no_break(text: &str) -> String {
-    text.replace(' ', "\u{a0}")
-}
-
-/// Rows with the number of uncertain winners, if there are any.
-fn close_rows(won: &[Won]) -> Vec<Row> {
+/// Rows on the leads of the winners: the number of uncertain ones, if there are any, or that no intervals are known.
+fn lead_rows(won: &[Won], banded: bool) -> Vec<Row> {
     let close = won.iter().filter(|won| !won.certain).count();
-    if close == 0 {
-        return vec![];
-    }
-    let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
-    wrapped_entry(Sample { fill: Some((PALE_MUTED, false)), ..Sample::default() }, &text)
-}
-
-/// Rows about leads where no intervals are known.
-fn unjudged_rows() -> Vec<Row> {
-    let lines = ["no 95 % bands are known here:", "any lead is shown as certain"];
-    lines.map(|line| Row::Remark(line.to_owned())).into()
-}
-
-/// The range of an axis: the cells, from edge to edge.
-fn range(scale: Scale, values: &[f64]) -> Range {
-    match scale.edges(values)[..] {
-        [low, .., high] => Range { scale, low, high },
-        _ => Range::around(scale, []),
+    match (banded, close) {
+        (false, _) => ["no 95 % bands are known here:", "any lead is shown as certain"]
+            .map(|line| Row::Remark(line.to_owned()))
+            .into(),
+        (true, 0) => vec![],
+        (true, close) => {
+            let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
+            wrapped_entry(Sample::Area(PALE_MUTED, false), &text)
+        }
     }
 }
 
@@ -209,7 +160,7 @@ mod tests {
                 whole,
                 names: vec![],
             };
-            let range = range(axis.scale, values);
+            let range = Range::between(axis.scale, &axis.scale.edges(values));
             ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
         };
         let labels = |values: &[f64]| labels_of(true, values);

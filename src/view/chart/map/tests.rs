@@ -80,10 +80,10 @@ fn rows_become_cells_by_rising_x_and_y_with_units_limit_and_what_was_chosen() {
     assert_eq!((map.z.title().as_str(), map.x.title().as_str()), ("the rms, ″", "the frequency, Hz"));
     assert_eq!(map.chosen, ["the filler = const"]);
     assert_eq!((map.within_limit(), notes.within_limit), (Some(3), Some((3, 6))));
-    let svg = map.svg();
+    let svg = map.canvas().svg();
     assert_eq!(elements(&svg, "polygon", "cells"), 6);
     assert_eq!(elements(&svg, "polyline", "limit 20 ″"), 2, "one line, with its rim");
-    assert!(!svg.contains(" id=") && !svg.contains("NaN") && svg == map.svg());
+    assert!(!svg.contains(" id=") && !svg.contains("NaN") && svg == map.canvas().svg());
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn the_least_wins_equal_competitors_as_one_and_shares_are_told() {
     assert_eq!(notes.merged, ["const = copy"]);
     // The values are 1, 5, 50, 10, 50, 500, and the limit is 20.
     assert_eq!(notes.within_limit, Some((3, 6)));
-    let svg = map.svg();
+    let svg = map.canvas().svg();
     assert!(svg.contains("const = copy: 33 % of cells") && svg.contains("quad: 67 % of cells"), "{svg}");
     assert_eq!(elements(&svg, "path", "beyond the limit"), 1);
     assert_eq!(elements(&svg, "path", "boundaries"), 1);
@@ -117,7 +117,9 @@ fn the_least_wins_equal_competitors_as_one_and_shares_are_told() {
 #[test]
 fn leads_without_bands_are_said_to_be_such() {
     let mut table = table();
-    let said = |table: &Table| Map::from_table(table, &winners()).unwrap().0.svg().contains("no 95 % bands");
+    let said = |table: &Table| {
+        Map::from_table(table, &winners()).unwrap().0.canvas().svg().contains("no 95 % bands")
+    };
     assert!(!said(&table));
     table.columns[3].band = None;
     assert!(said(&table));
@@ -130,7 +132,7 @@ fn what_is_not_known_stays_blank_and_is_said() {
     table.columns[3].cells[3] = Cell::Number(0.0);
     let (map, notes) = Map::from_table(&table, &heat()).unwrap();
     assert_eq!((notes.blank, notes.left_out, map.known()), (1, 1, 4));
-    assert!(map.svg().contains("blank: not known"));
+    assert!(map.canvas().svg().contains("blank: not known"));
     let sentence = notes.sentence().unwrap();
     assert!(sentence.contains("1 of the cells have no value; 1 of the cells have a value"), "{sentence}");
     let (map, notes) = Map::from_table(&table, &winners()).unwrap();
@@ -162,7 +164,7 @@ fn maps_with_nothing_or_little_to_show_are_drawn_all_the_same() {
                     table.columns[3].cells.fill(value.clone());
                     let spec = Chart { x_scale: scale, y_scale: scale, ..spec.clone() };
                     let (map, _) = Map::from_table(&table, &spec).unwrap();
-                    let svg = map.svg();
+                    let svg = map.canvas().svg();
                     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{rows} rows of {value:?}:\n{svg}");
                     assert_eq!(svg.contains("no values"), map.known() == 0);
                     Document::parse(&svg).unwrap();
@@ -209,7 +211,7 @@ fn the_pictures_are_the_golden_ones_byte_for_byte() {
         ("winner_map", winners(), include_str!("winner_map.svg")),
     ];
     for (name, spec, golden) in goldens {
-        let svg = Map::from_table(&table(), &spec).unwrap().0.svg();
+        let svg = Map::from_table(&table(), &spec).unwrap().0.canvas().svg();
         if svg != golden {
             let new = format!("{}/src/view/chart/map/{name}.new.svg", env!("CARGO_MANIFEST_DIR"));
             std::fs::write(&new, svg).unwrap();

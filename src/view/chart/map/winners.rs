@@ -1,5 +1,6 @@
 //! The series with the least value in each cell.
 
+use crate::view::chart::coincidence::{merge_entries, names_of, near};
 use crate::view::chart::figure::Entry;
 use crate::view::chart::map::{Estimate, Won};
 
@@ -13,7 +14,8 @@ pub(crate) fn winners(
     values: &[Vec<Option<Estimate>>],
 ) -> (Vec<Option<Won>>, Vec<String>) {
     let styles = entries.len();
-    let merged = merge(entries, values);
+    let merged = merge_entries(entries, |a, b| same_series(&values[a.style], &values[b.style]));
+    let merged = names_of(entries, &merged);
     let cells = values.first().map_or(0, Vec::len);
     let mut ties: Vec<Entry> = vec![];
     let won = (0..cells).map(|cell| {
@@ -21,7 +23,7 @@ pub(crate) fn winners(
         let here: Vec<Estimate> = values.iter().map(|series| series[cell]).collect::<Option<_>>()?;
         let value = here.iter().map(|estimate| estimate.0).fold(f64::INFINITY, f64::min);
         let (first, others): (Vec<&Entry>, Vec<&Entry>) =
-            entries.iter().partition(|entry| same(here[entry.style].0, value));
+            entries.iter().partition(|entry| near(here[entry.style].0, value));
         let style = match first[..] {
             [] => return None,
             [only] => only.style,
@@ -49,31 +51,10 @@ fn tie(ties: &mut Vec<Entry>, styles: usize, winners: &[&Entry]) -> usize {
     ties[place].style
 }
 
-/// Merges entries that have the same values in all cells.
-fn merge(entries: &mut Vec<Entry>, values: &[Vec<Option<Estimate>>]) -> Vec<String> {
-    let mut kept: Vec<Entry> = vec![];
-    let mut merged = vec![];
-    for entry in entries.drain(..) {
-        match kept.iter_mut().find(|earlier| same_series(&values[earlier.style], &values[entry.style])) {
-            Some(earlier) => {
-                earlier.name = format!("{} = {}", earlier.name, entry.name);
-                merged.push(earlier.style);
-            }
-            None => kept.push(entry),
-        }
-    }
-    *entries = kept;
-    entries.iter().filter(|entry| merged.contains(&entry.style)).map(|entry| entry.name.clone()).collect()
-}
-
-fn same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
-}
-
 /// Series without values are not compared.
 fn same_series(a: &[Option<Estimate>], b: &[Option<Estimate>]) -> bool {
     let alike = |(a, b): (&Option<Estimate>, &Option<Estimate>)| match (a, b) {
-        (Some(a), Some(b)) => same(a.0, b.0),
+        (Some(a), Some(b)) => near(a.0, b.0),
         (a, b) => a.is_none() && b.is_none(),
     };
     a.iter().any(Option::is_some) && a.iter().zip(b).all(alike)
