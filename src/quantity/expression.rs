@@ -23,11 +23,6 @@ pub(crate) struct Exponents(pub(crate) [i32; 4]);
 impl Exponents {
     const NONE: Exponents = Exponents([0; 4]);
 
-    /// `angle` and `time` in halves.
-    pub(crate) const fn angle_time(angle: i32, time: i32) -> Exponents {
-        Exponents([angle, time, 0, 0])
-    }
-
     fn times(self, power: i32) -> Exponents {
         Exponents(self.0.map(|halves| halves.saturating_mul(power)))
     }
@@ -85,7 +80,7 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
 /// # Errors
 /// A symbol is not a unit, or the text is not an expression.
 pub(crate) fn parse(text: &str) -> Result<Size, UnitError> {
-    let malformed = || UnitError::Malformed { unit: text.to_owned() };
+    let malformed = || UnitError::Malformed(text.to_owned());
     if text.chars().count() > LONGEST {
         return Err(malformed());
     }
@@ -146,7 +141,7 @@ impl<'a> Parser<'a> {
                 let under = self.closed()?;
                 self.root(under)
             }
-            symbol => lookup(symbol).ok_or_else(|| UnitError::Unknown { unit: symbol.to_owned() }),
+            symbol => lookup(symbol).ok_or_else(|| UnitError::Unknown(symbol.to_owned())),
         }
     }
 
@@ -192,7 +187,7 @@ impl<'a> Parser<'a> {
     }
 
     fn malformed(&self) -> UnitError {
-        UnitError::Malformed { unit: self.whole.to_owned() }
+        UnitError::Malformed(self.whole.to_owned())
     }
 }
 
