@@ -119,16 +119,14 @@ fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
 
 fn auto(threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
     let adapters = Adapter::all();
-    let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
-        return match adapters.first() {
-            None => cpu(Width::widest(), threads, "no GPU was found"),
-            Some(software) => {
-                let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
-                cpu(Width::widest(), threads, &reason)
-            }
-        };
-    };
-    or_cpu(open(adapter, threads, "a GPU that passed its self-test", self_test), threads)
+    match (adapters.iter().find(|adapter| !adapter.is_software()), adapters.first()) {
+        (Some(gpu), _) => or_cpu(open(gpu, threads, "a GPU that passed its self-test", self_test), threads),
+        (None, None) => cpu(Width::widest(), threads, "no GPU was found"),
+        (None, Some(software)) => {
+            let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
+            cpu(Width::widest(), threads, &reason)
+        }
+    }
 }
 
 /// Falls back to the CPU where a GPU cannot be used, and gives the reason.
@@ -150,8 +148,9 @@ fn open(
     self_test: SelfTest,
 ) -> Result<Selection, SelectError> {
     let opened = Gpu::open(adapter, adapter.variant());
-    let gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
-    Ok(Selection { device: trusted(gpu.with_threads(threads), self_test)?, reason: reason.to_owned() })
+    let mut gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
+    gpu.threads = threads;
+    Ok(Selection { device: trusted(gpu, self_test)?, reason: reason.to_owned() })
 }
 
 /// Opens the adapter of a lost device again.
@@ -161,7 +160,7 @@ fn open(
 pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
     let opened = lost.opened_again();
     let gpu = opened.map_err(|source| SelectError::Gpu { name: lost.name().to_owned(), source })?;
-    match lost.self_test() {
+    match lost.self_test {
         Some(self_test) => trusted(gpu, self_test),
         None => Ok(Device::Gpu(Box::new(gpu))),
     }

@@ -169,7 +169,7 @@ impl<'a> Worker<'a> {
     /// The processor, or `error` where it can start no threads.
     fn processor(&mut self, error: &GpuError) -> Result<Cpu, GpuError> {
         let threads = match &*self.device {
-            Device::Gpu(gpu) => gpu.threads(),
+            Device::Gpu(gpu) => gpu.threads,
             Device::Cpu(_) => 0,
         };
         let cpu = Cpu::new(Width::widest(), threads).map_err(|_| error.clone())?;

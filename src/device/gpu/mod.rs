@@ -56,9 +56,9 @@ pub struct Gpu {
     lanes: usize,
     most_lanes: usize,
     /// Threads of the processor where it has to replace this device; 0 means all logical cores.
-    threads: usize,
+    pub(crate) threads: usize,
     /// Self-test to pass when the device is opened again.
-    self_test: Option<SelfTest>,
+    pub(crate) self_test: Option<SelfTest>,
     faults: Option<Faults>,
 }
 
@@ -113,25 +113,10 @@ impl Gpu {
         })
     }
 
-    /// Sets the threads of the processor where it has to replace this device.
-    pub(crate) fn with_threads(self, threads: usize) -> Gpu {
-        Gpu { threads, ..self }
-    }
-
     /// Sets the self-test to pass whenever the device is opened again.
     #[doc(hidden)]
     pub fn with_self_test(self, self_test: SelfTest) -> Gpu {
         Gpu { self_test: Some(self_test), ..self }
-    }
-
-    /// The self-test to pass when the device is opened again.
-    pub(crate) fn self_test(&self) -> Option<SelfTest> {
-        self.self_test
-    }
-
-    /// Threads of the processor where it has to replace this device.
-    pub(crate) fn threads(&self) -> usize {
-        self.threads
     }
 
     /// Opens the adapter again, with tiles as small as were found to fit.
