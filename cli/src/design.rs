@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::output::{print, print_json, write, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::terminal::aligned;
+use crate::terminal::headed;
 use crate::{look, whole};
 
 const EXAMPLES: &str = "\
@@ -146,19 +146,9 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
 
 /// A line for each filler at its best interval.
 fn summary(found: &Design, table: &Table) -> String {
-    let mut lines = vec![
-        [
-            "filler",
-            "best interval, s",
-            "95 % interval, s",
-            "switches",
-            found.measure.label(),
-            "times the least",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
-    for filler in &found.fillers {
+    let label = found.measure.label();
+    let heading = ["filler", "best interval, s", "95 % interval, s", "switches", label, "times the least"];
+    let lines = found.fillers.iter().map(|filler| {
         let best = filler.best();
         let range = match report::range(filler) {
             Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
@@ -166,20 +156,15 @@ fn summary(found: &Design, table: &Table) -> String {
             None => "too few candidates near it".to_owned(),
         };
         let worse = found.worse_by(filler);
-        lines.push(vec![
+        vec![
             report::called(filler).to_owned(),
             significant(best.interval_s, 4),
             range,
             best.switches.to_string(),
             format!("{} °/h", significant(best.drift.value, 3)),
             significant(worse.value, 3),
-        ]);
-    }
-    let tried = table.rows();
-    format!(
-        "{tried} candidates, {} runs each of about {} s\n{}",
-        found.trials,
-        significant(found.duration_s, 6),
-        aligned(&lines)
-    )
+        ]
+    });
+    let (tried, runs, seconds) = (table.rows(), found.trials, significant(found.duration_s, 6));
+    format!("{tried} candidates, {runs} runs each of about {seconds} s\n{}", headed(heading, lines))
 }
