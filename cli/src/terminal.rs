@@ -108,7 +108,7 @@ impl<'t> Names<'t> {
 }
 
 /// The index of each item among the different ones, and the first place of each of these.
-fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
+pub(crate) fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
     let (mut known, mut firsts) = (HashMap::new(), Vec::new());
     let places = items
         .enumerate()
