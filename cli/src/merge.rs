@@ -11,6 +11,7 @@ use sagnac::study::Study;
 use sagnac::tally::share::Share;
 
 use crate::failure::Failure;
+use crate::folders;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
 use crate::results::{Out, Ran};
@@ -120,14 +121,8 @@ fn absent(shares: &BTreeSet<(u64, u64)>) -> Vec<Share> {
 
 /// The folders to be merged, each once, without the destination.
 fn distinct(options: &Options) -> impl Iterator<Item = &PathBuf> {
-    let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    let mut taken = vec![whole(&options.out)];
-    options.folders.iter().filter(move |folder| {
-        let folder = whole(folder);
-        let is_new = !taken.contains(&folder);
-        taken.push(folder);
-        is_new
-    })
+    let mut is_new = folders::once(&[&options.out]);
+    options.folders.iter().filter(move |folder| is_new(folder))
 }
 
 /// The study that the folders share.

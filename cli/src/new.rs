@@ -10,7 +10,7 @@ use sagnac::kinds::KINDS;
 use sagnac::study::kind::Kind;
 
 use crate::failure::Failure;
-use crate::output::print;
+use crate::output::{print, unwritten};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,7 +46,7 @@ pub fn new(options: &Options) -> Result<(), Failure> {
             "{} already exists and was not changed\nname another file: sagnac new {kind} FILE",
             path.display()
         )),
-        _ => Failure::Write { path: path.clone(), source },
+        _ => unwritten(&path)(source),
     })?;
     let path = path.display();
     print(&format!("wrote {path}\nchange it, then run it: sagnac run {path} --plot"))

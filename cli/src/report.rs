@@ -9,7 +9,7 @@ use sagnac::view::report::FILE as REPORT;
 use sagnac::view::report::gallery::{Card, gallery};
 
 use crate::failure::Failure;
-use crate::folders::{self, left_out};
+use crate::folders::{self, left_out, whole};
 use crate::output::write;
 use crate::progress;
 use crate::results::{self, held};
@@ -121,20 +121,9 @@ fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
         studies.append(&mut found);
     }
-    let mut seen = Vec::new();
-    studies.retain(|folder| {
-        let folder = whole(folder);
-        let is_new = !seen.contains(&folder);
-        seen.push(folder);
-        is_new
-    });
+    let mut is_new = folders::once(&[]);
+    studies.retain(|folder| is_new(folder));
     Ok(studies)
-}
-
-/// The absolute path; the given one if the file system cannot resolve it.
-fn whole(path: &Path) -> PathBuf {
-    let path = if path == Path::new("") { Path::new(".") } else { path };
-    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 /// The common parent folder of `folders`.

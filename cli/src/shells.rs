@@ -6,7 +6,7 @@ use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 
 use crate::failure::Failure;
-use crate::output::{print, write};
+use crate::output::{make_folder, print, unwritten, write};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -43,7 +43,7 @@ pub fn completions(options: &Completions, mut command: Command) -> Result<(), Fa
 /// Writes a page for the program and one for each command.
 pub fn man(options: &Man, command: Command) -> Result<(), Failure> {
     let folder = &options.folder;
-    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.clone(), source })?;
+    make_folder(folder)?;
     let commands: Vec<Command> =
         command.get_subcommands().filter(|command| !command.is_hide_set()).cloned().collect();
     page(command, "sagnac".to_owned(), folder)?;
@@ -62,7 +62,6 @@ fn page(command: Command, name: String, folder: &Path) -> Result<(), Failure> {
     let path = folder.join(format!("{name}.1"));
     let command = command.display_name(name.clone()).bin_name(name.replacen('-', " ", 1));
     let mut page = Vec::new();
-    let rendered = clap_mangen::Man::new(command).title(name).render(&mut page);
-    rendered.map_err(|source| Failure::Write { path: path.clone(), source })?;
+    clap_mangen::Man::new(command).title(name).render(&mut page).map_err(unwritten(&path))?;
     write(&path, &page)
 }

@@ -13,7 +13,7 @@ use sagnac::view::chart::picture::Picture;
 use crate::charts::write_pictures;
 use crate::failure::Failure;
 pub use crate::filler::options::Options;
-use crate::output::{print, print_json, write};
+use crate::output::{make_folder, print, print_json, remove, unwritten, write};
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
@@ -39,25 +39,20 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
 }
 
 fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> Result<(), Failure> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Failure::Write { path, source }
-    };
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    make_folder(folder)?;
     let mut csv = Vec::new();
     let path = folder.join("weights.csv");
-    firmware.write_weights(&mut csv).map_err(failed(&path))?;
+    firmware.write_weights(&mut csv).map_err(unwritten(&path))?;
     write(&path, &csv)?;
     write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
     write_pictures(folder, "response", &Picture::Curves(firmware.response()))?;
     let path = folder.join("test_vectors.csv");
     if let Some(count) = test_vectors {
         let mut csv = Vec::new();
-        firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(failed(&path))?;
+        firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(unwritten(&path))?;
         write(&path, &csv)?;
-    } else if path.exists() {
-        // Existing vectors may belong to other weights.
-        std::fs::remove_file(&path).map_err(failed(&path))?;
+    // Existing vectors may belong to other weights.
+    } else if remove(&path)? {
         say!("note: removed {} of an earlier call; --test-vectors writes a new one", path.display());
     }
     Ok(())

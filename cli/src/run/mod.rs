@@ -20,7 +20,7 @@ use sagnac::view::picture::pictures;
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::output::{print, print_json};
+use crate::output::{print, print_documents};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::results::{Out, Ran};
@@ -159,11 +159,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         }
     }
     // Completed studies are shown, whatever ended the next one.
-    match &documents[..] {
-        [] => {}
-        [document] if studies.len() == 1 => print_json(document)?,
-        several => print_json(&several)?,
-    }
+    print_documents(&documents, studies.len())?;
     ended
 }
 
