@@ -2,12 +2,11 @@
 
 use core::convert::Infallible;
 
-use crate::device::Job;
 use crate::device::error::GpuError;
 use crate::device::gpu::adapter::Adapter;
 use crate::device::select::SelfTest;
+use crate::device::{Advance, Job, Tallies};
 use crate::kernel::map::Map;
-use crate::kernel::moments::Moments;
 use crate::kernel::recipe::Recipe;
 use crate::kernel::shader::Variant;
 
@@ -49,8 +48,6 @@ pub mod adapter {
     }
 }
 
-type Progress<'a> = &'a (dyn Fn(u64) + Sync);
-
 /// An uninhabited type: there is no GPU.
 pub struct Gpu {
     pub(crate) threads: usize,
@@ -83,11 +80,11 @@ impl Gpu {
         match self.never {}
     }
 
-    pub(crate) fn tally(&mut self, _: &[Job], _: bool, _: Progress) -> Result<Vec<Vec<Moments>>, GpuError> {
+    pub(crate) fn tally(&mut self, _: &[Job], _: bool, _: Advance) -> Result<Tallies, GpuError> {
         match self.never {}
     }
 
-    pub(crate) fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Progress) -> Result<Vec<u128>, GpuError> {
+    pub(crate) fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Advance) -> Result<Vec<u128>, GpuError> {
         match self.never {}
     }
 

@@ -13,7 +13,6 @@ use std::time::Instant;
 
 use wgpu::BufferUsages;
 
-use crate::device::Job;
 use crate::device::error::GpuError;
 pub use crate::device::gpu::adapter::Adapter;
 use crate::device::gpu::fault::Heard;
@@ -24,6 +23,7 @@ use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::rest::Rest;
 use crate::device::gpu::tile::Part;
 use crate::device::select::SelfTest;
+use crate::device::{Advance, Job, Tallies};
 use crate::kernel::launch::Sampled;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
@@ -158,23 +158,13 @@ impl Gpu {
     ///
     /// # Errors
     /// The device is lost, refuses the work or is out of memory; no results of the jobs are kept.
-    pub fn tally(
-        &mut self,
-        jobs: &[Job],
-        histogram: bool,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, GpuError> {
+    pub fn tally(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
         let tallied = self.tiles(jobs, histogram, progress);
         tallied.map_err(|error| self.settled(error))
     }
 
-    fn tiles(
-        &mut self,
-        jobs: &[Job],
-        histogram: bool,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, GpuError> {
-        let mut results: Vec<Vec<Moments>> =
+    fn tiles(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
+        let mut results: Tallies =
             jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.sampled.estimates()]).collect();
         let mut rest = Rest::of(jobs);
         let mut before = None;
