@@ -16,7 +16,6 @@ use sagnac::kinds::relock::verify::{launches_of, relock};
 use sagnac::kinds::switched_run::verify::hour_launches;
 use sagnac::tally::block::cover;
 use sagnac::theory::allan::estimator::Estimator;
-use sagnac::verify::select;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -67,12 +66,9 @@ const SAMPLES: u64 = 32_400;
 
 /// Measures the kernels for trials and records at every width of the CPU and on the device.
 pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
-    let selection = select(&options.device.name, options.device.threads.unwrap_or(0))?;
-    say!("device: {}, {}", selection.device.name(), selection.reason);
-    let mut devices = Vec::new();
-    if let Device::Gpu(_) = selection.device {
-        devices.push(selection.device);
-    }
+    let mut devices = vec![options.device.select(true)?];
+    // The CPU follows at every width.
+    devices.retain(|device| matches!(device, Device::Gpu(_)));
     for width in Width::available() {
         devices.push(Device::Cpu(Cpu::new(width, 0).map_err(SelectError::from)?));
     }

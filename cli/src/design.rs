@@ -6,11 +6,9 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
-use sagnac::device::select::Selection;
 use sagnac::quantity::number::{short, significant};
 use sagnac::study::Study;
 use sagnac::table::Table;
-use sagnac::verify::select;
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 
@@ -83,10 +81,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = Study::read(&options.study)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
-    let Selection { mut device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
-    if !options.quiet {
-        say!("device: {}, {reason}", device.name());
-    }
+    let mut device = options.device.select(!options.quiet)?;
     let shown = Shown::new(options.progress.how(options.quiet));
     let found = find(&study, options.by, &mut device, &shown).map_err(|error| failure(&study, error))?;
     shown.clear();

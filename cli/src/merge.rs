@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::folders;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
-use crate::results::{Out, Ran};
+use crate::results::Ran;
 use crate::run::checked;
 use crate::whole;
 
@@ -89,10 +89,11 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
-    let ran = Ran { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
-    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
+    let (json, quiet, plot) = (options.json, options.quiet, options.plot);
+    let ran =
+        Ran { study: &study, plan: &plan, folder: &options.out, done: None, lacking, json, quiet, plot };
     let progress = Shown::new(options.progress.how(options.quiet));
-    if let Some(document) = ran.show(&store, out, &progress)? {
+    if let Some(document) = ran.show(&store, &progress)? {
         print_json(&document)?;
     }
     match lacking {

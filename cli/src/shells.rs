@@ -7,6 +7,7 @@ use clap_complete::{Shell, generate};
 
 use crate::failure::Failure;
 use crate::output::{make_folder, print, unwritten, write};
+use crate::program::command;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,22 +35,19 @@ pub struct Man {
 }
 
 /// Prints the script that completes commands and options.
-pub fn completions(options: &Completions, mut command: Command) -> Result<(), Failure> {
+pub fn completions(options: &Completions) -> Result<(), Failure> {
     let mut script = Vec::new();
-    generate(options.shell, &mut command, "sagnac", &mut script);
+    generate(options.shell, &mut command(), "sagnac", &mut script);
     print(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for the program and one for each command.
-pub fn man(options: &Man, command: Command) -> Result<(), Failure> {
+pub fn man(options: &Man) -> Result<(), Failure> {
     let folder = &options.folder;
     make_folder(folder)?;
-    let commands: Vec<Command> =
-        command.get_subcommands().filter(|command| !command.is_hide_set()).cloned().collect();
-    page(command, "sagnac".to_owned(), folder)?;
-    for command in commands {
-        let name = format!("sagnac-{}", command.get_name());
-        page(command, name, folder)?;
+    page(command(), "sagnac".to_owned(), folder)?;
+    for command in command().get_subcommands().filter(|command| !command.is_hide_set()) {
+        page(command.clone(), format!("sagnac-{}", command.get_name()), folder)?;
     }
     print(&format!(
         "pages are in {}; read them with `man -l {}`",

@@ -6,7 +6,6 @@ pub mod text;
 
 use std::path::Path;
 
-use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
 use sagnac::view::chart::picture::Picture;
 
@@ -17,17 +16,7 @@ use crate::output::{make_folder, print, print_json, remove, unwritten, write};
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
-    let source = options.source()?;
-    let study = options.study(&source)?;
-    let mut firmware =
-        Firmware::choose(&study, &options.at, &options.fillers).map_err(|error| match error {
-            ChoiceError::Study(error) => options.failure(&source, error),
-            other => other.into(),
-        })?;
-    if !options.has_tick(&source) {
-        firmware.tick_s = None;
-    }
-    let folder = options.folder(&source);
+    let (firmware, folder) = options.firmware()?;
     write_all(&firmware, &folder, options.test_vectors)?;
     if options.json {
         return print_json(&firmware.document());

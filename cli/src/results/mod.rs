@@ -53,12 +53,9 @@ pub struct Ran<'a> {
     pub done: Option<(&'a Done, String)>,
     /// Number of missing trials.
     pub lacking: u64,
-}
-
-/// Where results are shown besides their files.
-#[derive(Debug, Clone, Copy)]
-pub struct Out {
+    /// Whether results are returned as JSON instead of printed.
     pub json: bool,
+    /// Whether only errors are printed.
     pub quiet: bool,
     /// Whether the first chart is drawn as text too.
     pub plot: bool,
@@ -99,8 +96,8 @@ impl Ran<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
-    pub fn show(&self, store: &Store, out: Out, progress: &Shown) -> Result<Option<Value>, Failure> {
-        let Ran { study, plan, folder, done, lacking } = self;
+    pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
+        let Ran { study, plan, folder, done, lacking, .. } = self;
         let tables = plan.tables(store, progress)?;
         for (source, table) in tables.all() {
             write_table(&folder.join(source.file()), table)?;
@@ -114,14 +111,14 @@ impl Ran<'_> {
         let headline = answer.headline.clone();
         write(&folder.join(REPORT), results.page(answer).as_bytes())?;
         progress.clear();
-        if out.json {
+        if self.json {
             return Ok(Some(self.to_json(&tables, &verdicts, &results.notes())));
         }
-        if !out.quiet {
+        if !self.quiet {
             for note in results.notes() {
                 say!("note: {note}");
             }
-            if let Some(first) = results.charts.first().filter(|_| out.plot) {
+            if let Some(first) = results.charts.first().filter(|_| self.plot) {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
             print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;
