@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
 use sagnac::quantity::number::{short, significant};
@@ -18,6 +18,7 @@ use crate::output::{print, print_json, write, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::terminal::headed;
+use crate::words::one_of;
 use crate::{look, whole};
 
 const EXAMPLES: &str = "\
@@ -62,10 +63,9 @@ pub struct Options {
 
 /// The measures, as options list them.
 fn measures() -> impl TypedValueParser<Value = Measure> {
-    let value =
+    let named =
         |measure: Measure| PossibleValue::new(measure.name()).help(measure.meaning().trim_end_matches('.'));
-    let named = |name: String| Measure::ALL.into_iter().find(|measure| measure.name() == name);
-    PossibleValuesParser::new(Measure::ALL.map(value)).map(move |name| named(name).unwrap_or_default())
+    one_of(Measure::ALL.map(|measure| (named(measure), measure)))
 }
 
 /// The folder of results; each measure has its own.

@@ -4,14 +4,13 @@ pub mod summary;
 
 use std::path::Path;
 
-use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
+use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::report::FILE as REPORT;
-use sagnac::view::report::gallery::Card;
 use sagnac::view::results::Results;
 use serde_json::{Value, json};
 
@@ -19,7 +18,7 @@ use crate::charts::draw;
 use crate::failure::Failure;
 use crate::look;
 use crate::output::{print, write, write_table};
-use crate::progress::{How, Shown};
+use crate::progress::Shown;
 use crate::results::summary::summary;
 
 /// The store of existing results; an empty one for closed forms.
@@ -59,35 +58,6 @@ pub struct Ran<'a> {
     pub quiet: bool,
     /// Whether the first chart is drawn as text too.
     pub plot: bool,
-}
-
-/// Rebuilds the report of existing results, and returns its card for a gallery, without the link.
-///
-/// # Errors
-/// A row of the store is damaged, or the file cannot be written.
-pub fn report(
-    study: &Study,
-    plan: &Plan,
-    folder: &Path,
-    store: &Store,
-    progress: How,
-) -> Result<Card, Failure> {
-    // Folders of earlier versions lack the input files of the study.
-    keep(study, folder)?;
-    let tables = plan.tables(store, &Shown::new(progress))?;
-    let lacking = lacking(study, plan, store, &tables)?;
-    let results = Results::of::<Failure>(study, plan, store, &tables, lacking, &[])?;
-    let answer = results.answer(&results.verdicts()?)?;
-    let headline = answer.headline.clone();
-    write(&folder.join(REPORT), results.page(answer).as_bytes())?;
-    Ok(Card {
-        title: study.title.clone(),
-        question: study.question.clone(),
-        headline,
-        picture: results.charts.into_iter().next().map(|drawn| drawn.picture),
-        folder: folder.display().to_string(),
-        report: REPORT.to_owned(),
-    })
 }
 
 impl Ran<'_> {

@@ -53,12 +53,10 @@ pub(crate) fn summary(
         0 => String::new(),
         lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
     };
-    for verdict in verdicts {
+    for text_of in verdicts.iter().map(|verdict| verdict.text(&incomplete)) {
         // A pipe gets unbroken lines.
-        let lines: Vec<String> = match look::columns() {
-            Some(width) => verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect(),
-            None => verdict.text(&incomplete).lines().map(str::to_owned).collect(),
-        };
+        let width = look::columns().unwrap_or(usize::MAX);
+        let lines: Vec<String> = text_of.lines().map(|line| look::wrapped(line, width)).collect();
         text += &format!("\n{}\n", lines.join("\n"));
     }
     Ok(text)
