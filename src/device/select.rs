@@ -69,11 +69,7 @@ pub struct Selection {
 /// # Errors
 /// An adapter cannot be opened.
 pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
-    let open = |adapter: &Adapter| match Gpu::open(adapter, adapter.variant()) {
-        Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
-        Err(source) => Err(SelectError::Gpu { name: adapter.name(), source }),
-    };
-    Adapter::all().iter().map(open).collect()
+    Adapter::all().iter().map(|adapter| Ok(Device::Gpu(Box::new(opened(adapter)?)))).collect()
 }
 
 /// Selects the device that `wanted` names. `auto` selects a real GPU that passes its self-test, else the CPU. The CPU,
@@ -141,14 +137,18 @@ fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectEr
     Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
 }
 
+fn opened(adapter: &Adapter) -> Result<Gpu, SelectError> {
+    let failed = |source| SelectError::Gpu { name: adapter.name(), source };
+    Gpu::open(adapter, adapter.variant()).map_err(failed)
+}
+
 fn open(
     adapter: &Adapter,
     threads: usize,
     reason: &str,
     self_test: SelfTest,
 ) -> Result<Selection, SelectError> {
-    let opened = Gpu::open(adapter, adapter.variant());
-    let mut gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
+    let mut gpu = opened(adapter)?;
     gpu.threads = threads;
     Ok(Selection { device: trusted(gpu, self_test)?, reason: reason.to_owned() })
 }

@@ -98,17 +98,14 @@ impl<'a> Parser<'a> {
     fn expression(&mut self) -> Result<Size, UnitError> {
         let mut product = self.power()?;
         loop {
-            if self.eat("/") {
-                let Size { factor, exponents } = self.power()?;
-                product.factor /= factor;
-                product.exponents = product.exponents.plus(exponents.times(-1));
-            } else if self.eat("*") || self.eat("·") {
-                let Size { factor, exponents } = self.power()?;
-                product.factor *= factor;
-                product.exponents = product.exponents.plus(exponents);
-            } else {
+            let divides = self.eat("/");
+            if !divides && !self.eat("*") && !self.eat("·") {
                 return Ok(product);
             }
+            let Size { factor, exponents } = self.power()?;
+            let (factor, power) =
+                if divides { (product.factor / factor, -1) } else { (product.factor * factor, 1) };
+            product = Size { factor, exponents: product.exponents.plus(exponents.times(power)) };
         }
     }
 
