@@ -40,8 +40,8 @@ fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> R
         let mut csv = Vec::new();
         firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(unwritten(&path))?;
         write(&path, &csv)?;
-    // Existing vectors may belong to other weights.
     } else if remove(&path)? {
+        // Existing vectors may belong to other weights.
         say!("note: removed {} of an earlier call; --test-vectors writes a new one", path.display());
     }
     Ok(())

@@ -53,10 +53,11 @@ pub(crate) fn summary(
         0 => String::new(),
         lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
     };
-    for text_of in verdicts.iter().map(|verdict| verdict.text(&incomplete)) {
+    for verdict in verdicts {
         // A pipe gets unbroken lines.
         let width = look::columns().unwrap_or(usize::MAX);
-        let lines: Vec<String> = text_of.lines().map(|line| look::wrapped(line, width)).collect();
+        let lines: Vec<String> =
+            verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect();
         text += &format!("\n{}\n", lines.join("\n"));
     }
     Ok(text)
