@@ -97,7 +97,7 @@ struct Measured {
 enum Work {
     Trials(Launch),
     Runs(Launch),
-    Samples(Records),
+    Samples(Box<Records>),
 }
 
 /// All measured kernels.
@@ -121,7 +121,7 @@ fn measured() -> Vec<Measured> {
     for (name, estimator) in MEASURED_RECORDS {
         let (parts, samples) = (lgk_400(), SAMPLES);
         let named = NamedRecords { name, parts, readout_lsb: 0.0, switching: None, samples, estimator };
-        add("allan", name, Some(Work::Samples(named.lowered())), false);
+        add("allan", name, Some(Work::Samples(Box::new(named.lowered()))), false);
     }
     measured
 }
