@@ -7,8 +7,8 @@ use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::device::{Device, Job};
 use sagnac::kernel::launch::Launch;
-use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::lower::Records;
 use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use sagnac::kinds::gap_fill::verify::configurations;
 use sagnac::kinds::relock::inputs::Compensation;
@@ -16,7 +16,6 @@ use sagnac::kinds::relock::verify::{launches_of, relock};
 use sagnac::kinds::switched_run::verify::hour_launches;
 use sagnac::tally::block::cover;
 use sagnac::theory::allan::estimator::Estimator;
-use sagnac::verify::select;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -60,9 +59,6 @@ const MEASURED: [(&str, bool); 5] = [
     ("profile", false),
 ];
 
-/// The kernel whose trials are whole runs.
-const RUNS_KERNEL: &str = "switched_run";
-
 /// Records of nine hours at 1 Hz, with differences spaced by a 64th of τ, and at every sample.
 const MEASURED_RECORDS: [(&str, Estimator); 2] =
     [("lgk-400, overlap m/64", THINNED), ("lgk-400, full overlap", Estimator::OVERLAPPING)];
@@ -70,131 +66,106 @@ const SAMPLES: u64 = 32_400;
 
 /// Measures the kernels for trials and records at every width of the CPU and on the device.
 pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
-    let selection = select(&options.device.name, options.device.threads.unwrap_or(0))?;
-    say!("device: {}, {}", selection.device.name(), selection.reason);
-    let mut devices = Vec::new();
-    if let Device::Gpu(_) = selection.device {
-        devices.push(selection.device);
-    }
+    let mut devices = vec![options.device.select(true)?];
+    // The CPU follows at every width.
+    devices.retain(|device| matches!(device, Device::Gpu(_)));
     for width in Width::available() {
         devices.push(Device::Cpu(Cpu::new(width, 0).map_err(SelectError::from)?));
     }
-    let mut figures = Vec::new();
-    let mut found = |figure: Figure| {
-        if !options.json {
-            print(&figure.line())?;
-        }
-        figures.push(figure);
-        Ok::<_, Failure>(())
-    };
-    let measured = measured();
+    let (measured, mut figures) = (measured(), Vec::new());
     for device in &mut devices {
-        for Measured { kernel, configuration, launch, histogram } in &measured {
-            let rate = if *kernel == RUNS_KERNEL {
-                Rate::Runs(trials_per_second(device, launch, *histogram, 1 << 12)? / 1e6)
-            } else {
-                Rate::Trials(trials_per_second(device, launch, *histogram, 1 << 20)? / 1e6)
-            };
-            found(Figure {
-                device: device.name(),
-                kernel,
-                configuration,
-                estimates: launch.sampled.estimates(),
-                histogram: *histogram,
-                rate,
-            })?;
-        }
-        for (name, estimator) in MEASURED_RECORDS {
-            let named = NamedRecords {
-                name,
-                parts: lgk_400(),
-                readout_lsb: 0.0,
-                switching: None,
-                samples: SAMPLES,
-                estimator,
-            };
-            let records = named.lowered();
-            found(Figure {
-                device: device.name(),
-                kernel: "allan",
-                configuration: name,
-                estimates: records.ms().len(),
-                histogram: false,
-                rate: Rate::Samples(samples_per_second(device, records.recipe())? / 1e6),
-            })?;
+        for measured in &measured {
+            let figure = measured.on(device)?;
+            if !options.json {
+                print(&figure.line())?;
+            }
+            figures.push(figure);
         }
     }
-    if options.json {
-        print_json(&figures)?;
-    }
-    Ok(())
+    if options.json { print_json(&figures) } else { Ok(()) }
 }
 
-/// A measured kernel of trials.
+/// A measured kernel.
 struct Measured {
     kernel: &'static str,
     configuration: &'static str,
-    launch: Launch,
+    work: Work,
     histogram: bool,
 }
 
-/// All measured kernels of trials.
+/// The work of a kernel, by what is counted.
+enum Work {
+    Trials(Launch),
+    Runs(Launch),
+    Samples(Box<Records>),
+}
+
+/// All measured kernels.
 fn measured() -> Vec<Measured> {
     let all = configurations();
     let mut measured = Vec::new();
-    let mut add = |kernel, configuration, launches: Vec<Launch>, histogram| {
-        let first = launches.into_iter().next();
-        measured.extend(first.map(|launch| Measured { kernel, configuration, launch, histogram }));
+    let mut add = |kernel, configuration, work: Option<Work>, histogram| {
+        measured.extend(work.map(|work| Measured { kernel, configuration, work, histogram }));
     };
+    let first = |launches: Vec<Launch>| launches.into_iter().next();
     for (name, histogram) in MEASURED {
-        if let Some(configuration) = all.iter().find(|configuration| configuration.name == name) {
-            add("gap_fill", name, configuration.launches(), histogram);
-        }
+        let found = all.iter().find(|configuration| configuration.name == name);
+        let launch = found.and_then(|configuration| first(configuration.launches()));
+        add("gap_fill", name, launch.map(Work::Trials), histogram);
     }
-    add(RUNS_KERNEL, "one hour, MT = 40 s, 89 switches", hour_launches(), true);
+    add("switched_run", "one hour, MT = 40 s, 89 switches", first(hour_launches()).map(Work::Runs), true);
     for compensation in Compensation::ALL {
-        add("relock", compensation.name(), launches_of(&relock(), compensation), false);
+        let launch = first(launches_of(&relock(), compensation));
+        add("relock", compensation.name(), launch.map(Work::Trials), false);
+    }
+    for (name, estimator) in MEASURED_RECORDS {
+        let (parts, samples) = (lgk_400(), SAMPLES);
+        let named = NamedRecords { name, parts, readout_lsb: 0.0, switching: None, samples, estimator };
+        add("allan", name, Some(Work::Samples(Box::new(named.lowered()))), false);
     }
     measured
 }
 
-impl Figure {
-    fn line(&self) -> String {
-        let Figure { device, kernel, configuration, estimates, .. } = self;
-        match self.rate {
-            Rate::Trials(rate) | Rate::Runs(rate) => {
-                let with = if self.histogram { "with histogram" } else { "without histogram" };
-                let (what, digits) = if let Rate::Runs(_) = self.rate { ("runs", 3) } else { ("trials", 1) };
-                format!(
-                    "{kernel}, {configuration}, {estimates} estimates, {with:17} {rate:9.digits$} million {what}/s  {device}"
-                )
+impl Measured {
+    fn on(&self, device: &mut Device) -> Result<Figure, GpuError> {
+        let Measured { kernel, configuration, histogram, .. } = *self;
+        let mut trials = |launch, first| {
+            best(first, |trials| {
+                let blocks = cover(0..trials, 24);
+                let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
+                device.tally(&jobs, histogram, &|_| {}).map(drop)
+            })
+        };
+        let (estimates, rate) = match &self.work {
+            Work::Trials(launch) => {
+                (launch.sampled.estimates(), Rate::Trials(trials(launch, 1 << 20)? / 1e6))
             }
-            Rate::Samples(rate) => {
-                format!(
-                    "{kernel}, {configuration}, {estimates} averaging times {rate:9.1} million samples/s  {device}"
-                )
+            Work::Runs(launch) => (launch.sampled.estimates(), Rate::Runs(trials(launch, 1 << 12)? / 1e6)),
+            Work::Samples(records) => {
+                let recipe = records.recipe();
+                let made = best(64, |count| device.sums(recipe, 0, count as usize, &|_| {}).map(drop))?;
+                (records.ms().len(), Rate::Samples(made * f64::from(recipe.samples) / 1e6))
             }
-        }
+        };
+        Ok(Figure { device: device.name(), kernel, configuration, estimates, histogram, rate })
     }
 }
 
-/// The best rate of some runs, of which the first has this number of trials.
-fn trials_per_second(
-    device: &mut Device,
-    launch: &Launch,
-    histogram: bool,
-    first: u64,
-) -> Result<f64, GpuError> {
-    best(first, |trials| {
-        let jobs: Vec<Job> = cover(0..trials, 24).into_iter().map(|block| Job { launch, block }).collect();
-        device.tally(&jobs, histogram, &|_| {}).map(drop)
-    })
-}
-
-/// The best rate of some runs.
-fn samples_per_second(device: &mut Device, recipe: &Recipe) -> Result<f64, GpuError> {
-    let records = best(64, |records| device.sums(recipe, 0, records as usize, &|_| {}).map(drop))?;
-    Ok(records * f64::from(recipe.samples))
+impl Figure {
+    fn line(&self) -> String {
+        let Figure { device, kernel, configuration, estimates, histogram, rate } = self;
+        let with = if *histogram { "with histogram" } else { "without histogram" };
+        let (what, rate, digits) = match rate {
+            Rate::Trials(rate) => ("trials", rate, 1),
+            Rate::Runs(rate) => ("runs", rate, 3),
+            Rate::Samples(rate) => ("samples", rate, 1),
+        };
+        let estimates = match self.rate {
+            Rate::Samples(_) => format!("{estimates} averaging times"),
+            _ => format!("{estimates} estimates, {with:17}"),
+        };
+        format!("{kernel}, {configuration}, {estimates} {rate:9.digits$} million {what}/s  {device}")
+    }
 }
 
 /// The best rate of some runs, in units per second. The number of units is `units` times the power of two that makes a

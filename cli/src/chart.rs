@@ -8,6 +8,7 @@ use sagnac::study::Study;
 use sagnac::table::Column;
 use sagnac::view::picture::verdict::verdicts;
 use sagnac::view::picture::{pictures, shown};
+use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::charts::{is_chart_stem, write_pictures};
@@ -44,7 +45,7 @@ pub struct Options {
 }
 
 /// The keys of a chart, as in studies.
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Keys of the chart, as in [chart] of a study; \"none\" removes a key")]
 struct Keys {
     /// Kind of a new chart that keeps no key of the study's chart: curves, heat-map or winner-map
@@ -76,6 +77,7 @@ struct Keys {
     laws: Vec<String>,
     /// Only rows with this value, as in filler=const or frequency="20 Hz"; may be repeated
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = row)]
+    #[serde(skip)]
     rows: Vec<(String, String)>,
     /// Allowed value, as in "5 arcsec"
     #[arg(long, value_name = "LIMIT")]
@@ -174,44 +176,27 @@ fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
             return Err(Failure::Usage(format!("--chart {number}: the study has {charts}")));
         }
     };
-    let texts = [
-        ("kind", &keys.kind),
-        ("table", &keys.table),
-        ("title", &keys.title),
-        ("x", &keys.x),
-        ("z", &keys.z),
-        ("of", &keys.of),
-        ("limit", &keys.limit),
-        ("x_scale", &keys.x_scale),
-        ("y_scale", &keys.y_scale),
-        ("z_scale", &keys.z_scale),
-    ];
     // Another table has other columns, with other units.
     let own = chart.get("table").and_then(Value::as_str).unwrap_or("points").to_owned();
     if keys.table.as_ref().is_some_and(|table| *table != own) {
         chart.remove("limit");
         chart.remove("where");
     }
-    for (key, value) in texts {
-        set(&mut chart, key, value.iter().map(|value| Value::String(value.clone())).next());
-    }
-    let list =
-        |names: &[String]| Value::Array(names.iter().map(|name| Value::String(name.clone())).collect());
-    let several = |names: &[String]| match names {
-        [] => None,
-        [one] => Some(Value::String(one.clone())),
-        names => Some(list(names)),
-    };
-    set(&mut chart, "y", several(&keys.y));
-    for (key, names) in [("series", &keys.series), ("laws", &keys.laws)] {
-        let is_none = names.first().is_some_and(|name| name == NONE);
-        let value = if is_none { Value::String(NONE.to_owned()) } else { list(names) };
-        set(&mut chart, key, (!names.is_empty()).then_some(value));
+    let asked = Table::try_from(keys).map_err(|error| Failure::Usage(error.to_string()))?;
+    for (key, value) in asked {
+        let value = match value.as_array().map(Vec::as_slice) {
+            Some([]) => continue,
+            // One estimate is no list.
+            Some([one]) if key == "y" => one.clone(),
+            Some([first, ..]) if key != "y" && first.as_str() == Some(NONE) => first.clone(),
+            _ => value,
+        };
+        set(&mut chart, &key, value);
     }
     if !keys.rows.is_empty() {
         let rows = chart.entry("where").or_insert_with(|| Value::Table(Table::new()));
         if let Some(rows) = rows.as_table_mut() {
-            keys.rows.iter().for_each(|(column, value)| set(rows, column, Some(scalar(value))));
+            keys.rows.iter().for_each(|(column, value)| set(rows, column, scalar(value)));
         }
     }
     check_axes(&chart, written)?;
@@ -244,16 +229,11 @@ fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
 }
 
 /// Replaces a value; [`NONE`] removes the key.
-fn set(table: &mut Table, key: &str, value: Option<Value>) {
-    match value {
-        None => {}
-        Some(Value::String(text)) if text == NONE => {
-            table.remove(key);
-        }
-        Some(value) => {
-            table.insert(key.to_owned(), value);
-        }
-    }
+fn set(table: &mut Table, key: &str, value: Value) {
+    match value.as_str() {
+        Some(NONE) => table.remove(key),
+        _ => table.insert(key.to_owned(), value),
+    };
 }
 
 /// A value as in a study: counts as numbers, everything else as text.

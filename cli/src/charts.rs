@@ -8,7 +8,7 @@ use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::{Drawn, chart_stem};
 
 use crate::failure::Failure;
-use crate::output::write;
+use crate::output::{remove, unwritten, write};
 
 /// Writes the charts as SVG and PNG, and removes those of earlier runs that no longer exist.
 ///
@@ -33,15 +33,14 @@ pub fn write_pictures(folder: &Path, stem: &str, picture: &Picture) -> Result<()
 
 /// Removes the pictures of charts beyond the first `charts`. Other files are kept.
 fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
-    let failed = |source| Failure::Write { path: folder.to_owned(), source };
     let drawn: Vec<String> = (0..charts).map(|index| chart_stem(index, charts)).collect();
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
+    for entry in std::fs::read_dir(folder).map_err(unwritten(folder))? {
+        let path = entry.map_err(unwritten(folder))?.path();
         let stem = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
         let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
         let picture = ["svg", "png"].contains(&ending) && is_chart_stem(stem);
         if picture && !drawn.iter().any(|drawn| drawn == stem) {
-            std::fs::remove_file(&path).map_err(|source| Failure::Write { path, source })?;
+            remove(&path)?;
         }
     }
     Ok(())

@@ -92,14 +92,14 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             lacking => format!("{lacking} trials are missing"),
         };
         let shares = store.shares()?;
-        let has_all = |share: &Share| Ok(plan.lacks(&store, *share)? == 0);
         if lacking > 0 && !shares.is_empty() && !shares.iter().any(Share::is_whole) {
-            let states: Vec<bool> = shares.iter().map(has_all).collect::<Result<_, Failure>>()?;
-            let named = shares.iter().zip(&states);
-            let named = named
-                .map(|(share, all)| format!("{share} {}", if *all { "complete" } else { "not complete" }));
+            let missing =
+                shares.iter().map(|share| plan.lacks(&store, *share)).collect::<Result<Vec<_>, _>>()?;
+            let state = |trials: u64| if trials == 0 { "complete" } else { "not complete" };
+            let named =
+                shares.iter().zip(&missing).map(|(share, trials)| format!("{share} {}", state(*trials)));
             about = named.collect::<Vec<_>>().join(", ");
-            if !states.contains(&false) {
+            if missing.iter().all(|trials| *trials == 0) {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }

@@ -3,14 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
-use sagnac::device::select::Selection;
 use sagnac::quantity::number::{short, significant};
 use sagnac::study::Study;
 use sagnac::table::Table;
-use sagnac::verify::select;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
@@ -18,7 +16,8 @@ use crate::failure::Failure;
 use crate::output::{print, print_json, write, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::terminal::aligned;
+use crate::terminal::headed;
+use crate::words::one_of;
 use crate::{look, whole};
 
 const EXAMPLES: &str = "\
@@ -63,10 +62,9 @@ pub struct Options {
 
 /// The measures, as options list them.
 fn measures() -> impl TypedValueParser<Value = Measure> {
-    let value =
+    let named =
         |measure: Measure| PossibleValue::new(measure.name()).help(measure.meaning().trim_end_matches('.'));
-    let named = |name: String| Measure::ALL.into_iter().find(|measure| measure.name() == name);
-    PossibleValuesParser::new(Measure::ALL.map(value)).map(move |name| named(name).unwrap_or_default())
+    one_of(Measure::ALL.map(|measure| (named(measure), measure)))
 }
 
 /// The folder of results; each measure has its own.
@@ -82,10 +80,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = Study::read(&options.study)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
-    let Selection { mut device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
-    if !options.quiet {
-        say!("device: {}, {reason}", device.name());
-    }
+    let mut device = options.device.select(!options.quiet)?;
     let shown = Shown::new(options.progress.how(options.quiet));
     let found = find(&study, options.by, &mut device, &shown).map_err(|error| failure(&study, error))?;
     shown.clear();
@@ -144,19 +139,9 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
 
 /// A line for each filler at its best interval.
 fn summary(found: &Design, table: &Table) -> String {
-    let mut lines = vec![
-        [
-            "filler",
-            "best interval, s",
-            "95 % interval, s",
-            "switches",
-            found.measure.label(),
-            "times the least",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
-    for filler in &found.fillers {
+    let label = found.measure.label();
+    let heading = ["filler", "best interval, s", "95 % interval, s", "switches", label, "times the least"];
+    let lines = found.fillers.iter().map(|filler| {
         let best = filler.best();
         let range = match filler.optimum.interval {
             Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
@@ -164,20 +149,15 @@ fn summary(found: &Design, table: &Table) -> String {
             None => "too few candidates near it".to_owned(),
         };
         let worse = found.worse_by(filler);
-        lines.push(vec![
+        vec![
             report::called(filler).to_owned(),
             significant(best.interval_s, 4),
             range,
             best.switches.to_string(),
             format!("{} °/h", significant(best.drift.value, 3)),
             significant(worse.value, 3),
-        ]);
-    }
-    let tried = table.rows();
-    format!(
-        "{tried} candidates, {} runs each of about {} s\n{}",
-        found.trials,
-        significant(found.duration_s, 6),
-        aligned(&lines)
-    )
+        ]
+    });
+    let (tried, runs, seconds) = (table.rows(), found.trials, significant(found.duration_s, 6));
+    format!("{tried} candidates, {runs} runs each of about {seconds} s\n{}", headed(heading, lines))
 }

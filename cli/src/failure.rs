@@ -58,6 +58,8 @@ pub enum Failure {
     Picture(String),
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: std::io::Error },
+    #[error(transparent)]
+    Keep(#[from] KeepError),
     #[error("cannot write to the standard output: {0}\nredirect it to a place with free space and run again")]
     Output(std::io::Error),
     #[error("cannot listen for signals: {0}")]
@@ -171,13 +173,6 @@ impl From<KalibrError> for Failure {
     }
 }
 
-impl From<KeepError> for Failure {
-    fn from(error: KeepError) -> Failure {
-        let KeepError { path, source } = error;
-        Failure::Write { path, source }
-    }
-}
-
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Failure {
         match error {
@@ -213,23 +208,18 @@ impl Failure {
         match self {
             Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) | Failure::Signals(_) => 1,
             Failure::Usage(_) | Failure::Store(StoreError::NoResults(_)) => 2,
+            Failure::Select(error) if error.is_usage() => 2,
+            Failure::Select(_) => 1,
             Failure::Study(_)
             | Failure::Log(_)
             | Failure::Record(_)
             | Failure::Store(
                 StoreError::OtherStudy { .. } | StoreError::Schema { .. } | StoreError::Kernels { .. },
             ) => 3,
-            Failure::Select(error) => {
-                if error.is_usage() {
-                    2
-                } else {
-                    1
-                }
-            }
             Failure::Stopped { cause, .. } => cause.code(),
             Failure::Incomplete { .. } | Failure::Unfinished(_) => 4,
             Failure::Different | Failure::Unsound(_) | Failure::Store(StoreError::Disagrees { .. }) => 5,
-            Failure::Store(_) | Failure::Write { .. } | Failure::Output(_) => 6,
+            Failure::Store(_) | Failure::Write { .. } | Failure::Keep(_) | Failure::Output(_) => 6,
             Failure::OutputClosed => 0,
         }
     }

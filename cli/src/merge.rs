@@ -11,9 +11,10 @@ use sagnac::study::Study;
 use sagnac::tally::share::Share;
 
 use crate::failure::Failure;
+use crate::folders;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
-use crate::results::{Out, Ran};
+use crate::results::Ran;
 use crate::run::checked;
 use crate::whole;
 
@@ -88,10 +89,11 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
-    let ran = Ran { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
-    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
+    let (json, quiet, plot) = (options.json, options.quiet, options.plot);
+    let ran =
+        Ran { study: &study, plan: &plan, folder: &options.out, done: None, lacking, json, quiet, plot };
     let progress = Shown::new(options.progress.how(options.quiet));
-    if let Some(document) = ran.show(&store, out, &progress)? {
+    if let Some(document) = ran.show(&store, &progress)? {
         print_json(&document)?;
     }
     match lacking {
@@ -120,14 +122,8 @@ fn absent(shares: &BTreeSet<(u64, u64)>) -> Vec<Share> {
 
 /// The folders to be merged, each once, without the destination.
 fn distinct(options: &Options) -> impl Iterator<Item = &PathBuf> {
-    let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    let mut taken = vec![whole(&options.out)];
-    options.folders.iter().filter(move |folder| {
-        let folder = whole(folder);
-        let is_new = !taken.contains(&folder);
-        taken.push(folder);
-        is_new
-    })
+    let mut is_new = folders::once(&[&options.out]);
+    options.folders.iter().filter(move |folder| is_new(folder))
 }
 
 /// The study that the folders share.

@@ -5,12 +5,13 @@ use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::kinds::KINDS;
 use sagnac::study::kind::Kind;
 
 use crate::failure::Failure;
-use crate::output::print;
+use crate::output::{print, unwritten};
+use crate::words::one_of;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -29,10 +30,9 @@ pub struct Options {
 }
 
 /// The kinds of studies as values of an argument.
-fn kinds() -> impl TypedValueParser {
-    let value = |kind: &Kind| PossibleValue::new(kind.name).help(kind.subject.trim_end_matches('.'));
-    PossibleValuesParser::new(KINDS.map(value))
-        .map(|name| KINDS.into_iter().find(|kind| kind.name == name).unwrap_or(KINDS[0]))
+fn kinds() -> impl TypedValueParser<Value = &'static Kind> {
+    let named = |kind: &Kind| PossibleValue::new(kind.name).help(kind.subject.trim_end_matches('.'));
+    one_of(KINDS.map(|kind| (named(kind), kind)))
 }
 
 /// Writes a commented study, unless the file exists.
@@ -46,7 +46,7 @@ pub fn new(options: &Options) -> Result<(), Failure> {
             "{} already exists and was not changed\nname another file: sagnac new {kind} FILE",
             path.display()
         )),
-        _ => Failure::Write { path: path.clone(), source },
+        _ => unwritten(&path)(source),
     })?;
     let path = path.display();
     print(&format!("wrote {path}\nchange it, then run it: sagnac run {path} --plot"))

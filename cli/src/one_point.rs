@@ -1,9 +1,9 @@
 //! Output for a study of one point: its fillers side by side, and the best one for each error.
 
 use sagnac::quantity::number::significant;
-use sagnac::table::{Column, Role, Table};
+use sagnac::table::{Cell, Column, Role, Table};
 
-use crate::terminal::aligned;
+use crate::terminal::{aligned, distinct, number};
 
 /// A line for each filler with the estimates of a summary for each error; then the filler with the least value of the
 /// last estimate, the 99.73 % level, and the distance of the next one.
@@ -13,36 +13,22 @@ pub fn one_point(table: &Table) -> String {
     let ([fillers, errors], Some(level)) = (&keys[..], estimates.last()) else { return String::new() };
     // The word that all labels share is omitted.
     let name = |column: &Column| column.label.trim_end_matches(" error").to_owned();
-    let distinct = |cells: &[sagnac::table::Cell]| {
-        let mut texts: Vec<String> = Vec::new();
-        for text in cells.iter().map(sagnac::table::Cell::text) {
-            if !texts.contains(&text) {
-                texts.push(text);
-            }
-        }
-        texts
+    let different = |column: &Column| -> Vec<String> {
+        let texts: Vec<String> = column.cells.iter().map(Cell::text).collect();
+        distinct(texts.iter()).1.into_iter().map(|first| texts[first].clone()).collect()
     };
-    let (names, kinds) = (distinct(&fillers.cells), distinct(&errors.cells));
+    let (names, kinds) = (different(fillers), different(errors));
     let row_of = |filler: &str, error: &str| {
         (0..table.rows())
             .find(|&row| fillers.cells[row].text() == filler && errors.cells[row].text() == error)
     };
-    let mut header = vec![fillers.label.clone()];
-    for kind in &kinds {
-        let heading = |column: &&Column| format!("{kind} {}, {}", name(column), column.unit.symbol);
-        header.extend(estimates.iter().map(heading));
-    }
-    let mut lines = vec![header];
-    for name in &names {
-        let mut line = vec![name.clone()];
-        for kind in &kinds {
-            let cell = |column: &Column| {
-                let number = row_of(name, kind).and_then(|row| column.cells[row].number());
-                number.map_or_else(String::new, |x| significant(x, 4))
-            };
-            line.extend(estimates.iter().map(|column| cell(column)));
+    let mut lines = vec![vec![fillers.label.clone()]];
+    lines.extend(names.iter().map(|name| vec![name.clone()]));
+    for (kind, column) in kinds.iter().flat_map(|kind| estimates.iter().map(move |column| (kind, column))) {
+        lines[0].push(format!("{kind} {}, {}", name(column), column.unit.symbol));
+        for (line, name) in lines[1..].iter_mut().zip(&names) {
+            line.push(number(row_of(name, kind).and_then(|row| column.cells[row].number()), 4));
         }
-        lines.push(line);
     }
     let mut text = aligned(&lines);
     for kind in &kinds {

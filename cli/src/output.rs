@@ -6,6 +6,7 @@ use std::path::Path;
 use sagnac::store::whole::write_whole;
 use sagnac::table::Table;
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::failure::Failure;
 
@@ -31,6 +32,18 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
         .map_err(failure)
 }
 
+/// Prints the documents of several inputs as an array, and that of a single input as it is.
+///
+/// # Errors
+/// As for [`print`].
+pub fn print_documents(documents: &[Value], inputs: usize) -> Result<(), Failure> {
+    match documents {
+        [] => Ok(()),
+        [document] if inputs == 1 => print_json(document),
+        several => print_json(&several),
+    }
+}
+
 /// A closed output is not an error, because the reader, such as `head`, has all it wants. Everything else is lost
 /// output.
 fn failure(error: io::Error) -> Failure {
@@ -45,7 +58,31 @@ fn failure(error: io::Error) -> Failure {
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    write_whole(path, contents).map_err(|source| Failure::Write { path: path.to_owned(), source })
+    write_whole(path, contents).map_err(unwritten(path))
+}
+
+/// Makes a folder, and those that contain it.
+///
+/// # Errors
+/// It cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(unwritten(folder))
+}
+
+/// Removes a file of an earlier run; `false` if there is none.
+///
+/// # Errors
+/// It exists and cannot be removed.
+pub fn remove(path: &Path) -> Result<bool, Failure> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+        removed => removed.map(|()| true).map_err(unwritten(path)),
+    }
+}
+
+/// The failure to write to a path.
+pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
+    move |source| Failure::Write { path: path.to_owned(), source }
 }
 
 /// Writes a table as CSV; a missing folder is created.
@@ -53,8 +90,7 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
 /// # Errors
 /// The folder or the file cannot be written.
 pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
-    let folder = path.parent().unwrap_or(path);
-    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+    make_folder(path.parent().unwrap_or(path))?;
     write(path, &csv(table, path)?)
 }
 
@@ -64,7 +100,7 @@ pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
 /// Writing to memory fails.
 pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
     let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.to_owned(), source })?;
+    table.write_csv(&mut csv).map_err(unwritten(path))?;
     Ok(csv)
 }
 

@@ -3,8 +3,11 @@
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use sagnac::device::Device;
+use sagnac::device::select::Selection;
+use sagnac::verify::select;
 
-use crate::failure::EXIT_CODES;
+use crate::failure::{EXIT_CODES, Failure};
 
 /// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
 #[derive(Debug, Parser)]
@@ -38,45 +41,66 @@ fn after_help() -> String {
     format!("{EXAMPLES}\n\nExit codes:{}", codes.collect::<String>())
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
+/// Declares the commands, each with its options and the function that runs it.
+macro_rules! commands {
+    ($($(#[$meta:meta])* $Command:ident($Options:ty) = $run:expr;)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($(#[$meta])* $Command($Options),)+
+        }
+
+        impl Command {
+            fn run(&self) -> Result<(), Failure> {
+                match self {
+                    $(Command::$Command(options) => $run(options),)+
+                }
+            }
+        }
+    };
+}
+
+commands! {
     /// Run studies: sample what is missing, write the table and the charts
     ///
     /// Results are written to a folder. Repeating a command resumes the run; a larger --trials adds trials to it.
-    Run(crate::run::Options),
+    Run(crate::run::Options) = crate::run::run;
     /// Merge results: shares of a study, or runs of several machines, in any order and any number of times
-    Merge(crate::merge::Options),
+    Merge(crate::merge::Options) = crate::merge::merge;
     /// Check that results are intact, complete and match their tables
-    Check(crate::check::Options),
+    Check(crate::check::Options) = crate::check::check;
     /// Rebuild report.html, or a gallery of several studies
-    Report(crate::report::Options),
+    Report(crate::report::Options) = crate::report::report;
     /// Redraw existing results with other axes, estimates or limits
-    Chart(crate::chart::Options),
+    Chart(crate::chart::Options) = crate::chart::chart;
     /// Recommend how often to switch and with which filler, with evidence
-    Design(crate::design::Options),
+    Design(crate::design::Options) = crate::design::design;
     /// Compute the weights of fillers for firmware: table, response over frequency, C header, test vectors
-    Filler(crate::filler::options::Options),
+    Filler(crate::filler::Options) = crate::filler::filler;
     /// Compute deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
-    Allan(crate::allan::options::Options),
+    Allan(crate::allan::Options) = crate::allan::allan;
     /// Compare the noise of two recorded logs: coefficients, significance, and the record length needed
-    Compare(crate::compare::options::Options),
+    Compare(crate::compare::Options) = crate::compare::compare;
     /// List the devices that kernels can run on
-    #[command(after_long_help = "Examples:\n  sagnac devices")]
-    Devices,
+    Devices(crate::devices::Options) = crate::devices::devices;
     /// Verify that every kernel gives the same bits on every device of this machine
-    Verify(Verify),
+    Verify(Verify) = crate::verify::verify;
     /// Measure the throughput of the kernels
-    Bench(Bench),
+    Bench(Bench) = crate::bench::bench;
     /// Print the JSON schema of study files, or of what a command prints with --json
-    Schema(crate::schemas::Options),
+    Schema(crate::schemas::Options) = crate::schemas::schema;
     /// Write a commented study as a starting point
-    New(crate::new::Options),
+    New(crate::new::Options) = crate::new::new;
     /// Explain a key of a study, a column of results, a term or an exit code
-    Explain(crate::explain::Options),
+    Explain(crate::explain::Options) = crate::explain::explain;
     /// Print a script for the completion of commands and options in a shell
-    Completions(crate::shells::Completions),
+    Completions(crate::shells::Completions) = crate::shells::completions;
     /// Write manual pages
-    Man(crate::shells::Man),
+    Man(crate::shells::Man) = crate::shells::man;
+}
+
+/// The command line as clap describes it.
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 const VERIFY_EXAMPLES: &str = "\
@@ -116,10 +140,24 @@ pub struct DeviceArg {
     /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, part of an adapter's name, or its PCI
     /// address; see `sagnac devices`
     #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
-    pub name: String,
+    name: String,
     /// Number of CPU threads [default: all logical cores]
     #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
-    pub threads: Option<usize>,
+    threads: Option<usize>,
+}
+
+impl DeviceArg {
+    /// Selects the device, and says which one if `is_said`.
+    ///
+    /// # Errors
+    /// There is no such device, or it does not work.
+    pub fn select(&self, is_said: bool) -> Result<Device, Failure> {
+        let Selection { device, reason } = select(&self.name, self.threads.unwrap_or(0))?;
+        if is_said {
+            say!("device: {}, {reason}", device.name());
+        }
+        Ok(device)
+    }
 }
 
 /// A number of units of work.
@@ -142,26 +180,7 @@ pub fn main() -> ExitCode {
     let matches = Cli::command().color(color).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     crate::look::follow(&cli.look);
-    let result = match &cli.command {
-        Command::Run(options) => crate::run::run(options),
-        Command::Merge(options) => crate::merge::merge(options),
-        Command::Check(options) => crate::check::check(options),
-        Command::Report(options) => crate::report::report(options),
-        Command::Chart(options) => crate::chart::chart(options),
-        Command::Design(options) => crate::design::design(options),
-        Command::Filler(options) => crate::filler::filler(options),
-        Command::Allan(options) => crate::allan::allan(options),
-        Command::Compare(options) => crate::compare::compare(options),
-        Command::Devices => crate::devices::devices(),
-        Command::Verify(options) => crate::verify::verify(options),
-        Command::Bench(options) => crate::bench::bench(options),
-        Command::Schema(options) => crate::schemas::schema(options),
-        Command::New(options) => crate::new::new(options),
-        Command::Explain(options) => crate::explain::explain(options),
-        Command::Completions(options) => crate::shells::completions(options, Cli::command()),
-        Command::Man(options) => crate::shells::man(options, Cli::command()),
-    };
-    match result {
+    match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

@@ -3,16 +3,17 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use sagnac::run::{Plan, RESOLVED};
+use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::study::Study;
 use sagnac::view::report::FILE as REPORT;
 use sagnac::view::report::gallery::{Card, gallery};
+use sagnac::view::results::Results;
 
 use crate::failure::Failure;
-use crate::folders::{self, left_out};
+use crate::folders::{self, left_out, whole};
 use crate::output::write;
-use crate::progress;
-use crate::results::{self, held};
+use crate::progress::{self, Shown};
+use crate::results::{held, lacking};
 
 /// The page of several studies.
 const GALLERY: &str = "gallery.html";
@@ -88,12 +89,24 @@ fn write_gallery(
     Ok(())
 }
 
+/// Rebuilds the report of existing results, and returns its card for a gallery, without the link.
 fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
     // Its charts are drawn at once, so nothing needs to be checked before.
     let plan = Plan::new(&study)?;
     let store = held(folder, &plan)?;
-    results::report(&study, &plan, folder, &store, options.progress.how(options.quiet))
+    // Folders of earlier versions lack the input files of the study.
+    keep(&study, folder)?;
+    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
+    let lacking = lacking(&study, &plan, &store, &tables)?;
+    let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
+    let answer = results.answer(&results.verdicts()?)?;
+    let headline = answer.headline.clone();
+    write(&folder.join(REPORT), results.page(answer).as_bytes())?;
+    let picture = results.charts.into_iter().next().map(|drawn| drawn.picture);
+    let (title, question) = (study.title.clone(), study.question.clone());
+    let (folder, report) = (folder.display().to_string(), REPORT.to_owned());
+    Ok(Card { title, question, headline, picture, folder, report })
 }
 
 /// The folders of studies: those given, and those inside other given folders.
@@ -121,20 +134,9 @@ fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
         studies.append(&mut found);
     }
-    let mut seen = Vec::new();
-    studies.retain(|folder| {
-        let folder = whole(folder);
-        let is_new = !seen.contains(&folder);
-        seen.push(folder);
-        is_new
-    });
+    let mut is_new = folders::once(&[]);
+    studies.retain(|folder| is_new(folder));
     Ok(studies)
-}
-
-/// The absolute path; the given one if the file system cannot resolve it.
-fn whole(path: &Path) -> PathBuf {
-    let path = if path == Path::new("") { Path::new(".") } else { path };
-    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 /// The common parent folder of `folders`.

@@ -28,7 +28,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<fn() -> String, 8>([
+    one_of::<_, fn() -> String, 8>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),

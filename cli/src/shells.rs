@@ -6,7 +6,8 @@ use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 
 use crate::failure::Failure;
-use crate::output::{print, write};
+use crate::output::{make_folder, print, unwritten, write};
+use crate::program::command;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,22 +35,19 @@ pub struct Man {
 }
 
 /// Prints the script that completes commands and options.
-pub fn completions(options: &Completions, mut command: Command) -> Result<(), Failure> {
+pub fn completions(options: &Completions) -> Result<(), Failure> {
     let mut script = Vec::new();
-    generate(options.shell, &mut command, "sagnac", &mut script);
+    generate(options.shell, &mut command(), "sagnac", &mut script);
     print(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for the program and one for each command.
-pub fn man(options: &Man, command: Command) -> Result<(), Failure> {
+pub fn man(options: &Man) -> Result<(), Failure> {
     let folder = &options.folder;
-    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.clone(), source })?;
-    let commands: Vec<Command> =
-        command.get_subcommands().filter(|command| !command.is_hide_set()).cloned().collect();
-    page(command, "sagnac".to_owned(), folder)?;
-    for command in commands {
-        let name = format!("sagnac-{}", command.get_name());
-        page(command, name, folder)?;
+    make_folder(folder)?;
+    page(command(), "sagnac".to_owned(), folder)?;
+    for command in command().get_subcommands().filter(|command| !command.is_hide_set()) {
+        page(command.clone(), format!("sagnac-{}", command.get_name()), folder)?;
     }
     print(&format!(
         "pages are in {}; read them with `man -l {}`",
@@ -62,7 +60,6 @@ fn page(command: Command, name: String, folder: &Path) -> Result<(), Failure> {
     let path = folder.join(format!("{name}.1"));
     let command = command.display_name(name.clone()).bin_name(name.replacen('-', " ", 1));
     let mut page = Vec::new();
-    let rendered = clap_mangen::Man::new(command).title(name).render(&mut page);
-    rendered.map_err(|source| Failure::Write { path: path.clone(), source })?;
+    clap_mangen::Man::new(command).title(name).render(&mut page).map_err(unwritten(&path))?;
     write(&path, &page)
 }

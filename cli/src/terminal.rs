@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use sagnac::quantity::number::significant;
 use sagnac::table::{Column, ColumnError, Table};
 
 use crate::look;
@@ -107,7 +108,7 @@ impl<'t> Names<'t> {
 }
 
 /// The index of each item among the different ones, and the first place of each of these.
-fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
+pub(crate) fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
     let (mut known, mut firsts) = (HashMap::new(), Vec::new());
     let places = items
         .enumerate()
@@ -132,6 +133,17 @@ fn gcd(a: usize, b: usize) -> usize {
 
 /// Width beyond which headings are broken if no terminal has a known width.
 const USUAL_MOST: usize = 100;
+
+/// A number with some significant digits; blank if it is absent.
+pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(String::new, |value| significant(value, digits))
+}
+
+/// A table with a heading, [aligned].
+pub(crate) fn headed<const N: usize>(heading: [&str; N], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let heading = heading.map(str::to_owned).to_vec();
+    aligned(&std::iter::once(heading).chain(rows).collect::<Vec<_>>())
+}
 
 /// Rows of cells, flush right, with every column as wide as its widest cell; on a narrower terminal as in [`fitted`].
 pub(crate) fn aligned(rows: &[Vec<String>]) -> String {

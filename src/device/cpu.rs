@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::device::Job;
+use crate::device::{Advance, Job, Tallies};
 use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
@@ -45,19 +45,13 @@ impl Cpu {
     }
 
     /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
-    pub fn tally(&self, jobs: &[Job], histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Vec<Moments>> {
+    pub fn tally(&self, jobs: &[Job], histogram: bool, progress: Advance) -> Tallies {
         self.pool.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
     }
 
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
     /// curve. `progress` receives numbers of records as they complete.
-    pub fn sums(
-        &self,
-        recipe: &Recipe,
-        first: u64,
-        count: usize,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Vec<u128> {
+    pub fn sums(&self, recipe: &Recipe, first: u64, count: usize, progress: Advance) -> Vec<u128> {
         let lanes = self.width.lanes() as u64;
         let end = first + count as u64;
         // The record numbers of a group share one upper half.
@@ -73,7 +67,7 @@ impl Cpu {
         self.pool.install(|| groups.par_iter().flat_map_iter(group).collect())
     }
 
-    fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {
+    fn tally_job(&self, job: &Job, histogram: bool, progress: Advance) -> Vec<Moments> {
         let Job { launch, block } = job;
         let empty = || vec![Moments::empty(histogram); launch.sampled.estimates()];
         // Pieces of an aligned block never straddle a multiple of 2^32, as the kernel requires.

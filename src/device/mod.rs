@@ -14,6 +14,12 @@ use crate::kernel::moments::Moments;
 use crate::kernel::recipe::Recipe;
 use crate::tally::block::Block;
 
+/// Receives numbers of trials or records as they complete.
+pub type Advance<'a> = &'a (dyn Fn(u64) + Sync);
+
+/// Tallies of jobs, in their order: one for each estimate of a job.
+pub type Tallies = Vec<Vec<Moments>>;
+
 /// Trials to be tallied: one block of a launch.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
@@ -44,12 +50,7 @@ impl Device {
     ///
     /// # Errors
     /// A GPU is lost, refuses the work or is out of memory; no results of the jobs are kept.
-    pub fn tally(
-        &mut self,
-        jobs: &[Job],
-        histogram: bool,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, GpuError> {
+    pub fn tally(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
             Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
@@ -67,7 +68,7 @@ impl Device {
         recipe: &Recipe,
         first: u64,
         count: usize,
-        progress: &(dyn Fn(u64) + Sync),
+        progress: Advance,
     ) -> Result<Vec<u128>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.sums(recipe, first, count, progress)),

@@ -2,12 +2,11 @@
 
 use core::convert::Infallible;
 
-use crate::device::Job;
 use crate::device::error::GpuError;
 use crate::device::gpu::adapter::Adapter;
 use crate::device::select::SelfTest;
+use crate::device::{Advance, Job, Tallies};
 use crate::kernel::map::Map;
-use crate::kernel::moments::Moments;
 use crate::kernel::recipe::Recipe;
 use crate::kernel::shader::Variant;
 
@@ -49,10 +48,12 @@ pub mod adapter {
     }
 }
 
-type Progress<'a> = &'a (dyn Fn(u64) + Sync);
-
 /// An uninhabited type: there is no GPU.
-pub struct Gpu(Infallible);
+pub struct Gpu {
+    pub(crate) threads: usize,
+    pub(crate) self_test: Option<SelfTest>,
+    never: Infallible,
+}
 
 impl Gpu {
     pub(crate) fn open(adapter: &Adapter, _: Variant) -> Result<Gpu, GpuError> {
@@ -60,46 +61,34 @@ impl Gpu {
     }
 
     pub(crate) fn opened_again(&self) -> Result<Gpu, GpuError> {
-        match self.0 {}
-    }
-
-    pub(crate) fn with_threads(self, _: usize) -> Gpu {
-        self
+        match self.never {}
     }
 
     pub(crate) fn with_self_test(self, _: SelfTest) -> Gpu {
         self
     }
 
-    pub(crate) fn self_test(&self) -> Option<SelfTest> {
-        match self.0 {}
-    }
-
-    pub(crate) fn threads(&self) -> usize {
-        match self.0 {}
-    }
-
     pub(crate) fn name(&self) -> &str {
-        match self.0 {}
+        match self.never {}
     }
 
     pub(crate) fn halve_tiles(&mut self) -> bool {
-        match self.0 {}
+        match self.never {}
     }
 
     pub(crate) fn halve_batches(&mut self) -> bool {
-        match self.0 {}
+        match self.never {}
     }
 
-    pub(crate) fn tally(&mut self, _: &[Job], _: bool, _: Progress) -> Result<Vec<Vec<Moments>>, GpuError> {
-        match self.0 {}
+    pub(crate) fn tally(&mut self, _: &[Job], _: bool, _: Advance) -> Result<Tallies, GpuError> {
+        match self.never {}
     }
 
-    pub(crate) fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Progress) -> Result<Vec<u128>, GpuError> {
-        match self.0 {}
+    pub(crate) fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Advance) -> Result<Vec<u128>, GpuError> {
+        match self.never {}
     }
 
     pub(crate) fn map(&mut self, _: &Map, _: &[u32]) -> Result<Vec<u32>, GpuError> {
-        match self.0 {}
+        match self.never {}
     }
 }

@@ -69,11 +69,7 @@ pub struct Selection {
 /// # Errors
 /// An adapter cannot be opened.
 pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
-    let open = |adapter: &Adapter| match Gpu::open(adapter, adapter.variant()) {
-        Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
-        Err(source) => Err(SelectError::Gpu { name: adapter.name(), source }),
-    };
-    Adapter::all().iter().map(open).collect()
+    Adapter::all().iter().map(|adapter| Ok(Device::Gpu(Box::new(opened(adapter)?)))).collect()
 }
 
 /// Selects the device that `wanted` names. `auto` selects a real GPU that passes its self-test, else the CPU. The CPU,
@@ -119,16 +115,14 @@ fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
 
 fn auto(threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
     let adapters = Adapter::all();
-    let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
-        return match adapters.first() {
-            None => cpu(Width::widest(), threads, "no GPU was found"),
-            Some(software) => {
-                let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
-                cpu(Width::widest(), threads, &reason)
-            }
-        };
-    };
-    or_cpu(open(adapter, threads, "a GPU that passed its self-test", self_test), threads)
+    match (adapters.iter().find(|adapter| !adapter.is_software()), adapters.first()) {
+        (Some(gpu), _) => or_cpu(open(gpu, threads, "a GPU that passed its self-test", self_test), threads),
+        (None, None) => cpu(Width::widest(), threads, "no GPU was found"),
+        (None, Some(software)) => {
+            let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
+            cpu(Width::widest(), threads, &reason)
+        }
+    }
 }
 
 /// Falls back to the CPU where a GPU cannot be used, and gives the reason.
@@ -143,15 +137,20 @@ fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectEr
     Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
 }
 
+fn opened(adapter: &Adapter) -> Result<Gpu, SelectError> {
+    let failed = |source| SelectError::Gpu { name: adapter.name(), source };
+    Gpu::open(adapter, adapter.variant()).map_err(failed)
+}
+
 fn open(
     adapter: &Adapter,
     threads: usize,
     reason: &str,
     self_test: SelfTest,
 ) -> Result<Selection, SelectError> {
-    let opened = Gpu::open(adapter, adapter.variant());
-    let gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
-    Ok(Selection { device: trusted(gpu.with_threads(threads), self_test)?, reason: reason.to_owned() })
+    let mut gpu = opened(adapter)?;
+    gpu.threads = threads;
+    Ok(Selection { device: trusted(gpu, self_test)?, reason: reason.to_owned() })
 }
 
 /// Opens the adapter of a lost device again.
@@ -161,7 +160,7 @@ fn open(
 pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
     let opened = lost.opened_again();
     let gpu = opened.map_err(|source| SelectError::Gpu { name: lost.name().to_owned(), source })?;
-    match lost.self_test() {
+    match lost.self_test {
         Some(self_test) => trusted(gpu, self_test),
         None => Ok(Device::Gpu(Box::new(gpu))),
     }

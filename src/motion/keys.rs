@@ -4,9 +4,10 @@ use crate::key::holds::{Holds, measure, unlimited, words};
 use crate::key::row::{Key, keys};
 use crate::key::setting::Setting;
 use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES};
-use crate::motion::vibration::Acceleration;
-use crate::motion::{Frequency, Gaussian, Motion, Value};
+use crate::motion::vibration::{Acceleration, Vibration};
+use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Tone, Value};
 use crate::quantity::units::Dimension;
+use crate::theory::minimum_variance::Band;
 
 words! {
     /// Phase of the rate at the middle of the gap.
@@ -64,7 +65,7 @@ keys! {
     /// Frequency ν of the vibration, "20 Hz"; or the band from which it is drawn for each trial, ["18 Hz", "22 Hz"].
     pub(crate) FREQUENCY = "motion.frequency", "vibration frequency", ONE_FREQUENCY, r#"frequency = "20 Hz""#;
     /// Phase of the rate at the middle of the gap; uniform if absent.
-    PHASE = "motion.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    pub(crate) PHASE = "motion.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
     /// Several tones with independent phases, at most 8, instead of a single one.
     pub(crate) TONES = "motion.tones", "", Holds::List(&Holds::Table), r#"tones = [{ amplitude = "12000 arcsec/s", frequency = "20 Hz" }]"#;
     /// Like motion.amplitude.
@@ -146,123 +147,48 @@ keys! {
 pub(crate) const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
 pub(crate) const ACCELERATION_DENSITIES: Holds = unlimited(&[Dimension::AccelerationDensity]);
 
-/// The keys of a tone.
-pub(crate) struct ToneKeys {
-    pub(crate) amplitude: &'static Key,
-    pub(crate) uniform: &'static Key,
-    pub(crate) rayleigh: &'static Key,
-    pub(crate) frequency: &'static Key,
-    pub(crate) phase: &'static Key,
-}
+/// The keys of a tone: amplitude, uniform and Rayleigh-distributed amplitude, frequency, phase.
+pub(crate) type ToneKeys = [&'static Key; 5];
 
 /// The keys of a single tone.
-pub(crate) const ONE: ToneKeys = ToneKeys {
-    amplitude: &AMPLITUDE,
-    uniform: &UNIFORM,
-    rayleigh: &RAYLEIGH,
-    frequency: &FREQUENCY,
-    phase: &PHASE,
-};
+pub(crate) const ONE: ToneKeys = [&AMPLITUDE, &UNIFORM, &RAYLEIGH, &FREQUENCY, &PHASE];
 
 /// The keys of one of several tones.
-pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
-    amplitude: &TONE_AMPLITUDE,
-    uniform: &TONE_UNIFORM,
-    rayleigh: &TONE_RAYLEIGH,
-    frequency: &TONE_FREQUENCY,
-    phase: &TONE_PHASE,
-};
+pub(crate) const OF_SEVERAL: ToneKeys =
+    [&TONE_AMPLITUDE, &TONE_UNIFORM, &TONE_RAYLEIGH, &TONE_FREQUENCY, &TONE_PHASE];
+
+/// The setting of the value that a pattern finds in a part of the motion. It applies where the pattern matches.
+macro_rules! found {
+    ($key:ident: $value:ident in $part:ident $([$all:tt])?, $pattern:pat) => {
+        Setting::of(
+            &$key,
+            |motion| if let $pattern = &motion.$part $([$all])? { let _ = $value; true } else { false },
+            |motion, new| if let $pattern = &mut motion.$part $([$all])? { *$value = new.value.into() },
+        )
+    };
+}
 
 /// The settings of a motion that can be swept, except the gyro on whose suspension it acts.
 pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
     Setting::of(
         &AMPLITUDE,
         |motion| matches!(motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
-        |motion, amplitude| {
+        |motion, new| {
             if let [tone] = &mut motion.tones[..] {
-                tone.amplitude.value = Value::Fixed(amplitude.value);
-                tone.amplitude.of_angle = amplitude.dimension == Dimension::Angle;
+                let of_angle = new.dimension == Dimension::Angle;
+                tone.amplitude = Amplitude { of_angle, value: Value::Fixed(new.value) };
             }
         },
     ),
-    Setting::of(
-        &FREQUENCY,
-        |motion| matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
-        |motion, frequency| {
-            if let [tone] = &mut motion.tones[..] {
-                tone.frequency = Frequency::Fixed(frequency.value);
-            }
-        },
-    ),
-    Setting::of(&FREQUENCY_LOW, has_drawn_frequency, |motion, low| {
-        if let [Frequency::Band(band)] = &mut frequencies(motion)[..] {
-            band.low_hz = low.value;
-        }
-    }),
-    Setting::of(&FREQUENCY_HIGH, has_drawn_frequency, |motion, high| {
-        if let [Frequency::Band(band)] = &mut frequencies(motion)[..] {
-            band.high_hz = high.value;
-        }
-    }),
-    Setting::of(&GAUSSIAN_RMS, has_gaussian_band, |motion, new| {
-        if let Some(Gaussian::Band { rms, .. }) = &mut motion.gaussian {
-            *rms = new.value;
-        }
-    }),
-    Setting::of(&GAUSSIAN_LOW, has_gaussian_band, |motion, low| {
-        if let Some(Gaussian::Band { band, .. }) = &mut motion.gaussian {
-            band.low_hz = low.value;
-        }
-    }),
-    Setting::of(&GAUSSIAN_HIGH, has_gaussian_band, |motion, high| {
-        if let Some(Gaussian::Band { band, .. }) = &mut motion.gaussian {
-            band.high_hz = high.value;
-        }
-    }),
+    found!(FREQUENCY: nu in tones[..], [Tone { frequency: Frequency::Fixed(nu), .. }]),
+    found!(FREQUENCY_LOW: low_hz in tones[..], [Tone { frequency: Frequency::Band(Band { low_hz, .. }), .. }]),
+    found!(FREQUENCY_HIGH: high_hz in tones[..], [Tone { frequency: Frequency::Band(Band { high_hz, .. }), .. }]),
+    found!(GAUSSIAN_RMS: rms in gaussian, Some(Gaussian::Band { rms, .. })),
+    found!(GAUSSIAN_LOW: low_hz in gaussian, Some(Gaussian::Band { band: Band { low_hz, .. }, .. })),
+    found!(GAUSSIAN_HIGH: high_hz in gaussian, Some(Gaussian::Band { band: Band { high_hz, .. }, .. })),
     Setting::new(&RATE, |motion, rate| motion.rate = rate.value),
     Setting::new(&ACCELERATION, |motion, acceleration| motion.acceleration = acceleration.value),
-    Setting::of(&SINE_ACCELERATION, is_shaken_by_a_sine, |motion, acceleration| {
-        if let Some(Acceleration::Sine { amplitude_g, .. }) = acceleration_of(motion) {
-            *amplitude_g = acceleration.value;
-        }
-    }),
-    Setting::of(&SINE_FREQUENCY, is_shaken_by_a_sine, |motion, frequency| {
-        if let Some(Acceleration::Sine { frequency_hz, .. }) = acceleration_of(motion) {
-            *frequency_hz = frequency.value;
-        }
-    }),
-    Setting::of(
-        &RANDOM_RMS,
-        |motion| {
-            let vibration = motion.vibration.as_ref();
-            vibration.is_some_and(|vibration| matches!(vibration.acceleration, Acceleration::Random { .. }))
-        },
-        |motion, rms| {
-            if let Some(Acceleration::Random { rms_g, .. }) = acceleration_of(motion) {
-                *rms_g = Some(rms.value);
-            }
-        },
-    ),
+    found!(SINE_ACCELERATION: amplitude_g in vibration, Some(Vibration { acceleration: Acceleration::Sine { amplitude_g, .. }, .. })),
+    found!(SINE_FREQUENCY: frequency_hz in vibration, Some(Vibration { acceleration: Acceleration::Sine { frequency_hz, .. }, .. })),
+    found!(RANDOM_RMS: rms_g in vibration, Some(Vibration { acceleration: Acceleration::Random { rms_g, .. }, .. })),
 ];
-
-/// The frequencies of all tones.
-fn frequencies(motion: &mut Motion) -> Vec<&mut Frequency> {
-    motion.tones.iter_mut().map(|tone| &mut tone.frequency).collect()
-}
-
-fn has_drawn_frequency(motion: &Motion) -> bool {
-    matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Band(_)))
-}
-
-fn has_gaussian_band(motion: &Motion) -> bool {
-    matches!(motion.gaussian, Some(Gaussian::Band { .. }))
-}
-
-fn is_shaken_by_a_sine(motion: &Motion) -> bool {
-    let vibration = motion.vibration.as_ref();
-    vibration.is_some_and(|vibration| matches!(vibration.acceleration, Acceleration::Sine { .. }))
-}
-
-fn acceleration_of(motion: &mut Motion) -> Option<&mut Acceleration> {
-    motion.vibration.as_mut().map(|vibration| &mut vibration.acceleration)
-}

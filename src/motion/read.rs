@@ -9,7 +9,8 @@ use crate::key::row::Key;
 use crate::key::table::Table;
 use crate::motion::keys::{
     ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN, GAUSSIAN_BAND, GAUSSIAN_PSD, GAUSSIAN_RMS, MOTION,
-    OF_SEVERAL, ONE, POSITION, PROFILE, PROFILE_FILE, Phase, Position, RATE, RATE_DENSITIES, TONES, ToneKeys,
+    OF_SEVERAL, ONE, PHASE, POSITION, PROFILE, PROFILE_FILE, Phase, Position, RATE, RATE_DENSITIES, TONES,
+    ToneKeys,
 };
 use crate::motion::read_psd::read_psd;
 use crate::motion::vibration::{self, Acceleration, Vibration};
@@ -71,7 +72,7 @@ fn check_beside(motion: &Motion, vibration: &Vibration, reading: &Reading) -> Re
 }
 
 fn tones(reading: &Reading) -> Result<Vec<Tone>, Fault> {
-    let single = [ONE.amplitude, ONE.frequency, ONE.phase].map(|key| reading.get(key));
+    let single = [&AMPLITUDE, &FREQUENCY, &PHASE].map(|key| reading.get(key));
     if let Some(tones) = reading.get(&TONES) {
         if let Some(single) = single.into_iter().flatten().next() {
             let message = "motion.tones conflicts with the amplitude, frequency or phase of a single tone";
@@ -85,15 +86,15 @@ fn tones(reading: &Reading) -> Result<Vec<Tone>, Fault> {
             }
             _ => {
                 let tables = list.iter().filter_map(Given::table);
-                return tables.map(|table| read_tone(&table, &OF_SEVERAL)).collect();
+                return tables.map(|table| read_tone(&table, OF_SEVERAL)).collect();
             }
         };
         return Err(tones.fault(message, label, format!("accepted: 1 to {MAX_TONES} tones")));
     }
     match single {
-        [Some(_), Some(_), _] => Ok(vec![read_tone(&reading.table, &ONE)?]),
-        [Some(only), None, _] => Err(lacking(only, ONE.frequency)),
-        [None, Some(only), _] | [None, None, Some(only)] => Err(lacking(only, ONE.amplitude)),
+        [Some(_), Some(_), _] => Ok(vec![read_tone(&reading.table, ONE)?]),
+        [Some(only), None, _] => Err(lacking(only, &FREQUENCY)),
+        [None, Some(only), _] | [None, None, Some(only)] => Err(lacking(only, &AMPLITUDE)),
         [None, None, None] => Ok(vec![]),
     }
 }
@@ -103,37 +104,33 @@ fn lacking(only: Given, key: &Key) -> Fault {
     only.fault(message, "only this one", format!("add for example {}", key.example))
 }
 
-fn read_tone(table: &Table, keys: &ToneKeys) -> Result<Tone, Fault> {
-    let frequency = table.needed(keys.frequency)?;
-    let frequency = match frequency.is_list() {
-        true => Frequency::Band(band(frequency)?),
-        false => Frequency::Fixed(frequency.quantity()?.value),
+fn read_tone(table: &Table, keys: ToneKeys) -> Result<Tone, Fault> {
+    let [amplitude, uniform, rayleigh, frequency, phase] = keys;
+    let nu = table.needed(frequency)?;
+    let frequency = match nu.is_list() {
+        true => Frequency::Band(band(nu)?),
+        false => Frequency::Fixed(nu.quantity()?.value),
     };
-    let amplitude = read_amplitude(table, keys)?;
-    let written = table.get(keys.phase);
+    let (quantity, value) = if let Some(ends) = table.get(uniform) {
+        let [low, high] = pair(ends)?;
+        (low, Value::Uniform([low.value, high.value]))
+    } else if let Some(scale) = table.get(rayleigh) {
+        let scale = scale.quantity()?;
+        (scale, Value::Rayleigh(scale.value))
+    } else {
+        let amplitude = table.needed(amplitude)?.quantity()?;
+        (amplitude, Value::Fixed(amplitude.value))
+    };
+    let written = table.get(phase);
     let phase = Phase::of(written);
-    if let (Value::Rayleigh(_), Some(written), true) = (amplitude.value, written, phase != Phase::Uniform) {
+    if let (Value::Rayleigh(_), Some(written), true) = (value, written, phase != Phase::Uniform) {
         let message =
             "a Rayleigh-distributed amplitude goes with a random phase: it is narrow-band Gaussian motion";
         let help = "leave the phase out, or draw the amplitude uniformly";
         return Err(written.fault(message, "a fixed phase", help));
     }
+    let amplitude = Amplitude { of_angle: quantity.dimension == Dimension::Angle, value };
     Ok(Tone { amplitude, frequency, phase })
-}
-
-fn read_amplitude(table: &Table, keys: &ToneKeys) -> Result<Amplitude, Fault> {
-    let of =
-        |quantity: Quantity, value| Amplitude { of_angle: quantity.dimension == Dimension::Angle, value };
-    if let Some(ends) = table.get(keys.uniform) {
-        let [low, high] = pair(ends)?;
-        return Ok(of(low, Value::Uniform([low.value, high.value])));
-    }
-    if let Some(scale) = table.get(keys.rayleigh) {
-        let scale = scale.quantity()?;
-        return Ok(of(scale, Value::Rayleigh(scale.value)));
-    }
-    let amplitude = table.needed(keys.amplitude)?.quantity()?;
-    Ok(of(amplitude, Value::Fixed(amplitude.value)))
 }
 
 /// Reads two values, the lower one first.

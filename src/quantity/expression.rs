@@ -23,11 +23,6 @@ pub(crate) struct Exponents(pub(crate) [i32; 4]);
 impl Exponents {
     const NONE: Exponents = Exponents([0; 4]);
 
-    /// `angle` and `time` in halves.
-    pub(crate) const fn angle_time(angle: i32, time: i32) -> Exponents {
-        Exponents([angle, time, 0, 0])
-    }
-
     fn times(self, power: i32) -> Exponents {
         Exponents(self.0.map(|halves| halves.saturating_mul(power)))
     }
@@ -85,7 +80,7 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
 /// # Errors
 /// A symbol is not a unit, or the text is not an expression.
 pub(crate) fn parse(text: &str) -> Result<Size, UnitError> {
-    let malformed = || UnitError::Malformed { unit: text.to_owned() };
+    let malformed = || UnitError::Malformed(text.to_owned());
     if text.chars().count() > LONGEST {
         return Err(malformed());
     }
@@ -103,17 +98,14 @@ impl<'a> Parser<'a> {
     fn expression(&mut self) -> Result<Size, UnitError> {
         let mut product = self.power()?;
         loop {
-            if self.eat("/") {
-                let Size { factor, exponents } = self.power()?;
-                product.factor /= factor;
-                product.exponents = product.exponents.plus(exponents.times(-1));
-            } else if self.eat("*") || self.eat("·") {
-                let Size { factor, exponents } = self.power()?;
-                product.factor *= factor;
-                product.exponents = product.exponents.plus(exponents);
-            } else {
+            let divides = self.eat("/");
+            if !divides && !self.eat("*") && !self.eat("·") {
                 return Ok(product);
             }
+            let Size { factor, exponents } = self.power()?;
+            let (factor, power) =
+                if divides { (product.factor / factor, -1) } else { (product.factor * factor, 1) };
+            product = Size { factor, exponents: product.exponents.plus(exponents.times(power)) };
         }
     }
 
@@ -146,7 +138,7 @@ impl<'a> Parser<'a> {
                 let under = self.closed()?;
                 self.root(under)
             }
-            symbol => lookup(symbol).ok_or_else(|| UnitError::Unknown { unit: symbol.to_owned() }),
+            symbol => lookup(symbol).ok_or_else(|| UnitError::Unknown(symbol.to_owned())),
         }
     }
 
@@ -192,7 +184,7 @@ impl<'a> Parser<'a> {
     }
 
     fn malformed(&self) -> UnitError {
-        UnitError::Malformed { unit: self.whole.to_owned() }
+        UnitError::Malformed(self.whole.to_owned())
     }
 }
 

@@ -7,142 +7,92 @@ use crate::quantity::expression::{self, Exponents};
 use crate::quantity::number::significant;
 use crate::quantity::unit::Unit;
 
-/// The physical dimension of a value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dimension {
+/// The properties of a dimension.
+struct Row {
+    exponents: Exponents,
+    name: &'static str,
+    /// Accepted units and one example, for sentences.
+    units: &'static str,
+    example: &'static str,
+    unit: Unit,
+}
+
+/// Declares the dimensions: powers in halves of ″, s and g, name, accepted units, one example, and the unit of tables.
+macro_rules! dimensions {
+    ($($(#[$doc:meta])* $Dimension:ident: $powers:tt, $name:literal, $units:literal, $example:literal, $unit:ident;)+) => {
+        /// The physical dimension of a value.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Dimension {
+            $($(#[$doc])* $Dimension,)+
+        }
+
+        impl Dimension {
+            const ALL: [Dimension; [$($name),+].len()] = [$(Dimension::$Dimension),+];
+
+            fn row(self) -> Row {
+                let (exponents, name, units, example, unit) = match self {
+                    $(Dimension::$Dimension => ($powers, $name, $units, $example, Unit::$unit),)+
+                };
+                let [angle, time, g] = exponents;
+                Row { exponents: Exponents([angle, time, g, 0]), name, units, example, unit }
+            }
+        }
+    };
+}
+
+dimensions! {
     /// A whole number, without unit.
-    Count,
+    Count: [0, 0, 0], "a whole number", "", "3", NONE;
     /// A ratio: a number, or a text in percent.
-    Ratio,
+    Ratio: [0, 0, 0], "a ratio", "", r#"0.05 or "5 %""#, NONE;
     /// A time, in s.
-    Time,
+    Time: [0, 2, 0], "a time", "s, ms, µs (us), min, h", r#""5 ms""#, S;
     /// A frequency, in Hz.
-    Frequency,
+    Frequency: [0, -2, 0], "a frequency", "Hz, kHz, 1/s", r#""20 Hz""#, HZ;
     /// An angle, in ″.
-    Angle,
+    Angle: [2, 0, 0], "an angle", "arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", r#""1.6 arcsec""#, ARCSEC;
     /// An angular rate, in ″/s.
-    Rate,
+    Rate: [2, -2, 0], "an angular rate", "arcsec/s, deg/s, deg/h, rad/s", r#""12000 arcsec/s""#, ARCSEC_PER_S;
     /// An angular rate as small as the noise and drift of a gyro at rest, in ″/s.
-    DriftRate,
+    DriftRate: [2, -2, 0], "an angular rate", "deg/h, arcsec/s, deg/s, rad/s", r#""0.002 deg/h""#, DEG_PER_H;
     /// Angle over the square root of time, in ″/√s; also a rate over the square root of frequency, two-sided: 1 °/h/√Hz
     /// = 1/60 °/√h.
-    AngleRandomWalk,
+    AngleRandomWalk: [2, -1, 0], "an angle random walk",
+        "deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", r#""0.003 deg/sqrt(h)""#, DEG_PER_SQRT_H;
     /// An angular acceleration, in ″/s².
-    AngularAcceleration,
+    AngularAcceleration: [2, -4, 0], "an angular acceleration",
+        "arcsec/s^2, deg/s^2, rad/s^2, deg/h/h", r#""100 deg/s^2""#, ARCSEC_PER_S2;
     /// Rate over the square root of time.
-    RateRandomWalk,
+    RateRandomWalk: [2, -3, 0], "a rate random walk",
+        "deg/h/sqrt(h), deg/h/√h, arcsec/s/sqrt(s)", r#""0.001 deg/h/sqrt(h)""#, DEG_PER_H_PER_SQRT_H;
     /// Power spectral density of a rate, one-sided.
-    RateDensity,
+    RateDensity: [4, -2, 0], "a density of the rate",
+        "(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", r#""0.1 (deg/s)^2/Hz""#, ARCSEC2_PER_S2_PER_HZ;
     /// A linear acceleration, in g.
-    Acceleration,
+    Acceleration: [0, 0, 2], "an acceleration", "g", r#""1 g""#, G;
     /// Power spectral density of an acceleration, one-sided.
-    AccelerationDensity,
+    AccelerationDensity: [0, 2, 4], "a density of the acceleration", "g^2/Hz", r#""0.01 g^2/Hz""#, G2_PER_HZ;
     /// Rate per linear acceleration, of a suspension.
-    RatePerAcceleration,
+    RatePerAcceleration: [2, -2, -2], "a rate per acceleration",
+        "arcsec/s/g, deg/s/g, rad/s/g", r#""20000 arcsec/s/g""#, ARCSEC_PER_S_PER_G;
 }
 
 impl Dimension {
-    /// All dimensions that are written with a unit.
-    const MEASURED: [Dimension; 11] = [
-        Dimension::Time,
-        Dimension::Frequency,
-        Dimension::Angle,
-        Dimension::Rate,
-        Dimension::AngleRandomWalk,
-        Dimension::AngularAcceleration,
-        Dimension::RateRandomWalk,
-        Dimension::RateDensity,
-        Dimension::Acceleration,
-        Dimension::AccelerationDensity,
-        Dimension::RatePerAcceleration,
-    ];
-
-    fn exponents(self) -> Exponents {
-        match self {
-            Dimension::Count | Dimension::Ratio => Exponents::angle_time(0, 0),
-            Dimension::Time => Exponents::angle_time(0, 2),
-            Dimension::Frequency => Exponents::angle_time(0, -2),
-            Dimension::Angle => Exponents::angle_time(2, 0),
-            Dimension::Rate | Dimension::DriftRate => Exponents::angle_time(2, -2),
-            Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
-            Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
-            Dimension::RateRandomWalk => Exponents::angle_time(2, -3),
-            Dimension::RateDensity => Exponents::angle_time(4, -2),
-            Dimension::Acceleration => Exponents([0, 0, 2, 0]),
-            Dimension::AccelerationDensity => Exponents([0, 2, 4, 0]),
-            Dimension::RatePerAcceleration => Exponents([2, -2, -2, 0]),
-        }
-    }
-
     /// Name for sentences, such as `an angle`.
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Dimension::Count => "a whole number",
-            Dimension::Ratio => "a ratio",
-            Dimension::Time => "a time",
-            Dimension::Frequency => "a frequency",
-            Dimension::Angle => "an angle",
-            Dimension::Rate | Dimension::DriftRate => "an angular rate",
-            Dimension::AngleRandomWalk => "an angle random walk",
-            Dimension::AngularAcceleration => "an angular acceleration",
-            Dimension::RateRandomWalk => "a rate random walk",
-            Dimension::RateDensity => "a density of the rate",
-            Dimension::Acceleration => "an acceleration",
-            Dimension::AccelerationDensity => "a density of the acceleration",
-            Dimension::RatePerAcceleration => "a rate per acceleration",
-        }
+        self.row().name
     }
 
-    /// Accepted units for sentences, such as `s, ms, …`.
+    /// Accepted units for sentences, such as `s, ms, …`; empty for a number without a unit.
     pub(crate) fn units(self) -> &'static str {
-        self.accepted().0
-    }
-
-    /// Accepted units, then one example.
-    fn accepted(self) -> (&'static str, &'static str) {
-        match self {
-            Dimension::Count => ("", "3"),
-            Dimension::Ratio => ("", "0.05 or \"5 %\""),
-            Dimension::Time => ("s, ms, µs (us), min, h", "\"5 ms\""),
-            Dimension::Frequency => ("Hz, kHz, 1/s", "\"20 Hz\""),
-            Dimension::Angle => ("arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", "\"1.6 arcsec\""),
-            Dimension::Rate => ("arcsec/s, deg/s, deg/h, rad/s", "\"12000 arcsec/s\""),
-            Dimension::DriftRate => ("deg/h, arcsec/s, deg/s, rad/s", "\"0.002 deg/h\""),
-            Dimension::AngleRandomWalk => {
-                ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
-            }
-            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2, deg/h/h", "\"100 deg/s^2\""),
-            Dimension::RateRandomWalk => {
-                ("deg/h/sqrt(h), deg/h/√h, arcsec/s/sqrt(s)", "\"0.001 deg/h/sqrt(h)\"")
-            }
-            Dimension::Acceleration => ("g", "\"1 g\""),
-            Dimension::AccelerationDensity => ("g^2/Hz", "\"0.01 g^2/Hz\""),
-            Dimension::RatePerAcceleration => ("arcsec/s/g, deg/s/g, rad/s/g", "\"20000 arcsec/s/g\""),
-            Dimension::RateDensity => ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\""),
-        }
+        self.row().units
     }
 
     /// The unit in which tables show values of this dimension: that of data sheets for noise.
     pub fn unit(self) -> Unit {
-        match self {
-            Dimension::DriftRate => Unit::DEG_PER_H,
-            Dimension::Count | Dimension::Ratio => Unit::NONE,
-            Dimension::Time => Unit::S,
-            Dimension::Frequency => Unit::HZ,
-            Dimension::Angle => Unit::ARCSEC,
-            Dimension::Rate => Unit::ARCSEC_PER_S,
-            Dimension::AngleRandomWalk => Unit::DEG_PER_SQRT_H,
-            Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
-            Dimension::RateRandomWalk => Unit::DEG_PER_H_PER_SQRT_H,
-            Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
-            Dimension::Acceleration => Unit::G,
-            Dimension::AccelerationDensity => Unit::G2_PER_HZ,
-            Dimension::RatePerAcceleration => Unit::ARCSEC_PER_S_PER_G,
-        }
+        self.row().unit
     }
-}
 
-impl Dimension {
     /// The size of one base unit in the unit of tables.
     fn base_shown(self) -> f64 {
         match self {
@@ -156,9 +106,10 @@ impl Dimension {
 
 /// Help that lists the accepted units for `dimensions`.
 pub(crate) fn accepted(dimensions: &[Dimension]) -> String {
-    let each = dimensions.iter().map(|dimension| match dimension.accepted() {
-        ("", example) => format!("{}, for example {example}", dimension.name()),
-        (units, example) => format!("{} in {units}, for example {example}", dimension.name()),
+    let each = dimensions.iter().map(|dimension| {
+        let Row { name, units, example, .. } = dimension.row();
+        let within = if units.is_empty() { "" } else { " in " };
+        format!("{name}{within}{units}, for example {example}")
     });
     format!("accepted: {}", each.collect::<Vec<_>>().join("; or "))
 }
@@ -223,17 +174,13 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     }
     let unit = unit.trim();
     let digits = number.replace('_', "").replace('−', "-");
-    let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber { text: owned() })?;
+    let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber(owned()))?;
     if unit.is_empty() {
-        return Err(UnitError::BareNumber { text: owned() });
+        return Err(UnitError::BareNumber(owned()));
     }
     let (factor, dimension) = unit_of(unit, text, wanted)?;
     let value = number * factor;
-    if value.is_finite() {
-        Ok(Quantity::new(value, dimension))
-    } else {
-        Err(UnitError::NotFinite { text: owned() })
-    }
+    if value.is_finite() { Ok(Quantity::new(value, dimension)) } else { Err(UnitError::NotFinite(owned())) }
 }
 
 /// Reads a unit alone. Returns its size in base units, and the one of the `wanted` dimensions that it measures.
@@ -247,11 +194,11 @@ pub(crate) fn parse_unit(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimen
 /// Reads the unit of `text`, which an error about the dimension quotes.
 fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
     let size = expression::parse(unit)?;
-    let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
+    let of_size = |dimension: &Dimension| dimension.row().exponents == size.exponents;
     if let Some(dimension) = wanted.iter().copied().find(of_size) {
         return Ok((size.factor, dimension));
     }
-    let known = Dimension::MEASURED.into_iter().find(of_size);
+    let known = Dimension::ALL.into_iter().filter(|known| !known.units().is_empty()).find(of_size);
     let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
     Err(UnitError::Dimension { text: text.to_owned(), found })
 }
@@ -290,7 +237,7 @@ mod tests {
     use super::*;
 
     fn parse_any(text: &str) -> Result<Quantity, UnitError> {
-        parse(text, &Dimension::MEASURED)
+        parse(text, &Dimension::ALL)
     }
 
     fn value(text: &str) -> f64 {

@@ -7,8 +7,7 @@ use crate::device::cpu::Cpu;
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::select::reopen;
-use crate::device::{Device, Job};
-use crate::kernel::moments::Moments;
+use crate::device::{Advance, Device, Job, Tallies};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 use crate::progress::Progress;
@@ -59,11 +58,7 @@ impl<'a> Worker<'a> {
     ///
     /// # Errors
     /// The device fails, and no threads can be started for the processor to replace it.
-    pub(crate) fn tally(
-        &mut self,
-        jobs: &[Job],
-        advance: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, GpuError> {
+    pub(crate) fn tally(&mut self, jobs: &[Job], advance: Advance) -> Result<Tallies, GpuError> {
         self.persist(Gpu::halve_tiles, advance, |device, progress| device.tally(jobs, true, progress))
     }
 
@@ -76,7 +71,7 @@ impl<'a> Worker<'a> {
         &mut self,
         recipe: &Recipe,
         records: Range<u64>,
-        advance: &(dyn Fn(u64) + Sync),
+        advance: Advance,
     ) -> Result<Vec<u128>, GpuError> {
         let (first, count) = (records.start, (records.end - records.start) as usize);
         let made = self.persist(Gpu::halve_batches, advance, |device, progress| {
@@ -95,8 +90,8 @@ impl<'a> Worker<'a> {
     fn persist<T>(
         &mut self,
         halve: fn(&mut Gpu) -> bool,
-        advance: &(dyn Fn(u64) + Sync),
-        work: impl Fn(&mut Device, &(dyn Fn(u64) + Sync)) -> Result<T, GpuError>,
+        advance: Advance,
+        work: impl Fn(&mut Device, Advance) -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
         let told = AtomicU64::new(0);
         let (mut was_lost, mut was_short) = (false, false);
@@ -165,7 +160,7 @@ impl<'a> Worker<'a> {
             return Ok(cpu);
         }
         let threads = match &*self.device {
-            Device::Gpu(gpu) => gpu.threads(),
+            Device::Gpu(gpu) => gpu.threads,
             Device::Cpu(_) => 0,
         };
         let cpu = Cpu::new(Width::widest(), threads).map_err(|_| error.clone())?;

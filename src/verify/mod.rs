@@ -17,7 +17,6 @@ use crate::device::error::GpuError;
 use crate::device::load::{Load, Work};
 use crate::device::select::{self, SelectError, Selection};
 use crate::device::{Device, Job};
-use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
@@ -108,16 +107,16 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
             let loads = loads(kernel);
             for Load { name, work, .. } in &loads {
                 let units = units.div_ceil(loads.len() as u64);
-                let reference = on_cpu(Width::PORTABLE, work, units);
+                let reference = on_cpu(Width::PORTABLE, work, units)?;
                 for width in Width::available() {
-                    let same = on_cpu(width, work, units) == reference;
+                    let same = on_cpu(width, work, units)? == reference;
                     compare(same, format!("{} ({name})", width.name()));
                 }
                 for device in &mut *devices {
                     let same = on_device(device, work, units)? == reference;
                     compare(same, format!("{} ({name})", device.name()));
                 }
-                reference.digest(&mut hasher);
+                hasher.update(&reference);
             }
         }
     }
@@ -141,7 +140,7 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
                 let mut same = true;
                 for Load { work, self_test_units, .. } in &loads(kernel) {
                     if let &Some(units) = self_test_units {
-                        same &= on_device(device, work, units)? == on_cpu(Width::PORTABLE, work, units);
+                        same &= on_device(device, work, units)? == on_cpu(Width::PORTABLE, work, units)?;
                     }
                 }
                 same
@@ -165,71 +164,52 @@ fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
         .collect()
 }
 
-/// The results of a load.
-#[derive(PartialEq)]
-enum Outcome {
-    Tallies(Vec<Moments>),
-    Sums(Vec<u128>),
-}
-
-impl Outcome {
-    fn digest(&self, hasher: &mut Sha256) {
-        match self {
-            Outcome::Tallies(tallies) => tallies.iter().for_each(|tally| digest(tally, hasher)),
-            Outcome::Sums(sums) => sums.iter().for_each(|sum| hasher.update(sum.to_le_bytes())),
-        }
-    }
-}
-
 /// Number of records of a load for `units` samples.
 fn records(recipe: &Recipe, units: u64) -> usize {
     units.div_ceil(u64::from(recipe.samples)) as usize
 }
 
-fn on_cpu(width: Width, work: &Work, units: u64) -> Outcome {
+/// The results of a load on the processor, as those [of a device](on_device).
+fn on_cpu(width: Width, work: &Work, units: u64) -> Result<Vec<u8>, GpuError> {
     match (Cpu::new(width, 0), work) {
-        (Ok(cpu), Work::Trials(launch)) => {
-            Outcome::Tallies(fold(launch, cpu.tally(&jobs(launch, units), true, &|_| {})))
-        }
-        (Ok(cpu), Work::Records(recipe)) => {
-            Outcome::Sums(cpu.sums(recipe, 0, records(recipe, units), &|_| {}))
-        }
+        (Ok(cpu), work) => on_device(&mut Device::Cpu(cpu), work, units),
         // If no threads can be started, the kernel still runs in this one.
         (Err(_), Work::Trials(launch)) => {
-            Outcome::Tallies(launch.tally(width, Trials { first: 0, count: units, histogram: true }))
+            Ok(of_tallies(&launch.tally(width, Trials { first: 0, count: units, histogram: true })))
         }
-        (Err(_), Work::Records(recipe)) => Outcome::Sums(recipe.sums(width, 0, records(recipe, units))),
+        (Err(_), Work::Records(recipe)) => Ok(of_sums(&recipe.sums(width, 0, records(recipe, units)))),
     }
 }
 
-fn on_device(device: &mut Device, work: &Work, units: u64) -> Result<Outcome, GpuError> {
-    Ok(match work {
+/// The results of a load on a device, as the bytes of their numbers.
+fn on_device(device: &mut Device, work: &Work, units: u64) -> Result<Vec<u8>, GpuError> {
+    match work {
         Work::Trials(launch) => {
-            Outcome::Tallies(fold(launch, device.tally(&jobs(launch, units), true, &|_| {})?))
+            let blocks = cover(0..units, base_log2(units));
+            let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
+            let mut total = vec![Moments::empty(true); launch.sampled.estimates()];
+            for part in device.tally(&jobs, true, &|_| {})? {
+                total.iter_mut().zip(&part).for_each(|(total, part)| total.merge(part));
+            }
+            Ok(of_tallies(&total))
         }
-        Work::Records(recipe) => Outcome::Sums(device.sums(recipe, 0, records(recipe, units), &|_| {})?),
-    })
-}
-
-fn jobs(launch: &Launch, trials: u64) -> Vec<Job<'_>> {
-    cover(0..trials, base_log2(trials)).into_iter().map(|block| Job { launch, block }).collect()
-}
-
-fn fold(launch: &Launch, parts: Vec<Vec<Moments>>) -> Vec<Moments> {
-    let mut total = vec![Moments::empty(true); launch.sampled.estimates()];
-    for part in parts {
-        for (total, part) in total.iter_mut().zip(&part) {
-            total.merge(part);
-        }
+        Work::Records(recipe) => Ok(of_sums(&device.sums(recipe, 0, records(recipe, units), &|_| {})?)),
     }
-    total
 }
 
-fn digest(tally: &Moments, hasher: &mut Sha256) {
-    hasher.update(tally.count.to_le_bytes());
-    hasher.update(tally.sum.to_le_bytes());
-    hasher.update(tally.square.to_le_bytes());
-    hasher.update(tally.least.to_le_bytes());
-    hasher.update(tally.greatest.to_le_bytes());
-    tally.bins.iter().for_each(|bin| hasher.update(bin.to_le_bytes()));
+fn of_sums(sums: &[u128]) -> Vec<u8> {
+    sums.iter().flat_map(|sum| sum.to_le_bytes()).collect()
+}
+
+fn of_tallies(tallies: &[Moments]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for Moments { count, sum, square, least, greatest, bins } in tallies {
+        bytes.extend(count.to_le_bytes());
+        bytes.extend(sum.to_le_bytes());
+        bytes.extend(square.to_le_bytes());
+        bytes.extend(least.to_le_bytes());
+        bytes.extend(greatest.to_le_bytes());
+        bytes.extend(bins.iter().flat_map(|bin| bin.to_le_bytes()));
+    }
+    bytes
 }

@@ -14,7 +14,7 @@ pub use crate::allan::options::Options;
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
 use crate::look;
-use crate::output::{print, print_json, write, write_table};
+use crate::output::{print, print_documents, remove, unwritten, write, write_table};
 use crate::progress::{How, Shown};
 
 /// Analyses the logs one after the other.
@@ -49,11 +49,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             }
         }
     }
-    match &documents[..] {
-        [] => Ok(()),
-        [document] => print_json(document),
-        several => print_json(&several),
-    }
+    print_documents(&documents, options.files.len())
 }
 
 /// The results folder of each file.
@@ -92,10 +88,8 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
             write_pictures(folder, stem, &Picture::Curves(figure))?;
             continue;
         }
-        for path in ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}"))) {
-            if path.exists() {
-                std::fs::remove_file(&path).map_err(|source| Failure::Write { path, source })?;
-            }
+        for ending in ["svg", "png"] {
+            remove(&folder.join(format!("{stem}.{ending}")))?;
         }
     }
     Ok(())
@@ -103,17 +97,13 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
 
 /// Removes files that an earlier run wrote and this one did not.
 fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Failure> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Failure::Write { path, source }
-    };
-    for entry in std::fs::read_dir(folder).map_err(failed(folder))? {
-        let entry = entry.map_err(failed(folder))?;
+    for entry in std::fs::read_dir(folder).map_err(unwritten(folder))? {
+        let entry = entry.map_err(unwritten(folder))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_named = name == "noise.toml" || name.starts_with("noise_") && name.ends_with(".toml");
         let is_ours = || std::fs::read_to_string(entry.path()).is_ok_and(|text| noise_file::is_ours(&text));
         if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
-            std::fs::remove_file(entry.path()).map_err(failed(&entry.path()))?;
+            remove(&entry.path())?;
         }
     }
     Ok(())

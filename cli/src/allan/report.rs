@@ -9,7 +9,7 @@ use sagnac::analysis::log::notes::heading;
 use sagnac::analysis::log::{Analysis, Column, Curve};
 use sagnac::quantity::number::significant;
 
-use crate::terminal::aligned;
+use crate::terminal::{headed, number};
 
 /// Most lines of a curve; of longer curves every second, third, … point is shown.
 const MOST_LINES: usize = 48;
@@ -37,11 +37,9 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
         analysis.percent()
     );
     text += &trend(analysis, column);
-    let header = ["τ, s", "terms", curve.deviation.name(), "lower", "upper", "α", "noise"].map(str::to_owned);
+    let heading = ["τ, s", "terms", curve.deviation.name(), "lower", "upper", "α", "noise"];
     let step = curve.points.len().div_ceil(MOST_LINES).max(1);
-    let lines = curve.points.iter().step_by(step).map(line);
-    let rows: Vec<Vec<String>> = std::iter::once(header.to_vec()).chain(lines).collect();
-    text += &format!("\n{}", aligned(&rows));
+    text += &format!("\n{}", headed(heading, curve.points.iter().step_by(step).map(line)));
     if step > 1 {
         text += &format!("  one in {step} of the {} times; curve.csv has all of them\n", curve.points.len());
     }
@@ -54,27 +52,18 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
 /// The coefficients of a column, one per line.
 fn coefficients(column: &Column) -> String {
     let Some(noise) = column.noise() else { return String::new() };
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 4));
-    let header = ["", "value", "lower", "upper", "", ""].map(str::to_owned);
     let line = |row: &Row| {
-        let end = |k: usize| number(row.interval.map(|ends| ends[k]));
-        [
-            row.name.to_owned(),
-            number(row.value),
-            end(0),
-            end(1),
-            row.symbol.to_owned(),
-            row.verdict.to_owned(),
-        ]
-        .to_vec()
+        let [value, lower, upper] =
+            [row.value, row.interval.map(|ends| ends[0]), row.interval.map(|ends| ends[1])]
+                .map(|value| number(value, 4));
+        vec![row.name.to_owned(), value, lower, upper, row.symbol.to_owned(), row.verdict.to_owned()]
     };
-    let rows: Vec<Vec<String>> =
-        std::iter::once(header.to_vec()).chain(noise.rows.iter().map(line)).collect();
+    let heading = ["", "value", "lower", "upper", "", ""];
     format!(
         "{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals {}\n{}",
         column.name,
         noise.intervals.words(),
-        aligned(&rows)
+        headed(heading, noise.rows.iter().map(line))
     )
 }
 
@@ -92,7 +81,6 @@ fn trend(analysis: &Analysis, column: &Column) -> String {
 }
 
 fn line(point: &Point) -> Vec<String> {
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 5));
     let (alpha, name) = point.noise.map_or_else(Default::default, |noise| {
         let mark = if noise.carried { "*" } else { "" };
         (format!("{}{mark}", noise.alpha), noise.name().to_owned())
@@ -100,9 +88,9 @@ fn line(point: &Point) -> Vec<String> {
     vec![
         significant(point.tau_s, 7),
         point.terms.to_string(),
-        number(point.value),
-        number(point.interval.map(|ends| ends.0)),
-        number(point.interval.map(|ends| ends.1)),
+        number(point.value, 5),
+        number(point.interval.map(|ends| ends.0), 5),
+        number(point.interval.map(|ends| ends.1), 5),
         alpha,
         name,
     ]

@@ -1,10 +1,10 @@
 //! `sagnac compare`.
 
-pub mod options;
 pub mod report;
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use sagnac::analysis::compare::logs::{Analysis, CompareError};
 use sagnac::analysis::compare::{figures, tables};
 use sagnac::record::log::channel::Log;
@@ -12,9 +12,42 @@ use sagnac::record::log::read::Request;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
-pub use crate::compare::options::Options;
 use crate::failure::Failure;
 use crate::output::{print, print_json, write_table};
+use crate::reading::Reading;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
+  sagnac compare gyro1.csv gyro2.csv --data rate --unit rad/s --time stamp --time-unit ns \\
+    --column gz
+  sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
+
+Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
+columns, the first is read from A and the second from B. If the logs have time stamps, their
+sampling rates may differ; the curves are compared at the averaging times that both have.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// First log
+    #[arg(value_name = "A")]
+    a: PathBuf,
+    /// Second log, which is compared with the first
+    #[arg(value_name = "B")]
+    b: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+    /// Results folder [default: results/<A>_vs_<B>]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the results as JSON
+    #[arg(help_heading = "Output", long)]
+    json: bool,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
 
 /// Compares two logs.
 pub fn compare(options: &Options) -> Result<(), Failure> {

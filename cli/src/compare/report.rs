@@ -7,14 +7,11 @@ use sagnac::analysis::compare::words::{duration, length, probability, sentences,
 use sagnac::quantity::number::significant;
 use sagnac::record::log::measure::Data;
 
-use crate::terminal::aligned;
+use crate::terminal::{headed, number};
 
 /// Notes attached to the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
-    let mut notes = Vec::new();
-    for side in &analysis.sides {
-        notes.extend(of_side(side, analysis));
-    }
+    let mut notes: Vec<String> = analysis.sides.iter().flat_map(|side| of_side(side, analysis)).collect();
     let common = &analysis.comparison.common;
     if common.farthest > 0.0 {
         notes.push(format!(
@@ -86,9 +83,7 @@ fn ratios(analysis: &Analysis) -> String {
     let [a, b] = &analysis.sides;
     let symbol = analysis.unit.symbol(sagnac::allan::deviation::Deviation::Oadev);
     let comma = if symbol.is_empty() { "" } else { ", " };
-    let head = ["τ, s", &a.label, &b.label, "ratio", "lower", "upper", ""].map(str::to_owned);
-    let number =
-        |value: Option<f64>, digits: usize| value.map_or_else(String::new, |x| significant(x, digits));
+    let heading = ["τ, s", &a.label, &b.label, "ratio", "lower", "upper", ""];
     let line = |ratio: &Ratio| {
         let end = |k: usize| of_ratio(ratio.interval.map(|ends| ends[k]));
         let value = |k: usize| number(ratio.points[k].value, 5);
@@ -101,12 +96,11 @@ fn ratios(analysis: &Analysis) -> String {
         vec![tau, value(0), value(1), of_ratio(ratio.value), end(0), end(1), mark.to_owned()]
     };
     let all = &analysis.comparison.ratios;
-    let lines: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(all.iter().map(line)).collect();
     let apart = all.iter().filter(|ratio| ratio.is_above().is_some()).count();
     format!(
         "overlapping Allan deviations{comma}{symbol}, and the second over the first with 95 % interval\n{}  \
          at {apart} of {} averaging times the interval excludes 1, as it would at 1 in 20 for equal noise\n",
-        aligned(&lines),
+        headed(heading, all.iter().map(line)),
         all.len()
     )
 }
@@ -122,36 +116,23 @@ fn coefficients(analysis: &Analysis) -> String {
         return String::new();
     }
     let [a, b] = [&analysis.sides[0].label, &analysis.sides[1].label];
-    let head = ["", "", a, b, "ratio", "lower", "upper", "difference", "lower", "upper", "p", "length"]
-        .map(str::to_owned);
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 4));
+    let heading = ["", "", a, b, "ratio", "lower", "upper", "difference", "lower", "upper", "p", "length"];
     let line = |row: &Row| {
         let found = &row.found;
         let value = |k: usize| match (found.values[k], found.at_most[k]) {
             (None, Some(most)) => format!("< {}", significant(most, 3)),
-            (value, _) => number(value),
+            (value, _) => number(value, 4),
         };
         let p = found.p.map_or_else(String::new, |p| probability(p).replace("p ", "").replace("= ", ""));
-        [
-            row.name.to_owned(),
-            row.symbol.to_owned(),
-            value(0),
-            value(1),
-            of_ratio(found.ratio),
-            of_ratio(found.ratio_interval[0]),
-            of_ratio(found.ratio_interval[1]),
-            number(found.difference),
-            number(found.interval[0]),
-            number(found.interval[1]),
-            p,
-            length(row.length),
-        ]
-        .to_vec()
+        let [ratio, lower, upper] =
+            [found.ratio, found.ratio_interval[0], found.ratio_interval[1]].map(of_ratio);
+        let difference = [found.difference, found.interval[0], found.interval[1]].map(|x| number(x, 4));
+        let named = [row.name.to_owned(), row.symbol.to_owned(), value(0), value(1), ratio, lower, upper];
+        named.into_iter().chain(difference).chain([p, length(row.length)]).collect()
     };
-    let lines: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(rows.iter().map(line)).collect();
     format!(
         "\ncoefficients of both curves up to an eighth of each record, with 95 % intervals\n{}  \
          length: of records that would show such values to differ in 9 of 10 cases\n",
-        aligned(&lines)
+        headed(heading, rows.iter().map(line))
     )
 }

@@ -1,7 +1,5 @@
 //! `sagnac explain`: what a word, a key, a column or an exit code means.
 
-pub mod glossary;
-
 use std::collections::BTreeMap;
 
 use clap::Args;
@@ -11,7 +9,6 @@ use sagnac::kinds::KINDS;
 use sagnac::kinds::keys::{explain_key, explained_keys};
 use sagnac::study::kind::Kind;
 
-use crate::explain::glossary::{TERMS, Term};
 use crate::failure::{EXIT_CODES, Failure};
 use crate::look;
 use crate::output::print;
@@ -72,7 +69,8 @@ fn folded(name: &str) -> String {
 /// matches follow after words.
 fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let kinds = KINDS.into_iter().filter(|kind| is_called(kind.name)).map(of_kind);
-    let terms = TERMS.iter().filter(|term| term.names.iter().any(|name| is_called(name))).map(of_term);
+    let terms = terms().filter(|(names, _)| names.iter().any(|name| is_called(name)));
+    let terms = terms.map(|(names, meaning)| format!("{} (term)\n{}", names.join(", "), filled(meaning)));
     let whole: Vec<&str> = explained_keys().filter(|key| is_called(key)).collect();
     let ends = |key: &&str| key.match_indices('.').any(|(dot, _)| is_called(&key[dot + 1..]));
     let parts = if whole.is_empty() { explained_keys().filter(ends).collect() } else { vec![] };
@@ -81,8 +79,10 @@ fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
     kinds.chain(terms).chain(keys(whole)).chain(words).chain(keys(parts)).chain(of_column(what)).collect()
 }
 
-fn of_term(term: &Term) -> String {
-    format!("{} (term)\n{}", term.names.join(", "), filled(term.meaning))
+/// Terms of the field and of this program that are neither keys nor columns, each with its names and its meaning.
+fn terms() -> impl Iterator<Item = (Vec<&'static str>, &'static str)> {
+    let entries = include_str!("glossary.txt").split("\n\n").filter_map(|entry| entry.split_once('\n'));
+    entries.map(|(names, meaning)| (names.split(", ").collect(), meaning))
 }
 
 /// A kind of study.
@@ -194,7 +194,7 @@ fn subjects() -> String {
         let columns: Vec<&str> = file.columns.iter().map(|column| column.name).collect();
         text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
     }
-    let terms: Vec<&str> = TERMS.iter().map(|term| term.names[0]).collect();
+    let terms: Vec<&str> = terms().map(|(names, _)| names[0]).collect();
     text += &format!("\nTerms, as in `sagnac explain N`\n{}", filled(&terms.join(", ")));
     text += "\nExit codes, as in `sagnac explain 4`\n";
     for (codes, meaning) in EXIT_CODES {
@@ -207,7 +207,7 @@ fn subjects() -> String {
 fn unknown(what: &str) -> String {
     let columns = files().into_iter().flat_map(|file| file.columns).map(|column| column.name);
     let kinds = KINDS.iter().map(|kind| kind.name);
-    let terms = TERMS.iter().flat_map(|term| term.names).copied();
+    let terms = terms().flat_map(|(names, _)| names);
     let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).chain(terms).collect();
     known.sort_unstable();
     known.dedup();

@@ -47,17 +47,21 @@ pub struct Given {
 }
 
 impl Given {
+    /// The options that are texts, with an example if a minimum-variance filler needs them.
+    fn texts(&self) -> [(&'static str, &Option<String>, Option<&'static str>); 6] {
+        [
+            ("--tick", &self.tick, Some("\"5 ms\"")),
+            ("--fit-ticks", &self.fit_ticks, None),
+            ("--extrapolation-ticks", &self.extrapolation_ticks, None),
+            ("--band", &self.band, Some("\"18 Hz,22 Hz\"")),
+            ("--amplitude", &self.amplitude, Some("\"12000 arcsec/s\"")),
+            ("--noise", &self.noise, Some("\"0.5 arcsec\"")),
+        ]
+    }
+
     /// The name of one option that is given, if any.
     pub fn given(&self) -> Option<&'static str> {
-        let all = [
-            ("--tick", &self.tick),
-            ("--fit-ticks", &self.fit_ticks),
-            ("--extrapolation-ticks", &self.extrapolation_ticks),
-            ("--band", &self.band),
-            ("--amplitude", &self.amplitude),
-            ("--noise", &self.noise),
-        ];
-        let text = all.into_iter().find(|(_, value)| value.is_some()).map(|(name, _)| name);
+        let text = self.texts().into_iter().find(|(_, value, _)| value.is_some()).map(|(name, ..)| name);
         self.gap_ticks.map(|_| "--gap-ticks").or(text)
     }
 
@@ -73,13 +77,11 @@ impl Given {
             self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "the number of lost ticks"))?;
         if kinds.iter().any(|kind| kind == MINIMUM_VARIANCE) {
             let of = "a minimum-variance filler is designed for a given vibration and noise";
-            let needed = [
-                ("--tick", "\"5 ms\"", &self.tick),
-                ("--band", "\"18 Hz,22 Hz\"", &self.band),
-                ("--amplitude", "\"12000 arcsec/s\"", &self.amplitude),
-                ("--noise", "\"0.5 arcsec\"", &self.noise),
-            ];
-            if let Some((option, example, _)) = needed.into_iter().find(|(.., value)| value.is_none()) {
+            let lacks = |(option, value, example): (_, &Option<String>, Option<_>)| match value {
+                None => Some((option, example?)),
+                Some(_) => None,
+            };
+            if let Some((option, example)) = self.texts().into_iter().find_map(lacks) {
                 return Err(missing(option, example, of));
             }
         }

@@ -6,28 +6,17 @@ pub mod text;
 
 use std::path::Path;
 
-use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
 pub use crate::filler::options::Options;
-use crate::output::{print, print_json, write};
+use crate::output::{make_folder, print, print_json, remove, unwritten, write};
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
-    let source = options.source()?;
-    let study = options.study(&source)?;
-    let mut firmware =
-        Firmware::choose(&study, &options.at, &options.fillers).map_err(|error| match error {
-            ChoiceError::Study(error) => options.failure(&source, error),
-            other => other.into(),
-        })?;
-    if !options.has_tick(&source) {
-        firmware.tick_s = None;
-    }
-    let folder = options.folder(&source);
+    let (firmware, folder) = options.firmware()?;
     write_all(&firmware, &folder, options.test_vectors)?;
     if options.json {
         return print_json(&firmware.document());
@@ -39,25 +28,20 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
 }
 
 fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> Result<(), Failure> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Failure::Write { path, source }
-    };
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    make_folder(folder)?;
     let mut csv = Vec::new();
     let path = folder.join("weights.csv");
-    firmware.write_weights(&mut csv).map_err(failed(&path))?;
+    firmware.write_weights(&mut csv).map_err(unwritten(&path))?;
     write(&path, &csv)?;
     write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
     write_pictures(folder, "response", &Picture::Curves(firmware.response()))?;
     let path = folder.join("test_vectors.csv");
     if let Some(count) = test_vectors {
         let mut csv = Vec::new();
-        firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(failed(&path))?;
+        firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(unwritten(&path))?;
         write(&path, &csv)?;
-    } else if path.exists() {
+    } else if remove(&path)? {
         // Existing vectors may belong to other weights.
-        std::fs::remove_file(&path).map_err(failed(&path))?;
         say!("note: removed {} of an earlier call; --test-vectors writes a new one", path.display());
     }
     Ok(())

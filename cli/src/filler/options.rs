@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::firmware::alone::KINDS;
+use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::firmware::design::Firmware;
 use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;
 
@@ -28,13 +30,13 @@ pub struct Options {
     what: Vec<String>,
     /// Value of a swept key that selects the point of the study, such as frequency="20 Hz"; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
-    pub at: Vec<String>,
+    at: Vec<String>,
     /// Only this filler of the study; may be repeated
     #[arg(long = "filler", value_name = "NAME")]
-    pub fillers: Vec<String>,
+    fillers: Vec<String>,
     /// Output folder [default: results/<name of the study file, or of the filler>/filler]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    out: Option<PathBuf>,
     /// Also write test_vectors.csv with this many inputs for each filler and the expected outputs; 1000 if N is left
     /// out
     #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
@@ -47,74 +49,57 @@ pub struct Options {
     alone: Given,
 }
 
-/// Origin of the fillers.
-pub enum Source {
-    File(PathBuf),
-    /// Kinds of fillers.
-    Kinds(Vec<String>),
-}
-
 impl Options {
-    /// The arguments before the options: a study file, or kinds of fillers.
+    /// The requested fillers at one point, and their output folder.
     ///
     /// # Errors
-    /// The arguments are neither, or an option does not apply to them.
-    pub fn source(&self) -> Result<Source, Failure> {
+    /// An option does not apply, or the study is invalid; for a study built from the options this is an error of usage.
+    pub fn firmware(&self) -> Result<(Firmware, PathBuf), Failure> {
+        let file = self.file()?;
+        let failure = |error: StudyError| match file {
+            Some(_) => error.into(),
+            None => self.alone.failure(&error),
+        };
+        let study = match file {
+            Some(file) => Study::read(file)?,
+            None => Study::parse("options", &self.alone.study(&self.what)?).map_err(failure)?,
+        };
+        let chosen = Firmware::choose(&study, &self.at, &self.fillers);
+        let mut firmware = chosen.map_err(|error| match error {
+            ChoiceError::Study(error) => failure(error),
+            other => other.into(),
+        })?;
+        // Polynomials do not need the length of a tick.
+        if file.is_none() && self.alone.tick.is_none() {
+            firmware.tick_s = None;
+        }
+        let stem = match file {
+            Some(file) => file.file_stem().map(PathBuf::from).unwrap_or_default(),
+            None => PathBuf::from(self.what.join("+")),
+        };
+        let default = || Path::new("results").join(stem).join("filler");
+        Ok((firmware, self.out.clone().unwrap_or_else(default)))
+    }
+
+    /// The study file; `None` where the arguments before the options are kinds of fillers.
+    fn file(&self) -> Result<Option<&Path>, Failure> {
         let unknown: Vec<&String> = self.what.iter().filter(|what| !KINDS.contains(&what.as_str())).collect();
-        let given = self.alone.given();
-        let usage = |message: String| Err(Failure::Usage(message));
-        match (&unknown[..], given) {
+        let message = match (&unknown[..], self.alone.given()) {
             ([], _) if !self.at.is_empty() || !self.fillers.is_empty() => {
-                usage("--at and --filler select from a study, but none is given\nleave them out".to_owned())
+                "--at and --filler select from a study, but none is given\nleave them out".to_owned()
             }
-            ([], _) => Ok(Source::Kinds(self.what.clone())),
-            ([file], None) if self.what.len() == 1 => Ok(Source::File(PathBuf::from(file))),
-            ([name, ..], Some(option)) => usage(format!(
+            ([], _) => return Ok(None),
+            ([_], None) if self.what.len() == 1 => return Ok(Some(Path::new(&self.what[0]))),
+            ([name, ..], Some(option)) => format!(
                 "{option} describes a filler without a study, but `{name}` is not a filler\naccepted: {}; a study says it in \
                  its file",
                 KINDS.join(", ")
-            )),
-            ([name, ..], None) => usage(format!(
+            ),
+            ([name, ..], None) => format!(
                 "`{name}` is not a filler\naccepted: one study file, or one or more of {}",
                 KINDS.join(", ")
-            )),
-        }
-    }
-
-    /// The study of a file, or one built from the options.
-    ///
-    /// # Errors
-    /// The study is invalid; for a study built from the options this is an error of usage.
-    pub fn study(&self, source: &Source) -> Result<Study, Failure> {
-        match source {
-            Source::File(file) => Ok(Study::read(file)?),
-            Source::Kinds(kinds) => {
-                let text = self.alone.study(kinds)?;
-                Study::parse("options", &text).map_err(|error| self.failure(source, error))
-            }
-        }
-    }
-
-    /// The failure for an error in a study; for a study built from the options it is stated in their terms.
-    pub fn failure(&self, source: &Source, error: StudyError) -> Failure {
-        match source {
-            Source::File(_) => error.into(),
-            Source::Kinds(_) => self.alone.failure(&error),
-        }
-    }
-
-    /// Whether the length of a tick is known; polynomials do not need it.
-    pub fn has_tick(&self, source: &Source) -> bool {
-        matches!(source, Source::File(_)) || self.alone.tick.is_some()
-    }
-
-    /// The output folder.
-    pub fn folder(&self, source: &Source) -> PathBuf {
-        let stem = match source {
-            Source::File(file) => file.file_stem().map(PathBuf::from).unwrap_or_default(),
-            Source::Kinds(kinds) => PathBuf::from(kinds.join("+")),
+            ),
         };
-        let default = || Path::new("results").join(stem).join("filler");
-        self.out.clone().unwrap_or_else(default)
+        Err(Failure::Usage(message))
     }
 }

@@ -4,14 +4,13 @@ pub mod summary;
 
 use std::path::Path;
 
-use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
+use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::report::FILE as REPORT;
-use sagnac::view::report::gallery::Card;
 use sagnac::view::results::Results;
 use serde_json::{Value, json};
 
@@ -19,7 +18,7 @@ use crate::charts::draw;
 use crate::failure::Failure;
 use crate::look;
 use crate::output::{print, write, write_table};
-use crate::progress::{How, Shown};
+use crate::progress::Shown;
 use crate::results::summary::summary;
 
 /// The store of existing results; an empty one for closed forms.
@@ -53,44 +52,12 @@ pub struct Ran<'a> {
     pub done: Option<(&'a Done, String)>,
     /// Number of missing trials.
     pub lacking: u64,
-}
-
-/// Where results are shown besides their files.
-#[derive(Debug, Clone, Copy)]
-pub struct Out {
+    /// Whether results are returned as JSON instead of printed.
     pub json: bool,
+    /// Whether only errors are printed.
     pub quiet: bool,
     /// Whether the first chart is drawn as text too.
     pub plot: bool,
-}
-
-/// Rebuilds the report of existing results, and returns its card for a gallery, without the link.
-///
-/// # Errors
-/// A row of the store is damaged, or the file cannot be written.
-pub fn report(
-    study: &Study,
-    plan: &Plan,
-    folder: &Path,
-    store: &Store,
-    progress: How,
-) -> Result<Card, Failure> {
-    // Folders of earlier versions lack the input files of the study.
-    keep(study, folder)?;
-    let tables = plan.tables(store, &Shown::new(progress))?;
-    let lacking = lacking(study, plan, store, &tables)?;
-    let results = Results::of::<Failure>(study, plan, store, &tables, lacking, &[])?;
-    let answer = results.answer(&results.verdicts()?)?;
-    let headline = answer.headline.clone();
-    write(&folder.join(REPORT), results.page(answer).as_bytes())?;
-    Ok(Card {
-        title: study.title.clone(),
-        question: study.question.clone(),
-        headline,
-        picture: results.charts.into_iter().next().map(|drawn| drawn.picture),
-        folder: folder.display().to_string(),
-        report: REPORT.to_owned(),
-    })
 }
 
 impl Ran<'_> {
@@ -99,8 +66,8 @@ impl Ran<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
-    pub fn show(&self, store: &Store, out: Out, progress: &Shown) -> Result<Option<Value>, Failure> {
-        let Ran { study, plan, folder, done, lacking } = self;
+    pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
+        let Ran { study, plan, folder, done, lacking, .. } = self;
         let tables = plan.tables(store, progress)?;
         for (source, table) in tables.all() {
             write_table(&folder.join(source.file()), table)?;
@@ -114,14 +81,14 @@ impl Ran<'_> {
         let headline = answer.headline.clone();
         write(&folder.join(REPORT), results.page(answer).as_bytes())?;
         progress.clear();
-        if out.json {
+        if self.json {
             return Ok(Some(self.to_json(&tables, &verdicts, &results.notes())));
         }
-        if !out.quiet {
+        if !self.quiet {
             for note in results.notes() {
                 say!("note: {note}");
             }
-            if let Some(first) = results.charts.first().filter(|_| out.plot) {
+            if let Some(first) = results.charts.first().filter(|_| self.plot) {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
             print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;

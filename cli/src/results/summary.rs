@@ -55,10 +55,9 @@ pub(crate) fn summary(
     };
     for verdict in verdicts {
         // A pipe gets unbroken lines.
-        let lines: Vec<String> = match look::columns() {
-            Some(width) => verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect(),
-            None => verdict.text(&incomplete).lines().map(str::to_owned).collect(),
-        };
+        let width = look::columns().unwrap_or(usize::MAX);
+        let lines: Vec<String> =
+            verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect();
         text += &format!("\n{}\n", lines.join("\n"));
     }
     Ok(text)

@@ -8,22 +8,20 @@ use std::time::Duration;
 
 use clap::Args;
 use sagnac::device::Device;
-use sagnac::device::select::Selection;
 use sagnac::quantity::number::significant;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
-use sagnac::verify::select;
 use sagnac::view::picture::pictures;
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::output::{print, print_json};
+use crate::output::{print, print_documents};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::results::{Out, Ran};
+use crate::results::Ran;
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
@@ -74,11 +72,6 @@ pub struct Options {
     /// Print only errors
     #[arg(help_heading = "Output", long, short)]
     quiet: bool,
-}
-
-/// A remark if trials count more than once.
-fn again(plan: &Plan, sampled: u64) -> &'static str {
-    if plan.counts_again(sampled) { " (counted once per separate launch)" } else { "" }
 }
 
 /// The subfolder of a share.
@@ -143,7 +136,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let course = Course { share, stop: Stop::listen(options.time_limit).map_err(Failure::Signals)? };
     let studies = studies(options, share)?;
     let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
-    let mut device = device(&plans, options)?;
+    let is_sampled = plans.iter().any(Plan::is_sampled);
+    let mut device = is_sampled.then(|| options.device.select(!options.quiet)).transpose()?;
     let mut documents: Vec<Value> = Vec::new();
     let mut ended = Ok(());
     for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
@@ -159,11 +153,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         }
     }
     // Completed studies are shown, whatever ended the next one.
-    match &documents[..] {
-        [] => {}
-        [document] if studies.len() == 1 => print_json(document)?,
-        several => print_json(&several)?,
-    }
+    print_documents(&documents, studies.len())?;
     ended
 }
 
@@ -219,18 +209,6 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
     options.out.clone().unwrap_or_else(default)
 }
 
-/// The requested device, if there is anything to sample.
-fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> {
-    if !plans.iter().any(Plan::is_sampled) {
-        return Ok(None);
-    }
-    let Selection { device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
-    if !options.quiet {
-        say!("device: {}, {reason}", device.name());
-    }
-    Ok(Some(device))
-}
-
 /// The plan of a study, with checks for errors that would otherwise occur after sampling.
 pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
@@ -283,9 +261,9 @@ fn run_study(
         }
         return Ok(None);
     }
-    let ran = Ran { study, plan, folder, done: done.as_ref().zip(name), lacking: 0 };
-    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
-    let document = ran.show(&store, out, &shown)?;
+    let (json, quiet, plot) = (options.json, options.quiet, options.plot);
+    let ran = Ran { study, plan, folder, done: done.as_ref().zip(name), lacking: 0, json, quiet, plot };
+    let document = ran.show(&store, &shown)?;
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {
@@ -293,7 +271,11 @@ fn run_study(
                     0.0..0.1 => "less than 0.1".to_owned(),
                     seconds => significant(seconds, 3),
                 };
-                format!("{} trials{} in {seconds} s; ", short(done.trials as f64), again(plan, done.trials))
+                let again = match plan.counts_again(done.trials) {
+                    true => " (counted once per separate launch)",
+                    false => "",
+                };
+                format!("{} trials{again} in {seconds} s; ", short(done.trials as f64))
             }
             Some(_) => "nothing was left to sample; ".to_owned(),
             None => String::new(),

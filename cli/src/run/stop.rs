@@ -38,19 +38,13 @@ impl Cause {
 
 impl std::fmt::Display for Cause {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Cause::TimeLimit => write!(f, "the time limit"),
-            Cause::Signal(signal) => write!(f, "{}", name(*signal)),
-        }
-    }
-}
-
-fn name(signal: i32) -> &'static str {
-    match signal {
-        SIGINT => "SIGINT",
-        SIGTERM => "SIGTERM",
-        SIGUSR1 => "SIGUSR1",
-        _ => "a signal",
+        f.write_str(match *self {
+            Cause::TimeLimit => "the time limit",
+            Cause::Signal(SIGINT) => "SIGINT",
+            Cause::Signal(SIGTERM) => "SIGTERM",
+            Cause::Signal(SIGUSR1) => "SIGUSR1",
+            Cause::Signal(_) => "a signal",
+        })
     }
 }
 

@@ -13,7 +13,6 @@ use std::time::Instant;
 
 use wgpu::BufferUsages;
 
-use crate::device::Job;
 use crate::device::error::GpuError;
 pub use crate::device::gpu::adapter::Adapter;
 use crate::device::gpu::fault::Heard;
@@ -24,6 +23,7 @@ use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::rest::Rest;
 use crate::device::gpu::tile::Part;
 use crate::device::select::SelfTest;
+use crate::device::{Advance, Job, Tallies};
 use crate::kernel::launch::Sampled;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
@@ -56,9 +56,9 @@ pub struct Gpu {
     lanes: usize,
     most_lanes: usize,
     /// Threads of the processor where it has to replace this device; 0 means all logical cores.
-    threads: usize,
+    pub(crate) threads: usize,
     /// Self-test to pass when the device is opened again.
-    self_test: Option<SelfTest>,
+    pub(crate) self_test: Option<SelfTest>,
     faults: Option<Faults>,
 }
 
@@ -113,25 +113,10 @@ impl Gpu {
         })
     }
 
-    /// Sets the threads of the processor where it has to replace this device.
-    pub(crate) fn with_threads(self, threads: usize) -> Gpu {
-        Gpu { threads, ..self }
-    }
-
     /// Sets the self-test to pass whenever the device is opened again.
     #[doc(hidden)]
     pub fn with_self_test(self, self_test: SelfTest) -> Gpu {
         Gpu { self_test: Some(self_test), ..self }
-    }
-
-    /// The self-test to pass when the device is opened again.
-    pub(crate) fn self_test(&self) -> Option<SelfTest> {
-        self.self_test
-    }
-
-    /// Threads of the processor where it has to replace this device.
-    pub(crate) fn threads(&self) -> usize {
-        self.threads
     }
 
     /// Opens the adapter again, with tiles as small as were found to fit.
@@ -173,23 +158,13 @@ impl Gpu {
     ///
     /// # Errors
     /// The device is lost, refuses the work or is out of memory; no results of the jobs are kept.
-    pub fn tally(
-        &mut self,
-        jobs: &[Job],
-        histogram: bool,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, GpuError> {
+    pub fn tally(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
         let tallied = self.tiles(jobs, histogram, progress);
         tallied.map_err(|error| self.settled(error))
     }
 
-    fn tiles(
-        &mut self,
-        jobs: &[Job],
-        histogram: bool,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, GpuError> {
-        let mut results: Vec<Vec<Moments>> =
+    fn tiles(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
+        let mut results: Tallies =
             jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.sampled.estimates()]).collect();
         let mut rest = Rest::of(jobs);
         let mut before = None;

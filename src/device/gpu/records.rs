@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use wgpu::BufferUsages;
 
+use crate::device::Advance;
 use crate::device::error::GpuError;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::{Gpu, TILE_SECONDS};
@@ -31,7 +32,7 @@ impl Gpu {
         recipe: &Recipe,
         first: u64,
         count: usize,
-        progress: &(dyn Fn(u64) + Sync),
+        progress: Advance,
     ) -> Result<Vec<u128>, GpuError> {
         let made = self.batches(recipe, first, count, progress);
         made.map_err(|error| self.settled(error))
@@ -51,7 +52,7 @@ impl Gpu {
         recipe: &Recipe,
         first: u64,
         count: usize,
-        progress: &(dyn Fn(u64) + Sync),
+        progress: Advance,
     ) -> Result<Vec<u128>, GpuError> {
         let ring_bytes = 4 * recipe.depth() as u64;
         let budget = MOST_BYTES.min(self.device.limits().max_storage_buffer_binding_size);

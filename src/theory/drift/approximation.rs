@@ -1,6 +1,6 @@
 //! Approximations of the interval at which the bound is least: those of the paper, and corrected ones.
 
-use crate::theory::drift::budget::Budget;
+use crate::theory::drift::budget::{Budget, bisected};
 use crate::theory::drift::magnetic::Magnetic;
 
 /// The smaller positive root of b M² − c M³ = d, by bisection to the last bit. The difference of the two sides rises
@@ -13,18 +13,10 @@ fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
         return Some(libm::sqrt(d / b));
     }
     let left = |m: f64| m * m * (b - c * m) - d;
-    let (mut below, mut above) = (0.0, 2.0 * b / (3.0 * c));
+    let top = 2.0 * b / (3.0 * c);
     // An infinite range has no middle.
-    if !above.is_finite() || left(above).is_nan() || left(above) < 0.0 {
-        return None;
-    }
-    loop {
-        let middle = 0.5 * (below + above);
-        if middle <= below || middle >= above {
-            return Some(middle);
-        }
-        *if left(middle) < 0.0 { &mut below } else { &mut above } = middle;
-    }
+    let has_root = top.is_finite() && left(top) >= 0.0;
+    has_root.then(|| bisected(0.0, top, left))
 }
 
 /// √(δP_max t/Ω_m), the paper's optimum for small A or large τ. It is the optimum for a magnetic drift that is present

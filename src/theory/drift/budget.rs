@@ -87,19 +87,23 @@ impl Budget {
             false => shortest * libm::exp(log_width * f64::from(k) / f64::from(GRID)),
         };
         let best = (0..=GRID).min_by(|a, b| bound(at(*a)).total_cmp(&bound(at(*b))))?;
-        let (mut below, mut above) = (at(best.saturating_sub(1)), at(best + 1));
-        if self.slope(above, t_s) <= 0.0 {
-            return Some(Optimum { interval_s: above, bound: bound(above) });
+        let (below, above) = (at(best.saturating_sub(1)), at(best + 1));
+        let slope = |interval_s: f64| self.slope(interval_s, t_s);
+        let interval_s = if slope(above) <= 0.0 { above } else { bisected(below, above, slope) };
+        Some(Optimum { interval_s, bound: bound(interval_s) })
+    }
+}
+
+/// The place where a function passes from below 0 to above it, by bisection to the last bit.
+pub(crate) fn bisected(mut below: f64, mut above: f64, f: impl Fn(f64) -> f64) -> f64 {
+    loop {
+        let middle = 0.5 * (below + above);
+        // The negation also ends the loop for values that are not numbers.
+        let is_between = below < middle && middle < above;
+        if !is_between {
+            return middle;
         }
-        loop {
-            let middle = 0.5 * (below + above);
-            // The negation also ends the loop for values that are not numbers.
-            let is_between = below < middle && middle < above;
-            if !is_between {
-                return Some(Optimum { interval_s: middle, bound: bound(middle) });
-            }
-            *if self.slope(middle, t_s) < 0.0 { &mut below } else { &mut above } = middle;
-        }
+        *if f(middle) < 0.0 { &mut below } else { &mut above } = middle;
     }
 }
 

@@ -15,66 +15,51 @@ use crate::theory::allan::part::{Part, Trend};
 /// Declares the terms, those that can be fitted first. Each has a module with its row and, if arguments are given here,
 /// a function of that name that makes a part.
 macro_rules! terms {
-    (fitted { $($(#[$fitted_doc:meta])* $Fitted:ident = $fitted:ident $(($($fitted_args:ident),+))?,)+ }
-     others { $($(#[$other_doc:meta])* $Other:ident = $other:ident $(($($other_args:ident),+))?,)+ }) => {
+    ($($(#[$doc:meta])* $Term:ident = $term:ident $(($($args:ident),+))?,)+) => {
         /// A term of a noise model, with its reported coefficient. Its Allan variance is proportional to the square of
         /// the coefficient.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Term {
-            $($(#[$fitted_doc])* $Fitted,)+
-            $($(#[$other_doc])* $Other,)+
+            $($(#[$doc])* $Term,)+
         }
 
         impl Term {
-            /// Every term that can be fitted.
-            pub const ALL: [Term; [$(Term::$Fitted),+].len()] = [$(Term::$Fitted),+];
-
             /// Every term, including those that cannot be fitted.
-            pub const EVERY: [Term; [$(Term::$Fitted,)+ $(Term::$Other),+].len()] =
-                [$(Term::$Fitted,)+ $(Term::$Other),+];
+            pub const EVERY: [Term; [$(Term::$Term),+].len()] = [$(Term::$Term),+];
 
             pub(crate) fn row(self) -> &'static Row {
                 match self {
-                    $(Term::$Fitted => &$fitted::ROW,)+
-                    $(Term::$Other => &$other::ROW,)+
+                    $(Term::$Term => &$term::ROW,)+
                 }
             }
         }
 
         impl Part {
             $($(#[doc = "A part of this term, in ″ and s."]
-            pub const fn $fitted($($fitted_args: f64),+) -> Part {
-                Part::new(Term::$Fitted, [$($fitted_args,)+ 1.0])
-            })?)+
-            $($(#[doc = "A part of this term, in ″ and s."]
-            pub const fn $other($($other_args: f64),+) -> Part {
-                Part::new(Term::$Other, [$($other_args,)+ 1.0])
+            pub const fn $term($($args: f64),+) -> Part {
+                Part::new(Term::$Term, [$($args,)+ 1.0])
             })?)+
         }
     };
 }
 
 terms! {
-    fitted {
-        /// White error of the angles: its rms Q, ″.
-        Quantisation = quantisation(q),
-        /// White rate: N, ″/√s.
-        AngleRandomWalk = angle_random_walk(n),
-        /// Flicker of the rate: B, ″/s. The Allan variance is flat at (2 ln2/π)B².
-        BiasInstability = bias_instability,
-        /// Random walk of the rate: K, ″/s^1.5.
-        RateRandomWalk = rate_random_walk(k),
-        /// Constant acceleration: R, ″/s².
-        RateRamp = rate_ramp(r),
-        /// Exponentially correlated rate: its rms σ, ″/s, and the time T_c, s. The part has IEEE's q_c = σ√(2/T_c).
-        Markov = markov(q_c, time_s),
-        /// Sine of the rate with a random phase: its amplitude Ω_0, ″/s, and frequency f, Hz.
-        Sine = sine(amplitude, frequency_hz),
-    }
-    others {
-        /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e, s.
-        WarmUp = warm_up(amplitude, time_s),
-    }
+    /// White error of the angles: its rms Q, ″.
+    Quantisation = quantisation(q),
+    /// White rate: N, ″/√s.
+    AngleRandomWalk = angle_random_walk(n),
+    /// Flicker of the rate: B, ″/s. The Allan variance is flat at (2 ln2/π)B².
+    BiasInstability = bias_instability,
+    /// Random walk of the rate: K, ″/s^1.5.
+    RateRandomWalk = rate_random_walk(k),
+    /// Constant acceleration: R, ″/s².
+    RateRamp = rate_ramp(r),
+    /// Exponentially correlated rate: its rms σ, ″/s, and the time T_c, s. The part has IEEE's q_c = σ√(2/T_c).
+    Markov = markov(q_c, time_s),
+    /// Sine of the rate with a random phase: its amplitude Ω_0, ″/s, and frequency f, Hz.
+    Sine = sine(amplitude, frequency_hz),
+    /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e, s.
+    WarmUp = warm_up(amplitude, time_s),
 }
 
 /// The properties of a term: its names, its units, and the closed forms for a part of it.
@@ -232,6 +217,9 @@ pub(crate) struct Apart {
 }
 
 impl Term {
+    /// Every term that can be fitted: all but the warm-up, the last one.
+    pub const ALL: [Term; Term::EVERY.len() - 1] = *Term::EVERY.first_chunk().unwrap();
+
     /// The five terms of A(4).
     pub const MODEL: [Term; 5] = [
         Term::Quantisation,
