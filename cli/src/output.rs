@@ -22,7 +22,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Prints `value` as an indented JSON document.
 ///
 /// # Errors
-/// As for [`print`].
+/// It fails where [`print`] does.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let mut stdout = BufWriter::new(io::stdout().lock());
     serde_json::to_writer_pretty(&mut stdout, value)
@@ -35,7 +35,7 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
 /// Prints the documents of several inputs as an array, and that of a single input as it is.
 ///
 /// # Errors
-/// As for [`print`].
+/// It fails where [`print`] does.
 pub fn print_documents(documents: &[Value], inputs: usize) -> Result<(), Failure> {
     match documents {
         [] => Ok(()),

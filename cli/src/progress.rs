@@ -105,7 +105,7 @@ impl Shown {
         Shown { how, bar, unit: OnceLock::new(), next: Mutex::new(Instant::now() + LINE), stop: None }
     }
 
-    /// The same progress, which also asks the run to stop as soon as there is a cause.
+    /// Progress that also asks the run to stop as soon as there is a cause.
     pub fn until(mut self, stop: &Stop) -> Shown {
         self.stop = Some(stop.clone());
         self

@@ -122,7 +122,7 @@ pub(crate) fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) 
     (places, firsts)
 }
 
-/// The same for the combinations of several columns, over `count` rows.
+/// The places of the distinct combinations of several columns, over `count` rows, as [`distinct`] gives them.
 fn combinations(columns: &[Names], count: usize) -> (Vec<usize>, Vec<usize>) {
     distinct((0..count).map(|at| columns.iter().map(|names| names.values[at]).collect::<Vec<_>>()))
 }
@@ -150,7 +150,7 @@ pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     fitted(rows, 1, look::columns())
 }
 
-/// The same within `limit` columns: headings are broken into lines, and columns that do not fit continue below, with
+/// Rows of cells as in [`aligned`], within `limit` columns: headings are broken into lines, and columns that do not fit continue below, with
 /// the first `keys` columns repeated. Without a limit, headings of wide tables are broken, and nothing continues below.
 fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);

@@ -37,7 +37,7 @@ impl Known<'_> {
     /// Finds the column that `named` means among the numeric ones: a swept key, or one that follows from it.
     ///
     /// # Errors
-    /// The same as for [`Known::chooser`].
+    /// It fails where [`Known::chooser`] does.
     pub(crate) fn coordinate(self, named: &Named, cannot: &str) -> Result<String, Fault> {
         self.find(self.ground.coordinates().copied().collect(), named, cannot)
     }

@@ -44,7 +44,7 @@ pub fn fit(curve: &Curve, covariance: &Covariance, terms: &Terms, errors: Errors
 /// simulated realisations of `Fit::process`, use [`Covariance::of_realisations`] and [`fit`].
 ///
 /// # Errors
-/// The same as for [`fit`]; moreover, the curve may be explained best without any noise.
+/// It fails where [`fit`] does, and where the curve is explained best without any noise.
 pub fn fit_record(curve: &Curve, terms: &Terms) -> Result<Fit, FitError> {
     Fitter::new(curve, terms)?.fit_record(curve.variances())
 }
@@ -92,7 +92,7 @@ impl Fitter {
     /// Fits the curve with these variances, (″/s)², like [`fit`].
     ///
     /// # Errors
-    /// The same as for [`fit`]; moreover, the variances may be invalid.
+    /// It fails where [`fit`] does, and where the variances are invalid.
     pub fn fit(&self, variances: &[f64], covariance: &Covariance, errors: Errors) -> Result<Fit, FitError> {
         self.fit_with(&self.geometry.with(variances)?, covariance, errors, None, &[])
     }
@@ -104,8 +104,8 @@ impl Fitter {
     /// the closed form.
     ///
     /// # Errors
-    /// The same as for [`fit`]; moreover, the variances may be invalid, or there may be fewer than two realisations or
-    /// some of another geometry.
+    /// It fails where [`fit`] does, and where the variances are invalid, there are fewer than two realisations, or some have
+    /// another geometry.
     ///
     /// [`realisations`]: fn@crate::kinds::allan::realisations::realisations
     pub fn fit_realised(
@@ -126,7 +126,7 @@ impl Fitter {
     /// Fits the curve with these variances, (″/s)², like [`fit_record`].
     ///
     /// # Errors
-    /// The same as for [`fit_record`]; moreover, the variances may be invalid.
+    /// It fails where [`fit_record`] does, and where the variances are invalid.
     pub fn fit_record(&self, variances: &[f64]) -> Result<Fit, FitError> {
         let curve = self.geometry.with(variances)?;
         let mut covariance = Covariance::of_independent(&curve)?;

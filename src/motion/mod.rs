@@ -57,7 +57,7 @@ pub struct Amplitude {
 /// A value that is fixed or drawn for each trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
-    /// The same in all trials.
+    /// One value for all trials.
     Fixed(f64),
     /// Uniformly distributed between two ends.
     Uniform([f64; 2]),
@@ -68,7 +68,7 @@ pub enum Value {
 /// Frequency of a tone, Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Frequency {
-    /// The same in all trials.
+    /// One value for all trials.
     Fixed(f64),
     /// Drawn uniformly from a band for each trial.
     Band(Band),

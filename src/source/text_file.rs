@@ -50,7 +50,7 @@ impl Files {
     /// The text of a file.
     ///
     /// # Errors
-    /// The same as for [`read_text`].
+    /// It fails where [`read_text`] does.
     pub(crate) fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
         let path = self.path(name);
         if let Some(known) = self.read.borrow().get(&path) {

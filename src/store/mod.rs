@@ -256,7 +256,7 @@ impl Store {
     /// The tally over the rows that lie within the first `trials` trials.
     ///
     /// # Errors
-    /// The same as for [`Store::total`].
+    /// It fails where [`Store::total`] does.
     pub fn total_within(&self, address: &Address, trials: u64) -> Result<Moments, StoreError> {
         added_up(&self.held(address, trials)?, &self.path)
     }
@@ -265,7 +265,7 @@ impl Store {
     /// order. While some tallies are read, others are added up.
     ///
     /// # Errors
-    /// The same as for [`Store::total`].
+    /// It fails where [`Store::total`] does.
     pub fn of_totals<T: Send>(
         &self,
         addresses: &[Address],
@@ -294,7 +294,7 @@ impl Store {
     /// The rows of all trials held, `width` integers each, in order.
     ///
     /// # Errors
-    /// The same as for [`Store::total`].
+    /// It fails where [`Store::total`] does.
     pub fn rows(&self, address: &Address, width: usize) -> Result<Vec<Rows>, StoreError> {
         let rows = |raw: Raw| match raw.tally::<Rows>(&self.path)? {
             rows if rows.width == width => Ok(rows),

@@ -74,7 +74,7 @@ impl Raw {
     /// Adds the tally of the row to `total`, which belongs to other trials and is invalid after an error.
     ///
     /// # Errors
-    /// The same as for [`Raw::tally`].
+    /// It fails where [`Raw::tally`] does.
     pub(crate) fn add_to(&self, total: &mut Moments, path: &Path) -> Result<(), StoreError> {
         add(&self.sums, self.block.trials(), total).ok_or_else(|| self.damaged(path, NO_TALLY))
     }

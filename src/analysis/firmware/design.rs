@@ -123,7 +123,7 @@ impl Design {
 /// The rules of fillers of a study at a point: that of the residual, and that of the extrapolation where there is one.
 ///
 /// # Errors
-/// The same as for [`Firmware::new`].
+/// It fails where [`Firmware::new`] does.
 pub fn rules(
     study: &Study,
     point: &Point,

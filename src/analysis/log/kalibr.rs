@@ -89,7 +89,7 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
 /// Notes on keys without a value, for the user.
 ///
 /// # Errors
-/// The same as for [`text`].
+/// It fails where [`text`] does.
 pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
     for (name, term, unit) in KEYS {
@@ -146,7 +146,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The same for a number that is short enough without an exponent.
+/// A number that is written without an exponent where it is short enough.
 fn plain_number(value: f64) -> String {
     match significant(value, 9) {
         long if long.contains('e') => number(value),

@@ -33,7 +33,7 @@ impl Fixed {
         self.about(angle, place)
     }
 
-    /// The same, approximated for a compensated relock by its first trials.
+    /// The oracle of an angle; for a compensated relock it is approximated by the first trials.
     fn about(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
         match angle {
             RunAngle::Largest => None,
