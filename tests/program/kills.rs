@@ -1,6 +1,6 @@
 //! kill −9 at any moment: what is resumed is what an undisturbed run gives, to the last bit.
 //!
-//! 20 kills by themselves; `SAGNAC_KILLS=200 cargo test --release --test kills -- --nocapture` for as many as one likes.
+//! 20 kills by themselves; `SAGNAC_KILLS=200 cargo test --release --test program kills -- --nocapture` for as many as one likes.
 #![cfg(unix)]
 
 use std::path::Path;
