@@ -16,7 +16,6 @@ use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
-use crate::study::precision::Precision;
 use crate::table::column::abouts;
 
 /// Errors of gap fillers at a mode switch.
@@ -54,9 +53,5 @@ impl Subject for GapFill {
             laws: columns::LAWS,
             ..Ground::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
         }]
-    }
-
-    fn precision(&self) -> Option<Precision> {
-        self.precision
     }
 }

@@ -1,11 +1,11 @@
 //! The stop rule, which decides which points have the requested precision.
 
 use crate::kernel::moments::Moments;
+use crate::key::precision::Precision;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::run::Plan;
 use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::study::precision::Precision;
 use crate::tally::stats::{Estimates, NORMAL_95};
 
 impl Plan<'_> {
