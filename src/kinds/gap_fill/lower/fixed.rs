@@ -209,10 +209,12 @@ impl FixedTone {
     }
 
     /// Peak, least frequency, width of its range, and whether the amplitude is that of the angle, of a tone of drawn
-    /// frequency.
+    /// frequency; there is no tone of fixed frequency beside one.
     pub(crate) fn drawn_words(&self) -> [u32; 4] {
         match self.motion {
-            ToneMotion::Fixed { .. } => [0; 4],
+            ToneMotion::Fixed { .. } => {
+                unreachable!("lowering makes all tones of drawn frequency where one is")
+            }
             ToneMotion::Drawn { peak, low, width, of_angle } => [peak, low, width, of_angle.into()],
         }
     }
