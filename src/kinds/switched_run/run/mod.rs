@@ -79,6 +79,8 @@ impl Plan<'_> {
 
 impl Tabulated for Plan<'_> {
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
+        let keeps = self.subject.trajectories > 0;
+        let trajectories = keeps.then(|| trajectories::table(self, store)).transpose()?;
         let mut rows = Vec::new();
         for (point, filler, filled) in self.filled() {
             let row = |estimate| Row { point, filler, filled, estimate, found: Found::default() };
@@ -90,8 +92,6 @@ impl Tabulated for Plan<'_> {
         rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
         let columns = columns(!self.subject.fillers().is_empty());
         let points = table(&self.study.sweeps, &columns, &rows, |row| &row.point.swept);
-        let keeps = self.subject.trajectories > 0;
-        let trajectories = keeps.then(|| trajectories::table(self, store)).transpose()?;
         Ok(Tables { trajectories, ..Tables::of_points(points) })
     }
 
