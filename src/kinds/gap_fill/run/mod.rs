@@ -29,7 +29,7 @@ const MOST_REPLAYED: u64 = 1 << 32;
 
 /// Refuses too many trials of a record that is replayed over all its places.
 pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
-    let (study, replays) = (plan.study, plan.points.iter().any(|point| point.trials(1) > 1));
+    let (study, replays) = (plan.study, plan.points.iter().any(|point| point.whole_replays(1) > 1));
     if !replays || study.trials <= MOST_REPLAYED {
         return Ok(());
     }
@@ -66,7 +66,7 @@ impl Launched for Lowered {
     }
 
     fn trials(&self, asked: u64) -> u64 {
-        self.trials(asked)
+        self.whole_replays(asked)
     }
 }
 
