@@ -273,6 +273,11 @@ fn factor(covariance: &[f64], gap_ticks: i32, sides: usize, lsb_arcsec: f64) -> 
     semidefinite(ticks.len(), between).into_iter().map(|row| row.into_iter().map(word).collect()).collect()
 }
 
+/// A word of ones where a property is set, else of zeros.
+pub(crate) fn mask(is_set: bool) -> u32 {
+    if is_set { u32::MAX } else { 0 }
+}
+
 /// The two words of a 64-bit constant.
 pub(crate) fn long_words(x: i64) -> [u32; 2] {
     [x as u32, (x >> 32) as u32]
