@@ -5,6 +5,7 @@ pub mod explained;
 pub(crate) mod given;
 pub(crate) mod holds;
 pub(crate) mod places;
+pub mod precision;
 pub(crate) mod reading;
 pub mod refusal;
 pub(crate) mod row;

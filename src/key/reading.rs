@@ -2,6 +2,7 @@
 
 use crate::key::given::Given;
 use crate::key::places::Places;
+use crate::key::precision::Precision;
 use crate::key::row::Key;
 use crate::key::setting::Setting;
 use crate::key::sweep::Sweep;
@@ -21,6 +22,8 @@ pub(crate) struct Reading<'a> {
     pub(crate) places: Places,
     /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     pub(crate) notes: Vec<String>,
+    /// Precision at which points stop; none for a kind without a stop rule.
+    pub(crate) precision: Option<Precision>,
 }
 
 impl<'a> Reading<'a> {

@@ -35,8 +35,8 @@ pub(crate) fn identity(kind: &str, seed: u64, streams: Streams, inputs: &str) ->
 /// The blocks that the store lacks of some estimates, whose trials have that many steps.
 pub(crate) type Lacking<'a> = &'a dyn Fn(&[Address], u64) -> Result<Vec<Block>, StoreError>;
 
-/// A point, ready to be sampled.
-pub(crate) trait Sampled: fmt::Debug + Send {
+/// A lowered point, which launches sample.
+pub(crate) trait Launched: fmt::Debug + Send {
     /// The identity of the point.
     fn id(&self) -> Id;
 
@@ -58,8 +58,8 @@ pub(crate) trait Sampled: fmt::Debug + Send {
     }
 }
 
-/// The results of a plan.
-pub(crate) trait Results {
+/// A plan that turns what a store holds into tables and notes.
+pub(crate) trait Tabulated {
     /// The tables of all that the store holds; without a store, all rows without estimates.
     ///
     /// # Errors
@@ -88,7 +88,7 @@ pub(crate) trait Results {
         Ok(())
     }
 
-    /// The amount of missing results that [`keep`](Results::keep) would store.
+    /// The amount of missing results that [`keep`](Tabulated::keep) would store.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -97,33 +97,34 @@ pub(crate) trait Results {
     }
 }
 
-/// A study whose points are all proven to fit. `S` is the part of it that belongs to its kind.
+/// The plan of a study whose points are all proven to fit. `S` is the part of the study that belongs to its kind, and `L`
+/// a point of it, lowered.
 #[derive(Debug)]
-pub(crate) struct Planned<'a, S, L> {
+pub(crate) struct PointsPlan<'a, S, L> {
     pub(crate) study: &'a Study,
-    pub(crate) asked: &'a S,
+    pub(crate) subject: &'a S,
     pub(crate) points: Vec<L>,
 }
 
 /// log2 of the number of trials after which the stop rule first decides.
 const FEWEST_LOG2: u32 = 10;
 
-impl<'a, S, L: Sampled> Planned<'a, S, L> {
-    /// Lowers every point.
+impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
+    /// Lowers every point. `P` is a point before it is lowered, and `swept` gives its values of the swept keys.
     ///
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
     pub(crate) fn new<P: Sync>(
         study: &'a Study,
-        asked: &'a S,
+        subject: &'a S,
         points: &[P],
         swept: fn(&P) -> &Values,
         lower: impl Fn(&P) -> Result<L, Refusal> + Sync,
-    ) -> Result<Planned<'a, S, L>, StudyError> {
+    ) -> Result<PointsPlan<'a, S, L>, StudyError> {
         let lower = |point| lower(point).map_err(|refusal| study.refused(swept(point), &refusal));
         // The first error in the order of the points is reported, whichever thread found it.
         let points: Vec<Result<L, StudyError>> = points.par_iter().map(lower).collect();
-        Ok(Planned { study, asked, points: points.into_iter().collect::<Result<_, _>>()? })
+        Ok(PointsPlan { study, subject, points: points.into_iter().collect::<Result<_, _>>()? })
     }
 
     /// Whether the stop rule applies; it does not apply to a share.
@@ -167,9 +168,9 @@ impl<'a, S, L: Sampled> Planned<'a, S, L> {
     }
 }
 
-impl<S: fmt::Debug, L: Sampled> Plan for Planned<'_, S, L>
+impl<S: fmt::Debug, L: Launched> Plan for PointsPlan<'_, S, L>
 where
-    Self: Results,
+    Self: Tabulated,
 {
     /// With a precision, a point stops after 1, 2, 4, … base blocks of trials, and at least 1024 trials, when all
     /// its errors have the requested precision. The rule depends on the study only. The estimates of a point keep the
@@ -213,7 +214,7 @@ where
     }
 
     fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
-        Results::tables(self, store)
+        Tabulated::tables(self, store)
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
@@ -221,15 +222,15 @@ where
         if self.study.precision.is_some() {
             return Ok(None);
         }
-        held_by_all(index, self.points.iter().flat_map(Sampled::addresses))
+        held_by_all(index, self.points.iter().flat_map(Launched::addresses))
     }
 
     fn ids(&self) -> Vec<Id> {
-        self.points.iter().map(Sampled::id).collect()
+        self.points.iter().map(Launched::id).collect()
     }
 
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
-        Results::notes(self, store)
+        Tabulated::notes(self, store)
     }
 
     fn all_trials(&self) -> u64 {

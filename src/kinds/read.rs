@@ -19,6 +19,7 @@ use crate::chart::ground::Ground;
 use crate::chart::read::read_all as read_charts;
 use crate::key::common::{KIND, QUESTION, SEED, STREAMS, Streams, TITLE, TRIALS};
 use crate::key::places::Places;
+use crate::key::precision::PRECISION;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::sweep::read_all as read_sweeps;
@@ -28,7 +29,6 @@ use crate::source::diagnose::{Fault, StudyError, Text, Wrong};
 use crate::source::text_file::{Files, MOST_TOML, read_text};
 use crate::study::Study;
 use crate::study::kept::{self, Written};
-use crate::study::precision::PRECISION;
 
 impl Study {
     /// Reads the study file at `path`.
@@ -73,11 +73,12 @@ impl Study {
         };
         let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
         let places = Places::of(&sweeps);
+        let (notes, precision) = (vec![], None);
         let mut reading =
-            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes: vec![] };
+            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes, precision };
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
-        let Reading { places, notes, .. } = reading;
+        let Reading { places, notes, precision, .. } = reading;
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
         let mut charts = read_charts(&table, &sweeps, &grounds)?;
@@ -102,7 +103,7 @@ impl Study {
             charts,
             kind,
             notes,
-            precision: subject.precision(),
+            precision,
             subject,
             text: text.clone(),
             places,

@@ -40,7 +40,7 @@ pub struct Done {
     pub degraded: Vec<String>,
 }
 
-/// The plan of a study of any kind; by default, one that samples nothing.
+/// The plan of a study of any kind.
 pub(crate) trait Plan: fmt::Debug {
     /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
     /// completes.
@@ -49,21 +49,17 @@ pub(crate) trait Plan: fmt::Debug {
     /// The device or the disk fails.
     fn run(
         &self,
-        _store: &mut Store,
-        _worker: &mut Worker,
-        _share: Share,
-        _progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
-        Ok(Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
-    }
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError>;
 
     /// Number of trials that the store lacks of a share.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    fn lacks(&self, _store: &Store, _share: Share) -> Result<u64, StoreError> {
-        Ok(0)
-    }
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError>;
 
     /// The tables of everything that the store holds; without a store, all rows without estimates.
     ///
@@ -75,14 +71,10 @@ pub(crate) trait Plan: fmt::Debug {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    fn held(&self, _index: &Index) -> Result<Option<u64>, StoreError> {
-        Ok(None)
-    }
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError>;
 
     /// The identities of all points.
-    fn ids(&self) -> Vec<Id> {
-        vec![]
-    }
+    fn ids(&self) -> Vec<Id>;
 
     /// Notes attached to the results, each a sentence.
     ///
@@ -91,9 +83,7 @@ pub(crate) trait Plan: fmt::Debug {
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
 
     /// Number of trials of all points together.
-    fn all_trials(&self) -> u64 {
-        u64::MAX
-    }
+    fn all_trials(&self) -> u64;
 
     /// Why points have more trials than the study requests.
     fn surplus(&self) -> &'static str {

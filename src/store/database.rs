@@ -156,14 +156,44 @@ impl Database {
     }
 
     /// Takes over the provenance of another store. A session that has continued since the last merge is updated.
+    ///
+    /// # Errors
+    /// A session of the other store cannot be read, or the disk fails; sessions taken over before are kept.
     pub(crate) fn take_over_provenance(&self, source: &Database) -> Result<(), StoreError> {
-        type Session = (Vec<u8>, i64, String, String, i64, f64);
+        let theirs = |error| source.failed(error);
         let sql = "SELECT session, finished, program, device, trials, seconds FROM provenance";
-        let sessions: Vec<Session> = source.query(sql, [], |row| row.try_into())?;
+        let mut statement = source.connection.prepare(sql).map_err(theirs)?;
+        let mut sessions = statement.query([]).map_err(theirs)?;
+        while let Some(row) = sessions.next().map_err(theirs)? {
+            self.put_session(&Session::read(row).map_err(theirs)?)?;
+        }
+        Ok(())
+    }
+
+    /// Inserts a session, or updates it where it has continued.
+    fn put_session(&self, session: &Session) -> Result<(), StoreError> {
+        let Session { id, finished, program, device, trials, seconds } = session;
         let sql = "INSERT INTO provenance VALUES (?1, ?2, ?3, ?4, ?5, ?6)
                    ON CONFLICT DO UPDATE SET finished = ?2, device = ?4, trials = ?5, seconds = ?6
                    WHERE trials < ?5";
-        sessions.into_iter().try_for_each(|session| self.execute(sql, session).map(drop))
+        self.execute(sql, params![id, finished, program, device, trials, seconds]).map(drop)
+    }
+}
+
+/// A row of the provenance.
+struct Session {
+    id: Vec<u8>,
+    finished: i64,
+    program: String,
+    device: String,
+    trials: i64,
+    seconds: f64,
+}
+
+impl Session {
+    fn read(row: &Row) -> Result<Session, rusqlite::Error> {
+        let (id, finished, program, device, trials, seconds) = row.try_into()?;
+        Ok(Session { id, finished, program, device, trials, seconds })
     }
 }
 

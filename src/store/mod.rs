@@ -166,8 +166,10 @@ pub struct Store {
 
 /// Storage of the rows.
 trait Keep: std::fmt::Debug + Send {
+    /// Records that a share of the study is sampled here.
     fn note_share(&mut self, share: Share) -> Result<(), StoreError>;
 
+    /// The shares that were recorded.
     fn shares(&self) -> Result<Vec<Share>, StoreError>;
 
     /// Inserts rows of the store `from`, all of them or, on an error, none, and replaces the provenance of this session
@@ -180,8 +182,10 @@ trait Keep: std::fmt::Debug + Send {
     /// The trials held of each tally.
     fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError>;
 
+    /// The devices that computed the rows, each once, the one with the most trials first.
     fn provenance(&self) -> Result<Vec<Provenance>, StoreError>;
 
+    /// The database of a store on disk.
     #[cfg(feature = "store")]
     fn database(&self) -> Option<&Database> {
         None

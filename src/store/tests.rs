@@ -235,6 +235,22 @@ fn damaged_rows_are_refused_by_a_merge_and_left_out_by_a_salvage() {
 }
 
 #[test]
+fn a_salvage_keeps_the_sessions_before_one_that_cannot_be_read() {
+    let folder = folder_of(&[row(0, 2)]);
+    let source = Source::open(folder.path()).unwrap();
+    // Its key is above every other, so it is read last.
+    let sql = "INSERT INTO provenance VALUES (?1, 0, '', '', 'many', 0)";
+    source.database.connection.execute(sql, [[0xff_u8; 17]]).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let mut store = Store::open(out.path(), &identity()).unwrap();
+    assert!(matches!(store.merge(&source, false), Err(StoreError::Damaged { .. })));
+    let out = tempfile::tempdir().unwrap();
+    let mut store = Store::open(out.path(), &identity()).unwrap();
+    assert_eq!(store.merge(&source, true).unwrap(), Merged { added: 1, held: 0, damaged: 0 });
+    assert_eq!(store.provenance().unwrap(), [so_far(1)]);
+}
+
+#[test]
 fn a_check_finds_rows_that_are_not_the_sum_of_those_they_cover() {
     let mut whole = row(0, 3);
     whole.tally.sum = 4;

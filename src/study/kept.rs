@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
+use crate::key::precision::NONE as NO_PRECISION;
 use crate::key::row::Key;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::source::text_file::{Files, MOST_RECORD};
 use crate::study::Study;
-use crate::study::precision::NONE as NO_PRECISION;
 
 /// The folder, beside a stored study, of the files that it names.
 const INPUTS: &str = "inputs";

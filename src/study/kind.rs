@@ -12,7 +12,6 @@ use crate::key::row::Key;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
-use crate::study::precision::Precision;
 use crate::table::About;
 
 /// A table of results, with its columns except the swept keys.
@@ -72,9 +71,4 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
 
     /// The tables of its results, as far as they are known before anything is sampled, with that of the points first.
     fn grounds(&self) -> Vec<Ground>;
-
-    /// The precision at which points stop.
-    fn precision(&self) -> Option<Precision> {
-        None
-    }
 }

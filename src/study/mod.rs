@@ -8,7 +8,6 @@
 
 pub(crate) mod kept;
 pub mod kind;
-pub mod precision;
 
 use std::any::Any;
 use std::ops::Range;
@@ -20,13 +19,14 @@ use crate::chart::ground::Ground;
 use crate::chart::law::Law;
 use crate::key::common::Streams;
 use crate::key::places::Places;
+pub use crate::key::precision;
+use crate::key::precision::Precision;
 use crate::key::refusal::Refusal;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::source::diagnose::{Fault, StudyError, Text};
 use crate::study::kept::Written;
 use crate::study::kind::{Kind, Subject};
-use crate::study::precision::Precision;
 
 /// A valid study: every value is within its limits at every point.
 #[derive(Debug, Clone)]

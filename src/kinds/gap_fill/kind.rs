@@ -10,13 +10,12 @@ use crate::kinds::gap_fill::columns;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::run;
 use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
-use crate::kinds::plan::Planned;
+use crate::kinds::plan::PointsPlan;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
-use crate::study::precision::Precision;
 use crate::table::column::abouts;
 
 /// Errors of gap fillers at a mode switch.
@@ -41,7 +40,7 @@ pub static GAP_FILL: Kind = Kind {
 impl Subject for GapFill {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let lower = |point: &_| Lowered::new(point, &self.fillers, &self.errors, study.seed, study.streams);
-        let plan = Planned::new(study, self, &self.points, |point| &point.swept, lower)?;
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?;
         run::check_replays(&plan)?;
         Ok(Box::new(plan))
     }
@@ -54,9 +53,5 @@ impl Subject for GapFill {
             laws: columns::LAWS,
             ..Ground::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
         }]
-    }
-
-    fn precision(&self) -> Option<Precision> {
-        self.precision
     }
 }

@@ -17,6 +17,7 @@ use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS
 use crate::filler::ticks::{Purpose, TickList};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::given::Given;
+use crate::key::precision::{self, PRECISION};
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting;
@@ -27,7 +28,6 @@ use crate::kinds::{gap_fill, gyro};
 use crate::motion::keys::{GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
 use crate::motion::{self, Profile, vibration};
 use crate::source::diagnose::{Fault, Wrong};
-use crate::study::precision::{self, PRECISION, Precision};
 use crate::{filler, noise};
 
 /// The part of a study that is specific to gap filling.
@@ -39,8 +39,6 @@ pub struct GapFill {
     pub fillers: Vec<Filler>,
     /// Errors of the fillers to sample, each once.
     pub errors: Vec<Error>,
-    /// Precision at which sampling stops before all trials are done.
-    pub precision: Option<Precision>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
 }
@@ -91,17 +89,17 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     };
     let points = base.points()?;
     reading.notes.extend(notes::of_motion(&inputs, &points));
-    let precision = precision::read(&reading.table)?;
-    reading.notes.extend(precision.as_ref().and_then(precision::finer_than_bins));
+    reading.precision = precision::read(&reading.table)?;
+    reading.notes.extend(reading.precision.as_ref().and_then(precision::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
-        (&precision, reading.get(&PRECISION), &inputs.motion.profile)
+        (&reading.precision, reading.get(&PRECISION), &inputs.motion.profile)
     {
         let message = "precision conflicts with position = \"every\", which is exact in whole replays only";
         let help = "leave precision out, or take position = \"random\"";
         return Err(written.fault(message, "cannot stop early", help).into());
     }
     let fillers = written_fillers.into_iter().map(|written| written.filler).collect();
-    Ok(GapFill { inputs, fillers, errors, precision, points })
+    Ok(GapFill { inputs, fillers, errors, points })
 }
 
 /// Reads the inputs, and notes what they leave out or assume.

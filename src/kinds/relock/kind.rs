@@ -6,7 +6,7 @@ use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::chart::law::Law;
 use crate::kernel::relock_ticks::VERSION;
-use crate::kinds::plan::Planned;
+use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock::columns::{self, ALL_TICKS};
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::LoweredRelock;
@@ -45,7 +45,7 @@ pub(crate) fn kernels() -> String {
 impl Subject for RelockStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let lower = |point: &_| LoweredRelock::new(point, study.seed, study.streams);
-        Ok(Box::new(Planned::new(study, self, &self.points, |point| &point.swept, lower)?))
+        Ok(Box::new(PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?))
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -1,7 +1,7 @@
 //! Running a relock study: launches for what the store lacks, and the table of what it holds.
 
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::kinds::plan::{Lacking, Planned, Results, Sampled};
+use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
 use crate::kinds::relock::RelockStudy;
 use crate::kinds::relock::columns::{Row, columns};
 use crate::kinds::relock::inputs::{Compensation, Relock};
@@ -16,7 +16,7 @@ use crate::store::error::StoreError;
 use crate::store::{Address, Store};
 use crate::tally::id::Id;
 
-impl Sampled for LoweredRelock {
+impl Launched for LoweredRelock {
     fn id(&self) -> Id {
         self.id
     }
@@ -47,11 +47,11 @@ impl LoweredRelock {
     }
 }
 
-impl Results for Planned<'_, RelockStudy, LoweredRelock> {
+impl Tabulated for PointsPlan<'_, RelockStudy, LoweredRelock> {
     /// The table has a column for each law that a chart draws.
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
         let mut rows = Vec::new();
-        for (point, lowered) in self.asked.points.iter().zip(&self.points) {
+        for (point, lowered) in self.subject.points.iter().zip(&self.points) {
             let unit_arcsec = lowered.fixed.lsb_arcsec;
             let row = |estimate| Row { point, estimate, unit_arcsec, found: Found::default() };
             rows.extend(lowered.estimates.iter().map(row));
@@ -67,7 +67,7 @@ impl Results for Planned<'_, RelockStudy, LoweredRelock> {
     }
 
     fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
-        let relocks = self.asked.points.iter().map(|point| (&point.inputs.relock, point.inputs.tick_s));
+        let relocks = self.subject.points.iter().map(|point| (&point.inputs.relock, point.inputs.tick_s));
         Ok(late(relocks).into_iter().collect())
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::kernel::switched_run::VERSION;
-use crate::kinds::plan::Planned;
+use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock;
 use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::lower::LoweredRun;
@@ -42,7 +42,7 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
 impl Subject for SwitchedRun {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
-        Ok(Box::new(Planned::new(study, self, &self.points, |point| &point.swept, lower)?))
+        Ok(Box::new(PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?))
     }
 
     fn grounds(&self) -> Vec<Ground> {

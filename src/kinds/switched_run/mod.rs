@@ -151,6 +151,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     check_size(&points, fill.as_ref(), sweeps)?;
     check_moves(&points, places)?;
     let timing = Timing::of(reading.get(&TIMING));
+    // The points need the switch, whose notes are there already; what is rounded comes before them.
     reading.notes.splice(0..0, rounded);
     reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
     let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
@@ -193,7 +194,8 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
             let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
             let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
-            return Ok(reading.places.refuse(&[RESIDUAL_MAX.name], message, "a second residual", help)?);
+            let place = reading.places.blame(&[RESIDUAL_MAX.name]);
+            return Err(Fault::new(place, message, "a second residual", help).into());
         }
         return Ok(Some(gap_fill::read(reading)?));
     }

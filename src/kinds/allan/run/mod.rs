@@ -230,6 +230,10 @@ impl plan::Plan for Plan<'_> {
         });
         Ok(rounded.into_iter().chain(shortened).chain(together).collect())
     }
+
+    fn all_trials(&self) -> u64 {
+        u64::MAX
+    }
 }
 
 /// Largest relative difference between the deviation of a point's records and that of its noise, and its τ, s. It is 0

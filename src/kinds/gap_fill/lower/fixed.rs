@@ -209,10 +209,12 @@ impl FixedTone {
     }
 
     /// Peak, least frequency, width of its range, and whether the amplitude is that of the angle, of a tone of drawn
-    /// frequency.
+    /// frequency; there is no tone of fixed frequency beside one.
     pub(crate) fn drawn_words(&self) -> [u32; 4] {
         match self.motion {
-            ToneMotion::Fixed { .. } => [0; 4],
+            ToneMotion::Fixed { .. } => {
+                unreachable!("lowering makes all tones of drawn frequency where one is")
+            }
             ToneMotion::Drawn { peak, low, width, of_angle } => [peak, low, width, of_angle.into()],
         }
     }
@@ -269,6 +271,11 @@ fn factor(covariance: &[f64], gap_ticks: i32, sides: usize, lsb_arcsec: f64) -> 
     let between = |i: usize, j: usize| covariance[ticks[i].abs_diff(ticks[j]) as usize];
     let word = |x: f64| libm::round(x / lsb_arcsec * SIGMA_UNITS) as i32;
     semidefinite(ticks.len(), between).into_iter().map(|row| row.into_iter().map(word).collect()).collect()
+}
+
+/// A word of ones where a property is set, else of zeros.
+pub(crate) fn mask(is_set: bool) -> u32 {
+    if is_set { u32::MAX } else { 0 }
 }
 
 /// The two words of a 64-bit constant.

@@ -6,7 +6,7 @@ use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
-use crate::kinds::gap_fill::lower::fixed::{Fixed, FixedTone, gaussian_place, long_words};
+use crate::kinds::gap_fill::lower::fixed::{Fixed, FixedTone, gaussian_place, long_words, mask};
 
 impl Lowered {
     /// The launch that samples some of the fillers, which must have the same errors. Its estimates are all residuals,
@@ -22,24 +22,24 @@ impl Lowered {
         let sides: Vec<i32> = (1..=shape.sides() as i32).map(|k| n + k).collect();
         let lengths: Vec<i32> = lengths(shape, n).collect();
         let of = |error: Error| estimates.iter().filter(move |estimate| estimate.error == error);
-        let scales = |error: Error| words(of(error).map(|e| e.rows.denominator as u32));
+        let scales = |error: Error| list(of(error).map(|e| e.rows.denominator as u32));
         let weights = |error: Error, ticks: &[i32]| {
-            words(of(error).flat_map(|e| ticks.iter().map(|&tick| e.weight(0, tick))))
+            list(of(error).flat_map(|e| ticks.iter().map(|&tick| e.weight(0, tick))))
         };
         let extrapolation_ticks = &before[..shape.extrapolation_before];
         let residual_ticks = [&before[..shape.residual_before], &after[..]].concat();
         let tones =
-            |has: bool, word: fn(&FixedTone) -> u32| words(fixed.tones.iter().filter(|_| has).map(word));
+            |has: bool, word: fn(&FixedTone) -> u32| list(fixed.tones.iter().filter(|_| has).map(word));
         // The angles of tones of fixed frequency, at sine 1 or at cosine 1.
         let angles = |has: bool, ticks: &[i32], word: fn(&FixedTone, i32, i32) -> i32| {
             let ticks = ticks.iter().filter(|_| has && !shape.frequencies);
-            words(ticks.flat_map(|&tick| fixed.tones.iter().map(move |tone| word(tone, tick, n) as u32)))
+            list(ticks.flat_map(|&tick| fixed.tones.iter().map(move |tone| word(tone, tick, n) as u32)))
         };
         let constants = |ticks: &[i32], constant: fn(&Fixed, i32) -> i64| {
             let ticks = ticks.iter().filter(|_| shape.constants);
-            words(ticks.flat_map(|&tick| long_words(constant(fixed, tick))))
+            list(ticks.flat_map(|&tick| long_words(constant(fixed, tick))))
         };
-        let positions = words(fixed.profile.iter().map(|profile| profile.positions as u32));
+        let positions = list(fixed.profile.iter().map(|profile| profile.positions as u32));
         let words = Parameters {
             key: &self.key,
             phase: &tones(true, |tone| tone.phase),
@@ -61,16 +61,16 @@ impl Lowered {
             before_constant: &constants(&before, Fixed::tick_constant),
             after_constant: &constants(&after, Fixed::tick_constant),
             positions: &positions,
-            positions_inverse: &words(positions.iter().map(|&count| u32::MAX / count)),
-            readout_mask: &words(fixed.readout.iter().map(|readout| !((1 << readout.bits) - 1))),
-            gap_sigma: &words(fixed.readout.iter().map(|readout| readout.gap_sigma)),
+            positions_inverse: &list(positions.iter().map(|&count| u32::MAX / count)),
+            readout_mask: &list(fixed.readout.iter().map(|readout| !((1 << readout.bits) - 1))),
+            gap_sigma: &list(fixed.readout.iter().map(|readout| readout.gap_sigma)),
             residual_weight: &weights(Error::Residual, &residual_ticks),
             residual_scale: &scales(Error::Residual),
             extrapolation_weight: &weights(Error::Extrapolation, extrapolation_ticks),
             extrapolation_scale: &scales(Error::Extrapolation),
             in_gap_scale: &scales(Error::InGap),
-            shift: &words(estimates.iter().filter(|_| shape.wide).map(|e| e.shift)),
-            bin_base: &words(estimates.iter().map(|e| e.bin_base)),
+            shift: &list(estimates.iter().filter(|_| shape.wide).map(|e| e.shift)),
+            bin_base: &list(estimates.iter().map(|e| e.bin_base)),
         }
         .words();
         let in_gap: Vec<u32> = of(Error::InGap)
@@ -127,12 +127,9 @@ fn shape(fixed: &Fixed, estimates: &[&Estimate], fillers: usize) -> Shape {
     }
 }
 
-fn words(words: impl Iterator<Item = u32>) -> Vec<u32> {
+/// Collects words into the list that a parameter takes.
+fn list(words: impl Iterator<Item = u32>) -> Vec<u32> {
     words.collect()
-}
-
-fn mask(is_set: bool) -> u32 {
-    if is_set { u32::MAX } else { 0 }
 }
 
 /// The lengths of the gap, counted from its start, that have a row.

@@ -113,7 +113,7 @@ impl Lowered {
 
     /// The least possible number of trials of the point that is at least `asked`: whole replays for a profile that is
     /// taken in turn.
-    pub fn trials(&self, asked: u64) -> u64 {
+    pub fn whole_replays(&self, asked: u64) -> u64 {
         match &self.fixed.profile {
             Some(profile) if profile.every => asked.next_multiple_of(profile.positions as u64),
             _ => asked,

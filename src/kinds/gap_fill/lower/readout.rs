@@ -24,7 +24,7 @@ const TERMS: u32 = 4096;
 
 /// Variance and a bound of its error, LSB²; `None` for motion whose characteristic function has no closed form here.
 pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
-    summed(fixed, f, false)
+    summed(fixed, f, Drawn::Refused)
 }
 
 /// An approximation of the same variance for any motion, LSB². Drawn amplitudes and frequencies are evaluated at some
@@ -32,11 +32,19 @@ pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
 pub(crate) fn about(fixed: &Fixed, f: &Functional) -> f64 {
     let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
     let apart = || boundaries(fixed, f).iter().map(|(_, g)| g * g * pulse * pulse / 12.0).sum();
-    summed(fixed, f, true).map_or_else(apart, |(variance, _)| variance)
+    summed(fixed, f, Drawn::AtSome).map_or_else(apart, |(variance, _)| variance)
 }
 
-/// The variance, with drawn amplitudes and frequencies taken `at_some` of their values, or refused.
-fn summed(fixed: &Fixed, f: &Functional, at_some: bool) -> Option<(f64, f64)> {
+/// Treatment of tones whose amplitude or frequency is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    Refused,
+    /// They are evaluated at some of their values.
+    AtSome,
+}
+
+/// The variance and a bound of its error, LSB²; `None` where a part of the motion is refused.
+fn summed(fixed: &Fixed, f: &Functional, drawn: Drawn) -> Option<(f64, f64)> {
     let Some(readout) = fixed.readout else { return Some((0.0, 0.0)) };
     let pulse = libm::exp2(f64::from(readout.bits));
     let boundaries = boundaries(fixed, f);
@@ -44,7 +52,7 @@ fn summed(fixed: &Fixed, f: &Functional, at_some: bool) -> Option<(f64, f64)> {
     for (i, &(from, g)) in boundaries.iter().enumerate() {
         sum += g * g * pulse * pulse / 12.0;
         for &(to, h) in &boundaries[i + 1..] {
-            let (covariance, tail) = covariance(fixed, from, to, pulse, at_some)?;
+            let (covariance, tail) = covariance(fixed, from, to, pulse, drawn)?;
             sum += 2.0 * g * h * covariance;
             error += 2.0 * (g * h).abs() * tail;
         }
@@ -70,7 +78,7 @@ fn boundaries(fixed: &Fixed, f: &Functional) -> Vec<(i32, f64)> {
 }
 
 /// Covariance of the fractions at two boundaries, with a bound of the omitted part.
-fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, at_some: bool) -> Option<(f64, f64)> {
+fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Option<(f64, f64)> {
     let n = fixed.gap_ticks;
     let parts: Vec<(i32, bool)> = spans(from, to, n);
     // The angle between the boundaries consists of a constant, tones of random phase, and a normal part.
@@ -88,7 +96,8 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, at_some: bool) -> O
     }
     for tone in &fixed.tones {
         if !tone.is_plain() {
-            let swing = at_some.then(|| Swing::at_some(tone, &parts, to - from, n)).flatten()?;
+            let swing =
+                (drawn == Drawn::AtSome).then(|| Swing::at_some(tone, &parts, to - from, n)).flatten()?;
             // Over many pulses the covariance vanishes.
             if swing.sizes.iter().all(|size| *size > FAR * pulse) {
                 return Some((0.0, 0.0));

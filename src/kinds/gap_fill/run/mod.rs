@@ -8,7 +8,7 @@ use crate::filler::{Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Row, columns};
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::plan::{Lacking, Planned, Results, Sampled};
+use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
 use crate::kinds::table::table;
 use crate::motion::Frequency;
 use crate::sampling::batches::{Work, estimates};
@@ -22,14 +22,14 @@ use crate::tally::block::Block;
 use crate::tally::id::Id;
 
 /// The plan of a gap-fill study.
-pub(crate) type Plan<'a> = Planned<'a, GapFill, Lowered>;
+pub(crate) type Plan<'a> = PointsPlan<'a, GapFill, Lowered>;
 
 /// Most trials of a replayed record, because the lower half of a trial's number determines its place.
 const MOST_REPLAYED: u64 = 1 << 32;
 
 /// Refuses too many trials of a record that is replayed over all its places.
 pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
-    let (study, replays) = (plan.study, plan.points.iter().any(|point| point.trials(1) > 1));
+    let (study, replays) = (plan.study, plan.points.iter().any(|point| point.whole_replays(1) > 1));
     if !replays || study.trials <= MOST_REPLAYED {
         return Ok(());
     }
@@ -38,7 +38,7 @@ pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
     Err(study.error_at(study.place_of("motion.profile"), message, help))
 }
 
-impl Sampled for Lowered {
+impl Launched for Lowered {
     fn id(&self) -> Id {
         self.id
     }
@@ -66,7 +66,7 @@ impl Sampled for Lowered {
     }
 
     fn trials(&self, asked: u64) -> u64 {
-        self.trials(asked)
+        self.whole_replays(asked)
     }
 }
 
@@ -94,11 +94,11 @@ impl Plan<'_> {
     fn designed_anew(&self) -> Option<String> {
         let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
         let free: Vec<&str> =
-            self.asked.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
+            self.subject.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
         let design = |key: &str| key.starts_with("motion.") || key.starts_with("gyro.");
         let sweeps = &self.study.sweeps;
         let varies = sweeps.iter().any(|sweep| sweep.values.len() > 1 && design(sweep.key.name));
-        let tones = &self.asked.inputs.motion.tones;
+        let tones = &self.subject.inputs.motion.tones;
         let is_tuned = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
         let how = match (varies, is_tuned) {
             (true, _) => {
@@ -116,14 +116,14 @@ impl Plan<'_> {
     /// Notes on requested errors that a filler does not have, each a sentence.
     fn absent(&self) -> Vec<String> {
         let mut sentences = Vec::new();
-        for (index, filler) in self.asked.fillers.iter().enumerate() {
+        for (index, filler) in self.subject.fillers.iter().enumerate() {
             let has = |error: Error| {
                 let all =
                     |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
                 self.points.iter().all(all)
             };
             let lacks: Vec<&str> =
-                self.asked.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
+                self.subject.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
             if !lacks.is_empty() {
                 let name = &filler.name;
                 sentences
@@ -134,12 +134,12 @@ impl Plan<'_> {
     }
 }
 
-impl Results for Plan<'_> {
+impl Tabulated for Plan<'_> {
     /// The table has a row for each point, filler and error, and a column for each law that a chart draws.
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
         let mut rows = Vec::new();
-        for (point, lowered) in self.asked.points.iter().zip(&self.points) {
-            for (filler, estimates) in self.asked.fillers.iter().zip(&lowered.fillers) {
+        for (point, lowered) in self.subject.points.iter().zip(&self.points) {
+            for (filler, estimates) in self.subject.fillers.iter().zip(&lowered.fillers) {
                 let row = |estimate| Row { point, filler, estimate, found: Found::default() };
                 rows.extend(estimates.iter().map(row));
             }

@@ -1,11 +1,11 @@
 //! The stop rule, which decides which points have the requested precision.
 
 use crate::kernel::moments::Moments;
+use crate::key::precision::Precision;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::run::Plan;
 use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::study::precision::Precision;
 use crate::tally::stats::{Estimates, NORMAL_95};
 
 impl Plan<'_> {
@@ -14,7 +14,7 @@ impl Plan<'_> {
         let Some(precision) = &self.study.precision else { return Ok(false) };
         let mut raised = false;
         for (point, wanted) in self.points.iter().zip(wanted) {
-            let most = point.trials(self.study.trials);
+            let most = point.whole_replays(self.study.trials);
             let mut estimates = point.fillers.iter().flatten().take_while(|_| *wanted < most);
             let is_imprecise = estimates.try_fold(false, |is_imprecise, estimate| {
                 let within = |tally| known(precision, estimate, &tally);

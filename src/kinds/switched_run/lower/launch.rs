@@ -3,7 +3,7 @@
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kernel::switched_run::shape::{Parameters, Shape};
-use crate::kinds::gap_fill::lower::fixed::long_words;
+use crate::kinds::gap_fill::lower::fixed::{long_words, mask};
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow, FixedTime, FixedTone};
 use crate::kinds::switched_run::lower::warm_up::WarmUp;
@@ -67,10 +67,6 @@ impl FilledRun {
         let launch = self.launch(&[0, 1]);
         (launch, shape(&self.fixed, true, 0))
     }
-}
-
-fn mask(is_set: bool) -> u32 {
-    if is_set { u32::MAX } else { 0 }
 }
 
 fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {

@@ -3,7 +3,7 @@
 pub(crate) mod trajectories;
 
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::kinds::plan::{Lacking, Planned, Results, Sampled};
+use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::columns::{Row, columns};
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
@@ -19,9 +19,9 @@ use crate::tally::id::Id;
 use crate::tally::share::Share;
 
 /// The plan of a study of whole runs.
-pub(crate) type Plan<'a> = Planned<'a, SwitchedRun, LoweredRun>;
+pub(crate) type Plan<'a> = PointsPlan<'a, SwitchedRun, LoweredRun>;
 
-impl Sampled for LoweredRun {
+impl Launched for LoweredRun {
     fn id(&self) -> Id {
         self.id
     }
@@ -54,7 +54,7 @@ impl Plan<'_> {
             let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
             (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
         };
-        let points = &self.asked.points;
+        let points = &self.subject.points;
         let uneven = points.len() - points.iter().filter(is_even).count();
         let swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == "switching.interval");
         (swept && uneven > 0).then(|| {
@@ -68,17 +68,19 @@ impl Plan<'_> {
 
     /// The runs of every point and filler, with the name of the filler, in the order of the tables.
     fn filled(&self) -> impl Iterator<Item = (&RunPoint, Option<&str>, &FilledRun)> {
-        let points = self.asked.points.iter().zip(&self.points);
+        let points = self.subject.points.iter().zip(&self.points);
         points.flat_map(|(point, lowered)| {
-            let names = self.asked.fillers().iter().map(|filler| Some(filler.name.as_str()));
+            let names = self.subject.fillers().iter().map(|filler| Some(filler.name.as_str()));
             let fillers = names.chain(std::iter::repeat(None)).zip(&lowered.fillers);
             fillers.map(move |(filler, filled)| (point, filler, filled))
         })
     }
 }
 
-impl Results for Plan<'_> {
+impl Tabulated for Plan<'_> {
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
+        let keeps = self.subject.trajectories > 0;
+        let trajectories = keeps.then(|| trajectories::table(self, store)).transpose()?;
         let mut rows = Vec::new();
         for (point, filler, filled) in self.filled() {
             let row = |estimate| Row { point, filler, filled, estimate, found: Found::default() };
@@ -88,15 +90,13 @@ impl Results for Plan<'_> {
             (estimate.address, estimate.bin_base, estimate.unit_arcsec)
         })?;
         rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
-        let columns = columns(!self.asked.fillers().is_empty());
+        let columns = columns(!self.subject.fillers().is_empty());
         let points = table(&self.study.sweeps, &columns, &rows, |row| &row.point.swept);
-        let keeps = self.asked.trajectories > 0;
-        let trajectories = keeps.then(|| trajectories::table(self, store)).transpose()?;
         Ok(Tables { trajectories, ..Tables::of_points(points) })
     }
 
     fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
-        Ok(late(self.asked).into_iter().chain(trajectories::thinned(self)).chain(self.uneven()).collect())
+        Ok(late(self.subject).into_iter().chain(trajectories::thinned(self)).chain(self.uneven()).collect())
     }
 
     fn keep(&self, store: &mut Store, share: Share) -> Result<(), RunError> {

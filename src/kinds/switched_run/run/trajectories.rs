@@ -21,7 +21,7 @@ const OFFSET: i64 = 1 << 31;
 
 /// Number of trajectories that the store lacks.
 pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
-    let wanted = plan.asked.trajectories.min(plan.study.trials);
+    let wanted = plan.subject.trajectories.min(plan.study.trials);
     let (index, mut lacking) = (store.index()?, 0);
     for (.., filled) in plan.filled() {
         let gaps = missing(index.blocks(&filled.trajectory)?, 0..wanted);
@@ -32,7 +32,7 @@ pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
 
 /// Makes the trajectories that the store lacks.
 pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
-    let wanted = plan.asked.trajectories.min(plan.study.trials);
+    let wanted = plan.subject.trajectories.min(plan.study.trials);
     let index = store.index()?;
     for (point, _, filled) in plan.filled() {
         let held = index.blocks(&filled.trajectory)?;
@@ -57,7 +57,7 @@ pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
 pub(crate) fn table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreError> {
     let mut moments = Vec::new();
     for (point, filler, filled) in plan.filled() {
-        let runs = 1..=plan.asked.trajectories;
+        let runs = 1..=plan.subject.trajectories;
         let start = |run, angle| Moment { point, filler, run, time_s: 0.0, angle };
         let Some(store) = store else {
             moments.extend(runs.map(|run| start(run, None)));
@@ -78,14 +78,14 @@ pub(crate) fn table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreEr
             }));
         }
     }
-    let columns = trajectory_columns(!plan.asked.fillers().is_empty());
+    let columns = trajectory_columns(!plan.subject.fillers().is_empty());
     Ok(kinds::table::table(&plan.study.sweeps, &columns, &moments, |moment| &moment.point.swept))
 }
 
 /// A note that not every switch is in the table.
 pub(crate) fn thinned(plan: &Plan) -> Option<String> {
-    let most = plan.asked.points.iter().map(RunPoint::switches).max()?;
-    (plan.asked.trajectories > 0 && most > MOST_SHOWN).then(|| {
+    let most = plan.subject.points.iter().map(RunPoint::switches).max()?;
+    (plan.subject.trajectories > 0 && most > MOST_SHOWN).then(|| {
         format!(
             "trajectories of runs with more than {MOST_SHOWN} switches show only some of them, evenly spaced"
         )
