@@ -12,7 +12,7 @@ mod warm_up;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::{Part, Trend};
 
-/// Declares the terms, those that can be fitted first. Each has a module with its row and, if arguments are given here,
+/// Declares the terms, those that can be fitted before the warm-up, which cannot. Each has a module with its row and, if arguments are given here,
 /// a function of that name that makes a part.
 macro_rules! terms {
     ($($(#[$doc:meta])* $Term:ident = $term:ident $(($($args:ident),+))?,)+) => {
@@ -215,6 +215,9 @@ pub(crate) struct Apart {
     pub(crate) lag: f64,
     pub(crate) width: f64,
 }
+
+// `Term::ALL` leaves out the last term.
+const _: () = assert!(matches!(Term::EVERY[Term::ALL.len()], Term::WarmUp));
 
 impl Term {
     /// Every term that can be fitted: all but the warm-up, the last one.
