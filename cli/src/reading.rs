@@ -1,6 +1,7 @@
 //! Options for reading recorded logs, common to all commands on logs.
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::fit::choose::Terms;
@@ -16,7 +17,7 @@ use crate::words::one_of;
 #[derive(Debug, Args)]
 pub struct Reading {
     /// Kind of the numbers: angular rate, angle turned in each sample, or angle (phase) since the start
-    #[arg(help_heading = "Reading the log", long, value_name = "KIND", value_parser = one_of([("rate", Data::Rate), ("increment", Data::Increment), ("angle", Data::Angle)]))]
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND", value_parser = data())]
     data: Data,
     /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain numbers [default: that of the header]
     #[arg(help_heading = "Reading the log", long, value_name = "UNIT", conflicts_with = "scale")]
@@ -43,13 +44,13 @@ pub struct Reading {
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     until: Option<f64>,
     /// Remove a straight line from the rate; this also removes the rate ramp R and makes K too low
-    #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none", value_parser = one_of([("none", Trend::None), ("linear", Trend::Linear)]))]
+    #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none", value_parser = trend())]
     detrend: Trend,
     /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
     /// Whether to refuse rates that seem to be in another unit; see docs/reference.md
-    #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = one_of([("on", UnitCheck::On), ("off", UnitCheck::Off)]))]
+    #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
     unit_check: UnitCheck,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
     /// markov, sine
@@ -63,6 +64,18 @@ enum Fitted {
     None,
     Auto,
     Given(Vec<Term>),
+}
+
+fn data() -> impl TypedValueParser<Value = Data> {
+    one_of(Data::ALL.map(|data| (data.name(), data)))
+}
+
+fn trend() -> impl TypedValueParser<Value = Trend> {
+    one_of([("none", Trend::None), ("linear", Trend::Linear)])
+}
+
+fn unit_check() -> impl TypedValueParser<Value = UnitCheck> {
+    one_of([("on", UnitCheck::On), ("off", UnitCheck::Off)])
 }
 
 fn fit_terms(text: &str) -> Result<Fitted, String> {

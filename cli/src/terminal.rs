@@ -139,7 +139,7 @@ pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(String::new, |value| significant(value, digits))
 }
 
-/// A table with a heading, [aligned].
+/// A table with a heading, [`aligned`].
 pub(crate) fn headed<const N: usize>(heading: [&str; N], rows: impl Iterator<Item = Vec<String>>) -> String {
     let heading = heading.map(str::to_owned).to_vec();
     aligned(&std::iter::once(heading).chain(rows).collect::<Vec<_>>())
@@ -150,8 +150,9 @@ pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     fitted(rows, 1, look::columns())
 }
 
-/// Rows of cells as in [`aligned`], within `limit` columns: headings are broken into lines, and columns that do not fit continue below, with
-/// the first `keys` columns repeated. Without a limit, headings of wide tables are broken, and nothing continues below.
+/// Rows of cells as in [`aligned`], within `limit` columns: headings are broken into lines, and columns that do not fit
+/// continue below, with the first `keys` columns repeated. Without a limit, headings of wide tables are broken, and
+/// nothing continues below.
 fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widest = |rows: &[Vec<String>], column: usize| {

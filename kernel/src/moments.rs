@@ -194,6 +194,7 @@ impl<W: Word> Sums<W> {
         self.halves.store(&mut halves);
         self.least.store(&mut least);
         self.greatest.store(&mut greatest);
+        // By index: adapters of iterators are compiled in one unit of the crate and called from the others.
         for lane in 0..W::LANES {
             tally.sum += i128::from(whole_sum(sum[lane], halves[lane]));
             tally.least = tally.least.min(least[lane] as i32);

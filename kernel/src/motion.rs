@@ -107,6 +107,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         if shape.gaussian {
             let factor = &table[shape.motion_table() + row * shape.gap_ticks..][..shape.gap_ticks];
             let numbers = &self.gaussian[..factor.len()];
+            // By index: adapters of iterators are compiled in one unit of the crate and called from the others.
             for k in 0..factor.len() {
                 angle = angle + numbers[k].mul_wide(W::splat(factor[k]));
             }
@@ -181,7 +182,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         self.factors(t, given.p.gap_length[0] + 1 + 2 * k as u32)
     }
 
-    /// The angle of tone `t` in a tick whose middle lies `half_ticks` half ticks after that of the gap, as such factors.
+    /// The angle of tone `t` in a tick whose middle lies `half_ticks` half ticks after that of the gap, as such
+    /// factors.
     #[inline(always)]
     fn factors(&self, t: usize, half_ticks: u32) -> [W; 2] {
         let turn = self.half_turn[t] * W::splat(half_ticks);
@@ -215,6 +217,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         let factor = &given.table[given.shape.gaussian_row(place)..][..=place];
         let numbers = &self.gaussian[..factor.len()];
         let mut angle = W::Wide::splat(0);
+        // By index: adapters of iterators are compiled in one unit of the crate and called from the others.
         for k in 0..factor.len() {
             angle = angle + numbers[k].mul_wide(W::splat(factor[k]));
         }

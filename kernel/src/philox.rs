@@ -123,6 +123,7 @@ impl<W: Word> Address<W> {
             W::Factors::splat(purpose as u32 + beyond as u32),
         ];
         let mut keys = [[W::Factors::splat(0); 2]; ROUNDS];
+        // Not zipped: `zip` is compiled in one unit of the crate and called from the others.
         for (round, keys) in keys.iter_mut().enumerate() {
             *keys = [W::Factors::splat(self.keys[round][0]), W::Factors::splat(self.keys[round][1])];
         }

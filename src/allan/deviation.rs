@@ -3,10 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::key::holds::words;
+use crate::key::holds::names;
 
-words! {
-    /// A deviation of a record of angles, which determines differences and averages.
+names! {
+    /// A deviation of a record of angles, which determines differences and averages. Their order is that of
+    /// `--deviation`.
     pub enum Deviation {
         /// Allan deviation of adjacent groups, in the unit of the rate.
         Adev = "adev",

@@ -40,7 +40,8 @@ pub struct DataSheet {
     pub intervals: Intervals,
 }
 
-/// The source of the 95 % intervals of coefficients: simulated records of the fit, or the closed form.
+/// The source of the 95 % intervals of coefficients: simulated records of the fit, or the closed form. It is both what
+/// [`DataSheet::of`] is asked for and what a data sheet has, which differ where the fit cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Intervals {
     /// Number of simulated records; 0 means intervals in closed form.
@@ -102,16 +103,16 @@ impl DataSheet {
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
     /// # Ok::<(), String>(())
     /// ```
-    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, asked: Intervals) -> Result<DataSheet, String> {
+    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, intervals: Intervals) -> Result<DataSheet, String> {
         let said = |error: FitError| error.to_string();
         let curve = curve_of(angles).map_err(said)?;
         let fitter = Fitter::new(&curve, terms).map_err(said)?;
         let first = fitter.fit_record(curve.variances()).map_err(said)?;
-        let realised = match asked.records {
+        let realised = match intervals.records {
             0 => Ok(first.clone()),
             records => realised(&fitter, &curve, &first, records),
         };
-        let (fit, intervals) = realised.map(|fit| (fit, asked)).unwrap_or_else(|why| {
+        let (fit, intervals) = realised.map(|fit| (fit, intervals)).unwrap_or_else(|why| {
             let without = Some(format!("the fit cannot be simulated: {why}"));
             (first, Intervals { records: 0, without })
         });

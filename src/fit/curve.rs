@@ -84,9 +84,7 @@ impl Curve {
         variances: Vec<f64>,
     ) -> Result<Curve, FitError> {
         check(&ms, &variances)?;
-        let mut before = 0;
-        let is_no_ascent = |m: &&u64| core::mem::replace(&mut before, **m) >= **m;
-        if let Some(&m) = ms.iter().find(is_no_ascent) {
+        if let Some((_, &m)) = std::iter::once(&0).chain(&ms).zip(&ms).find(|(before, m)| before >= m) {
             return Err(FitError::NotAscending(m));
         }
         let estimator = Estimator { difference, ..Estimator::OVERLAPPING };

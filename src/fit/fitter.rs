@@ -104,8 +104,8 @@ impl Fitter {
     /// the closed form.
     ///
     /// # Errors
-    /// It fails where [`fit`] does, and where the variances are invalid, there are fewer than two realisations, or some have
-    /// another geometry.
+    /// It fails where [`fit`] does, and where the variances are invalid, there are fewer than two realisations, or some
+    /// have another geometry.
     ///
     /// [`realisations`]: fn@crate::kinds::allan::realisations::realisations
     pub fn fit_realised(

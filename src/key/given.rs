@@ -75,7 +75,8 @@ impl<'a> Given<'a> {
         items.map(|value| Given { key: self.key, value }).collect()
     }
 
-    /// Reads the items of a list, of which each may occur once. `read` gives an item as messages show it, and its value.
+    /// Reads the items of a list, of which each may occur once. `read` gives an item as messages show it, and its
+    /// value.
     pub(crate) fn distinct<T: PartialEq>(
         &self,
         read: impl Fn(Given<'a>) -> Result<(String, T), Fault>,

@@ -125,9 +125,8 @@ impl Holds {
     }
 }
 
-/// Declares an enum whose values are the words of a key, each with its meaning as doc comment. The first one is the
-/// default.
-macro_rules! words {
+/// Declares an enum whose values are words, each with its meaning as doc comment.
+macro_rules! names {
     ($(#[doc = $doc:literal])+ $vis:vis enum $name:ident {
         $($(#[doc = $meaning:literal])+ $variant:ident = $word:literal,)+
     }) => {
@@ -137,16 +136,27 @@ macro_rules! words {
 
         #[allow(dead_code, reason = "not every set of words is iterated")]
         impl $name {
-            /// All values.
+            /// All values, in the order of messages and options.
             $vis const ALL: [$name; [$($word),+].len()] = [$($name::$variant),+];
             pub(crate) const WORDS: &'static [$crate::key::holds::Word] =
                 &[$($crate::key::holds::Word { word: $word, meaning: concat!($($meaning),+) }),+];
 
-            /// The word as written in study files.
+            /// The word as written.
             $vis fn name(self) -> &'static str {
                 $name::WORDS[self as usize].word
             }
+        }
+    };
+}
+pub(crate) use names;
 
+/// Declares an enum as [`names`] does, whose values are the words of a key. The first one is the default.
+macro_rules! words {
+    ($(#[doc = $doc:literal])+ $vis:vis enum $name:ident { $($values:tt)+ }) => {
+        $crate::key::holds::names! { $(#[doc = $doc])+ $vis enum $name { $($values)+ } }
+
+        #[allow(dead_code, reason = "some words are read from lists")]
+        impl $name {
             /// The value as written, or the default.
             pub(crate) fn of(given: Option<$crate::key::given::Given>) -> $name {
                 let named = |given: $crate::key::given::Given| {

@@ -147,26 +147,32 @@ keys! {
 pub(crate) const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
 pub(crate) const ACCELERATION_DENSITIES: Holds = unlimited(&[Dimension::AccelerationDensity]);
 
-/// The keys of a tone: amplitude, uniform and Rayleigh-distributed amplitude, frequency, phase.
-pub(crate) type ToneKeys = [&'static Key; 5];
+/// The keys of a tone.
+pub(crate) struct ToneKeys {
+    pub(crate) amplitude: &'static Key,
+    pub(crate) uniform: &'static Key,
+    pub(crate) rayleigh: &'static Key,
+    pub(crate) frequency: &'static Key,
+    pub(crate) phase: &'static Key,
+}
 
 /// The keys of a single tone.
-pub(crate) const ONE: ToneKeys = [&AMPLITUDE, &UNIFORM, &RAYLEIGH, &FREQUENCY, &PHASE];
+pub(crate) const ONE: ToneKeys = ToneKeys {
+    amplitude: &AMPLITUDE,
+    uniform: &UNIFORM,
+    rayleigh: &RAYLEIGH,
+    frequency: &FREQUENCY,
+    phase: &PHASE,
+};
 
 /// The keys of one of several tones.
-pub(crate) const OF_SEVERAL: ToneKeys =
-    [&TONE_AMPLITUDE, &TONE_UNIFORM, &TONE_RAYLEIGH, &TONE_FREQUENCY, &TONE_PHASE];
-
-/// The setting of the value that a pattern finds in a part of the motion. It applies where the pattern matches.
-macro_rules! found {
-    ($key:ident: $value:ident in $part:ident $([$all:tt])?, $pattern:pat) => {
-        Setting::of(
-            &$key,
-            |motion| if let $pattern = &motion.$part $([$all])? { let _ = $value; true } else { false },
-            |motion, new| if let $pattern = &mut motion.$part $([$all])? { *$value = new.value.into() },
-        )
-    };
-}
+pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
+    amplitude: &TONE_AMPLITUDE,
+    uniform: &TONE_UNIFORM,
+    rayleigh: &TONE_RAYLEIGH,
+    frequency: &TONE_FREQUENCY,
+    phase: &TONE_PHASE,
+};
 
 /// The settings of a motion that can be swept, except the gyro on whose suspension it acts.
 pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
@@ -180,15 +186,81 @@ pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
             }
         },
     ),
-    found!(FREQUENCY: nu in tones[..], [Tone { frequency: Frequency::Fixed(nu), .. }]),
-    found!(FREQUENCY_LOW: low_hz in tones[..], [Tone { frequency: Frequency::Band(Band { low_hz, .. }), .. }]),
-    found!(FREQUENCY_HIGH: high_hz in tones[..], [Tone { frequency: Frequency::Band(Band { high_hz, .. }), .. }]),
-    found!(GAUSSIAN_RMS: rms in gaussian, Some(Gaussian::Band { rms, .. })),
-    found!(GAUSSIAN_LOW: low_hz in gaussian, Some(Gaussian::Band { band: Band { low_hz, .. }, .. })),
-    found!(GAUSSIAN_HIGH: high_hz in gaussian, Some(Gaussian::Band { band: Band { high_hz, .. }, .. })),
+    Setting::of(
+        &FREQUENCY,
+        |motion| matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
+        |motion, new| {
+            if let [Tone { frequency: Frequency::Fixed(nu), .. }] = &mut motion.tones[..] {
+                *nu = new.value;
+            }
+        },
+    ),
+    Setting::of(&FREQUENCY_LOW, has_drawn_frequency, |motion, low| {
+        drawn_frequency(motion).into_iter().for_each(|band| band.low_hz = low.value);
+    }),
+    Setting::of(&FREQUENCY_HIGH, has_drawn_frequency, |motion, high| {
+        drawn_frequency(motion).into_iter().for_each(|band| band.high_hz = high.value);
+    }),
+    Setting::of(&GAUSSIAN_RMS, has_gaussian_band, |motion, new| {
+        gaussian_band(motion).into_iter().for_each(|(rms, _)| *rms = new.value);
+    }),
+    Setting::of(&GAUSSIAN_LOW, has_gaussian_band, |motion, low| {
+        gaussian_band(motion).into_iter().for_each(|(_, band)| band.low_hz = low.value);
+    }),
+    Setting::of(&GAUSSIAN_HIGH, has_gaussian_band, |motion, high| {
+        gaussian_band(motion).into_iter().for_each(|(_, band)| band.high_hz = high.value);
+    }),
     Setting::new(&RATE, |motion, rate| motion.rate = rate.value),
     Setting::new(&ACCELERATION, |motion, acceleration| motion.acceleration = acceleration.value),
-    found!(SINE_ACCELERATION: amplitude_g in vibration, Some(Vibration { acceleration: Acceleration::Sine { amplitude_g, .. }, .. })),
-    found!(SINE_FREQUENCY: frequency_hz in vibration, Some(Vibration { acceleration: Acceleration::Sine { frequency_hz, .. }, .. })),
-    found!(RANDOM_RMS: rms_g in vibration, Some(Vibration { acceleration: Acceleration::Random { rms_g, .. }, .. })),
+    Setting::of(&SINE_ACCELERATION, is_shaken_by_a_sine, |motion, acceleration| {
+        if let Some(Acceleration::Sine { amplitude_g, .. }) = acceleration_of(motion) {
+            *amplitude_g = acceleration.value;
+        }
+    }),
+    Setting::of(&SINE_FREQUENCY, is_shaken_by_a_sine, |motion, frequency| {
+        if let Some(Acceleration::Sine { frequency_hz, .. }) = acceleration_of(motion) {
+            *frequency_hz = frequency.value;
+        }
+    }),
+    Setting::of(
+        &RANDOM_RMS,
+        |motion| {
+            matches!(&motion.vibration, Some(Vibration { acceleration: Acceleration::Random { .. }, .. }))
+        },
+        |motion, rms| {
+            if let Some(Acceleration::Random { rms_g, .. }) = acceleration_of(motion) {
+                *rms_g = Some(rms.value);
+            }
+        },
+    ),
 ];
+
+fn has_drawn_frequency(motion: &Motion) -> bool {
+    matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Band(_)))
+}
+
+fn drawn_frequency(motion: &mut Motion) -> Option<&mut Band> {
+    match &mut motion.tones[..] {
+        [Tone { frequency: Frequency::Band(band), .. }] => Some(band),
+        _ => None,
+    }
+}
+
+fn has_gaussian_band(motion: &Motion) -> bool {
+    matches!(motion.gaussian, Some(Gaussian::Band { .. }))
+}
+
+fn gaussian_band(motion: &mut Motion) -> Option<(&mut f64, &mut Band)> {
+    match &mut motion.gaussian {
+        Some(Gaussian::Band { rms, band }) => Some((rms, band)),
+        _ => None,
+    }
+}
+
+fn is_shaken_by_a_sine(motion: &Motion) -> bool {
+    matches!(&motion.vibration, Some(Vibration { acceleration: Acceleration::Sine { .. }, .. }))
+}
+
+fn acceleration_of(motion: &mut Motion) -> Option<&mut Acceleration> {
+    motion.vibration.as_mut().map(|vibration| &mut vibration.acceleration)
+}

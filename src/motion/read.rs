@@ -86,13 +86,13 @@ fn tones(reading: &Reading) -> Result<Vec<Tone>, Fault> {
             }
             _ => {
                 let tables = list.iter().filter_map(Given::table);
-                return tables.map(|table| read_tone(&table, OF_SEVERAL)).collect();
+                return tables.map(|table| read_tone(&table, &OF_SEVERAL)).collect();
             }
         };
         return Err(tones.fault(message, label, format!("accepted: 1 to {MAX_TONES} tones")));
     }
     match single {
-        [Some(_), Some(_), _] => Ok(vec![read_tone(&reading.table, ONE)?]),
+        [Some(_), Some(_), _] => Ok(vec![read_tone(&reading.table, &ONE)?]),
         [Some(only), None, _] => Err(lacking(only, &FREQUENCY)),
         [None, Some(only), _] | [None, None, Some(only)] => Err(lacking(only, &AMPLITUDE)),
         [None, None, None] => Ok(vec![]),
@@ -104,24 +104,23 @@ fn lacking(only: Given, key: &Key) -> Fault {
     only.fault(message, "only this one", format!("add for example {}", key.example))
 }
 
-fn read_tone(table: &Table, keys: ToneKeys) -> Result<Tone, Fault> {
-    let [amplitude, uniform, rayleigh, frequency, phase] = keys;
-    let nu = table.needed(frequency)?;
-    let frequency = match nu.is_list() {
-        true => Frequency::Band(band(nu)?),
-        false => Frequency::Fixed(nu.quantity()?.value),
+fn read_tone(table: &Table, keys: &ToneKeys) -> Result<Tone, Fault> {
+    let frequency = table.needed(keys.frequency)?;
+    let frequency = match frequency.is_list() {
+        true => Frequency::Band(band(frequency)?),
+        false => Frequency::Fixed(frequency.quantity()?.value),
     };
-    let (quantity, value) = if let Some(ends) = table.get(uniform) {
+    let (quantity, value) = if let Some(ends) = table.get(keys.uniform) {
         let [low, high] = pair(ends)?;
         (low, Value::Uniform([low.value, high.value]))
-    } else if let Some(scale) = table.get(rayleigh) {
+    } else if let Some(scale) = table.get(keys.rayleigh) {
         let scale = scale.quantity()?;
         (scale, Value::Rayleigh(scale.value))
     } else {
-        let amplitude = table.needed(amplitude)?.quantity()?;
+        let amplitude = table.needed(keys.amplitude)?.quantity()?;
         (amplitude, Value::Fixed(amplitude.value))
     };
-    let written = table.get(phase);
+    let written = table.get(keys.phase);
     let phase = Phase::of(written);
     if let (Value::Rayleigh(_), Some(written), true) = (value, written, phase != Phase::Uniform) {
         let message =

@@ -19,7 +19,8 @@ struct Row {
 
 /// Declares the dimensions: powers in halves of ″, s and g, name, accepted units, one example, and the unit of tables.
 macro_rules! dimensions {
-    ($($(#[$doc:meta])* $Dimension:ident: $powers:tt, $name:literal, $units:literal, $example:literal, $unit:ident;)+) => {
+    ($($(#[$doc:meta])* $Dimension:ident: [$angle:literal, $time:literal, $g:literal], $name:literal, $units:literal,
+        $example:literal, $unit:ident;)+) => {
         /// The physical dimension of a value.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Dimension {
@@ -30,11 +31,15 @@ macro_rules! dimensions {
             const ALL: [Dimension; [$($name),+].len()] = [$(Dimension::$Dimension),+];
 
             fn row(self) -> Row {
-                let (exponents, name, units, example, unit) = match self {
-                    $(Dimension::$Dimension => ($powers, $name, $units, $example, Unit::$unit),)+
-                };
-                let [angle, time, g] = exponents;
-                Row { exponents: Exponents([angle, time, g, 0]), name, units, example, unit }
+                match self {
+                    $(Dimension::$Dimension => Row {
+                        exponents: Exponents([$angle, $time, $g, 0]),
+                        name: $name,
+                        units: $units,
+                        example: $example,
+                        unit: Unit::$unit,
+                    },)+
+                }
             }
         }
     };

@@ -1,10 +1,10 @@
 //! Reading a recorded motion from the columns `time` and `rate` of a file. It has no gaps, and its times are evenly spaced.
 
 use crate::quantity::units::{Dimension, round_12};
+use crate::record::Record;
 use crate::record::error::RecordError;
 use crate::record::recording::{Recording, Rules};
 use crate::record::time::grid;
-use crate::record::{MOST_SAMPLES, Record};
 
 /// Help with an example of a header.
 const NAMES: &str = "name one column `time` and one `rate`, with their units, as in\ntime [s], rate [deg/s]";
@@ -13,14 +13,11 @@ const NAMES: &str = "name one column `time` and one `rate`, with their units, as
 const MISSING: &str =
     "every row needs a finite number here: put it in, or cut the record and resample what is left";
 
-/// Steps count as equal within 1 %, and a record of a motion has no gaps.
-const RULES: Rules = Rules {
-    most: MOST_SAMPLES,
-    missing: MISSING,
-    jitter: 0.01,
-    has_gaps: false,
-    uneven: "resample it evenly first: every step must be within 1 % of the median step",
-};
+/// The rules for at most `most` samples: steps count as equal within 1 %, and a record of a motion has no gaps.
+fn rules(most: usize) -> Rules {
+    let uneven = "resample it evenly first: every step must be within 1 % of the median step";
+    Rules { most, missing: MISSING, jitter: 0.01, has_gaps: false, uneven }
+}
 
 /// Reads a record of at most `most` samples.
 pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordError> {
@@ -29,7 +26,7 @@ pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordErr
     }
     let (time, time_size) = column(&file, "time", Dimension::Time, "time [s]")?;
     let (rate, rate_size) = column(&file, "rate", Dimension::Rate, "rate [deg/s]")?;
-    let rules = Rules { most, ..RULES };
+    let rules = rules(most);
     let columns = file.read(&[time, rate], &rules)?;
     let times = finite(&file, time, "time", &columns[0], time_size)?;
     let rates = finite(&file, rate, "rate", &columns[1], rate_size)?;

@@ -57,7 +57,7 @@ impl Column {
     }
 
     /// The 95 % interval of a cell, where there is one.
-    pub fn interval(&self, row: usize) -> Option<(f64, f64)> {
+    pub(crate) fn interval(&self, row: usize) -> Option<(f64, f64)> {
         self.band.as_ref()?.get(row).copied().flatten()
     }
 

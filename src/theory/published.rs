@@ -24,7 +24,8 @@ pub fn taylor_zero_crossing_as_published(order: usize, dt_nu: f64) -> Option<f64
     matches!(order, 1 | 2).then_some(x * x * x / 6.0)
 }
 
-/// The paper's error of a single tick at an extremum of the rate, where cos x has no odd terms: x²/2 up to order 1, x⁴/24 for order 2.
+/// The paper's error of a single tick at an extremum of the rate, where cos x has no odd terms: x²/2 up to order 1,
+/// x⁴/24 for order 2.
 pub fn taylor_extremum_as_published(order: usize, dt_nu: f64) -> Option<f64> {
     let x = TAU * dt_nu;
     match order {

@@ -16,8 +16,8 @@ use crate::view::report::source::Source;
 
 /// The results of a study that a store holds.
 pub struct Results<'a> {
-    pub(crate) study: &'a Study,
-    pub(crate) tables: &'a Tables,
+    study: &'a Study,
+    tables: &'a Tables,
     /// Number of missing trials.
     pub lacking: u64,
     /// Charts, in the order of the study.
@@ -69,6 +69,14 @@ impl<'a> Results<'a> {
     /// The table lacks something that a chart requires.
     pub fn verdicts(&self) -> Result<Vec<Verdict<'_>>, StudyError> {
         verdicts(self.study, &self.curves)
+    }
+
+    /// The answer of the study to its question.
+    ///
+    /// # Errors
+    /// The table lacks something that a chart requires.
+    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
+        Answer::of(self.study, &self.tables.points, &self.charts, &self.curves, verdicts, self.lacking)
     }
 
     /// The page of the study.

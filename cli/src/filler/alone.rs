@@ -46,22 +46,31 @@ pub struct Given {
     noise: Option<String>,
 }
 
+/// An option that is a text.
+struct TextOption<'a> {
+    name: &'static str,
+    value: &'a Option<String>,
+    /// An example, if a minimum-variance filler needs the option.
+    example: Option<&'static str>,
+}
+
 impl Given {
-    /// The options that are texts, with an example if a minimum-variance filler needs them.
-    fn texts(&self) -> [(&'static str, &Option<String>, Option<&'static str>); 6] {
+    fn texts(&self) -> [TextOption<'_>; 6] {
+        let needed = |name, value, example| TextOption { name, value, example: Some(example) };
+        let optional = |name, value| TextOption { name, value, example: None };
         [
-            ("--tick", &self.tick, Some("\"5 ms\"")),
-            ("--fit-ticks", &self.fit_ticks, None),
-            ("--extrapolation-ticks", &self.extrapolation_ticks, None),
-            ("--band", &self.band, Some("\"18 Hz,22 Hz\"")),
-            ("--amplitude", &self.amplitude, Some("\"12000 arcsec/s\"")),
-            ("--noise", &self.noise, Some("\"0.5 arcsec\"")),
+            needed("--tick", &self.tick, "\"5 ms\""),
+            optional("--fit-ticks", &self.fit_ticks),
+            optional("--extrapolation-ticks", &self.extrapolation_ticks),
+            needed("--band", &self.band, "\"18 Hz,22 Hz\""),
+            needed("--amplitude", &self.amplitude, "\"12000 arcsec/s\""),
+            needed("--noise", &self.noise, "\"0.5 arcsec\""),
         ]
     }
 
     /// The name of one option that is given, if any.
     pub fn given(&self) -> Option<&'static str> {
-        let text = self.texts().into_iter().find(|(_, value, _)| value.is_some()).map(|(name, ..)| name);
+        let text = self.texts().into_iter().find(|text| text.value.is_some()).map(|text| text.name);
         self.gap_ticks.map(|_| "--gap-ticks").or(text)
     }
 
@@ -77,12 +86,10 @@ impl Given {
             self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "the number of lost ticks"))?;
         if kinds.iter().any(|kind| kind == MINIMUM_VARIANCE) {
             let of = "a minimum-variance filler is designed for a given vibration and noise";
-            let lacks = |(option, value, example): (_, &Option<String>, Option<_>)| match value {
-                None => Some((option, example?)),
-                Some(_) => None,
-            };
-            if let Some((option, example)) = self.texts().into_iter().find_map(lacks) {
-                return Err(missing(option, example, of));
+            for TextOption { name, value, example } in self.texts() {
+                if let (None, Some(example)) = (value, example) {
+                    return Err(missing(name, example, of));
+                }
             }
         }
         let alone = Alone {

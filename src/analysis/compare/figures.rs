@@ -34,8 +34,8 @@ pub fn curves(analysis: &Analysis) -> Figure {
     Figure {
         title: format!("Overlapping Allan deviations of {} and {}", labels[0], labels[1]),
         subtitle: Some(subtitle(analysis)),
-        x: Axis::log(TIME, "s"),
-        y: Axis::log("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
+        x: Axis::new(TIME, "s"),
+        y: Axis::new("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
         colours: Grouping::of("records", labels),
         points: measured(&fits[0]),
         bands: "95 % intervals".to_owned(),
@@ -61,8 +61,8 @@ pub fn ratio(analysis: &Analysis) -> Figure {
     Figure {
         title: format!("{b} over {a}: ratio of overlapping Allan deviations"),
         subtitle: Some(found(analysis)),
-        x: Axis::log(TIME, "s"),
-        y: Axis { scale, ..Axis::log("ratio of the deviations", "") },
+        x: Axis::new(TIME, "s"),
+        y: Axis { scale, ..Axis::new("ratio of the deviations", "") },
         colours: Grouping::of("ratio", [format!("{b} / {a}")]),
         points: measured(&law),
         bands: "95 % interval".to_owned(),

@@ -1,8 +1,8 @@
 //! The quantity that a design minimises.
 
-use crate::key::holds::words;
+use crate::key::holds::names;
 
-words! {
+names! {
     /// The quantity to minimise, as listed by `--by`.
     pub enum Measure {
         /// The drift that 99.73 % of runs do not exceed.

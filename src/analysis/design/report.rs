@@ -103,15 +103,15 @@ pub fn called(filler: &Filler) -> &str {
 pub fn headline(found: &Design) -> String {
     let (best, label) = (found.best(), found.measure.label());
     let filler = best.name.as_ref().map_or(String::new(), |name| format!(" with the {name} filler"));
-    let (interval, drift) = (four(best.best().interval_s), three(best.best().drift.value));
+    let (interval, drift) = (four_digits(best.best().interval_s), three_digits(best.best().drift.value));
     format!("Switch every {interval} s{filler}: {label} {drift} °/h")
 }
 
-fn three(value: f64) -> String {
+fn three_digits(value: f64) -> String {
     significant(value, 3)
 }
 
-fn four(value: f64) -> String {
+fn four_digits(value: f64) -> String {
     significant(value, 4)
 }
 
@@ -144,7 +144,7 @@ pub fn recommendation(found: &Design) -> String {
     let best = found.best();
     let mut sentences = vec![format!("{}.", headline(found))];
     if let Some((lo, hi)) = best.optimum.interval {
-        let (lo, hi) = (four(lo), four(hi));
+        let (lo, hi) = (four_digits(lo), four_digits(hi));
         sentences.push(format!("The best interval lies between {lo} s and {hi} s (95 %)."));
     } else if best.is_at_edge() {
         let edge =
@@ -156,8 +156,8 @@ pub fn recommendation(found: &Design) -> String {
     if let Some((_, next)) = next {
         let worse = found.worse_by(next);
         let (low, high) = worse.interval.unwrap_or((worse.value, worse.value));
-        let (name, interval) = (called(next), four(next.best().interval_s));
-        let [times, from, to] = [worse.value, low, high].map(three);
+        let (name, interval) = (called(next), four_digits(next.best().interval_s));
+        let [times, from, to] = [worse.value, low, high].map(three_digits);
         sentences.push(match low > 1.0 {
             true => format!(
                 "The next filler, {name}, leaves {times} times as much at its own best interval of {interval} s ({from} to {to})."
@@ -168,9 +168,9 @@ pub fn recommendation(found: &Design) -> String {
     if let Some(PapersRule { interval_s, bound, tried }) = &best.papers_rule {
         let times = found.times_best(tried);
         let (low, high) = times.interval.unwrap_or((times.value, times.value));
-        let [interval, tried_interval] = [*interval_s, tried.interval_s].map(four);
-        let [residual, bound, drift] = [best.residual_max, *bound, tried.drift.value].map(three);
-        let [times, from, to] = [times.value, low, high].map(three);
+        let [interval, tried_interval] = [*interval_s, tried.interval_s].map(four_digits);
+        let [residual, bound, drift] = [best.residual_max, *bound, tried.drift.value].map(three_digits);
+        let [times, from, to] = [times.value, low, high].map(three_digits);
         sentences.push(format!(
             "The paper's bound with δP_max = {residual} ″ has its minimum at {interval} s, where it allows {bound} °/h; \
              switched every {tried_interval} s the gyro would drift by {drift} °/h, {times} times as much as at best \
@@ -178,7 +178,7 @@ pub fn recommendation(found: &Design) -> String {
         ));
     }
     if found.non_magnetic != 0.0 {
-        let drift = three(found.non_magnetic);
+        let drift = three_digits(found.non_magnetic);
         sentences
             .push(format!("The non-magnetic drift of {drift} °/h comes on top: no interval changes it."));
     }

@@ -54,7 +54,8 @@ impl Firmware {
         }
         let names = self.designs.iter().map(|design| design.name.clone());
         let extrapolates = self.designs.iter().any(|design| design.extrapolation.is_some());
-        let errors = &[Error::Residual, Error::Extrapolation][..1 + usize::from(extrapolates)];
+        let errors: &[Error] =
+            if extrapolates { &[Error::Residual, Error::Extrapolation] } else { &[Error::Residual] };
         let errors = errors.iter().map(|error| error.name().to_owned());
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
@@ -66,8 +67,8 @@ impl Firmware {
         let mut figure = Figure {
             title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),
             subtitle: Some(self.title.clone()),
-            x: Axis::log("vibration frequency", frequency_unit),
-            y: Axis::log("error amplitude per rate amplitude", error_unit),
+            x: Axis::new("vibration frequency", frequency_unit),
+            y: Axis::new("error amplitude per rate amplitude", error_unit),
             colours: Grouping::of("filler", names),
             dashes: Grouping::of("error", errors),
             lines: "closed form".to_owned(),

@@ -57,8 +57,8 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
     Some(Figure {
         title,
         subtitle: Some(format!("{}; {}", heading(analysis), analysis.treatment.summary())),
-        x: Axis::log("averaging time τ", "s"),
-        y: Axis::log("deviation σ(τ)", first.unit.symbol(*deviation)),
+        x: Axis::new("averaging time τ", "s"),
+        y: Axis::new("deviation σ(τ)", first.unit.symbol(*deviation)),
         colours,
         dashes,
         points: if is_fitted { "measured".to_owned() } else { String::new() },

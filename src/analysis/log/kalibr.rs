@@ -13,16 +13,22 @@ use crate::analysis::log::{Analysis, Column};
 /// Size of 1 ″ in rad.
 const RADIANS: f64 = core::f64::consts::PI / 648_000.0;
 
-/// The keys of the file with their coefficients and units.
-const KEYS: [(&str, Term, &str); 2] = [
-    ("gyroscope_noise_density", Term::AngleRandomWalk, "rad/s/sqrt(Hz)"),
-    ("gyroscope_random_walk", Term::RateRandomWalk, "rad/s^2/sqrt(Hz)"),
+/// A key of the file with its coefficient and unit.
+struct Key {
+    name: &'static str,
+    term: Term,
+    unit: &'static str,
+}
+
+const KEYS: [Key; 2] = [
+    Key { name: "gyroscope_noise_density", term: Term::AngleRandomWalk, unit: "rad/s/sqrt(Hz)" },
+    Key { name: "gyroscope_random_walk", term: Term::RateRandomWalk, unit: "rad/s^2/sqrt(Hz)" },
 ];
 
 /// The value of one key, from the column where it is largest.
 enum Found<'a> {
     /// A value with its column, and the largest bound of the other columns where that is larger.
-    Value(f64, &'a str, Option<f64>),
+    Value { value: f64, column: &'a str, others: Option<f64> },
     /// No column identifies it; the largest of the bounds, where every column has one.
     Below(Option<f64>),
     /// The fit does not include the term.
@@ -66,9 +72,9 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
     text += "\n# A gyroscope log says nothing of accelerometers; Kalibr needs their keys too.\n\
              #accelerometer_noise_density:  # m/s^2/sqrt(Hz)\n#accelerometer_random_walk:    # m/s^3/sqrt(Hz)\n\n";
     let several = analysis.columns.len() > 1;
-    for (name, term, unit) in KEYS {
+    for Key { name, term, unit } in KEYS {
         text += &match (found(term, analysis)?, term.symbol()) {
-            (Found::Value(value, column, others), symbol) => {
+            (Found::Value { value, column, others }, symbol) => {
                 let of = if several { format!(" of {}", one_line(column)) } else { String::new() };
                 let others = others.map_or_else(String::new, |most| {
                     format!("; not identified in others, at most {}", number(most))
@@ -92,9 +98,9 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
 /// It fails where [`text`] does.
 pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
-    for (name, term, unit) in KEYS {
+    for Key { name, term, unit } in KEYS {
         let why = match (found(term, analysis)?, term.symbol()) {
-            (Found::Value(..), _) => continue,
+            (Found::Value { .. }, _) => continue,
             (Found::Below(None), symbol) => format!("{symbol} is not identified"),
             (Found::Below(Some(most)), symbol) => {
                 format!("{symbol} is not identified, and at most {} {unit}", significant(most, 4))
@@ -121,7 +127,7 @@ fn found(term: Term, analysis: &Analysis) -> Result<Found<'_>, KalibrError> {
     }
     let most = bounds.iter().flatten().copied().reduce(f64::max);
     Ok(match largest {
-        Some((value, column)) => Found::Value(value, column, most.filter(|most| *most > value)),
+        Some((value, column)) => Found::Value { value, column, others: most.filter(|most| *most > value) },
         None => Found::Below(most.filter(|_| bounds.iter().all(Option::is_some))),
     })
 }

@@ -1,9 +1,9 @@
 //! The quantity measured by a log, and its unit.
 
-use crate::key::holds::words;
+use crate::key::holds::names;
 use crate::quantity::units::{Dimension, parse as parse_quantity, parse_unit};
 
-words! {
+names! {
     /// The quantity of the numbers of a log.
     pub enum Data {
         /// The mean angular rate over a sample.

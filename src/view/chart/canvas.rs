@@ -32,26 +32,16 @@ pub(crate) enum Shape {
         crisp: bool,
         shapes: Vec<Shape>,
     },
+    /// An area with these corners.
     Polygon(Vec<Place>, Fill),
     /// A circle around a place, with its radius.
     Circle(Place, f64, Fill),
     /// Separate straight lines with round ends.
-    Lines {
-        lines: Vec<[Place; 2]>,
-        stroke: Stroke,
-    },
+    Lines { lines: Vec<[Place; 2]>, stroke: Stroke },
     /// A line through two or more places.
-    Line {
-        places: Vec<Place>,
-        stroke: Stroke,
-    },
+    Line { places: Vec<Place>, stroke: Stroke },
     /// A text with its baseline at a place.
-    Text {
-        place: Place,
-        text: String,
-        lettering: Lettering,
-        set: Set,
-    },
+    Text { place: Place, text: String, lettering: Lettering, set: Set },
 }
 
 /// The style of an area.

@@ -54,8 +54,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A logarithmic axis of numbers.
-    pub fn log(label: &str, unit: &str) -> Axis {
+    /// An axis of numbers with the default scale, which is logarithmic.
+    pub fn new(label: &str, unit: &str) -> Axis {
         Axis { label: label.to_owned(), unit: unit.to_owned(), ..Axis::default() }
     }
 

@@ -35,8 +35,12 @@ pub(crate) enum Row {
 #[derive(Debug)]
 pub(crate) enum Sample {
     Line(Stroke),
-    /// The style and colour of a marker, over the line that joins them.
-    Markers(Option<Stroke>, (usize, &'static str)),
+    /// A marker, over the line that joins the markers if there is one.
+    Markers {
+        line: Option<Stroke>,
+        style: usize,
+        colour: &'static str,
+    },
     /// The colour of a band.
     Band(&'static str),
     /// The colour of an area, and whether it is hatched.
@@ -163,7 +167,7 @@ impl Legend {
 
 fn curve_sample(style: usize, colour: &'static str, has_line: bool) -> Sample {
     let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
-    Sample::Markers(has_line.then_some(line), (style, colour))
+    Sample::Markers { line: has_line.then_some(line), style, colour }
 }
 
 /// Whether a line is drawn for some of the series; if others have closed forms, series without one are points only.
@@ -202,7 +206,8 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
     if !figure.points.is_empty() && !figure.series.is_empty() {
         // In the style in which they are drawn: joined where there is no closed form.
         let line = (!figure.has_laws()).then_some(Stroke { colour: MUTED, width: 1.8, dash: "" });
-        rows.push(Row::Entry(Sample::Markers(line, (0, MUTED)), figure.points.clone()));
+        let sample = Sample::Markers { line, style: 0, colour: MUTED };
+        rows.push(Row::Entry(sample, figure.points.clone()));
     }
     // Without a name for the points there is no need to explain them.
     if figure.has_laws() && !figure.points.is_empty() {
@@ -225,8 +230,8 @@ impl Sample {
         let line = |canvas: &mut Canvas, stroke| canvas.line(&[(left, middle), (right, middle)], stroke);
         match *self {
             Sample::Line(stroke) => line(canvas, stroke),
-            Sample::Markers(stroke, (style, colour)) => {
-                stroke.into_iter().for_each(|stroke| line(canvas, stroke));
+            Sample::Markers { line: joined, style, colour } => {
+                joined.into_iter().for_each(|stroke| line(canvas, stroke));
                 canvas.marker((left + 0.5 * SAMPLE, middle), 4.2, style, colour);
             }
             Sample::Band(colour) => canvas.area(corners(5.0).to_vec(), colour),

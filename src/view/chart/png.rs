@@ -202,7 +202,7 @@ fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> i16 {
     usual.find_map(|table| table.glyphs_kerning(left, right)).unwrap_or(0)
 }
 
-/// The outline of a glyph in units of the font, whose vertical coordinates point upwards, those of pictures downwards.
+/// The outline of a glyph in units of the font, mirrored, because pictures count downwards.
 struct Outline(PathBuilder);
 
 impl OutlineBuilder for Outline {

@@ -17,7 +17,6 @@ use crate::view::picture::{Drawn, refused};
 use crate::view::report::curves::Curves;
 use crate::view::report::sentences::{best, less_is_better, of_map, side_by_side};
 use crate::view::report::standing::of_verdict;
-use crate::view::results::Results;
 
 /// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;
@@ -34,39 +33,48 @@ pub struct Answer {
     pub curves: Vec<(String, Vec<String>)>,
 }
 
-impl Results<'_> {
-    /// The answer of the study: the verdicts if there are any, else the content of the first chart, else the best row of
-    /// the table. It states first how many trials are missing.
+impl Answer {
+    /// The answer of a study: the verdicts if there are any, else the content of the first chart, else the best row of
+    /// the `points`. It states first how many trials are `lacking`.
     ///
     /// # Errors
     /// The table lacks something that a chart requires.
-    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
-        let study = self.study;
+    pub(crate) fn of(
+        study: &Study,
+        points: &Table,
+        charts: &[Drawn],
+        shown: &[Shown],
+        verdicts: &[Verdict],
+        lacking: u64,
+    ) -> Result<Answer, StudyError> {
         let refuse = |chart, error: ColumnError| refused(study, chart, &error.into());
-        let asked = study.charts.iter().zip(&self.curves).zip(&self.charts).map(|((chart, shown), drawn)| {
-            Asked::of(study, chart, shown, drawn).map_err(|error| refuse(chart, error))
+        let charts = study.charts.iter().zip(shown).zip(charts).map(|((chart, shown), drawn)| {
+            Resolved::of(study, chart, shown, drawn).map_err(|error| refuse(chart, error))
         });
-        let asked = asked.collect::<Result<Vec<_>, _>>()?;
-        let judged = asked.iter().find(|asked| asked.chart.limit.is_some() && asked.has_curves());
-        let headline = match (verdicts.first().zip(judged), asked.first()) {
-            (Some((first, asked)), _) => asked.judged(first).map_err(|error| refuse(asked.chart, error))?,
-            (None, Some(asked)) if !asked.shown.is_supplied(asked.chart) => {
-                asked.of_picture().map_err(|error| refuse(asked.chart, error))?
+        let charts = charts.collect::<Result<Vec<_>, _>>()?;
+        let judged = charts.iter().find(|resolved| resolved.chart.limit.is_some() && resolved.has_curves());
+        let headline = match (verdicts.first().zip(judged), charts.first()) {
+            (Some((first, resolved)), _) => {
+                resolved.judged(first).map_err(|error| refuse(resolved.chart, error))?
             }
-            _ => undrawn(study, &self.tables.points),
+            (None, Some(resolved)) if !resolved.shown.is_supplied(resolved.chart) => {
+                resolved.of_picture().map_err(|error| refuse(resolved.chart, error))?
+            }
+            _ => undrawn(study, points),
         };
         let mut curves: Vec<(String, Vec<String>)> =
             verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
-        for asked in asked.iter().filter(|asked| asked.has_curves() && asked.chart.limit.is_none()) {
-            let is_largest = asked.is_environment();
-            let each = asked.curves().map_or(vec![], |curves| curves.of_each(is_largest));
+        let has_minima = |resolved: &&Resolved| resolved.has_curves() && resolved.chart.limit.is_none();
+        for resolved in charts.iter().filter(has_minima) {
+            let is_largest = resolved.is_environment();
+            let each = resolved.curves().map_or(vec![], |curves| curves.of_each(is_largest));
             if !each.is_empty() {
                 let which = if is_largest { "largest" } else { "least" };
-                let Drawn { stem, picture, .. } = asked.drawn;
+                let Drawn { stem, picture, .. } = resolved.drawn;
                 curves.push((format!("{stem}: the {which} {} of each curve", picture.shown().label), each));
             }
         }
-        let headline = match (headline, self.lacking) {
+        let headline = match (headline, lacking) {
             (headline, 0) => headline.unwrap_or_default(),
             (headline, lacking) => {
                 let so_far = headline.map_or(String::new(), |headline| format!(" So far: {headline}"));
@@ -77,8 +85,8 @@ impl Results<'_> {
     }
 }
 
-/// A drawn chart of a study with its columns.
-struct Asked<'a> {
+/// A drawn chart of a study with its columns and rows, looked up in its table.
+struct Resolved<'a> {
     study: &'a Study,
     chart: &'a Chart,
     shown: &'a Shown<'a>,
@@ -89,18 +97,18 @@ struct Asked<'a> {
     rows: Vec<usize>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> Resolved<'a> {
     fn of(
         study: &'a Study,
         chart: &'a Chart,
         shown: &'a Shown<'a>,
         drawn: &'a Drawn,
-    ) -> Result<Asked<'a>, ColumnError> {
+    ) -> Result<Resolved<'a>, ColumnError> {
         let table: &Table = &shown.table;
         let (x, estimate) = (table.column(&chart.x.name)?, table.column(&shown.estimate)?);
         let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?;
         let rows = table.rows_where(&chart.filter())?;
-        Ok(Asked { study, chart, shown, drawn, x, estimate, series, rows })
+        Ok(Resolved { study, chart, shown, drawn, x, estimate, series, rows })
     }
 
     fn has_curves(&self) -> bool {
@@ -113,8 +121,8 @@ impl<'a> Asked<'a> {
         apart(self.study, self.chart.source, &self.shown.table, columns)
     }
 
-    /// The verdict, after the minimum of a chart over the switching interval: the interval is chosen, so the limit alone
-    /// does not answer the question.
+    /// The verdict, after the minimum of a chart over the switching interval: the interval is chosen, so the limit
+    /// alone does not answer the question.
     fn judged(&self, verdict: &Verdict) -> Result<Option<String>, ColumnError> {
         let judged = of_verdict(&verdict.answers, verdict.limit);
         let chosen = match self.interval_for_each() {
@@ -187,14 +195,14 @@ impl<'a> Asked<'a> {
 
     /// A headline with a caveat on the fillers among the rows of the chart.
     fn with_caveat(&self, headline: Option<String>) -> Option<String> {
-        let Some((filler, mut free, why)) = free_fillers(self.study, &self.shown.table) else {
+        let Some(Bandless { column, mut names, why }) = Bandless::of(self.study, &self.shown.table) else {
             return headline;
         };
-        free.retain(|name| self.rows.iter().any(|&row| filler.cells[row].text() == *name));
-        if free.is_empty() {
+        names.retain(|name| self.rows.iter().any(|&row| column.cells[row].text() == *name));
+        if names.is_empty() {
             return headline;
         }
-        let (is, names) = (if free.len() == 1 { "is" } else { "are" }, free.join(" and "));
+        let (is, names) = (if names.len() == 1 { "is" } else { "are" }, names.join(" and "));
         let caveat = format!("Without a band {names} {is} designed for {why}, which firmware does not know.");
         headline.map(|headline| format!("{headline} {caveat}"))
     }
@@ -210,38 +218,47 @@ fn leading(
 ) -> Option<String> {
     let first = best(table, estimate, rows, by)?;
     let sentence = first.sentence();
-    let Some((row, (filler, free, why))) = first.row.zip(free_fillers(study, table)) else {
+    let Some((row, Bandless { column, names, why })) = first.row.zip(Bandless::of(study, table)) else {
         return Some(sentence);
     };
-    let is_free = |row: usize| free.contains(&filler.cells[row].text().as_str());
-    if !is_free(row) {
+    let is_bandless = |row: usize| names.contains(&column.cells[row].text().as_str());
+    if !is_bandless(row) {
         return Some(sentence);
     }
-    let others: Vec<usize> = rows.iter().copied().filter(|&row| !is_free(row)).collect();
+    let others: Vec<usize> = rows.iter().copied().filter(|&row| !is_bandless(row)).collect();
     let second = best(table, estimate, &others, by)
         .map_or(String::new(), |second| format!("; of the others the least is {}", second.value));
     Some(format!("{sentence} That filler is designed for {why}, which firmware does not know{second}."))
 }
 
-/// The column of fillers, the names of those whose weights firmware cannot have, and the reason: designed without a band, they follow the
-/// motion of each point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of
-/// the band.
-fn free_fillers<'a>(study: &'a Study, table: &'a Table) -> Option<(&'a Column, Vec<&'a str>, &'static str)> {
-    let column = table.listed_by(FILLERS)?;
-    let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
-    let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
-    let free: Vec<&str> =
-        gap_fill.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
-    let of_design = |key: &str| ["motion.", "gyro.", "noise."].iter().any(|table| key.starts_with(table));
-    let varies = study.sweeps.iter().any(|sweep| sweep.values.len() > 1 && of_design(sweep.key.name));
-    let is_tuned =
-        gap_fill.inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
-    let why = match (varies, is_tuned) {
-        (true, _) => "the very motion of each point",
-        (false, true) => "exactly this frequency",
-        (false, false) => return None,
-    };
-    (!free.is_empty()).then_some((column, free, why))
+/// The fillers that are designed without a band, whose weights firmware cannot have: they follow the motion of each
+/// point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of the band.
+struct Bandless<'a> {
+    /// The column of all fillers.
+    column: &'a Column,
+    names: Vec<&'a str>,
+    /// What they are designed for.
+    why: &'static str,
+}
+
+impl<'a> Bandless<'a> {
+    fn of(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
+        let column = table.listed_by(FILLERS)?;
+        let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
+        let is_bandless = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
+        let names = gap_fill.fillers.iter().filter(is_bandless).map(|filler| filler.name.as_str());
+        let names: Vec<&str> = names.collect();
+        let of_design = |key: &str| ["motion.", "gyro.", "noise."].iter().any(|table| key.starts_with(table));
+        let varies = study.sweeps.iter().any(|sweep| sweep.values.len() > 1 && of_design(sweep.key.name));
+        let is_tuned =
+            gap_fill.inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
+        let why = match (varies, is_tuned) {
+            (true, _) => "the very motion of each point",
+            (false, true) => "exactly this frequency",
+            (false, false) => return None,
+        };
+        (!names.is_empty()).then_some(Bandless { column, names, why })
+    }
 }
 
 /// The best row of a study without its own chart.

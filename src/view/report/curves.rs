@@ -59,9 +59,9 @@ impl<'t> Curves<'t> {
         })
     }
 
-    /// The x at which each curve has its least y, and the values of the columns `chosen` there; the curves differ in the
-    /// columns `given`. For more than `most` curves only the range is stated. `None` where a curve has no range of x or
-    /// equal values, or where there is only one.
+    /// The x at which each curve has its least y, and the values of the columns `chosen` there; the curves differ in
+    /// the columns `given`. For more than `most` curves only the range is stated. `None` where a curve has no range of
+    /// x or equal values, or where there is only one.
     pub(crate) fn least_for_each(&self, [given, chosen]: [&[&Column]; 2], most: usize) -> Option<String> {
         let (x, y) = (self.x, self.y);
         let least = |(name, rows): &'_ (String, Vec<usize>)| {

@@ -12,8 +12,8 @@ mod warm_up;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::{Part, Trend};
 
-/// Declares the terms, those that can be fitted first. Each has a module with its row and, if arguments are given here,
-/// a function of that name that makes a part.
+/// Declares the terms, those that can be fitted before the warm-up, which cannot. Each has a module with its row and,
+/// if arguments are given here, a function of that name that makes a part.
 macro_rules! terms {
     ($($(#[$doc:meta])* $Term:ident = $term:ident $(($($args:ident),+))?,)+) => {
         /// A term of a noise model, with its reported coefficient. Its Allan variance is proportional to the square of
@@ -58,7 +58,8 @@ terms! {
     Markov = markov(q_c, time_s),
     /// Sine of the rate with a random phase: its amplitude Ω_0, ″/s, and frequency f, Hz.
     Sine = sine(amplitude, frequency_hz),
-    /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e, s.
+    /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e,
+    /// s.
     WarmUp = warm_up(amplitude, time_s),
 }
 
@@ -215,6 +216,9 @@ pub(crate) struct Apart {
     pub(crate) lag: f64,
     pub(crate) width: f64,
 }
+
+// `Term::ALL` leaves out the last term.
+const _: () = assert!(matches!(Term::EVERY[Term::ALL.len()], Term::WarmUp));
 
 impl Term {
     /// Every term that can be fitted: all but the warm-up, the last one.

@@ -39,9 +39,9 @@ pub(crate) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
     draw_label(canvas, &lines, area.frame, &limit.label);
 }
 
-/// The value at one of the `places` along an axis: the centres of cells, of which `of` gives the values, between the two
-/// ends of the frame. At the ends it is extrapolated along the straight line through the two outermost cells, but not
-/// across the `level`, because noise would then create additional lines.
+/// The value at one of the `places` along an axis: the centres of cells, of which `of` gives the values, between the
+/// two ends of the frame. At the ends it is extrapolated along the straight line through the two outermost cells, but
+/// not across the `level`, because noise would then create additional lines.
 fn value_at(places: &[f64], point: usize, level: f64, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
     let cells = places.len() - 2;
     let (outer, inner) = match point {
