@@ -60,33 +60,59 @@ fn push(level: vec4<u32>, first: u32, count: u32) -> vec2<u32> {
     let stride = level.x;
     let from_ = (first + stride - 1u) / stride;
     var taken = 0u;
-    while (from_ + taken) * stride < first + count {
-        let at = level.y + (from_ + taken) % level.z;
-        rings[at * p.lanes + lane] = angles[(from_ + taken) * stride - first];
+    var at = from_ % level.z;
+    for (var sample = from_ * stride - first; sample < count; sample += stride) {
+        rings[(level.y + at) * p.lanes + lane] = angles[sample];
+        at = beyond(at, 1u, level.z);
         taken += 1u;
     }
     return vec2<u32>(from_, taken);
 }
 
+// The place `by` places beyond `at`, no further than the end of the ring, where it begins again.
+fn beyond(at: u32, by: u32, depth: u32) -> u32 {
+    return select(at + by, 0u, at + by == depth);
+}
+
 // Sum of the squared differences of order ORDER over `span` strides that end at the angles of `range`.
 fn squares(level: vec4<u32>, span: u32, range: vec2<u32>) -> Wide {
     var sum = wide(0u, 0u);
-    for (var newest = max(range.x, ORDER * span); newest < range.x + range.y; newest += 1u) {
-        let first = angle(level, newest);
-        let second = angle(level, newest - span);
-        let third = angle(level, newest - 2u * span);
-        var difference = first - second - (second - third);
-        //#if THIRD_ORDER
-        let fourth = angle(level, newest - 3u * span);
-        difference = difference - (second - third - (third - fourth));
+    let start = max(range.x, ORDER * span);
+    if start >= range.x + range.y {
+        return sum;
+    }
+    var at: array<u32, ANGLES>;
+    //#for k in 0..ANGLES
+    at[k] = (start - k * span) % level.z;
+    //#end
+    var left = range.x + range.y - start;
+    while left > 0u {
+        // The run ends where the first of the indices reaches the end of the ring.
+        var run = left;
+        //#for k in 0..ANGLES
+        run = min(run, level.z - at[k]);
         //#end
-        sum = add_wide(sum, mul_wide(difference, difference));
+        for (var i = 0u; i < run; i += 1u) {
+            let first = angle(level, at[0] + i);
+            let second = angle(level, at[1] + i);
+            let third = angle(level, at[2] + i);
+            var difference = first - second - (second - third);
+            //#if THIRD_ORDER
+            let fourth = angle(level, at[3] + i);
+            difference = difference - (second - third - (third - fourth));
+            //#end
+            sum = add_wide(sum, mul_wide(difference, difference));
+        }
+        //#for k in 0..ANGLES
+        at[k] = beyond(at[k], run, level.z);
+        //#end
+        left -= run;
     }
     return sum;
 }
 
-fn angle(level: vec4<u32>, place: u32) -> u32 {
-    return rings[(level.y + place % level.z) * p.lanes + lane];
+fn angle(level: vec4<u32>, at: u32) -> u32 {
+    return rings[(level.y + at) * p.lanes + lane];
 }
 
 // The sum at a place has three words.

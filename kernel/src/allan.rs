@@ -110,12 +110,19 @@ impl Ring {
     fn push<W: Word>(&mut self, stride: usize, first: usize, count: usize, angles: &Chunk) -> [usize; 2] {
         let from = first.div_ceil(stride);
         let mut taken = 0;
-        while (from + taken) * stride < first + count {
-            let angle = W::load(&angles[((from + taken) * stride - first) * W::LANES..]);
-            angle.store(&mut self.words[(from + taken) % self.depth * W::LANES..]);
+        let mut at = from % self.depth;
+        for sample in (from * stride - first..count).step_by(stride) {
+            W::load(&angles[sample * W::LANES..]).store(&mut self.words[at * W::LANES..]);
+            at = self.beyond(at, 1);
             taken += 1;
         }
         [from, taken]
+    }
+
+    /// The place `by` places beyond `at`, no further than the end of the ring, where it begins again.
+    #[inline(always)]
+    fn beyond(&self, at: usize, by: usize) -> usize {
+        if at + by == self.depth { 0 } else { at + by }
     }
 
     /// Sum of the squared differences of order `ORDER` over `span` strides that end at the angles of `range`.
@@ -147,7 +154,7 @@ impl Ring {
                 sum = sum + difference.mul_wide(difference);
             }
             for at in &mut at {
-                *at = if *at + run == self.depth { 0 } else { *at + run };
+                *at = self.beyond(*at, run);
             }
             left -= run;
         }
@@ -201,6 +208,7 @@ impl Recipe {
                 ("LEVELS", self.levels.len()),
                 ("PLACES", self.places()),
                 ("ORDER", self.order as usize),
+                ("ANGLES", self.order as usize + 1),
             ],
             flags: vec![
                 ("FLICKER_HOLDS", octaves > 1),
@@ -288,6 +296,7 @@ impl Recipe {
 
     /// Largest number of loop rounds that a chunk takes in the shader.
     pub fn rounds(&self) -> usize {
-        CHUNK * (self.places() + 17) + self.places() + 8 * self.octaves()
+        // A difference goes through the rounds of a chunk in at most five runs: each angle passes the end of the ring once.
+        CHUNK * (self.places() + 17) + 6 * self.places() + 8 * self.octaves()
     }
 }
