@@ -1,17 +1,19 @@
 // The tally of scalar estimates: sum, sum of squares, extremes and a histogram, all exact integers.
 // Twin of kernel/src/moments.rs. The kernel provides the places of its parameters and the function `trial`.
 //
-// A workgroup takes one job. An invocation adds up at most FLUSH trials in 64 bits; the workgroup's sums have 96 bits.
+// A workgroup takes one job. An invocation adds up at most FLUSH trials before it carries their sums over to its totals.
 
-// `count` trials from number high·2^32 + low on; `slot` is the place of the histograms.
+// `count` trials of a point from number high·2^32 + low on; `slot` is the place of the histograms.
 struct Job {
     low: u32,
     high: u32,
     count: u32,
+    point: u32,
     slot: u32,
 }
 
-@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
+// The parameters of all points, one after the other.
+@group(0) @binding(1) var<storage, read> parameters: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> jobs: array<Job>;
 @group(0) @binding(3) var<storage, read_write> partials: array<u32>;
 //#if HISTOGRAM
@@ -25,12 +27,12 @@ struct Job {
 var<private> p: array<u32, PARAMETER_WORDS>;
 
 //#if HISTOGRAM
-const SHARED_WORDS = ESTIMATES * max(BINS, STAGED_WORDS * WORKGROUP);
+const SHARED_WORDS = ESTIMATES * max(BINS, PARTIAL_WORDS * WORKGROUP);
 //#else
-const SHARED_WORDS = ESTIMATES * STAGED_WORDS * WORKGROUP;
+const SHARED_WORDS = ESTIMATES * PARTIAL_WORDS * WORKGROUP;
 //#end
 
-// Used first for the bin counts, then for the sums of the invocations, never for both at once.
+// Used first for the bin counts, then for the totals of the invocations, never for both at once.
 var<workgroup> shared_words: array<atomic<u32>, SHARED_WORDS>;
 
 // The sum is kept as its lower 32 bits and the sum of the upper halves.
@@ -42,14 +44,26 @@ struct Sums {
     greatest: i32,
 }
 
+// Only here: Rust adds to its tallies. Σ and Σ² have 96 bits.
+struct Totals {
+    sum: vec3<u32>,
+    square: vec3<u32>,
+    least: i32,
+    greatest: i32,
+}
+
+// Those of an invocation. They are used once in FLUSH trials, so that they need not stay in registers.
+var<private> totals: array<Totals, ESTIMATES>;
+
 fn bin_base(estimate: u32) -> u32 {
     return p[BIN_BASE + estimate];
 }
 
 // Only here: on the processor, parameters are read in place.
-fn load_parameters() {
+fn load_parameters(point: u32) {
+    let from_ = point * PARAMETER_VECTORS;
     //#for i in 0..PARAMETER_WORDS
-    p[i] = parameters[i / 4u][i % 4u];
+    p[i] = parameters[from_ + i / 4u][i % 4u];
     //#end
 }
 
@@ -61,7 +75,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let job = jobs[index];
-    load_parameters();
+    load_parameters(job.point);
     //#if HISTOGRAM
     for (var i = lane; i < ESTIMATES * BINS; i += WORKGROUP) {
         atomicStore(&shared_words[i], 0u);
@@ -69,19 +83,29 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     workgroupBarrier();
     //#end
 
-    var sums: array<Sums, ESTIMATES>;
     //#for e in 0..ESTIMATES
-    sums[e] = empty();
+    totals[e] = Totals(vec3<u32>(), vec3<u32>(), 0x7fffffff, -0x7fffffff - 1);
     //#end
-    for (var i = lane; i < job.count; i += WORKGROUP) {
-        let error = trial(job.low + i, job.high);
+    var i = lane;
+    while i < job.count {
+        let end = min(job.count, i + FLUSH * WORKGROUP);
+        var sums: array<Sums, ESTIMATES>;
         //#for e in 0..ESTIMATES
-        sums[e] = add(sums[e], error[e]);
+        sums[e] = empty();
         //#end
-        //#if HISTOGRAM
+        for (; i < end; i += WORKGROUP) {
+            let error = trial(job.low + i, job.high);
+            //#for e in 0..ESTIMATES
+            sums[e] = add(sums[e], error[e]);
+            //#end
+            //#if HISTOGRAM
+            //#for e in 0..ESTIMATES
+            atomicAdd(&shared_words[e * BINS + bin(error[e], bin_base(e))], 1u);
+            //#end
+            //#end
+        }
         //#for e in 0..ESTIMATES
-        atomicAdd(&shared_words[e * BINS + bin(error[e], bin_base(e))], 1u);
-        //#end
+        totals[e] = flush(sums[e], totals[e]);
         //#end
     }
 
@@ -96,11 +120,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     workgroupBarrier();
     //#end
     //#for e in 0..ESTIMATES
-    stage(lane, e, sums[e]);
+    stage(lane, e);
     //#end
     workgroupBarrier();
     if lane < ESTIMATES {
-        flush(lane, (index * ESTIMATES + lane) * PARTIAL_WORDS);
+        unite(lane, (index * ESTIMATES + lane) * PARTIAL_WORDS);
     }
 }
 
@@ -118,43 +142,57 @@ fn add(sums: Sums, error: u32) -> Sums {
     );
 }
 
-// Only here: lanes are registers in Rust. Stores the sums of an invocation where `flush` reads them: six words for each
-// estimate and lane.
-fn stage(lane: u32, estimate: u32, sums: Sums) {
-    let to = estimate * STAGED_WORDS * WORKGROUP + lane;
-    atomicStore(&shared_words[to], sums.sum);
-    atomicStore(&shared_words[to + WORKGROUP], sums.halves);
-    atomicStore(&shared_words[to + 2u * WORKGROUP], low_word(sums.square));
-    atomicStore(&shared_words[to + 3u * WORKGROUP], high_word(sums.square));
-    atomicStore(&shared_words[to + 4u * WORKGROUP], bitcast<u32>(sums.least));
-    atomicStore(&shared_words[to + 5u * WORKGROUP], bitcast<u32>(sums.greatest));
+fn flush(sums: Sums, total: Totals) -> Totals {
+    return Totals(
+        add96(total.sum, whole_sum(sums.sum, sums.halves)),
+        add96(total.square, vec3<u32>(low_word(sums.square), high_word(sums.square), 0u)),
+        min(total.least, sums.least),
+        max(total.greatest, sums.greatest),
+    );
 }
 
-// Adds up the sums of all lanes in 96 bits. One invocation does an estimate; a tree would need a barrier per level.
-fn flush(estimate: u32, to: u32) {
-    let base = estimate * STAGED_WORDS * WORKGROUP;
-    var sum = vec3<u32>();
-    var square = vec3<u32>();
-    var least = 0x7fffffff;
-    var greatest = -0x7fffffff - 1;
+// Only here: lanes are registers in Rust. Stores the totals of an invocation where `unite` reads
+// them: PARTIAL_WORDS for each estimate and lane.
+fn stage(lane: u32, estimate: u32) {
+    let total = totals[estimate];
+    let to = estimate * PARTIAL_WORDS * WORKGROUP + lane;
+    atomicStore(&shared_words[to], total.sum.x);
+    atomicStore(&shared_words[to + WORKGROUP], total.sum.y);
+    atomicStore(&shared_words[to + 2u * WORKGROUP], total.sum.z);
+    atomicStore(&shared_words[to + 3u * WORKGROUP], total.square.x);
+    atomicStore(&shared_words[to + 4u * WORKGROUP], total.square.y);
+    atomicStore(&shared_words[to + 5u * WORKGROUP], total.square.z);
+    atomicStore(&shared_words[to + 6u * WORKGROUP], bitcast<u32>(total.least));
+    atomicStore(&shared_words[to + 7u * WORKGROUP], bitcast<u32>(total.greatest));
+}
+
+// Only here: see `stage`. Unites the totals of all lanes. One invocation does an estimate; a tree would need a barrier per level.
+fn unite(estimate: u32, to: u32) {
+    let base = estimate * PARTIAL_WORDS * WORKGROUP;
+    var all = Totals(vec3<u32>(), vec3<u32>(), 0x7fffffff, -0x7fffffff - 1);
     for (var lane = base; lane < base + WORKGROUP; lane++) {
-        sum = add96(sum, whole_sum(atomicLoad(&shared_words[lane]), atomicLoad(&shared_words[lane + WORKGROUP])));
-        square = add96(square, vec3<u32>(
-            atomicLoad(&shared_words[lane + 2u * WORKGROUP]),
-            atomicLoad(&shared_words[lane + 3u * WORKGROUP]),
-            0u,
-        ));
-        least = min(least, bitcast<i32>(atomicLoad(&shared_words[lane + 4u * WORKGROUP])));
-        greatest = max(greatest, bitcast<i32>(atomicLoad(&shared_words[lane + 5u * WORKGROUP])));
+        all.sum = add96(all.sum, staged96(lane));
+        all.square = add96(all.square, staged96(lane + 3u * WORKGROUP));
+        all.least = min(all.least, bitcast<i32>(atomicLoad(&shared_words[lane + 6u * WORKGROUP])));
+        all.greatest = max(all.greatest, bitcast<i32>(atomicLoad(&shared_words[lane + 7u * WORKGROUP])));
     }
-    partials[to] = sum.x;
-    partials[to + 1u] = sum.y;
-    partials[to + 2u] = sum.z;
-    partials[to + 3u] = square.x;
-    partials[to + 4u] = square.y;
-    partials[to + 5u] = square.z;
-    partials[to + 6u] = bitcast<u32>(least);
-    partials[to + 7u] = bitcast<u32>(greatest);
+    partials[to] = all.sum.x;
+    partials[to + 1u] = all.sum.y;
+    partials[to + 2u] = all.sum.z;
+    partials[to + 3u] = all.square.x;
+    partials[to + 4u] = all.square.y;
+    partials[to + 5u] = all.square.z;
+    partials[to + 6u] = bitcast<u32>(all.least);
+    partials[to + 7u] = bitcast<u32>(all.greatest);
+}
+
+// Only here: three words of `stage`.
+fn staged96(at: u32) -> vec3<u32> {
+    return vec3<u32>(
+        atomicLoad(&shared_words[at]),
+        atomicLoad(&shared_words[at + WORKGROUP]),
+        atomicLoad(&shared_words[at + 2u * WORKGROUP]),
+    );
 }
 
 // A sum of at most FLUSH errors, from its lower 32 bits and the sum of the errors' upper halves.

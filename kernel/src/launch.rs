@@ -5,7 +5,7 @@ use core::fmt::Debug;
 use core::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use crate::moments::{FLUSH, Moments, Trials};
+use crate::moments::{Moments, Trials};
 use crate::part;
 use crate::shader::{Part, Shader, Variant};
 use crate::width::{AnyWidth, Width};
@@ -125,11 +125,6 @@ impl Launch {
     /// Steps of one trial, by which the work of a dispatch is divided.
     pub fn steps(&self) -> u64 {
         self.sampled.steps(&self.words)
-    }
-
-    /// Most trials that one invocation of the shader adds up.
-    pub fn most_rounds(&self) -> u64 {
-        (MOST_STEPS / self.steps()).clamp(1, FLUSH)
     }
 
     /// The shader that samples this launch, and whether it draws normal numbers.

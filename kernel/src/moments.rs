@@ -7,14 +7,11 @@
 use crate::shader::constants;
 use crate::word::{Wide, Word};
 
-constants!(FLUSH, BINS, BIN_BITS, LEVEL_OFFSET, PARTIAL_WORDS, STAGED_WORDS, GROUPS_PER_ROW);
+constants!(FLUSH, BINS, BIN_BITS, LEVEL_OFFSET, PARTIAL_WORDS, GROUPS_PER_ROW);
 
-/// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, then the least and greatest
-/// error.
+/// Words of the totals of one estimate, of an invocation or of its workgroup: Σ and Σ² of three words each, then the least
+/// and greatest error.
 pub const PARTIAL_WORDS: usize = 8;
-
-/// Words of an invocation's sums of one estimate: Σ and Σ² of two words each, then the least and greatest error.
-const STAGED_WORDS: usize = 6;
 
 /// Workgroups in a row of a dispatch, below every device's limit per dimension.
 pub const GROUPS_PER_ROW: u32 = 32768;

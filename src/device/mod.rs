@@ -80,8 +80,15 @@ impl Device {
     pub fn records_at_once(&self) -> u64 {
         match self {
             Device::Cpu(cpu) => cpu.records_at_once(),
-            // One workgroup; the timing of batches finds out whether more run in parallel.
-            Device::Gpu(_) => 64,
+            Device::Gpu(gpu) => gpu.records_at_once(),
+        }
+    }
+
+    /// Steps of trials, or samples of records, with which a run begins; timing tells how many the device takes.
+    pub(crate) fn first_batch(&self) -> u64 {
+        match self {
+            Device::Cpu(_) => 1 << 20,
+            Device::Gpu(gpu) => gpu.first_batch(),
         }
     }
 

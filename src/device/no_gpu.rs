@@ -72,6 +72,14 @@ impl Gpu {
         match self.never {}
     }
 
+    pub(crate) fn records_at_once(&self) -> u64 {
+        match self.never {}
+    }
+
+    pub(crate) fn first_batch(&self) -> u64 {
+        match self.never {}
+    }
+
     pub(crate) fn halve_tiles(&mut self) -> bool {
         match self.never {}
     }

@@ -2,6 +2,42 @@
 
 use crate::kernel::shader::Variant;
 
+/// How much work a device takes at a time.
+pub(crate) struct Capacity {
+    /// Workgroups that fill it, with some to spare.
+    pub groups: u64,
+    /// Steps of trials of the first tile; timing changes those of the others.
+    pub first_tile: u64,
+    /// Records that are made in parallel at least.
+    pub records_at_once: u64,
+    /// Most records of a batch, and most bytes of angles kept for them.
+    pub most_records: usize,
+    pub most_bytes: u64,
+    /// Most rounds of the loops of an invocation that makes records.
+    pub most_rounds: u64,
+}
+
+/// A software rasteriser runs a workgroup on each core, fastest out of the caches. llvmpipe leaves every loop after 65535
+/// rounds of all loops together, without an error.
+const SOFTWARE: Capacity = Capacity {
+    groups: 64,
+    first_tile: 1 << 18,
+    records_at_once: 64,
+    most_records: 1 << 14,
+    most_bytes: 96 << 20,
+    most_rounds: 60_000,
+};
+
+/// A large GPU runs a quarter of a million invocations at a time; a small one does the first tile in less than a second.
+const HARDWARE: Capacity = Capacity {
+    groups: 8192,
+    first_tile: 1 << 26,
+    records_at_once: 1 << 12,
+    most_records: 1 << 18,
+    most_bytes: 2 << 30,
+    most_rounds: 1 << 24,
+};
+
 /// An adapter of this machine.
 #[derive(Clone)]
 pub struct Adapter {
@@ -47,6 +83,11 @@ impl Adapter {
     /// Whether its shaders have 64-bit registers.
     pub fn has_int64(&self) -> bool {
         self.adapter.features().contains(wgpu::Features::SHADER_INT64)
+    }
+
+    /// How much work it takes at a time.
+    pub(crate) fn capacity(&self) -> &'static Capacity {
+        if self.is_software() { &SOFTWARE } else { &HARDWARE }
     }
 
     /// The fastest variant of the kernels for this adapter.

@@ -18,7 +18,6 @@ pub use crate::device::gpu::adapter::Adapter;
 use crate::device::gpu::fault::Heard;
 #[doc(hidden)]
 pub use crate::device::gpu::fault::{Fault, Faults, Moment};
-use crate::device::gpu::records::MOST_RECORDS;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::rest::Rest;
 use crate::device::gpu::tile::Part;
@@ -33,9 +32,8 @@ use crate::kernel::shader::Variant;
 /// Target duration of a tile: short enough for watchdogs, long enough to hide its preparation.
 const TILE_SECONDS: f64 = 0.075;
 
-/// Steps of the first tile, and the least and most steps of any tile.
-const FIRST_TILE: u64 = 1 << 18;
-const TILES: (u64, u64) = (1 << 14, 1 << 28);
+/// Least and most steps of a tile. The most are what a few thousand workgroups can take.
+const TILES: (u64, u64) = (1 << 14, 1 << 36);
 
 /// An open device.
 pub struct Gpu {
@@ -47,7 +45,9 @@ pub struct Gpu {
     normal_table: wgpu::Buffer,
     /// The table of the previous launch with its buffer; neighbouring points often share one.
     table: Option<(Arc<[u32]>, wgpu::Buffer)>,
+    /// Pipelines of trials by shape and histogram, and those of records by the text of their shaders.
     pipelines: HashMap<(Arc<dyn Sampled>, bool), Pipeline>,
+    record_pipelines: HashMap<String, Pipeline>,
     heard: Heard,
     /// Steps of the next tile, and the most steps of any tile.
     tile: u64,
@@ -102,11 +102,12 @@ impl Gpu {
             normal_table,
             table: None,
             pipelines: HashMap::new(),
+            record_pipelines: HashMap::new(),
             heard,
-            tile: FIRST_TILE,
+            tile: adapter.capacity().first_tile,
             most_tile: TILES.1,
             lanes: 0,
-            most_lanes: MOST_RECORDS,
+            most_lanes: adapter.capacity().most_records,
             threads: 0,
             self_test: None,
             faults: None,
@@ -137,6 +138,16 @@ impl Gpu {
     /// The name of its adapter.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Number of records that are made in parallel at least.
+    pub(crate) fn records_at_once(&self) -> u64 {
+        self.adapter.capacity().records_at_once
+    }
+
+    /// Steps of trials, or samples of records, with which a run begins: four tiles.
+    pub(crate) fn first_batch(&self) -> u64 {
+        4 * self.adapter.capacity().first_tile
     }
 
     /// Sets the length of every tile to `steps` steps of trials, until timing changes it.
@@ -191,7 +202,7 @@ impl Gpu {
     /// Lengthens or shortens the next tile towards the target duration.
     fn adapt(&mut self, steps: u64, seconds: f64) {
         if steps >= self.tile {
-            let factor = (TILE_SECONDS / seconds.max(1e-6)).clamp(0.5, 2.0);
+            let factor = (TILE_SECONDS / seconds.max(1e-6)).clamp(0.5, 8.0);
             self.tile = ((self.tile as f64 * factor) as u64).clamp(TILES.0, self.most_tile);
         }
     }

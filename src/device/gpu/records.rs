@@ -6,19 +6,11 @@ use wgpu::BufferUsages;
 
 use crate::device::Advance;
 use crate::device::error::GpuError;
+use crate::device::gpu::fault::Submission;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::{Gpu, TILE_SECONDS};
 use crate::kernel::allan::SUM_WORDS;
 use crate::kernel::recipe::{CHUNK, Recipe};
-
-/// Most bytes of angles kept for all records of a batch.
-const MOST_BYTES: u64 = 96 << 20;
-
-/// Most records of a batch.
-pub(crate) const MOST_RECORDS: usize = 1 << 14;
-
-/// Most loop rounds in an invocation: lavapipe silently leaves every loop after 65535 rounds of all loops together.
-const MOST_ROUNDS: usize = 60_000;
 
 impl Gpu {
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
@@ -55,7 +47,8 @@ impl Gpu {
         progress: Advance,
     ) -> Result<Vec<u128>, GpuError> {
         let ring_bytes = 4 * recipe.depth() as u64;
-        let budget = MOST_BYTES.min(self.device.limits().max_storage_buffer_binding_size);
+        let budget =
+            self.adapter.capacity().most_bytes.min(self.device.limits().max_storage_buffer_binding_size);
         if ring_bytes > budget {
             return Err(GpuError::TooLong { bytes: ring_bytes, most: budget });
         }
@@ -64,11 +57,11 @@ impl Gpu {
         if drift_bytes > most {
             return Err(GpuError::TooLong { bytes: drift_bytes, most });
         }
-        if recipe.rounds() > MOST_ROUNDS {
+        if recipe.rounds() as u64 > self.adapter.capacity().most_rounds {
             let places = recipe.places();
             return Err(GpuError::Refused(format!("{places} averaging times are more than a device takes")));
         }
-        let pipeline = self.pipeline(recipe.shader(self.variant))?;
+        let pipeline = self.pipeline_of_records(recipe)?;
         let drift = self.upload("drift", bytemuck::cast_slice(&recipe.drift), BufferUsages::STORAGE)?;
         let most = self.most_lanes.min((budget / ring_bytes) as usize).max(1);
         let mut sums = Vec::with_capacity(count * recipe.places());
@@ -101,10 +94,12 @@ impl Gpu {
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = self.buffer("read", sums_size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let chunks = (recipe.samples as usize / CHUNK + 1) as u32;
-        let most = (MOST_ROUNDS / recipe.rounds()) as u32;
+        let most = (self.adapter.capacity().most_rounds / recipe.rounds() as u64) as u32;
         let (mut from, mut tile, mut wrong) = (0, 1, false);
+        let mut before: Option<(Submission, u32)> = None;
+        let mut started = Instant::now();
+        // While the device works on some chunks, the next are submitted.
         while from < chunks {
-            let started = Instant::now();
             let to = chunks.min(from + tile);
             let words = recipe.parameters(first, lanes as u32, [from, to]);
             let parameters =
@@ -120,23 +115,24 @@ impl Gpu {
             }
             let bind_group = self.bind_group(pipeline, resources);
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            pipeline.dispatch(
-                &mut encoder,
-                &bind_group,
-                [(lanes as u32).div_ceil(self.variant.workgroup), 1],
-            );
+            let groups = (lanes as u32).div_ceil(self.variant.workgroup);
+            pipeline.dispatch(&mut encoder, &bind_group, [groups, 1]);
             if to == chunks {
                 encoder.copy_buffer_to_buffer(&sums, 0, &read, 0, sums_size);
             }
             let submission = self.submit(encoder, lanes as u64 * u64::from(to - from))?;
             wrong |= submission.wrong;
-            if to == chunks {
-                read.map_async(wgpu::MapMode::Read, .., |_| {});
+            if let Some((submission, length)) = before.replace((submission, to - from)) {
+                self.wait(&submission)?;
+                let factor = (TILE_SECONDS / started.elapsed().as_secs_f64().max(1e-6)).clamp(0.5, 8.0);
+                tile = ((f64::from(length) * factor) as u32).clamp(1, most);
+                started = Instant::now();
             }
-            self.wait(&submission)?;
-            let factor = (TILE_SECONDS / started.elapsed().as_secs_f64().max(1e-6)).clamp(0.5, 2.0);
-            tile = ((f64::from(tile) * factor) as u32).clamp(1, most);
             from = to;
+        }
+        read.map_async(wgpu::MapMode::Read, .., |_| {});
+        if let Some((submission, _)) = before {
+            self.wait(&submission)?;
         }
         let bytes = self.mapped(&read)?;
         let words: &[u32] = bytemuck::cast_slice(&bytes);

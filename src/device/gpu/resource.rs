@@ -7,6 +7,7 @@ use wgpu::BufferUsages;
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::kernel::launch::Launch;
+use crate::kernel::recipe::Recipe;
 
 /// A compiled shader.
 #[derive(Clone)]
@@ -88,6 +89,17 @@ impl Gpu {
         }
         let pipeline = self.pipeline(launch.shader(histogram, self.variant))?;
         self.pipelines.insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+
+    /// The pipeline that makes the records of a recipe, compiled once for its shader.
+    pub(crate) fn pipeline_of_records(&mut self, recipe: &Recipe) -> Result<Pipeline, GpuError> {
+        let shader = recipe.shader(self.variant);
+        if let Some(pipeline) = self.record_pipelines.get(&shader.0) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = self.pipeline(shader.clone())?;
+        self.record_pipelines.insert(shader.0, pipeline.clone());
         Ok(pipeline)
     }
 

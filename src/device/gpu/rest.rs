@@ -1,7 +1,7 @@
 //! Division of jobs into tiles.
 
 use crate::device::Job;
-use crate::device::gpu::tile::{Part, Piece};
+use crate::device::gpu::tile::Part;
 
 /// Most pieces of a tile, which bounds the buffer of its histograms.
 const MOST_PIECES: usize = 1024;
@@ -29,11 +29,11 @@ impl<'a> Rest<'a> {
             let to_half = (1 << 32) - (first & u64::from(u32::MAX));
             let steps = launch.steps();
             let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);
-            let piece = Piece { first, count, to: self.job };
-            match parts.last_mut() {
-                Some(part) if std::ptr::eq(part.launch, launch) => part.pieces.push(piece),
-                _ => parts.push(Part { launch, pieces: vec![piece] }),
-            }
+            let at = parts.iter().rposition(|part| part.takes(launch)).unwrap_or_else(|| {
+                parts.push(Part::default());
+                parts.len() - 1
+            });
+            parts[at].push(launch, first..first + count, self.job);
             pieces += 1;
             room = room.saturating_sub(count * steps);
             self.done += count;

@@ -1,11 +1,14 @@
 //! Tiles, the units of work of the device, in reused buffers.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use wgpu::BufferUsages;
 
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::fault::Submission;
-use crate::kernel::launch::Launch;
+use crate::kernel::launch::{Launch, MOST_STEPS};
 use crate::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
 
 /// Work of one workgroup, in the layout that the shader reads.
@@ -15,57 +18,79 @@ pub(crate) struct Job {
     low: u32,
     high: u32,
     count: u32,
+    point: u32,
     slot: u32,
 }
 
-/// Ranges of trials of one launch, which form one dispatch.
-#[derive(Debug, Clone)]
+/// Ranges of trials of launches with the same shape and table, which form one dispatch.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Part<'a> {
-    /// The launch.
-    pub launch: &'a Launch,
-    /// Its ranges, in order.
-    pub pieces: Vec<Piece>,
+    /// The launches, which the shader calls points.
+    launches: Vec<&'a Launch>,
+    /// Their ranges, in the order of the results.
+    pieces: Vec<Piece>,
 }
 
-impl Part<'_> {
+/// A range of trials; its tallies are added to place `to` of the results.
+#[derive(Debug, Clone)]
+struct Piece {
+    /// Index of its launch in the part.
+    point: usize,
+    trials: Range<u64>,
+    to: usize,
+}
+
+impl<'a> Part<'a> {
+    /// Whether trials of `launch` may join this part.
+    pub(crate) fn takes(&self, launch: &Launch) -> bool {
+        self.launches.first().is_some_and(|own| {
+            let shared =
+                Arc::ptr_eq(&own.table, &launch.table) || own.table.is_empty() && launch.table.is_empty();
+            shared && *own.sampled == *launch.sampled
+        })
+    }
+
+    /// Adds trials of a launch that [`takes`](Part::takes) accepts, or the first ones.
+    pub(crate) fn push(&mut self, launch: &'a Launch, trials: Range<u64>, to: usize) {
+        let point = self.launches.iter().rposition(|&own| std::ptr::eq(own, launch)).unwrap_or_else(|| {
+            self.launches.push(launch);
+            self.launches.len() - 1
+        });
+        self.pieces.push(Piece { point, trials, to });
+    }
+
     /// Trials of all pieces.
     pub(crate) fn trials(&self) -> u64 {
-        self.pieces.iter().map(|piece| piece.count).sum()
+        self.pieces.iter().map(Piece::count).sum()
     }
 
     /// Steps of all pieces.
     pub(crate) fn steps(&self) -> u64 {
-        self.trials() * self.launch.steps()
+        self.pieces.iter().map(|piece| piece.count() * self.launches[piece.point].steps()).sum()
     }
 
-    /// Number of trials of a workgroup.
-    fn trials_of_group(&self, workgroup: u32) -> u64 {
-        self.launch.most_rounds() * u64::from(workgroup)
+    /// Number of trials of a workgroup: as many as give the device `groups` workgroups.
+    fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
+        let longest = self.launches.iter().map(|launch| launch.steps()).max().unwrap_or(1);
+        let rounds = self.trials() / (groups * u64::from(workgroup));
+        rounds.clamp(1, (MOST_STEPS / longest).max(1)) * u64::from(workgroup)
     }
-}
-
-/// A range of trials; its tallies are added to place `to` of the results.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece {
-    /// Number of the first trial.
-    pub first: u64,
-    /// Number of trials.
-    pub count: u64,
-    /// Index of their tallies in the results.
-    pub to: usize,
 }
 
 impl Piece {
+    fn count(&self) -> u64 {
+        self.trials.end - self.trials.start
+    }
+
     /// Number of workgroups that share its trials, with `of_group` trials each.
     fn groups(&self, of_group: u64) -> u64 {
-        self.count.div_ceil(of_group)
+        self.count().div_ceil(of_group)
     }
 }
 
 /// A submitted tile whose results have not been read.
 pub(crate) struct InFlight<'a> {
-    parts: Vec<Part<'a>>,
-    histogram: bool,
+    parts: Vec<(Part<'a>, Place)>,
     results: wgpu::Buffer,
     submission: Submission,
 }
@@ -73,8 +98,9 @@ pub(crate) struct InFlight<'a> {
 /// Alignment of each part's partial sums and histograms in the buffer, in bytes.
 const ALIGNMENT: u64 = 256;
 
-/// Offsets of a part's results in the buffer of a tile, in bytes.
+/// Division of a part among workgroups, with the offsets of its results in the buffer of a tile, in bytes.
 struct Place {
+    trials_of_group: u64,
     groups: u32,
     partials: u64,
     histograms: u64,
@@ -82,14 +108,13 @@ struct Place {
 }
 
 impl Place {
-    fn of(part: &Part, from: u64, histogram: bool, workgroup: u32) -> Place {
-        let of_group = part.trials_of_group(workgroup);
-        let estimates = part.launch.sampled.estimates() as u64;
-        let groups = part.pieces.iter().map(|piece| piece.groups(of_group)).sum::<u64>();
+    fn of(part: &Part, from: u64, histogram: bool, trials_of_group: u64) -> Place {
+        let estimates = part.launches[0].sampled.estimates() as u64;
+        let groups = part.pieces.iter().map(|piece| piece.groups(trials_of_group)).sum::<u64>();
         let histogram_bytes = if histogram { 4 * estimates * (BINS * part.pieces.len()) as u64 } else { 0 };
         let histograms = (from + 4 * estimates * PARTIAL_WORDS as u64 * groups).next_multiple_of(ALIGNMENT);
         let end = (histograms + histogram_bytes).next_multiple_of(ALIGNMENT);
-        Place { groups: groups as u32, partials: from, histograms, end }
+        Place { trials_of_group, groups: groups as u32, partials: from, histograms, end }
     }
 }
 
@@ -100,29 +125,27 @@ impl Gpu {
         parts: Vec<Part<'a>>,
         histogram: bool,
     ) -> Result<InFlight<'a>, GpuError> {
-        let workgroup = self.variant.workgroup;
-        let mut places = Vec::new();
+        let steps = parts.iter().map(Part::steps).sum();
         let mut size = 0;
-        for part in &parts {
-            let place = Place::of(part, size, histogram, workgroup);
+        let mut place = |part: Part<'a>| {
+            let of_group = part.trials_of_group(self.variant.workgroup, self.adapter.capacity().groups);
+            let place = Place::of(&part, size, histogram, of_group);
             size = place.end;
-            places.push(place);
-        }
-        let work = self.buffer(
-            "work",
-            size,
-            BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-        )?;
+            (part, place)
+        };
+        let parts: Vec<_> = parts.into_iter().map(&mut place).collect();
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let work = self.buffer("work", size, usage)?;
         let results = self.buffer("results", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(&work, 0, None);
-        for (part, place) in parts.iter().zip(&places) {
+        for (part, place) in &parts {
             self.encode(&mut encoder, part, place, histogram, &work)?;
         }
         encoder.copy_buffer_to_buffer(&work, 0, &results, 0, size);
-        let submission = self.submit(encoder, parts.iter().map(Part::steps).sum())?;
+        let submission = self.submit(encoder, steps)?;
         results.map_async(wgpu::MapMode::Read, .., |_| {});
-        Ok(InFlight { parts, histogram, results, submission })
+        Ok(InFlight { parts, results, submission })
     }
 
     fn encode(
@@ -133,22 +156,24 @@ impl Gpu {
         histogram: bool,
         work: &wgpu::Buffer,
     ) -> Result<(), GpuError> {
-        let step = part.trials_of_group(self.variant.workgroup);
-        let mut jobs = Vec::new();
+        let mut jobs = Vec::with_capacity(place.groups as usize);
         for (slot, piece) in part.pieces.iter().enumerate() {
-            for group in 0..piece.groups(step) {
-                let first = piece.first + group * step;
-                let count = step.min(piece.first + piece.count - first) as u32;
-                jobs.push(Job { low: first as u32, high: (first >> 32) as u32, count, slot: slot as u32 });
+            for first in piece.trials.clone().step_by(place.trials_of_group as usize) {
+                let count = place.trials_of_group.min(piece.trials.end - first) as u32;
+                let (low, high) = (first as u32, (first >> 32) as u32);
+                jobs.push(Job { low, high, count, point: piece.point as u32, slot: slot as u32 });
             }
         }
-        let mut words = part.launch.words.clone();
-        words.resize(words.len().next_multiple_of(4), 0);
-        let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM)?;
+        let mut words = Vec::new();
+        for launch in &part.launches {
+            words.extend(&launch.words);
+            words.resize(words.len().next_multiple_of(4), 0);
+        }
+        let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::STORAGE)?;
         let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE)?;
-        let has_table = part.launch.sampled.has_table();
-        let table = has_table.then(|| self.table(&part.launch.table)).transpose()?;
-        let pipeline = self.pipeline_of(part.launch, histogram)?;
+        let launch = part.launches[0];
+        let table = launch.sampled.has_table().then(|| self.table(&launch.table)).transpose()?;
+        let pipeline = self.pipeline_of(launch, histogram)?;
         let range = |offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
             wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
@@ -175,13 +200,10 @@ impl Gpu {
         self.wait(&tile.submission)?;
         let bytes = self.mapped(&tile.results)?;
         let words: &[u32] = bytemuck::cast_slice(&bytes);
-        let mut from = 0;
-        for part in &tile.parts {
-            let place = Place::of(part, from, tile.histogram, self.variant.workgroup);
-            from = place.end;
-            add_results(part, &place, tile.histogram, self.variant.workgroup, words, results);
+        for (part, place) in &tile.parts {
+            add_results(part, place, words, results);
         }
-        let first = tile.parts.first().and_then(|part| part.pieces.first());
+        let first = tile.parts.first().and_then(|(part, _)| part.pieces.first());
         if let Some(piece) = first.filter(|_| tile.submission.wrong) {
             results[piece.to][0].sum ^= 1;
         }
@@ -189,28 +211,21 @@ impl Gpu {
     }
 }
 
-fn add_results(
-    part: &Part,
-    place: &Place,
-    histogram: bool,
-    workgroup: u32,
-    words: &[u32],
-    results: &mut [Vec<Moments>],
-) {
-    let estimates = part.launch.sampled.estimates();
-    let of_group = part.trials_of_group(workgroup);
+fn add_results(part: &Part, place: &Place, words: &[u32], results: &mut [Vec<Moments>]) {
+    let estimates = part.launches[0].sampled.estimates();
     let mut partials = words[place.partials as usize / 4..].chunks_exact(estimates * PARTIAL_WORDS);
     let mut histograms = words[place.histograms as usize / 4..].chunks_exact(BINS);
     for piece in &part.pieces {
         let tallies = &mut results[piece.to];
-        for group in partials.by_ref().take(piece.groups(of_group) as usize) {
+        for group in partials.by_ref().take(piece.groups(place.trials_of_group) as usize) {
             for (tally, sums) in tallies.iter_mut().zip(group.chunks_exact(PARTIAL_WORDS)) {
                 add_partial(tally, sums);
             }
         }
         for tally in tallies.iter_mut() {
-            tally.count += piece.count;
-            if histogram {
+            tally.count += piece.count();
+            // Without a histogram a tally has no bins.
+            if !tally.bins.is_empty() {
                 for (bin, &count) in tally.bins.iter_mut().zip(histograms.next().into_iter().flatten()) {
                     *bin += u64::from(count);
                 }
