@@ -10,6 +10,7 @@ use crate::progress::Progress;
 use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
 use crate::sampling::worker::Worker;
+use crate::sampling::writer::while_storing;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Address, Provenance, Row, Store};
@@ -36,9 +37,6 @@ const MOST_JOBS: usize = 1024;
 
 /// Target duration of a batch in seconds, after which results are on disk.
 pub(crate) const BATCH_SECONDS: f64 = 0.3;
-
-/// Steps of the first batch.
-const FIRST_BATCH: u64 = 1 << 20;
 
 /// log2 of the most steps of a block. Losing a block with its batch, or waiting for it after a signal, then costs
 /// seconds at most.
@@ -112,27 +110,32 @@ pub(crate) fn sample(
         .collect();
     interleave(&mut rest);
     rest.reverse();
-    let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
-    while !rest.is_empty() && !progress.stops() {
-        let batch_started = Instant::now();
-        let batch = take_batch(&mut rest, batch_steps);
-        let jobs: Vec<Job> = batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
-        let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
-        let rows: Vec<Row<Moments>> = batch
-            .iter()
-            .zip(results)
-            .flat_map(|(&(work, block), tallies)| {
-                let addressed = work.addresses.iter().zip(tallies);
-                addressed.map(move |(&address, tally)| Row { address, block, tally })
-            })
-            .collect();
-        sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
-        let (trials, seconds) = (before + sampled, started.elapsed().as_secs_f64());
-        store.insert(&rows, Some(&Provenance { device: worker.name(), trials, seconds }))?;
-        let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
-        batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
-    }
-    Ok(sampled)
+    let (mut batch_steps, mut sampled) = (worker.first_batch(), 0);
+    while_storing(store, |stored| {
+        while !rest.is_empty() && !progress.stops() {
+            let batch_started = Instant::now();
+            let batch = take_batch(&mut rest, batch_steps);
+            let jobs: Vec<Job> =
+                batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
+            let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
+            let rows: Vec<Row<Moments>> = batch
+                .iter()
+                .zip(results)
+                .flat_map(|(&(work, block), tallies)| {
+                    let addressed = work.addresses.iter().zip(tallies);
+                    addressed.map(move |(&address, tally)| Row { address, block, tally })
+                })
+                .collect();
+            sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
+            let (trials, seconds) = (before + sampled, started.elapsed().as_secs_f64());
+            if !stored(rows, Provenance { device: worker.name(), trials, seconds }) {
+                break;
+            }
+            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+            batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
+        }
+        Ok(sampled)
+    })
 }
 
 /// Interleaves the blocks of all work, each work in its own order. The work done so far is then representative of the

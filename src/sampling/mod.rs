@@ -5,3 +5,4 @@ pub(crate) mod found;
 pub(crate) mod plan;
 pub(crate) mod tables;
 pub(crate) mod worker;
+pub(crate) mod writer;

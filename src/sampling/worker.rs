@@ -44,6 +44,11 @@ impl<'a> Worker<'a> {
         self.names.join(" and ")
     }
 
+    /// Steps of trials, or samples of records, of the first batch.
+    pub(crate) fn first_batch(&self) -> u64 {
+        self.device.first_batch()
+    }
+
     /// Number of records that the device makes in parallel.
     pub(crate) fn records_at_once(&self) -> u64 {
         self.device.records_at_once()

@@ -9,12 +9,10 @@ use crate::progress::Progress;
 use crate::sampling::batches::BATCH_SECONDS;
 use crate::sampling::plan::{Done, RunError};
 use crate::sampling::worker::Worker;
+use crate::sampling::writer::while_storing;
 use crate::store::{Provenance, Row, Store};
 use crate::tally::block::{Block, base_log2, cover};
 use crate::tally::share::Share;
-
-/// Samples of the first batch.
-const FIRST_BATCH: u64 = 1 << 22;
 
 impl Plan<'_> {
     /// Makes the records that the store lacks of a share. Each batch is stored as soon as it is complete.
@@ -32,31 +30,36 @@ impl Plan<'_> {
         let all = self.distinct().map(|(turn, planned)| samples(&(planned, share.trials(trials, turn))));
         let total = all.sum::<u64>().max(left);
         progress.start("samples", total - left, total);
-        let (mut batch_samples, mut made, mut stopped) = (FIRST_BATCH, 0, false);
-        'points: for (planned, gap) in lacking {
-            let lowered = self.lowered(planned.point)?;
-            let mut first = gap.start;
-            while first < gap.end {
-                stopped = progress.stops();
-                if stopped {
-                    break 'points;
+        let (mut batch_samples, mut made, mut stopped) = (worker.first_batch(), 0, false);
+        while_storing(store, |stored| {
+            'points: for (planned, gap) in lacking {
+                let lowered = self.lowered(planned.point)?;
+                let mut first = gap.start;
+                while first < gap.end {
+                    stopped = progress.stops();
+                    if stopped {
+                        break 'points;
+                    }
+                    let batch_started = Instant::now();
+                    let records = (batch_samples / planned.samples).max(worker.records_at_once());
+                    // Whole blocks where a batch contains some, smaller ones for very long records.
+                    let align = 1 << base_log2(trials).min(records.ilog2());
+                    let batch = first..gap.end.min((first + records).next_multiple_of(align));
+                    let advance = |records| progress.advance(records * planned.samples);
+                    let sums = worker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
+                    made += batch.end - batch.start;
+                    first = batch.end;
+                    let seconds = started.elapsed().as_secs_f64();
+                    let so_far = Provenance { device: worker.name(), trials: made, seconds };
+                    if !stored(rows(planned, batch, base_log2(trials), &sums), so_far) {
+                        break 'points;
+                    }
+                    let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
+                    batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
                 }
-                let batch_started = Instant::now();
-                let records = (batch_samples / planned.samples).max(worker.records_at_once());
-                // Whole blocks where a batch contains some, smaller ones for very long records.
-                let align = 1 << base_log2(trials).min(records.ilog2());
-                let batch = first..gap.end.min((first + records).next_multiple_of(align));
-                let advance = |records| progress.advance(records * planned.samples);
-                let sums = worker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
-                made += batch.end - batch.start;
-                first = batch.end;
-                let seconds = started.elapsed().as_secs_f64();
-                let so_far = Provenance { device: worker.name(), trials: made, seconds };
-                store.insert(&rows(planned, batch, base_log2(trials), &sums), Some(&so_far))?;
-                let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
-                batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
             }
-        }
+            Ok(())
+        })?;
         Ok(Done { trials: made, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 }
