@@ -16,6 +16,9 @@ pub enum GpuError {
     /// The device rejects a shader or a buffer, with the message of the validation.
     #[error("the device refused the work: {0}")]
     Refused(String),
+    /// The device computes other bits than the CPU on the first work of a shader.
+    #[error("it computes other bits than the CPU: update its driver")]
+    WrongBits,
     /// A record does not fit into the buffers; the CPU can make it.
     #[error(
         "a record needs {bytes} bytes on the device, of {most}: shorten the longest averaging time, or overlap = \"m/64\""

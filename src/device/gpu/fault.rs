@@ -61,6 +61,8 @@ impl Heard {
 pub enum Moment {
     /// Just before it is opened again.
     Opening,
+    /// After a new pipeline has computed what the processor knows; any fault makes it wrong.
+    Answer,
     /// Just before it receives work of this size: steps of trials, chunks of records, or items.
     Tile(u64),
 }

@@ -48,6 +48,8 @@ pub struct Gpu {
     /// Pipelines of trials by shape and histogram, and those of records by the text of their shaders.
     pipelines: HashMap<(Arc<dyn Sampled>, bool), Pipeline>,
     record_pipelines: HashMap<String, Pipeline>,
+    /// Buffers of tiles that are done, for the next ones.
+    free: Vec<wgpu::Buffer>,
     heard: Heard,
     /// Steps of the next tile, and the most steps of any tile.
     tile: u64,
@@ -103,6 +105,7 @@ impl Gpu {
             table: None,
             pipelines: HashMap::new(),
             record_pipelines: HashMap::new(),
+            free: Vec::new(),
             heard,
             tile: adapter.capacity().first_tile,
             most_tile: TILES.1,

@@ -79,7 +79,8 @@ impl Gpu {
         Ok(sums)
     }
 
-    fn batch(
+    /// The sums of `lanes` records, whose numbers share one upper half.
+    pub(crate) fn batch(
         &mut self,
         recipe: &Recipe,
         pipeline: &Pipeline,

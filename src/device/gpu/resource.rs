@@ -6,8 +6,15 @@ use wgpu::BufferUsages;
 
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
-use crate::kernel::launch::Launch;
-use crate::kernel::recipe::Recipe;
+use crate::device::gpu::fault::Moment;
+use crate::device::gpu::tile::Part;
+use crate::kernel::launch::{Launch, MOST_STEPS};
+use crate::kernel::moments::{Moments, Trials};
+use crate::kernel::recipe::{CHUNK, Recipe};
+use crate::kernel::width::Width;
+
+/// Most buffers kept for the next tiles: those of two tiles of two parts.
+const MOST_FREE: usize = 12;
 
 /// A compiled shader.
 #[derive(Clone)]
@@ -51,6 +58,28 @@ impl Gpu {
         Ok(buffer)
     }
 
+    /// A buffer of at least `size` bytes with any contents: one that was [given back](Gpu::give_back), or a new one.
+    pub(crate) fn borrow(
+        &mut self,
+        label: &str,
+        size: u64,
+        usage: BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let suits = |free: &wgpu::Buffer| free.usage() == usage && free.size() >= size;
+        match self.free.iter().position(suits) {
+            Some(at) => Ok(self.free.remove(at)),
+            None => self.buffer(label, size, usage),
+        }
+    }
+
+    /// Keeps a buffer that the device no longer uses for the next tile.
+    pub(crate) fn give_back(&mut self, buffer: wgpu::Buffer) {
+        if self.free.len() == MOST_FREE {
+            self.free.remove(0);
+        }
+        self.free.push(buffer);
+    }
+
     /// Creates a buffer that contains these words.
     pub(crate) fn upload(
         &self,
@@ -88,7 +117,9 @@ impl Gpu {
             return Ok(pipeline.clone());
         }
         let pipeline = self.pipeline(launch.shader(histogram, self.variant))?;
-        self.pipelines.insert(key, pipeline.clone());
+        self.pipelines.insert(key.clone(), pipeline.clone());
+        let answered = self.answers(|gpu| gpu.tallies_as_the_cpu(launch, histogram));
+        answered.inspect_err(|_| drop(self.pipelines.remove(&key)))?;
         Ok(pipeline)
     }
 
@@ -99,8 +130,36 @@ impl Gpu {
             return Ok(pipeline.clone());
         }
         let pipeline = self.pipeline(shader.clone())?;
+        self.answers(|gpu| gpu.sums_as_the_cpu(recipe, &pipeline))?;
         self.record_pipelines.insert(shader.0, pipeline.clone());
         Ok(pipeline)
+    }
+
+    /// Asks a new pipeline for an answer that the processor knows. Some drivers make a pipeline that computes nothing, or
+    /// lose the device, without an error.
+    fn answers(&mut self, same: impl FnOnce(&mut Gpu) -> Result<bool, GpuError>) -> Result<(), GpuError> {
+        // It is no tile of the work, whose faults a test places.
+        let faults = self.faults.take();
+        let same = same(self);
+        self.faults = faults;
+        if same? && self.fault(Moment::Answer).is_none() { Ok(()) } else { Err(GpuError::WrongBits) }
+    }
+
+    fn tallies_as_the_cpu(&mut self, launch: &Launch, histogram: bool) -> Result<bool, GpuError> {
+        let count = (MOST_STEPS / launch.steps()).clamp(1, u64::from(self.variant.workgroup));
+        let mut part = Part::default();
+        part.push(launch, 0..count, 0);
+        let tile = self.launch(vec![part], histogram)?;
+        let mut found = [vec![Moments::empty(histogram); launch.sampled.estimates()]];
+        self.collect(tile, &mut found)?;
+        Ok(found[0] == launch.tally(Width::widest(), Trials { first: 0, count, histogram }))
+    }
+
+    fn sums_as_the_cpu(&mut self, recipe: &Recipe, pipeline: &Pipeline) -> Result<bool, GpuError> {
+        // The shader does not depend on the length of the records.
+        let short = Recipe { samples: recipe.samples.min(2 * CHUNK as u32), ..recipe.clone() };
+        let drift = self.upload("drift", bytemuck::cast_slice(&short.drift), BufferUsages::STORAGE)?;
+        Ok(self.batch(&short, pipeline, &drift, 0, 2)? == short.sums(Width::widest(), 0, 2))
     }
 
     /// Compiles a shader, given as its text and whether it draws normal numbers.

@@ -25,8 +25,9 @@ impl<'a> Rest<'a> {
         while room > 0 && pieces < MOST_PIECES && self.job < self.jobs.len() {
             let Job { launch, block } = self.jobs[self.job];
             let first = block.first + self.done;
-            // The trial numbers of a piece share one upper half, so it ends where the lower half wraps.
-            let to_half = (1 << 32) - (first & u64::from(u32::MAX));
+            // The trial numbers of a piece share one upper half, so it ends where the lower half wraps; a bin holds no
+            // more than half a word's worth of them.
+            let to_half = ((1 << 32) - (first & u64::from(u32::MAX))).min(1 << 31);
             let steps = launch.steps();
             let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);
             let at = parts.iter().rposition(|part| part.takes(launch)).unwrap_or_else(|| {

@@ -92,6 +92,8 @@ impl Piece {
 pub(crate) struct InFlight<'a> {
     parts: Vec<(Part<'a>, Place)>,
     results: wgpu::Buffer,
+    /// The other buffers, which the device uses until it has completed the tile.
+    used: Vec<wgpu::Buffer>,
     submission: Submission,
 }
 
@@ -135,17 +137,19 @@ impl Gpu {
         };
         let parts: Vec<_> = parts.into_iter().map(&mut place).collect();
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let work = self.buffer("work", size, usage)?;
-        let results = self.buffer("results", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
+        let work = self.borrow("work", size, usage)?;
+        let results = self.borrow("results", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.clear_buffer(&work, 0, None);
+        encoder.clear_buffer(&work, 0, Some(size));
+        let mut used = Vec::new();
         for (part, place) in &parts {
-            self.encode(&mut encoder, part, place, histogram, &work)?;
+            used.extend(self.encode(&mut encoder, part, place, histogram, &work)?);
         }
         encoder.copy_buffer_to_buffer(&work, 0, &results, 0, size);
         let submission = self.submit(encoder, steps)?;
         results.map_async(wgpu::MapMode::Read, .., |_| {});
-        Ok(InFlight { parts, results, submission })
+        used.push(work);
+        Ok(InFlight { parts, results, used, submission })
     }
 
     fn encode(
@@ -155,7 +159,7 @@ impl Gpu {
         place: &Place,
         histogram: bool,
         work: &wgpu::Buffer,
-    ) -> Result<(), GpuError> {
+    ) -> Result<[wgpu::Buffer; 2], GpuError> {
         let mut jobs = Vec::with_capacity(place.groups as usize);
         for (slot, piece) in part.pieces.iter().enumerate() {
             for first in piece.trials.clone().step_by(place.trials_of_group as usize) {
@@ -169,8 +173,12 @@ impl Gpu {
             words.extend(&launch.words);
             words.resize(words.len().next_multiple_of(4), 0);
         }
-        let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::STORAGE)?;
-        let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE)?;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let parameters = self.borrow("parameters", 4 * words.len() as u64, usage)?;
+        self.queue.write_buffer(&parameters, 0, bytemuck::cast_slice(&words));
+        let job_bytes: &[u8] = bytemuck::cast_slice(&jobs);
+        let jobs = self.borrow("jobs", job_bytes.len() as u64, usage)?;
+        self.queue.write_buffer(&jobs, 0, job_bytes);
         let launch = part.launches[0];
         let table = launch.sampled.has_table().then(|| self.table(&launch.table)).transpose()?;
         let pipeline = self.pipeline_of(launch, histogram)?;
@@ -192,11 +200,11 @@ impl Gpu {
         let bind_group = self.bind_group(&pipeline, resources);
         let groups = [place.groups.min(GROUPS_PER_ROW), place.groups.div_ceil(GROUPS_PER_ROW)];
         pipeline.dispatch(encoder, &bind_group, groups);
-        Ok(())
+        Ok([parameters, jobs])
     }
 
     /// Waits for a tile and adds its tallies to the results.
-    pub(crate) fn collect(&self, tile: InFlight, results: &mut [Vec<Moments>]) -> Result<(), GpuError> {
+    pub(crate) fn collect(&mut self, tile: InFlight, results: &mut [Vec<Moments>]) -> Result<(), GpuError> {
         self.wait(&tile.submission)?;
         let bytes = self.mapped(&tile.results)?;
         let words: &[u32] = bytemuck::cast_slice(&bytes);
@@ -207,6 +215,9 @@ impl Gpu {
         if let Some(piece) = first.filter(|_| tile.submission.wrong) {
             results[piece.to][0].sum ^= 1;
         }
+        drop(bytes);
+        tile.results.unmap();
+        tile.used.into_iter().chain([tile.results]).for_each(|buffer| self.give_back(buffer));
         Ok(())
     }
 }

@@ -11,11 +11,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::devices::{Coverage, adapters, jobs, open, reference, total};
 use crate::studies::{ALL_FREQUENCIES, parsed, study};
 use case::{AGAIN, Case, SMALLER, Subject};
+use left::run;
+use sagnac::device::Device;
+use sagnac::device::cpu::Cpu;
 use sagnac::device::error::GpuError;
 use sagnac::device::gpu::Gpu;
-use sagnac::device::gpu::fault::{Fault, Faults};
+use sagnac::device::gpu::fault::{Fault, Faults, Moment};
 use sagnac::device::select::SelectError;
 use sagnac::kernel::KERNELS;
+use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 use sagnac::tally::block::cover;
 use sagnac::verify::{loads, trusted};
@@ -168,7 +172,11 @@ fn a_failed_batch_leaves_nothing_to_the_next() {
         // In the second tile, while the first one is at work.
         let second = |fault: Fault| -> Faults {
             let tiles = AtomicU64::new(0);
-            Arc::new(move |_| (tiles.fetch_add(1, Ordering::Relaxed) == 1).then_some(fault))
+            Arc::new(move |moment| {
+                let is_second =
+                    || matches!(moment, Moment::Tile(_)) && tiles.fetch_add(1, Ordering::Relaxed) == 1;
+                is_second().then_some(fault)
+            })
         };
         let tallied = |gpu: &mut Gpu| {
             gpu.set_tile(1200 * launch.steps());
@@ -189,6 +197,22 @@ fn a_failed_batch_leaves_nothing_to_the_next() {
         coverage.comparisons += 3;
     }
     coverage.end("batches after a failed one");
+}
+
+#[test]
+fn the_processor_takes_over_where_a_new_pipeline_answers_wrong() {
+    let adapter = adapters().remove(0);
+    for study in [gaps(), records()] {
+        let reference = run(&study, &mut Device::Cpu(Cpu::new(Width::widest(), 0).unwrap()));
+        let mut gpu = open(&adapter, adapter.variant());
+        gpu.inject(Arc::new(|moment| (moment == Moment::Answer).then_some(Fault::WrongBits)));
+        let mut device = Device::Gpu(Box::new(gpu));
+        let left = run(&study, &mut device);
+        assert!(matches!(device, Device::Cpu(_)), "{}", device.name());
+        let [note] = &left.done.degraded[..] else { panic!("{:#?}", left.done.degraded) };
+        assert!(note.contains("it computes other bits than the CPU"), "{note}");
+        assert_eq!((left.rows, left.tables), (reference.rows, reference.tables));
+    }
 }
 
 #[test]
