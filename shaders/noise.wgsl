@@ -27,7 +27,7 @@ struct Noise {
 var<private> address: Address;
 var<private> noise: Noise;
 var<private> holds: array<Hold, HOLD_ROOM>;
-var<private> rate: array<u32, CHUNK>;
+// Only here: the rates of a chunk become its angles in place, because private memory bounds a GPU.
 var<private> angles: array<u32, CHUNK>;
 
 fn begin() {
@@ -60,18 +60,19 @@ fn chunk(first: u32) {
         let words = draw(address, FOR_WHITE, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
             let i = 4u * block + k;
+            let rate = angles[i];
             angles[i] = high_word(noise.angle);
-            let step = add_wide(mul_wide(rate[i], p.rate_scale), mul_wide(normal(words[k]), p.white));
+            let step = add_wide(mul_wide(rate, p.rate_scale), mul_wide(normal(words[k]), p.white));
             noise.angle = add_wide(noise.angle, step);
         }
     }
     readings(first);
 }
 
-// Computes the rate in each sample: flicker, random walk and Markov noise.
+// Computes the rate in each sample, in place of its angle: flicker, random walk and Markov noise.
 fn rates(first: u32) {
     for (var i = 0u; i < CHUNK; i += 1u) {
-        rate[i] = 0u;
+        angles[i] = 0u;
     }
     //#if FLICKER_HOLDS
     short_holds(first);
@@ -79,8 +80,8 @@ fn rates(first: u32) {
         long_holds(octave, first);
     }
     for (var i = 0u; i < CHUNK; i += 1u) {
-        noise.flicker += rate[i];
-        rate[i] = noise.flicker;
+        noise.flicker += angles[i];
+        angles[i] = noise.flicker;
     }
     //#end
     //#if WALK_STEPS
@@ -88,7 +89,7 @@ fn rates(first: u32) {
         let words = draw(address, FOR_WALK, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
             noise.walk = add_wide(noise.walk, mul_wide(normal(words[k]), p.walk));
-            rate[4u * block + k] += high_word(noise.walk);
+            angles[4u * block + k] += high_word(noise.walk);
         }
     }
     //#end
@@ -98,7 +99,7 @@ fn rates(first: u32) {
         for (var k = 0u; k < 4u; k += 1u) {
             let lost = mul_wide(bits_from(noise.markov, 30u), p.markov_loss);
             noise.markov = add_wide(sub_wide(noise.markov, lost), mul_wide(normal(words[k]), p.markov_step));
-            rate[4u * block + k] += bits_from(noise.markov, 30u);
+            angles[4u * block + k] += bits_from(noise.markov, 30u);
         }
     }
     //#end
@@ -117,7 +118,7 @@ fn short_holds(first: u32) {
             }
             go_over(octave, 0u, scaled(words[number % 4u], flicker_sigma(octave)));
             let hold = holds[octave * STREAMS];
-            rate[(h << octave) + hold.grid] += hold.change;
+            angles[(h << octave) + hold.grid] += hold.change;
         }
     }
     for (var octave = FOUR_STREAMS; octave < min(OCTAVES, LONG_HOLDS); octave += 1u) {
@@ -126,7 +127,7 @@ fn short_holds(first: u32) {
             for (var stream = 0u; stream < STREAMS; stream += 1u) {
                 go_over(octave, stream, scaled(words[stream], flicker_sigma(octave)));
                 let hold = holds[octave * STREAMS + stream];
-                rate[(h << octave) + hold.grid] += hold.change;
+                angles[(h << octave) + hold.grid] += hold.change;
             }
         }
     }
@@ -145,7 +146,7 @@ fn long_holds(octave: u32, first: u32) {
         let hold = holds[octave * STREAMS + stream];
         let to_go = hold.grid - place;
         if to_go < CHUNK {
-            rate[to_go] += hold.change;
+            angles[to_go] += hold.change;
         }
     }
 }
