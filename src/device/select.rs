@@ -5,10 +5,18 @@ use crate::device::cpu::Cpu;
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::Adapter;
+use crate::device::gpu::trust;
+use crate::kernel::launch::Launch;
 use crate::kernel::width::Width;
 
-/// Returns the first kernel, if any, in which a device differs from the portable CPU.
-pub type SelfTest = fn(&mut Device) -> Result<Option<&'static str>, GpuError>;
+/// What an adapter must show before it is used.
+#[derive(Debug, Clone, Copy)]
+pub struct SelfTest {
+    /// Returns the first kernel, if any, in which a device differs from the portable CPU.
+    pub differs: fn(&mut Device) -> Result<Option<&'static str>, GpuError>,
+    /// Returns a launch that shows how fast a device is.
+    pub timed: fn() -> Option<Launch>,
+}
 
 /// Why the requested device is not available.
 #[derive(Debug, thiserror::Error)]
@@ -148,9 +156,7 @@ fn open(
     reason: &str,
     self_test: SelfTest,
 ) -> Result<Selection, SelectError> {
-    let mut gpu = opened(adapter)?;
-    gpu.threads = threads;
-    Ok(Selection { device: trusted(gpu, self_test)?, reason: reason.to_owned() })
+    Ok(Selection { device: trust::open(adapter, threads, self_test)?, reason: reason.to_owned() })
 }
 
 /// Opens the adapter of a lost device again.
@@ -173,7 +179,7 @@ pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
 pub fn trusted(gpu: Gpu, self_test: SelfTest) -> Result<Device, SelectError> {
     let name = gpu.name().to_owned();
     let mut device = Device::Gpu(Box::new(gpu.with_self_test(self_test)));
-    match self_test(&mut device) {
+    match (self_test.differs)(&mut device) {
         Ok(None) => Ok(device),
         Ok(Some(kernel)) => Err(SelectError::Untrusted { name, kernel }),
         Err(source) => Err(SelectError::Gpu { name, source }),

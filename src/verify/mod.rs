@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 use crate::device::cpu::Cpu;
 use crate::device::error::GpuError;
 use crate::device::load::{Load, Work};
-use crate::device::select::{self, SelectError, Selection};
+use crate::device::select::{self, SelectError, Selection, SelfTest};
 use crate::device::{Device, Job};
 use crate::kernel::map::Map;
 use crate::kernel::moments::{Moments, Trials};
@@ -36,7 +36,7 @@ pub fn loads(kernel: &Kernel) -> Vec<Load> {
 /// # Errors
 /// There is no such device, it does not work, or it computes other bits than the CPU.
 pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
-    select::select(wanted, threads, self_test)
+    select::select(wanted, threads, SELF_TEST)
 }
 
 /// Makes a device of a GPU that passes the self-test; see [`select::trusted`].
@@ -44,7 +44,7 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
 /// # Errors
 /// It computes other bits than the CPU, or fails.
 pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
-    select::trusted(gpu, self_test)
+    select::trusted(gpu, SELF_TEST)
 }
 
 /// The result of checking one kernel.
@@ -125,11 +125,17 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
     Ok(Verdict { kernel: kernel.name, digest, differences })
 }
 
+/// The self-test of devices: small loads of every kernel. The first load of trials shows the speed.
+pub const SELF_TEST: SelfTest = SelfTest {
+    differs: self_test,
+    timed: || KERNELS.iter().flat_map(loads).find_map(|load| load.launch().cloned()),
+};
+
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.
 ///
 /// # Errors
 /// The device is lost or refuses the work.
-pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
+fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
     for kernel in KERNELS {
         let same = match kernel.form {
             Form::Map(map) => {

@@ -6,6 +6,7 @@ pub(crate) mod records;
 pub(crate) mod resource;
 pub(crate) mod rest;
 pub(crate) mod tile;
+pub(crate) mod trust;
 
 use std::collections::HashMap;
 use std::sync::Arc;

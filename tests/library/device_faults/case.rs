@@ -59,7 +59,7 @@ impl Subject {
         let mut gpu = open(adapter, adapter.variant());
         gpu.set_tile(1 << 15);
         gpu.inject(faults);
-        Device::Gpu(Box::new(gpu.with_self_test(sagnac::verify::self_test)))
+        Device::Gpu(Box::new(gpu.with_self_test(sagnac::verify::SELF_TEST)))
     }
 
     pub fn survives(&self, case: Case) {
