@@ -15,6 +15,9 @@ mod stores;
 #[path = "../desks/studies.rs"]
 mod studies;
 
+// Windows takes the cache folder from no variable.
+#[cfg(unix)]
+mod adapters;
 mod allan;
 mod allan_bootstrap;
 mod allan_files;
