@@ -66,7 +66,7 @@ const SAMPLES: u64 = 32_400;
 
 /// Measures the kernels for trials and records at every width of the CPU and on the device.
 pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
-    let mut devices = vec![options.device.select(true)?];
+    let mut devices = options.device.select(true)?.into_devices();
     // The CPU follows at every width.
     devices.retain(|device| matches!(device, Device::Gpu(_)));
     for width in Width::available() {

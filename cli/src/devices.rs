@@ -17,8 +17,8 @@ pub fn devices(_: &Options) -> Result<(), Failure> {
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     print(&format!("cpu: {}", widths.join(", ")))?;
     let adapters = Adapter::all();
-    for adapter in &adapters {
-        print(&format!("gpu: {}\n     {}", adapter.name(), adapter.description()))?;
+    for (at, adapter) in adapters.iter().enumerate() {
+        print(&format!("gpu:{at}: {}\n     {}", adapter.name(), adapter.description()))?;
     }
     if adapters.is_empty() {
         say!("no GPU and no software rasteriser was found (Vulkan, Metal, DX12)");

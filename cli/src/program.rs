@@ -111,8 +111,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
 pub struct Verify {
-    /// Device to verify: cpu, gpu, part of an adapter's name, or its PCI address; see `sagnac devices` [default: all
-    /// adapters]
+    /// Devices to verify: cpu, gpu, gpu:0, part of an adapter's name, its PCI address, several of these with commas, or
+    /// all; see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<String>,
     /// Work per kernel: total number of trials, samples or values over all its configurations
@@ -137,8 +137,8 @@ pub struct Bench {
 
 #[derive(Debug, Args)]
 pub struct DeviceArg {
-    /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, part of an adapter's name, or its PCI
-    /// address; see `sagnac devices`
+    /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, gpu:0, part of an adapter's name, or its
+    /// PCI address; see `sagnac devices`. Several share the work: all, or a list such as cpu,gpu:0
     #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
     /// Number of CPU threads [default: all logical cores]
@@ -152,9 +152,12 @@ impl DeviceArg {
     /// # Errors
     /// There is no such device, or it does not work.
     pub fn select(&self, is_said: bool) -> Result<Device, Failure> {
-        let Selection { device, reason } = select(&self.name, self.threads.unwrap_or(0))?;
+        let Selection { device, reason, left_out } = select(&self.name, self.threads.unwrap_or(0))?;
         if is_said {
             say!("device: {}, {reason}", device.name());
+            for sentence in left_out {
+                say!("note: {sentence}");
+            }
         }
         Ok(device)
     }

@@ -11,7 +11,7 @@ use crate::output::print;
 /// Compares every kernel at every width of the CPU and on the device, or on all adapters.
 pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     let mut devices = match &options.device {
-        Some(name) => vec![verify::select(name, 0)?.device],
+        Some(name) => verify::select(name, 0)?.device.into_devices(),
         None => every_adapter()?,
     };
     let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));

@@ -43,8 +43,9 @@ def run(
     trials, seed
         Values that replace those of the study: 1 to 2**40 trials at each point, a seed below 2**63.
     device
-        ``auto``, ``cpu``, ``gpu``, a width of the processor such as ``avx2``, part of an adapter's name or its PCI address.
-        ``auto`` is a GPU that passes its self-test, else the processor.
+        ``auto``, ``cpu``, ``gpu``, a width of the processor such as ``avx2``, ``gpu:0`` for the first adapter, part of an
+        adapter's name or its PCI address. ``auto`` is a GPU that passes its self-test, else the processor. Several devices
+        share the work: ``all``, or a list such as ``cpu,gpu:0``.
     threads
         Threads of the processor; by default all logical cores.
     out

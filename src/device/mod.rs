@@ -1,13 +1,16 @@
 //! The processor and GPUs, on which the kernels give the same bits.
 
+pub(crate) mod attempts;
 pub mod cpu;
 pub mod error;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
+pub mod group;
 pub(crate) mod load;
 pub mod select;
 
 use crate::device::error::GpuError;
+use crate::device::group::Group;
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
@@ -35,25 +38,45 @@ pub enum Device {
     Cpu(crate::device::cpu::Cpu),
     /// A GPU, which runs kernels as shaders.
     Gpu(Box<crate::device::gpu::Gpu>),
+    /// Several of them, which share the work by their measured speed.
+    Group(Group),
 }
 
 impl Device {
+    /// This device and another one, which share the work by their measured speed.
+    pub fn and(self, other: Device) -> Device {
+        Device::Group(Group::new([self, other].into_iter().flat_map(Device::into_devices).collect()))
+    }
+
+    /// The devices of a group, or this one.
+    pub fn into_devices(self) -> Vec<Device> {
+        match self {
+            Device::Group(group) => group.into_devices(),
+            one => vec![one],
+        }
+    }
+
     /// Name in messages and provenance.
     pub fn name(&self) -> String {
         match self {
             Device::Cpu(cpu) => cpu.name(),
             Device::Gpu(gpu) => gpu.name().to_owned(),
+            Device::Group(group) => group.devices().map(Device::name).collect::<Vec<_>>().join(" and "),
         }
     }
 
     /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
     ///
     /// # Errors
-    /// A GPU is lost, refuses the work or is out of memory; no results of the jobs are kept.
+    /// A GPU is lost, refuses the work or is out of memory; no results of the jobs are kept. In a group the last device
+    /// fails; those that failed before have left it, and the others have done their parts.
     pub fn tally(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
             Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
+            Device::Group(group) => {
+                group.tally(jobs, progress, &|device, jobs, progress| device.tally(jobs, histogram, progress))
+            }
         }
     }
 
@@ -62,7 +85,7 @@ impl Device {
     ///
     /// # Errors
     /// A GPU is lost, refuses the work or is out of memory, or a record is too long for it
-    /// ([`TooLong`](GpuError::TooLong)); the CPU can make such a record.
+    /// ([`TooLong`](GpuError::TooLong)); the CPU can make such a record, and does in a group.
     pub fn sums(
         &mut self,
         recipe: &Recipe,
@@ -73,6 +96,22 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok(cpu.sums(recipe, first, count, progress)),
             Device::Gpu(gpu) => gpu.sums(recipe, first, count, progress),
+            Device::Group(group) => {
+                let records = first..first + count as u64;
+                group.sums(u64::from(recipe.samples), records, progress, &|device, records, progress| {
+                    let count = (records.end - records.start) as usize;
+                    device.sums(recipe, records.start, count, progress)
+                })
+            }
+        }
+    }
+
+    /// Threads of the processor where it has to replace the device; 0 means all logical cores.
+    pub(crate) fn threads(&self) -> usize {
+        match self {
+            Device::Cpu(_) => 0,
+            Device::Gpu(gpu) => gpu.threads,
+            Device::Group(group) => group.devices().map(Device::threads).max().unwrap_or(0),
         }
     }
 
@@ -81,6 +120,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => cpu.records_at_once(),
             Device::Gpu(gpu) => gpu.records_at_once(),
+            Device::Group(group) => group.devices().map(Device::records_at_once).sum(),
         }
     }
 
@@ -89,10 +129,11 @@ impl Device {
         match self {
             Device::Cpu(_) => 1 << 20,
             Device::Gpu(gpu) => gpu.first_batch(),
+            Device::Group(group) => group.devices().map(Device::first_batch).sum(),
         }
     }
 
-    /// The results of a building block for a list of items.
+    /// The results of a building block for a list of items, in a group those of its first device.
     ///
     /// # Errors
     /// A GPU is lost, refuses the work or is out of memory.
@@ -100,6 +141,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
             Device::Gpu(gpu) => gpu.map(map, items),
+            Device::Group(group) => group.first().map(map, items),
         }
     }
 }

@@ -38,6 +38,10 @@ pub mod adapter {
             match self.0 {}
         }
 
+        pub(crate) fn is_device_of(&self, _: &Adapter) -> bool {
+            match self.0 {}
+        }
+
         pub(crate) fn is_software(&self) -> bool {
             match self.0 {}
         }
@@ -63,6 +67,7 @@ pub(crate) mod trust {
 /// An uninhabited type: there is no GPU.
 pub struct Gpu {
     pub(crate) threads: usize,
+    pub(crate) losses: u32,
     pub(crate) self_test: Option<SelfTest>,
     never: Infallible,
 }

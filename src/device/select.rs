@@ -1,4 +1,7 @@
-//! Selection of a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name or its PCI address.
+//! Selection of devices: `auto`, `all`, or one or a list of `cpu`, a width of the CPU, `gpu`, `gpu:0`, part of an
+//! adapter's name, and its PCI address.
+
+use std::cell::LazyCell;
 
 use crate::device::Device;
 use crate::device::cpu::Cpu;
@@ -6,6 +9,7 @@ use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::Adapter;
 use crate::device::gpu::trust;
+use crate::device::group::Group;
 use crate::kernel::launch::Launch;
 use crate::kernel::width::Width;
 
@@ -34,6 +38,24 @@ pub enum SelectError {
         /// Available names.
         known: Vec<String>,
     },
+    /// A list contains a word that selects devices by itself.
+    #[error(
+        "`{name}` cannot stand in a list\ngive it alone, or name the devices, as in `device = cpu,gpu:0`"
+    )]
+    Alone {
+        /// The word.
+        name: String,
+    },
+    /// A list names a device twice.
+    #[error(
+        "`{name}` is the same device as `{earlier}`\nname each device once; `sagnac devices` numbers the adapters as gpu:0, gpu:1 and so on"
+    )]
+    Twice {
+        /// The later name.
+        name: String,
+        /// The earlier name.
+        earlier: String,
+    },
     /// The requested adapter cannot be opened or fails.
     #[error("{name} cannot be used: {source}")]
     Gpu {
@@ -60,7 +82,13 @@ pub enum SelectError {
 impl SelectError {
     /// Whether the request was wrong, rather than the machine at fault.
     pub fn is_usage(&self) -> bool {
-        matches!(self, SelectError::NoGpu | SelectError::Unknown { .. })
+        matches!(
+            self,
+            SelectError::NoGpu
+                | SelectError::Unknown { .. }
+                | SelectError::Alone { .. }
+                | SelectError::Twice { .. }
+        )
     }
 }
 
@@ -70,6 +98,8 @@ pub struct Selection {
     pub device: Device,
     /// Reason for its selection, in one line for the user.
     pub reason: String,
+    /// The adapters that `all` leaves out, each with the reason in one line for the user.
+    pub left_out: Vec<String>,
 }
 
 /// Opens every adapter of this machine without a self-test, for a check of identity.
@@ -80,37 +110,157 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
     Adapter::all().iter().map(|adapter| Ok(Device::Gpu(Box::new(opened(adapter)?)))).collect()
 }
 
-/// Selects the device that `wanted` names. `auto` selects a real GPU that passes its self-test, else the CPU. The CPU,
-/// even where it has to replace a GPU, uses `threads` threads; 0 means all logical cores.
+/// Selects the device that `wanted` names. `auto` selects a real GPU that passes its self-test, else the CPU. `all`
+/// selects the CPU and all real GPUs that pass their self-tests, which share the work, and so do the devices of a list
+/// such as `cpu,gpu:0`. The CPU, even where it has to replace a GPU, uses `threads` threads; 0 means all logical cores.
 ///
 /// # Errors
-/// There is no such device, it does not work, or it computes other bits than the CPU.
+/// There is no such device, it does not work, it computes other bits than the CPU, or a list names it twice.
 pub fn select(wanted: &str, threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
+    let machine = Machine { adapters: LazyCell::new(Adapter::all), threads, self_test };
     match wanted {
-        "cpu" => cpu(Width::widest(), threads, "as asked"),
-        "auto" => auto(threads, self_test),
-        "gpu" => {
-            let adapters = Adapter::all();
-            let adapter = adapters.iter().find(|adapter| !adapter.is_software()).or(adapters.first());
-            open(adapter.ok_or(SelectError::NoGpu)?, threads, "as asked", self_test)
-        }
-        part => {
-            let is_wanted = |width: &Width| width.name().eq_ignore_ascii_case(part);
-            if let Some(width) = Width::available().into_iter().find(is_wanted) {
-                return cpu(width, threads, "as asked");
+        "auto" => machine.auto(),
+        "all" => machine.all(),
+        names => selection(machine.named(names)?, "as asked"),
+    }
+}
+
+fn selection(device: Device, reason: &str) -> Result<Selection, SelectError> {
+    Ok(Selection { device, reason: reason.to_owned(), left_out: vec![] })
+}
+
+/// A device by what it runs on.
+#[derive(Clone, Copy)]
+enum Choice {
+    Cpu(Width),
+    /// The adapter at this place of the list.
+    Gpu(usize),
+}
+
+/// The devices to select from, and how they are opened.
+struct Machine {
+    /// Adapters are queried only where a name may mean one.
+    adapters: LazyCell<Vec<Adapter>>,
+    threads: usize,
+    self_test: SelfTest,
+}
+
+impl Machine {
+    fn auto(&self) -> Result<Selection, SelectError> {
+        let gpu = self.adapters.iter().position(|adapter| !adapter.is_software());
+        match (gpu, self.adapters.first()) {
+            (Some(gpu), _) => self.or_cpu(self.open(Choice::Gpu(gpu))),
+            (None, None) => selection(self.cpu()?, "no GPU was found"),
+            (None, Some(software)) => {
+                let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
+                selection(self.cpu()?, &reason)
             }
-            let adapters = Adapter::all();
-            let is_meant = |adapter: &&Adapter| means(part, &adapter.name(), &adapter.pci_address());
-            match adapters.iter().find(is_meant) {
-                Some(adapter) => open(adapter, threads, "as asked", self_test),
-                None => {
-                    let widths = Width::available().into_iter().map(Width::name);
-                    let known = ["auto", "cpu", "gpu"].into_iter().chain(widths).map(str::to_owned);
-                    let known = known.chain(adapters.iter().map(Adapter::name)).collect();
-                    Err(SelectError::Unknown { name: part.to_owned(), known })
+        }
+    }
+
+    /// Falls back to the CPU where a GPU cannot be used, and gives the reason.
+    fn or_cpu(&self, gpu: Result<Device, SelectError>) -> Result<Selection, SelectError> {
+        match gpu {
+            Ok(gpu) => selection(gpu, "a GPU that passed its self-test"),
+            Err(error) => selection(self.cpu()?, &in_one_line(&error)),
+        }
+    }
+
+    fn all(&self) -> Result<Selection, SelectError> {
+        let (mut device, mut used, mut left_out) = (self.cpu()?, Vec::<&Adapter>::new(), vec![]);
+        for (at, adapter) in self.adapters.iter().enumerate() {
+            if adapter.is_software() {
+                left_out.push(format!(
+                    "{} is left out: it is a software rasteriser, which shares the cores of the CPU",
+                    adapter.name()
+                ));
+            } else if !used.iter().any(|used| used.is_device_of(adapter)) {
+                match self.open(Choice::Gpu(at)) {
+                    Ok(gpu) => {
+                        device = device.and(gpu);
+                        used.push(adapter);
+                    }
+                    Err(error) => left_out.push(format!("{}; it is left out", in_one_line(&error))),
                 }
             }
         }
+        let reason = match device {
+            Device::Group(_) => "all that can be used",
+            _ => "no GPU can be used",
+        };
+        Ok(Selection { device, reason: reason.to_owned(), left_out })
+    }
+
+    /// The device that a name means, or the group of a list of names.
+    fn named(&self, names: &str) -> Result<Device, SelectError> {
+        match self.choice(names) {
+            // The name of an adapter may contain commas, so only what is no name is a list.
+            Err(SelectError::Unknown { .. }) if names.contains(',') => {}
+            choice => return self.open(choice?),
+        }
+        let mut choices: Vec<(&str, Choice)> = Vec::new();
+        for name in names.split(',').map(str::trim) {
+            if matches!(name, "auto" | "all") {
+                return Err(SelectError::Alone { name: name.to_owned() });
+            }
+            let choice = self.choice(name)?;
+            if let Some((earlier, _)) = choices.iter().find(|(_, earlier)| self.are_one(*earlier, choice)) {
+                return Err(SelectError::Twice { name: name.to_owned(), earlier: (*earlier).to_owned() });
+            }
+            choices.push((name, choice));
+        }
+        let devices = choices.into_iter().map(|(_, choice)| self.open(choice)).collect::<Result<_, _>>()?;
+        Ok(Device::Group(Group::new(devices)))
+    }
+
+    fn choice(&self, name: &str) -> Result<Choice, SelectError> {
+        let is_named = |width: &Width| width.name().eq_ignore_ascii_case(name);
+        if name == "cpu" {
+            return Ok(Choice::Cpu(Width::widest()));
+        }
+        if let Some(width) = Width::available().into_iter().find(is_named) {
+            return Ok(Choice::Cpu(width));
+        }
+        let adapters = &*self.adapters;
+        let real = || adapters.iter().position(|adapter| !adapter.is_software());
+        let found = match name.strip_prefix("gpu") {
+            Some("") if adapters.is_empty() => return Err(SelectError::NoGpu),
+            Some("") => Some(real().unwrap_or(0)),
+            Some(number) if number.starts_with(':') => {
+                number[1..].parse().ok().filter(|&at| at < adapters.len())
+            }
+            _ => adapters.iter().position(|adapter| means(name, &adapter.name(), &adapter.pci_address())),
+        };
+        found.map(Choice::Gpu).ok_or_else(|| {
+            let widths = Width::available().into_iter().map(|width| width.name().to_owned());
+            let words = ["auto", "cpu", "gpu", "all"].map(str::to_owned);
+            let adapters = adapters.iter().enumerate();
+            let adapters = adapters.map(|(at, adapter)| format!("gpu:{at} = {}", adapter.name()));
+            let known = words.into_iter().chain(widths).chain(adapters).collect();
+            SelectError::Unknown { name: name.to_owned(), known }
+        })
+    }
+
+    /// Whether two choices are one device.
+    fn are_one(&self, one: Choice, other: Choice) -> bool {
+        match (one, other) {
+            (Choice::Cpu(_), Choice::Cpu(_)) => true,
+            (Choice::Gpu(one), Choice::Gpu(other)) => {
+                one == other || self.adapters[one].is_device_of(&self.adapters[other])
+            }
+            _ => false,
+        }
+    }
+
+    fn open(&self, choice: Choice) -> Result<Device, SelectError> {
+        match choice {
+            Choice::Cpu(width) => Ok(Device::Cpu(Cpu::new(width, self.threads)?)),
+            Choice::Gpu(at) => trust::open(&self.adapters[at], self.threads, self.self_test),
+        }
+    }
+
+    fn cpu(&self) -> Result<Device, SelectError> {
+        self.open(Choice::Cpu(Width::widest()))
     }
 }
 
@@ -121,42 +271,13 @@ fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
     !wanted.trim().is_empty() && (is_named || pci_address.eq_ignore_ascii_case(wanted))
 }
 
-fn auto(threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
-    let adapters = Adapter::all();
-    match (adapters.iter().find(|adapter| !adapter.is_software()), adapters.first()) {
-        (Some(gpu), _) => or_cpu(open(gpu, threads, "a GPU that passed its self-test", self_test), threads),
-        (None, None) => cpu(Width::widest(), threads, "no GPU was found"),
-        (None, Some(software)) => {
-            let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
-            cpu(Width::widest(), threads, &reason)
-        }
-    }
-}
-
-/// Falls back to the CPU where a GPU cannot be used, and gives the reason.
-fn or_cpu(opened: Result<Selection, SelectError>, threads: usize) -> Result<Selection, SelectError> {
-    match opened {
-        Err(error) => cpu(Width::widest(), threads, &error.to_string().replace('\n', "; ")),
-        selected => selected,
-    }
-}
-
-fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectError> {
-    Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
+fn in_one_line(error: &SelectError) -> String {
+    error.to_string().replace('\n', "; ")
 }
 
 fn opened(adapter: &Adapter) -> Result<Gpu, SelectError> {
     let failed = |source| SelectError::Gpu { name: adapter.name(), source };
     Gpu::open(adapter, adapter.variant()).map_err(failed)
-}
-
-fn open(
-    adapter: &Adapter,
-    threads: usize,
-    reason: &str,
-    self_test: SelfTest,
-) -> Result<Selection, SelectError> {
-    Ok(Selection { device: trust::open(adapter, threads, self_test)?, reason: reason.to_owned() })
 }
 
 /// Opens the adapter of a lost device again.
@@ -193,7 +314,9 @@ mod tests {
     #[test]
     fn auto_takes_the_cpu_for_a_gpu_that_cannot_be_trusted_and_says_why() {
         let untrusted = SelectError::Untrusted { name: "Some GPU".to_owned(), kernel: "sine" };
-        let Selection { device, reason } = or_cpu(Err(untrusted), 0).unwrap();
+        let self_test = SelfTest { differs: |_| Ok(None), timed: || None };
+        let machine = Machine { adapters: LazyCell::new(Vec::new), threads: 0, self_test };
+        let Selection { device, reason, .. } = machine.or_cpu(Err(untrusted)).unwrap();
         assert!(matches!(device, Device::Cpu(_)), "{}", device.name());
         assert!(reason.contains("Some GPU computes other bits than the CPU in sine"), "{reason}");
         assert!(!reason.contains('\n'), "{reason:?}");

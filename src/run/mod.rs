@@ -58,8 +58,8 @@ impl<'a> Plan<'a> {
     /// completes; work of earlier runs counts as done.
     ///
     /// A GPU that fails does not end a run: it takes smaller tiles when memory runs out, is opened again when it is
-    /// lost, and where neither helps `device` becomes the CPU. The results are the same bits; [`Done::degraded`]
-    /// describes the failures.
+    /// lost, and where neither helps it leaves its group, or, as the last or only device, `device` becomes the CPU. The
+    /// results are the same bits; [`Done::degraded`] describes the failures.
     ///
     /// # Errors
     /// The disk fails, or the device fails and no threads can be started for the CPU to replace it. Trials sampled

@@ -20,6 +20,7 @@ mod allan_studies;
 mod compare_statistics;
 mod damage;
 mod device_faults;
+mod groups;
 mod imports;
 mod keys;
 mod lowering;

@@ -241,6 +241,7 @@ fn schema_prints_the_committed_one_and_devices_lists_the_cpu() {
     assert_eq!(desk.done("schema").stdout.trim_end(), committed.trim_end());
     let devices = desk.done("devices").stdout;
     assert!(devices.starts_with("cpu: portable"), "{devices}");
+    assert!(devices.contains("\ngpu:0: "), "{devices}");
 }
 
 #[test]

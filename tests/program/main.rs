@@ -37,6 +37,7 @@ mod filler;
 mod folders;
 mod full_disks;
 mod goldens;
+mod groups;
 mod help;
 mod kills;
 mod report;

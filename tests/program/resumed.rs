@@ -141,7 +141,8 @@ fn one_thread_gives_the_same_table() {
 fn an_adapter_gives_the_same_table() {
     let desk = Desk::with(SHIPPED);
     let devices = desk.done("devices").stdout;
-    let adapters: Vec<&str> = devices.lines().filter_map(|line| line.strip_prefix("gpu: ")).collect();
+    let adapters: Vec<&str> =
+        devices.lines().filter_map(|line| Some(line.strip_prefix("gpu:")?.split_once(": ")?.1)).collect();
     // The software rasteriser where it is: the same program on every machine.
     let software = adapters.iter().find(|name| name.contains("llvmpipe"));
     let adapter = software.or(adapters.first()).unwrap_or_else(|| {

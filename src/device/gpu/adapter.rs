@@ -66,6 +66,16 @@ impl Adapter {
         self.adapter.get_info().device_pci_bus_id
     }
 
+    /// Whether both are the same device, such as one that two interfaces drive.
+    pub(crate) fn is_device_of(&self, other: &Adapter) -> bool {
+        let [one, other] = [self, other].map(|adapter| adapter.adapter.get_info());
+        match [&one, &other].map(|info| info.device_pci_bus_id.as_str()) {
+            // An interface lists equal devices apart.
+            ["", _] | [_, ""] => one.name == other.name && one.backend != other.backend,
+            [address, of_other] => address.eq_ignore_ascii_case(of_other),
+        }
+    }
+
     /// Whether it is a software rasteriser on the processor.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu

@@ -60,6 +60,8 @@ pub struct Gpu {
     most_lanes: usize,
     /// Threads of the processor where it has to replace this device; 0 means all logical cores.
     pub(crate) threads: usize,
+    /// Number of losses after which it was opened again.
+    pub(crate) losses: u32,
     /// Self-test to pass when the device is opened again.
     pub(crate) self_test: Option<SelfTest>,
     faults: Option<Faults>,
@@ -113,6 +115,7 @@ impl Gpu {
             lanes: 0,
             most_lanes: adapter.capacity().most_records,
             threads: 0,
+            losses: 0,
             self_test: None,
             faults: None,
         })
@@ -135,8 +138,9 @@ impl Gpu {
         let gpu = Gpu::open(&self.adapter, self.variant)?;
         let (most_tile, most_lanes) = (self.most_tile, self.most_lanes);
         let tile = gpu.tile.min(most_tile);
-        let (threads, self_test, faults) = (self.threads, self.self_test, self.faults.clone());
-        Ok(Gpu { tile, most_tile, most_lanes, threads, self_test, faults, ..gpu })
+        let (threads, losses, self_test, faults) =
+            (self.threads, self.losses, self.self_test, self.faults.clone());
+        Ok(Gpu { tile, most_tile, most_lanes, threads, losses, self_test, faults, ..gpu })
     }
 
     /// The name of its adapter.

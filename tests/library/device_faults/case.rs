@@ -55,7 +55,7 @@ impl Subject {
         Subject { study, adapter, reference, work: tiles.iter().sum(), first_tile: tiles[0] }
     }
 
-    fn device(adapter: &Adapter, faults: Faults) -> Device {
+    pub fn device(adapter: &Adapter, faults: Faults) -> Device {
         let mut gpu = open(adapter, adapter.variant());
         gpu.set_tile(1 << 15);
         gpu.inject(faults);

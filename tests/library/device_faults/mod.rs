@@ -2,6 +2,7 @@
 //! and all rows of the store are, bit for bit, those of a run on the processor that nothing disturbed.
 
 mod case;
+mod group;
 mod left;
 mod script;
 
