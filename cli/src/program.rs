@@ -84,7 +84,7 @@ commands! {
     Devices(crate::devices::Options) = crate::devices::devices;
     /// Verify that every kernel gives the same bits on every device of this machine
     Verify(Verify) = crate::verify::verify;
-    /// Measure the throughput of the kernels
+    /// Measure the throughput of the kernels; for a GPU also by its own clock and as part of its integer limit
     Bench(Bench) = crate::bench::bench;
     /// Print the JSON schema of study files, or of what a command prints with --json
     Schema(crate::schemas::Options) = crate::schemas::schema;

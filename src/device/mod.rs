@@ -4,7 +4,7 @@ pub mod cpu;
 pub mod error;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
-pub(crate) mod load;
+pub mod load;
 pub mod select;
 
 use crate::device::error::GpuError;
