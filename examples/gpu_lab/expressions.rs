@@ -63,11 +63,11 @@ impl<'a> Counter<'a> {
                 let scalar = self.scalar(frame, left);
                 let operands = [self.value(frame, left), self.value(frame, right)];
                 // A word of a pair of registers.
-                let of_pair = match (op, operands[1].known()) {
-                    (BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight, Some(32)) => true,
-                    (BinaryOperator::And, Some(0xFFFF_FFFF)) => true,
-                    _ => false,
-                };
+                let of_pair = matches!(
+                    (op, operands[1].known()),
+                    (BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight, Some(32))
+                        | (BinaryOperator::And, Some(0xFFFF_FFFF))
+                );
                 let cost = u64::from(!(of_pair && scalar.width == 8));
                 let before = self.operations.all;
                 let value = self.each(size, &operands, scalar, cost, &|x| binary(op, scalar, x[0], x[1]));
