@@ -72,10 +72,17 @@ pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
     let mut figures = Vec::new();
     for device in &mut devices {
         let limit = integer_limit(device)?;
-        if let Device::Gpu(gpu) = device
-            && limit.is_none()
-        {
-            say!("{} has no time stamps: its own time and its integer limit are not measured", gpu.name());
+        match (&*device, limit) {
+            (Device::Gpu(gpu), Some(limit)) => {
+                say!("integer limit of {}: {:.0} billion operations/s", gpu.name(), limit / 1e9);
+            }
+            (Device::Gpu(gpu), None) => {
+                say!(
+                    "{} has no time stamps: its own time and its integer limit are not measured",
+                    gpu.name()
+                );
+            }
+            (Device::Cpu(_), _) => {}
         }
         for measured in measured() {
             let figure = figure(&measured, device, limit)?;

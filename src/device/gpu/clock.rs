@@ -34,11 +34,11 @@ impl Gpu {
         });
     }
 
-    /// Seconds for which the device has worked since its clock was started; `None` without a clock. The work of
+    /// Seconds for which the device has worked since its clock was started; `None` without a clock or work. The work of
     /// methods that have returned is included.
     pub fn device_seconds(&self) -> Option<f64> {
         let ticks = self.clock.as_ref()?.ticks.load(Ordering::Relaxed);
-        Some(ticks as f64 * f64::from(self.queue.get_timestamp_period()) * 1e-9)
+        (ticks > 0).then(|| ticks as f64 * f64::from(self.queue.get_timestamp_period()) * 1e-9)
     }
 
     /// Submits commands, between two time stamps where a clock runs.
