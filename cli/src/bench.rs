@@ -4,19 +4,14 @@ use std::time::Instant;
 
 use sagnac::device::cpu::Cpu;
 use sagnac::device::error::GpuError;
+use sagnac::device::load::Work;
 use sagnac::device::select::SelectError;
 use sagnac::device::{Device, Job};
-use sagnac::kernel::launch::Launch;
 use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::Records;
-use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
-use sagnac::kinds::gap_fill::verify::configurations;
-use sagnac::kinds::relock::inputs::Compensation;
-use sagnac::kinds::relock::verify::{launches_of, relock};
-use sagnac::kinds::switched_run::verify::hour_launches;
 use sagnac::tally::block::cover;
-use sagnac::theory::allan::estimator::Estimator;
-use serde::Serialize;
+use sagnac::verify::measured::{Measured, measured};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::failure::Failure;
 use crate::output::{print, print_json};
@@ -31,38 +26,40 @@ struct Figure {
     /// Number of estimates of a trial, or of averaging times of a record.
     estimates: usize,
     histogram: bool,
-    /// Best rate of all runs.
     #[serde(flatten)]
-    rate: Rate,
+    rates: Rates,
+    /// Part of the integer operations that the device could do while it worked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_of_integer_limit: Option<f64>,
+    #[serde(skip)]
+    is_gpu: bool,
 }
 
-#[derive(Debug, Serialize)]
-enum Rate {
-    #[serde(rename = "million_trials_per_second")]
-    Trials(f64),
-    #[serde(rename = "million_runs_per_second")]
-    Runs(f64),
-    #[serde(rename = "million_samples_per_second")]
-    Samples(f64),
+/// Best rates of all runs, in units per second.
+#[derive(Debug)]
+struct Rates {
+    /// Trials, runs or samples.
+    unit: &'static str,
+    /// By the clock of the processor.
+    wall: f64,
+    /// By the clock of a GPU that has one.
+    device: Option<f64>,
+}
+
+impl Serialize for Rates {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry(&format!("million_{}_per_second", self.unit), &(self.wall / 1e6))?;
+        if let Some(rate) = self.device {
+            map.serialize_entry(&format!("million_{}_per_device_second", self.unit), &(rate / 1e6))?;
+        }
+        map.end()
+    }
 }
 
 /// Number of runs of a measurement; each takes about this long.
 const RUNS: usize = 5;
 const SECONDS: f64 = 0.5;
-
-/// Measured gap-fill configurations: those of `verify`, and whether they have a histogram as in studies.
-const MEASURED: [(&str, bool); 5] = [
-    ("paper", false),
-    ("paper", true),
-    ("minimum-variance", false),
-    ("eight-tones", false),
-    ("profile", false),
-];
-
-/// Records of nine hours at 1 Hz, with differences spaced by a 64th of τ, and at every sample.
-const MEASURED_RECORDS: [(&str, Estimator); 2] =
-    [("lgk-400, overlap m/64", THINNED), ("lgk-400, full overlap", Estimator::OVERLAPPING)];
-const SAMPLES: u64 = 32_400;
 
 /// Measures the kernels for trials and records at every width of the CPU and on the device.
 pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
@@ -72,10 +69,23 @@ pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
     for width in Width::available() {
         devices.push(Device::Cpu(Cpu::new(width, 0).map_err(SelectError::from)?));
     }
-    let (measured, mut figures) = (measured(), Vec::new());
+    let mut figures = Vec::new();
     for device in &mut devices {
-        for measured in &measured {
-            let figure = measured.on(device)?;
+        let limit = integer_limit(device)?;
+        match (&*device, limit) {
+            (Device::Gpu(gpu), Some(limit)) => {
+                say!("integer limit of {}: {:.0} billion operations/s", gpu.name(), limit / 1e9);
+            }
+            (Device::Gpu(gpu), None) => {
+                say!(
+                    "{} has no time stamps: its own time and its integer limit are not measured",
+                    gpu.name()
+                );
+            }
+            (Device::Cpu(_), _) => {}
+        }
+        for measured in measured() {
+            let figure = figure(&measured, device, limit)?;
             if !options.json {
                 print(&figure.line())?;
             }
@@ -85,104 +95,132 @@ pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
     if options.json { print_json(&figures) } else { Ok(()) }
 }
 
-/// A measured kernel.
-struct Measured {
-    kernel: &'static str,
-    configuration: &'static str,
-    work: Work,
-    histogram: bool,
+/// Integer operations per second of a GPU.
+fn integer_limit(device: &mut Device) -> Result<Option<f64>, GpuError> {
+    match device {
+        Device::Gpu(gpu) => gpu.integer_limit(),
+        Device::Cpu(_) => Ok(None),
+    }
 }
 
-/// The work of a kernel, by what is counted.
-enum Work {
-    Trials(Launch),
-    Runs(Launch),
-    Samples(Box<Records>),
-}
-
-/// All measured kernels.
-fn measured() -> Vec<Measured> {
-    let all = configurations();
-    let mut measured = Vec::new();
-    let mut add = |kernel, configuration, work: Option<Work>, histogram| {
-        measured.extend(work.map(|work| Measured { kernel, configuration, work, histogram }));
+fn figure(measured: &Measured, device: &mut Device, limit: Option<f64>) -> Result<Figure, GpuError> {
+    let &Measured { kernel, configuration, histogram, .. } = measured;
+    let rates = rates(measured, device)?;
+    let estimates = match &measured.work {
+        Work::Trials(launch) => launch.sampled.estimates(),
+        Work::Records(recipe) => recipe.places(),
     };
-    let first = |launches: Vec<Launch>| launches.into_iter().next();
-    for (name, histogram) in MEASURED {
-        let found = all.iter().find(|configuration| configuration.name == name);
-        let launch = found.and_then(|configuration| first(configuration.launches()));
-        add("gap_fill", name, launch.map(Work::Trials), histogram);
-    }
-    add("switched_run", "one hour, MT = 40 s, 89 switches", first(hour_launches()).map(Work::Runs), true);
-    for compensation in Compensation::ALL {
-        let launch = first(launches_of(&relock(), compensation));
-        add("relock", compensation.name(), launch.map(Work::Trials), false);
-    }
-    for (name, estimator) in MEASURED_RECORDS {
-        let (parts, samples) = (lgk_400(), SAMPLES);
-        let named = NamedRecords { name, parts, readout_lsb: 0.0, switching: None, samples, estimator };
-        add("allan", name, Some(Work::Samples(Box::new(named.lowered()))), false);
-    }
-    measured
+    let part_of_integer_limit = match (&*device, rates.device, limit) {
+        (Device::Gpu(gpu), Some(rate), Some(limit)) => {
+            Some(rate * f64::from(measured.operations(gpu.variant())) / limit)
+        }
+        _ => None,
+    };
+    let (device, is_gpu) = (device.name(), matches!(device, Device::Gpu(_)));
+    Ok(Figure { device, kernel, configuration, estimates, histogram, rates, part_of_integer_limit, is_gpu })
 }
 
-impl Measured {
-    fn on(&self, device: &mut Device) -> Result<Figure, GpuError> {
-        let Measured { kernel, configuration, histogram, .. } = *self;
-        let mut trials = |launch, first| {
-            best(first, |trials| {
-                let blocks = cover(0..trials, 24);
-                let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
-                device.tally(&jobs, histogram, &|_| {}).map(drop)
-            })
-        };
-        let (estimates, rate) = match &self.work {
-            Work::Trials(launch) => {
-                (launch.sampled.estimates(), Rate::Trials(trials(launch, 1 << 20)? / 1e6))
-            }
-            Work::Runs(launch) => (launch.sampled.estimates(), Rate::Runs(trials(launch, 1 << 12)? / 1e6)),
-            Work::Samples(records) => {
-                let recipe = records.recipe();
-                let made = best(64, |count| device.sums(recipe, 0, count as usize, &|_| {}).map(drop))?;
-                (records.ms().len(), Rate::Samples(made * f64::from(recipe.samples) / 1e6))
-            }
-        };
-        Ok(Figure { device: device.name(), kernel, configuration, estimates, histogram, rate })
+/// The best rates of some runs. A run has a power of two of trials or records that makes it long enough.
+fn rates(measured: &Measured, device: &mut Device) -> Result<Rates, GpuError> {
+    let (mut count, in_unit) = match &measured.work {
+        Work::Trials(launch) => ((1 << 20_u64) / launch.steps().next_power_of_two(), 1.0),
+        Work::Records(recipe) => (64, f64::from(recipe.samples)),
+    };
+    let mut rates = Rates { unit: measured.unit, wall: 0.0, device: None };
+    let mut runs = 0;
+    while runs < RUNS {
+        if let Device::Gpu(gpu) = device {
+            gpu.start_clock();
+        }
+        let started = Instant::now();
+        run(measured, device, count)?;
+        let seconds = started.elapsed().as_secs_f64();
+        if seconds < SECONDS / 2.0 {
+            count *= 2;
+            continue;
+        }
+        let units = count as f64 * in_unit;
+        rates.wall = rates.wall.max(units / seconds);
+        if let Device::Gpu(gpu) = device
+            && let Some(seconds) = gpu.device_seconds()
+        {
+            rates.device = Some(rates.device.unwrap_or(0.0).max(units / seconds));
+        }
+        runs += 1;
+    }
+    Ok(rates)
+}
+
+/// Makes so many trials or records.
+fn run(measured: &Measured, device: &mut Device, count: u64) -> Result<(), GpuError> {
+    match &measured.work {
+        Work::Trials(launch) => {
+            let blocks = cover(0..count, 24);
+            let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
+            device.tally(&jobs, measured.histogram, &|_| {}).map(drop)
+        }
+        Work::Records(recipe) => device.sums(recipe, 0, count as usize, &|_| {}).map(drop),
     }
 }
 
 impl Figure {
     fn line(&self) -> String {
-        let Figure { device, kernel, configuration, estimates, histogram, rate } = self;
+        let Figure { device, kernel, configuration, estimates, histogram, rates, .. } = self;
         let with = if *histogram { "with histogram" } else { "without histogram" };
-        let (what, rate, digits) = match rate {
-            Rate::Trials(rate) => ("trials", rate, 1),
-            Rate::Runs(rate) => ("runs", rate, 3),
-            Rate::Samples(rate) => ("samples", rate, 1),
-        };
-        let estimates = match self.rate {
-            Rate::Samples(_) => format!("{estimates} averaging times"),
+        let (unit, digits) = (rates.unit, if rates.unit == "runs" { 3 } else { 1 });
+        let estimates = match unit {
+            "samples" => format!("{estimates} averaging times"),
             _ => format!("{estimates} estimates, {with:17}"),
         };
-        format!("{kernel}, {configuration}, {estimates} {rate:9.digits$} million {what}/s  {device}")
+        let million = |rate: f64| format!("{:9.digits$}", rate / 1e6);
+        let mut of_device = String::new();
+        if self.is_gpu {
+            let rate = rates.device.map_or_else(|| format!("{:>9}", "–"), million);
+            let part =
+                self.part_of_integer_limit.map_or("–".to_owned(), |part| format!("{:.0}", 100.0 * part));
+            of_device = format!(", {rate} by the device's clock, {part:>3} % of its integer limit");
+        }
+        let rate = million(rates.wall);
+        format!("{kernel}, {configuration}, {estimates} {rate} million {unit}/s{of_device}  {device}")
     }
 }
 
-/// The best rate of some runs, in units per second. The number of units is `units` times the power of two that makes a
-/// run long enough.
-fn best(mut units: u64, mut run: impl FnMut(u64) -> Result<(), GpuError>) -> Result<f64, GpuError> {
-    let mut best = 0.0_f64;
-    let mut runs = 0;
-    while runs < RUNS {
-        let started = Instant::now();
-        run(units)?;
-        let seconds = started.elapsed().as_secs_f64();
-        if seconds < SECONDS / 2.0 {
-            units *= 2;
-        } else {
-            best = best.max(units as f64 / seconds);
-            runs += 1;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(is_gpu: bool, device: Option<f64>) -> Figure {
+        Figure {
+            device: "A device".to_owned(),
+            kernel: "gap_fill",
+            configuration: "paper",
+            estimates: 6,
+            histogram: false,
+            rates: Rates { unit: "trials", wall: 25e6, device },
+            part_of_integer_limit: device.map(|rate| rate / 100e6),
+            is_gpu,
         }
     }
-    Ok(best)
+
+    #[test]
+    fn a_gpu_has_rates_of_its_own_clock_or_dashes_and_a_cpu_has_neither() {
+        let line = |is_gpu, device| figure(is_gpu, device).line();
+        let start = "gap_fill, paper, 6 estimates, without histogram      25.0 million trials/s";
+        assert_eq!(line(false, None), format!("{start}  A device"));
+        let of_device = ",      50.0 by the device's clock,  50 % of its integer limit";
+        assert_eq!(line(true, Some(50e6)), format!("{start}{of_device}  A device"));
+        let dashes = ",         – by the device's clock,   – % of its integer limit";
+        assert_eq!(line(true, None), format!("{start}{dashes}  A device"));
+    }
+
+    #[test]
+    fn figures_are_what_the_schema_says() {
+        let schema = serde_json::from_str(include_str!("../../schema/bench.schema.json")).unwrap();
+        let figures = [figure(false, None), figure(true, Some(50e6))];
+        let document = serde_json::to_value(&figures).unwrap();
+        jsonschema::validate(&schema, &document).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(document[0].get("million_trials_per_device_second"), None);
+        assert_eq!(document[1]["million_trials_per_device_second"], 50.0);
+        assert_eq!(document[1]["part_of_integer_limit"], 0.5);
+    }
 }

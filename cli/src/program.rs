@@ -85,6 +85,9 @@ commands! {
     /// Verify that every kernel gives the same bits on every device of this machine
     Verify(Verify) = crate::verify::verify;
     /// Measure the throughput of the kernels
+    ///
+    /// A GPU's rates are also given by its own clock, without what the host adds, and as a part of its integer limit:
+    /// the operations that the kernel needs, divided by those that the GPU does in independent chains.
     Bench(Bench) = crate::bench::bench;
     /// Print the JSON schema of study files, or of what a command prints with --json
     Schema(crate::schemas::Options) = crate::schemas::schema;

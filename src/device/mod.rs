@@ -6,7 +6,7 @@ pub mod error;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
 pub mod group;
-pub(crate) mod load;
+pub mod load;
 pub mod select;
 
 use crate::device::error::GpuError;

@@ -7,6 +7,7 @@
 //! # Ok::<(), sagnac::device::error::GpuError>(())
 //! ```
 
+pub mod measured;
 #[cfg(test)]
 mod tests;
 

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::desk::Desk;
-use crate::studies::SHIPPED;
+use crate::desk::{Desk, SHIPPED};
 
 #[test]
 fn an_adapter_that_passed_its_self_test_is_remembered() {

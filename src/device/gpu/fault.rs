@@ -114,7 +114,7 @@ impl Gpu {
             _ => {}
         }
         self.heard.failure()?;
-        let index = self.queue.submit([commands]);
+        let index = self.submit_timed(commands);
         if fault == Some(Fault::LostAfter) {
             self.device.destroy();
         }

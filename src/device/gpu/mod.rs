@@ -1,7 +1,9 @@
 //! The GPU: the kernels as compute shaders, through wgpu on Vulkan, Metal or DX12.
 
 pub mod adapter;
+pub(crate) mod clock;
 pub mod fault;
+pub(crate) mod limit;
 pub(crate) mod records;
 pub(crate) mod resource;
 pub(crate) mod rest;
@@ -16,6 +18,7 @@ use wgpu::BufferUsages;
 
 use crate::device::error::GpuError;
 pub use crate::device::gpu::adapter::Adapter;
+use crate::device::gpu::clock::Clock;
 use crate::device::gpu::fault::Heard;
 #[doc(hidden)]
 pub use crate::device::gpu::fault::{Fault, Faults, Moment};
@@ -52,6 +55,7 @@ pub struct Gpu {
     /// Buffers of tiles that are done, for the next ones.
     free: Vec<wgpu::Buffer>,
     heard: Heard,
+    clock: Option<Clock>,
     /// Steps of the next tile, and the most steps of any tile.
     tile: u64,
     most_tile: u64,
@@ -81,10 +85,11 @@ impl Gpu {
             max_buffer_size: own.max_buffer_size,
             ..wgpu::Limits::downlevel_defaults()
         };
-        let features = if variant.int64 { wgpu::Features::SHADER_INT64 } else { wgpu::Features::empty() };
+        let int64 = if variant.int64 { wgpu::Features::SHADER_INT64 } else { wgpu::Features::empty() };
+        let stamps = adapter.adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
         let (device, queue) = pollster::block_on(adapter.adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("sagnac"),
-            required_features: features,
+            required_features: int64 | stamps,
             required_limits: limits,
             ..Default::default()
         }))
@@ -110,6 +115,7 @@ impl Gpu {
             record_pipelines: HashMap::new(),
             free: Vec::new(),
             heard,
+            clock: None,
             tile: adapter.capacity().first_tile,
             most_tile: TILES.1,
             lanes: 0,
@@ -146,6 +152,11 @@ impl Gpu {
     /// The name of its adapter.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The variant of the kernels that it runs.
+    pub fn variant(&self) -> Variant {
+        self.variant
     }
 
     /// Number of records that are made in parallel at least.
