@@ -21,7 +21,7 @@ pub struct Lab {
     pub int64: bool,
     pub has_stamps: bool,
     pub most_invocations: u32,
-    normals: wgpu::Buffer,
+    pub normals: wgpu::Buffer,
 }
 
 impl Lab {
@@ -109,7 +109,7 @@ impl Lab {
         started.elapsed().as_secs_f64()
     }
 
-    fn read(&self, from: &wgpu::Buffer) -> Vec<u32> {
+    pub fn read(&self, from: &wgpu::Buffer) -> Vec<u32> {
         let read = self.buffer(from.size(), Use::MAP_READ | Use::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(from, 0, &read, 0, from.size());
@@ -118,6 +118,56 @@ impl Lab {
         self.wait();
         let bytes = read.get_mapped_range(..).expect("mapped");
         bytemuck::cast_slice(&bytes).to_vec()
+    }
+
+    pub fn group<'a>(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        bound: impl IntoIterator<Item = (u32, &'a wgpu::Buffer)>,
+    ) -> wgpu::BindGroup {
+        let entry = |(binding, buffer): (u32, &'a wgpu::Buffer)| wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        };
+        let entries: Vec<_> = bound.into_iter().map(entry).collect();
+        let layout = &pipeline.get_bind_group_layout(0);
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+    }
+
+    /// Seconds of one dispatch on the device; by the clock of the host where there are no time stamps.
+    pub fn dispatch(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        group: &wgpu::BindGroup,
+        [columns, rows]: [u32; 2],
+    ) -> f64 {
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let set = wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 };
+        let stamps = self.has_stamps.then(|| {
+            (self.device.create_query_set(&set), self.buffer(16, Use::QUERY_RESOLVE | Use::COPY_SRC))
+        });
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: stamps.as_ref().map(|(set, _)| wgpu::ComputePassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: Some(0),
+                    end_of_pass_write_index: Some(1),
+                }),
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups(columns, rows, 1);
+        }
+        if let Some((set, resolved)) = &stamps {
+            encoder.resolve_query_set(set, 0..2, resolved, 0);
+        }
+        let seconds = self.seconds(encoder);
+        let Some((_, resolved)) = &stamps else { return seconds };
+        let words = self.read(resolved);
+        let ticks = |at: usize| u64::from(words[at]) | u64::from(words[at + 1]) << 32;
+        let period = f64::from(self.queue.get_timestamp_period()) * 1e-9;
+        ticks(2).saturating_sub(ticks(0)) as f64 * period
     }
 }
 
@@ -163,63 +213,26 @@ impl<'a> Kernel<'a> {
             (4, &bins, *histogram),
             (5, &table, launch.sampled.has_table()),
         ];
-        let entries = bound.into_iter().filter(|bound| bound.2);
-        let entries: Vec<_> = entries
-            .map(|(binding, buffer, _)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let layout = &pipeline.get_bind_group_layout(0);
-        let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
-        let group = lab.device.create_bind_group(&descriptor);
+        let bound = bound.into_iter().filter(|bound| bound.2).map(|(binding, buffer, _)| (binding, buffer));
+        let group = lab.group(&pipeline, bound);
         let trials = u64::from(groups) * u64::from(of_group);
         Kernel { lab, bench, pipeline, group, partials, bins, groups, trials }
     }
 
-    /// Seconds of one dispatch on the device; by the clock of the host where there are no time stamps.
-    fn dispatch(&self, clear: bool) -> f64 {
-        let device = &self.lab.device;
-        let mut encoder = device.create_command_encoder(&Default::default());
-        if clear {
-            encoder.clear_buffer(&self.partials, 0, None);
-            encoder.clear_buffer(&self.bins, 0, None);
-        }
-        let set = wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 };
-        let stamps = self.lab.has_stamps.then(|| {
-            (device.create_query_set(&set), self.lab.buffer(16, Use::QUERY_RESOLVE | Use::COPY_SRC))
-        });
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: None,
-                timestamp_writes: stamps.as_ref().map(|(set, _)| wgpu::ComputePassTimestampWrites {
-                    query_set: set,
-                    beginning_of_pass_write_index: Some(0),
-                    end_of_pass_write_index: Some(1),
-                }),
-            });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &self.group, &[]);
-            pass.dispatch_workgroups(
-                self.groups.min(GROUPS_PER_ROW),
-                self.groups.div_ceil(GROUPS_PER_ROW),
-                1,
-            );
-        }
-        if let Some((set, resolved)) = &stamps {
-            encoder.resolve_query_set(set, 0..2, resolved, 0);
-        }
-        let seconds = self.lab.seconds(encoder);
-        let Some((_, resolved)) = &stamps else { return seconds };
-        let words = self.lab.read(resolved);
-        let ticks = |at: usize| u64::from(words[at]) | u64::from(words[at + 1]) << 32;
-        let period = f64::from(self.lab.queue.get_timestamp_period()) * 1e-9;
-        ticks(2).saturating_sub(ticks(0)) as f64 * period
+    /// Seconds of one dispatch.
+    fn dispatch(&self) -> f64 {
+        let size = [self.groups.min(GROUPS_PER_ROW), self.groups.div_ceil(GROUPS_PER_ROW)];
+        self.lab.dispatch(&self.pipeline, &self.group, size)
     }
 
     /// The tallies of one dispatch.
     pub fn tallies(&self) -> Vec<Moments> {
-        self.dispatch(true);
+        for buffer in [&self.partials, &self.bins] {
+            let mut encoder = self.lab.device.create_command_encoder(&Default::default());
+            encoder.clear_buffer(buffer, 0, None);
+            self.lab.queue.submit([encoder.finish()]);
+        }
+        self.dispatch();
         let Bench { launch, histogram, .. } = self.bench;
         let estimates = launch.sampled.estimates();
         let mut tallies = vec![Moments::empty(*histogram); estimates];
@@ -244,11 +257,16 @@ impl<'a> Kernel<'a> {
 
     /// Least seconds of a dispatch among as many as take about so long.
     pub fn best(&self, seconds: f64) -> f64 {
-        let mut best = self.dispatch(false);
-        let started = Instant::now();
-        while started.elapsed().as_secs_f64() < seconds {
-            best = best.min(self.dispatch(false));
-        }
-        best
+        best(seconds, || self.dispatch())
     }
+}
+
+/// The least of the seconds that `dispatch` gives in about so many seconds.
+pub fn best(seconds: f64, dispatch: impl Fn() -> f64) -> f64 {
+    let mut best = dispatch();
+    let started = Instant::now();
+    while started.elapsed().as_secs_f64() < seconds {
+        best = best.min(dispatch());
+    }
+    best
 }

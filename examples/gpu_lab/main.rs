@@ -12,6 +12,7 @@ mod dump;
 mod edits;
 mod engine;
 mod expressions;
+mod groups;
 mod host;
 mod kernel;
 mod lab;
@@ -58,10 +59,15 @@ fn main() {
         "host" => host::host(&options),
         "engine" => engine::engine(&options),
         "records" => engine::records(&options),
+        "groups" => {
+            groups::groups(&options);
+        }
         "long" => engine::long(&options),
         "counts" => counts::counts(),
         "dump" => dump::dump(&options),
-        other => panic!("unknown part {other}: info, kernel, host, engine, records, long, counts, dump"),
+        other => {
+            panic!("unknown part {other}: info, kernel, host, engine, records, groups, long, counts, dump")
+        }
     }
 }
 
@@ -132,6 +138,7 @@ mod tests {
         host::host(&options);
         engine::engine(&options);
         engine::records(&options);
+        assert!(groups::groups(&options), "a workgroup for a record gives other sums");
         dump::dump(&options);
         assert!(folder.path().join("1-paper-histogram-u64-64-uniform.wgsl").exists());
     }
