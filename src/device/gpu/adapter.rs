@@ -38,6 +38,9 @@ const HARDWARE: Capacity = Capacity {
     most_rounds: 1 << 24,
 };
 
+/// Invocations of a workgroup.
+pub(crate) const WORKGROUP: u32 = 64;
+
 /// An adapter of this machine.
 #[derive(Clone)]
 pub struct Adapter {
@@ -102,6 +105,6 @@ impl Adapter {
 
     /// The fastest variant of the kernels for this adapter.
     pub fn variant(&self) -> Variant {
-        Variant { int64: self.has_int64(), checked: false, workgroup: 64 }
+        Variant { int64: self.has_int64(), checked: false, workgroup: WORKGROUP }
     }
 }
