@@ -52,6 +52,9 @@ impl Adapter {
     pub fn all() -> Vec<Adapter> {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
         descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        if cfg!(feature = "gles") {
+            descriptor.backends |= wgpu::Backends::GL;
+        }
         let instance = wgpu::Instance::new(descriptor);
         let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
         found.into_iter().map(|adapter| Adapter { adapter }).collect()
