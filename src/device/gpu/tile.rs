@@ -200,24 +200,25 @@ impl Gpu {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let parameters = self.borrow("parameters", 4 * words.len() as u64, usage)?;
         self.queue.write_buffer(&parameters, 0, bytemuck::cast_slice(&words));
-        let jobs = part.jobs(place.trials_of_group);
-        let job_bytes: &[u8] = bytemuck::cast_slice(&jobs);
-        let jobs = self.borrow("jobs", job_bytes.len() as u64, usage)?;
-        self.queue.write_buffer(&jobs, 0, job_bytes);
+        let all = part.jobs(place.trials_of_group);
+        let job_bytes = size_of_val(&*all) as u64;
+        let jobs = self.borrow("jobs", job_bytes, usage)?;
+        self.queue.write_buffer(&jobs, 0, bytemuck::cast_slice(&all));
         let launch = part.launches[0];
         let table = launch.sampled.has_table().then(|| self.table(&launch.table)).transpose()?;
         let pipeline = self.pipeline_of(launch, histogram)?;
-        let range = |offset: u64, end: u64| {
+        let range = |buffer, offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
         };
         let mut resources = vec![
             (1, parameters.as_entire_binding()),
-            (2, jobs.as_entire_binding()),
-            (3, range(place.partials, place.histograms)),
+            // The shader takes the number of jobs from this range; a reused buffer may be longer.
+            (2, range(&jobs, 0, job_bytes)),
+            (3, range(work, place.partials, place.histograms)),
         ];
         if histogram {
-            resources.push((4, range(place.histograms, place.end)));
+            resources.push((4, range(work, place.histograms, place.end)));
         }
         if let Some(table) = &table {
             resources.push((5, table.as_entire_binding()));
