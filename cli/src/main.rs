@@ -36,6 +36,7 @@ mod report;
 mod results;
 mod run;
 mod schemas;
+mod shaders;
 mod shells;
 mod terminal;
 mod verify;

@@ -84,6 +84,8 @@ commands! {
     Devices(crate::devices::Options) = crate::devices::devices;
     /// Verify that every kernel gives the same bits on every device of this machine
     Verify(Verify) = crate::verify::verify;
+    /// Write the shaders with their inputs and results, to check other shader compilers and drivers
+    Shaders(crate::shaders::Options) = crate::shaders::shaders;
     /// Measure the throughput of the kernels
     ///
     /// A GPU's rates are also given by its own clock, without what the host adds, and as a part of its integer limit:

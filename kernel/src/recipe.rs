@@ -96,6 +96,11 @@ impl Recipe {
         self.levels.iter().flat_map(of_level).collect()
     }
 
+    /// Chunks of a record; the last is rarely full.
+    pub fn chunks(&self) -> u32 {
+        self.samples / CHUNK as u32 + 1
+    }
+
     /// Words of angles kept per lane.
     pub fn depth(&self) -> usize {
         self.levels.iter().map(|level| level.depth(self.order)).sum()

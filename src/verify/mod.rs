@@ -8,6 +8,8 @@
 //! ```
 
 pub mod measured;
+#[cfg(feature = "gpu")]
+pub mod shaders;
 #[cfg(test)]
 mod tests;
 

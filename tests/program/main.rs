@@ -1,5 +1,7 @@
 //! Tests that run the program `sagnac` as a user would. What they share is in `tests/desks`.
 
+#[path = "../desks/browser.rs"]
+mod browser;
 #[path = "../desks/desk.rs"]
 mod desk;
 #[path = "../desks/devices.rs"]
@@ -42,6 +44,7 @@ mod help;
 mod kills;
 mod report;
 mod resumed;
+mod shaders;
 mod shards;
 mod stops;
 mod tables;

@@ -38,6 +38,9 @@ const HARDWARE: Capacity = Capacity {
     most_rounds: 1 << 24,
 };
 
+/// Invocations of a workgroup.
+pub(crate) const WORKGROUP: u32 = 64;
+
 /// An adapter of this machine.
 #[derive(Clone)]
 pub struct Adapter {
@@ -49,6 +52,9 @@ impl Adapter {
     pub fn all() -> Vec<Adapter> {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
         descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        if cfg!(feature = "gles") {
+            descriptor.backends |= wgpu::Backends::GL;
+        }
         let instance = wgpu::Instance::new(descriptor);
         let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
         found.into_iter().map(|adapter| Adapter { adapter }).collect()
@@ -102,6 +108,6 @@ impl Adapter {
 
     /// The fastest variant of the kernels for this adapter.
     pub fn variant(&self) -> Variant {
-        Variant { int64: self.has_int64(), checked: false, workgroup: 64 }
+        Variant { int64: self.has_int64(), checked: false, workgroup: WORKGROUP }
     }
 }

@@ -10,7 +10,7 @@ use crate::device::gpu::fault::Submission;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::{Gpu, TILE_SECONDS};
 use crate::kernel::allan::SUM_WORDS;
-use crate::kernel::recipe::{CHUNK, Recipe};
+use crate::kernel::recipe::Recipe;
 
 impl Gpu {
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
@@ -94,7 +94,7 @@ impl Gpu {
         let sums_size = size(SUM_WORDS * recipe.places());
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = self.buffer("read", sums_size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
-        let chunks = (recipe.samples as usize / CHUNK + 1) as u32;
+        let chunks = recipe.chunks();
         let most = (self.adapter.capacity().most_rounds / recipe.rounds() as u64) as u32;
         let (mut from, mut tile, mut wrong) = (0, 1, false);
         let mut before: Option<(Submission, u32)> = None;

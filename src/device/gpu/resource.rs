@@ -11,6 +11,7 @@ use crate::device::gpu::tile::Part;
 use crate::kernel::launch::{Launch, MOST_STEPS};
 use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::{CHUNK, Recipe};
+use crate::kernel::shader::Variant;
 use crate::kernel::width::Width;
 
 /// Most buffers kept for the next tiles: those of two tiles of two parts.
@@ -35,6 +36,15 @@ impl Pipeline {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, bind_group, &[]);
         pass.dispatch_workgroups(columns, rows, 1);
+    }
+}
+
+/// The checks that the shader compiler adds to a variant.
+pub(crate) fn runtime_checks(variant: Variant) -> wgpu::ShaderRuntimeChecks {
+    if variant.checked {
+        wgpu::ShaderRuntimeChecks::checked()
+    } else {
+        wgpu::ShaderRuntimeChecks::unchecked()
     }
 }
 
@@ -166,15 +176,10 @@ impl Gpu {
     pub(crate) fn pipeline(&self, (source, has_normals): (String, bool)) -> Result<Pipeline, GpuError> {
         let descriptor =
             wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
-        let module = if self.variant.checked {
-            self.device.create_shader_module(descriptor)
-        } else {
-            // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs the
-            // checked and the unchecked form and finds the same bits.
-            unsafe {
-                self.device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
-            }
-        };
+        // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs the checked
+        // and the unchecked form and finds the same bits.
+        let module =
+            unsafe { self.device.create_shader_module_trusted(descriptor, runtime_checks(self.variant)) };
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
             layout: None,

@@ -9,7 +9,7 @@ use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::fault::Submission;
 use crate::kernel::launch::{Launch, MOST_STEPS};
-use crate::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
+use crate::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS, Trials};
 
 /// Work of one workgroup, in the layout that the shader reads.
 #[repr(C)]
@@ -70,10 +70,46 @@ impl<'a> Part<'a> {
     }
 
     /// Number of trials of a workgroup: as many as give the device `groups` workgroups.
-    fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
+    pub(crate) fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
         let longest = self.launches.iter().map(|launch| launch.steps()).max().unwrap_or(1);
         let rounds = self.trials() / (groups * u64::from(workgroup));
         rounds.clamp(1, (MOST_STEPS / longest).max(1)) * u64::from(workgroup)
+    }
+
+    /// The work of each workgroup, in the order of the partial sums.
+    pub(crate) fn jobs(&self, trials_of_group: u64) -> Vec<Job> {
+        let mut jobs = Vec::new();
+        for (slot, piece) in self.pieces.iter().enumerate() {
+            for first in piece.trials.clone().step_by(trials_of_group as usize) {
+                let count = trials_of_group.min(piece.trials.end - first) as u32;
+                let (low, high) = (first as u32, (first >> 32) as u32);
+                jobs.push(Job { low, high, count, point: piece.point as u32, slot: slot as u32 });
+            }
+        }
+        jobs
+    }
+
+    /// The parameters of its launches, each in whole vectors of four words.
+    pub(crate) fn parameters(&self) -> Vec<u32> {
+        let mut words = Vec::new();
+        for launch in &self.launches {
+            words.extend(&launch.words);
+            words.resize(words.len().next_multiple_of(4), 0);
+        }
+        words
+    }
+}
+
+/// Columns and rows of a dispatch of some workgroups.
+pub(crate) fn grid(groups: u32) -> [u32; 2] {
+    [groups.min(GROUPS_PER_ROW), groups.div_ceil(GROUPS_PER_ROW)]
+}
+
+impl Job {
+    /// Its trials.
+    pub(crate) fn trials(&self, histogram: bool) -> Trials {
+        let first = u64::from(self.high) << 32 | u64::from(self.low);
+        Trials { first, count: u64::from(self.count), histogram }
     }
 }
 
@@ -160,46 +196,35 @@ impl Gpu {
         histogram: bool,
         work: &wgpu::Buffer,
     ) -> Result<[wgpu::Buffer; 2], GpuError> {
-        let mut jobs = Vec::with_capacity(place.groups as usize);
-        for (slot, piece) in part.pieces.iter().enumerate() {
-            for first in piece.trials.clone().step_by(place.trials_of_group as usize) {
-                let count = place.trials_of_group.min(piece.trials.end - first) as u32;
-                let (low, high) = (first as u32, (first >> 32) as u32);
-                jobs.push(Job { low, high, count, point: piece.point as u32, slot: slot as u32 });
-            }
-        }
-        let mut words = Vec::new();
-        for launch in &part.launches {
-            words.extend(&launch.words);
-            words.resize(words.len().next_multiple_of(4), 0);
-        }
+        let words = part.parameters();
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let parameters = self.borrow("parameters", 4 * words.len() as u64, usage)?;
         self.queue.write_buffer(&parameters, 0, bytemuck::cast_slice(&words));
-        let job_bytes: &[u8] = bytemuck::cast_slice(&jobs);
-        let jobs = self.borrow("jobs", job_bytes.len() as u64, usage)?;
-        self.queue.write_buffer(&jobs, 0, job_bytes);
+        let all = part.jobs(place.trials_of_group);
+        let job_bytes = size_of_val(&*all) as u64;
+        let jobs = self.borrow("jobs", job_bytes, usage)?;
+        self.queue.write_buffer(&jobs, 0, bytemuck::cast_slice(&all));
         let launch = part.launches[0];
         let table = launch.sampled.has_table().then(|| self.table(&launch.table)).transpose()?;
         let pipeline = self.pipeline_of(launch, histogram)?;
-        let range = |offset: u64, end: u64| {
+        let range = |buffer, offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
         };
         let mut resources = vec![
             (1, parameters.as_entire_binding()),
-            (2, jobs.as_entire_binding()),
-            (3, range(place.partials, place.histograms)),
+            // The shader takes the number of jobs from this range; a reused buffer may be longer.
+            (2, range(&jobs, 0, job_bytes)),
+            (3, range(work, place.partials, place.histograms)),
         ];
         if histogram {
-            resources.push((4, range(place.histograms, place.end)));
+            resources.push((4, range(work, place.histograms, place.end)));
         }
         if let Some(table) = &table {
             resources.push((5, table.as_entire_binding()));
         }
         let bind_group = self.bind_group(&pipeline, resources);
-        let groups = [place.groups.min(GROUPS_PER_ROW), place.groups.div_ceil(GROUPS_PER_ROW)];
-        pipeline.dispatch(encoder, &bind_group, groups);
+        pipeline.dispatch(encoder, &bind_group, grid(place.groups));
         Ok([parameters, jobs])
     }
 
@@ -251,4 +276,12 @@ fn add_partial(tally: &mut Moments, sums: &[u32]) {
     tally.square += word96(3);
     tally.least = tally.least.min(sums[6] as i32);
     tally.greatest = tally.greatest.max(sums[7] as i32);
+}
+
+/// The words that a workgroup returns for a tally, as [`add_partial`] reads them.
+pub(crate) fn partial(tally: &Moments) -> [u32; PARTIAL_WORDS] {
+    let word = |sum: u128, place: u32| (sum >> (32 * place)) as u32;
+    let sum = tally.sum as u128;
+    let [a, b] = [sum, tally.square].map(|sum| [0, 1, 2].map(|place| word(sum, place)));
+    [a[0], a[1], a[2], b[0], b[1], b[2], tally.least as u32, tally.greatest as u32]
 }

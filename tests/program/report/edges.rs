@@ -11,9 +11,9 @@ use sagnac::view::report::source::Source;
 use serde_json::json;
 use tempfile::TempDir;
 
-use super::browser::Browser;
 use super::fillers::{chart, table};
 use super::{PICTURE, is_silent, point_at, tip};
+use crate::browser::Browser;
 
 fn page(table: &Table) -> String {
     page_of(table, &chart("Edges"))

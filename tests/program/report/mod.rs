@@ -1,13 +1,12 @@
 //! Reports in a real browser: what is read off them is what points.csv has.
 
-mod browser;
 mod edges;
 mod fillers;
 mod results;
 
 use std::collections::BTreeSet;
 
-use browser::{Browser, key};
+use crate::browser::{Browser, key};
 use results::{Results, shown};
 use serde_json::json;
 

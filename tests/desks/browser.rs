@@ -38,8 +38,13 @@ fn is_there() -> bool {
 }
 
 impl Browser {
-    /// Starts one; none where this machine has none and does not have to.
+    /// Starts one that draws on the processor; none where this machine has none and does not have to.
     pub fn start() -> Option<Browser> {
+        Browser::start_with(&["--disable-gpu"])
+    }
+
+    /// Starts one with more arguments.
+    pub fn start_with(more: &[&str]) -> Option<Browser> {
         if !is_there() {
             assert!(
                 std::env::var_os("SAGNAC_BROWSER").is_none_or(|browser| browser != "required"),
@@ -65,7 +70,6 @@ impl Browser {
         let arguments = [
             "--headless",
             "--no-sandbox",
-            "--disable-gpu",
             "--disable-quic",
             "--no-first-run",
             "--disable-background-networking",
@@ -74,6 +78,7 @@ impl Browser {
             "--window-size=1280,900",
             profile_folder.as_str(),
         ];
+        let arguments = [&arguments[..], more].concat();
         let asked = json!({ "capabilities": { "alwaysMatch": {
             "browserName": "chrome",
             "goog:chromeOptions": { "args": arguments },
@@ -99,9 +104,14 @@ impl Browser {
     /// Opens a page from its file, and waits until it has drawn itself; returns how long that took.
     pub fn open(&self, page: &Path) -> Duration {
         let started = Instant::now();
-        self.post("/url", &json!({ "url": format!("file://{}", page.display()) }));
+        self.begin(page);
         self.wait("return document.body.dataset.ready === 'true'");
         started.elapsed()
+    }
+
+    /// Opens a page from its file.
+    pub fn begin(&self, page: &Path) {
+        self.post("/url", &json!({ "url": format!("file://{}", page.display()) }));
     }
 
     /// What a script returns; `arguments[0]` is `argument` there.
