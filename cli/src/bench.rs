@@ -82,7 +82,7 @@ pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
                     gpu.name()
                 );
             }
-            (Device::Cpu(_), _) => {}
+            _ => {}
         }
         for measured in measured() {
             let figure = figure(&measured, device, limit)?;
@@ -99,7 +99,7 @@ pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
 fn integer_limit(device: &mut Device) -> Result<Option<f64>, GpuError> {
     match device {
         Device::Gpu(gpu) => gpu.integer_limit(),
-        Device::Cpu(_) => Ok(None),
+        _ => Ok(None),
     }
 }
 
