@@ -87,6 +87,11 @@ impl Adapter {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
+    /// Number of the vendor, which is that on the PCI bus for a card.
+    pub(crate) fn vendor(&self) -> u32 {
+        self.adapter.get_info().vendor
+    }
+
     /// Driver and capabilities as text.
     pub fn description(&self) -> String {
         let info = self.adapter.get_info();

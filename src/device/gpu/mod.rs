@@ -2,6 +2,7 @@
 
 pub mod adapter;
 pub(crate) mod clock;
+pub mod diagnosis;
 pub mod fault;
 pub(crate) mod limit;
 pub(crate) mod records;
