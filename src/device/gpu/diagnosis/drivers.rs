@@ -104,13 +104,12 @@ pub(super) fn loader(machine: &Machine) -> Option<Finding> {
     (!machine.has_library("libvulkan.so.1")).then(|| Finding::new(found, Package::Loader.install(machine)))
 }
 
-/// The absence of any driver.
+/// The absence of any driver where the loader looks by itself.
 pub(super) fn none(machine: &Machine) -> Option<Finding> {
+    let is_empty = replacing(machine).is_none() && Manifest::all(machine).is_empty();
     let found =
         format!("no Vulkan driver is installed: there is no manifest in {}", folders(machine).join(", "));
-    Manifest::all(machine)
-        .is_empty()
-        .then(|| Finding::new(found, "install the Vulkan driver of the card, if there is one"))
+    is_empty.then(|| Finding::new(found, "install the Vulkan driver of the card, if there is one"))
 }
 
 /// Variables that hide drivers from the loader.

@@ -116,9 +116,12 @@ fn lacking(machine: &Machine, vendors: &[u32], no_adapters: bool) -> Vec<Finding
     findings
 }
 
-/// In one line: the card of this machine that cannot be used, if there is one. No adapter is real hardware.
+/// In one line: a card of this machine, given that Vulkan offers none.
 pub(crate) fn unused_card() -> Option<String> {
-    let card = cards(&Machine::own()).into_iter().find(Card::is_known)?;
-    let name = card.name();
+    unused(&Machine::own())
+}
+
+fn unused(machine: &Machine) -> Option<String> {
+    let name = cards(machine).into_iter().find(Card::is_known)?.name();
     Some(format!("this machine has {name}, but Vulkan does not offer it (`sagnac devices --why` explains)"))
 }

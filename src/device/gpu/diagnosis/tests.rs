@@ -342,3 +342,19 @@ fn a_file_that_is_no_manifest_is_named() {
         format!("{ICD}/broken.json names no library: it is not the manifest of a Vulkan driver")
     );
 }
+
+#[test]
+fn a_card_that_is_not_used_is_told_in_one_line_and_a_virtual_one_is_not() {
+    let said = |card: &str| {
+        Some(format!(
+            "this machine has {card}, but Vulkan does not offer it (`sagnac devices --why` explains)"
+        ))
+    };
+    assert_eq!(unused(&container().machine), said("an NVIDIA card"));
+    assert_eq!(unused(&workstation().machine), said("an AMD card"));
+    let laid = Laid::out(&[("/dev/dri/renderD128", "")]);
+    laid.add_card("renderD128", "0x1af4", "virtio-pci");
+    assert_eq!(unused(&laid.machine), None);
+    let (found, _) = laid.finding(false);
+    assert!(found.starts_with("this machine has a card with the kernel driver virtio-pci, but"), "{found}");
+}
