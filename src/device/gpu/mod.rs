@@ -5,6 +5,7 @@ pub(crate) mod clock;
 pub mod diagnosis;
 pub mod fault;
 pub(crate) mod limit;
+pub mod patience;
 pub(crate) mod records;
 pub(crate) mod resource;
 pub(crate) mod rest;

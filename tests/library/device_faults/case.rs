@@ -1,11 +1,12 @@
 //! A study on a device that fails in some way, against the same study on the processor.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use sagnac::device::Device;
 use sagnac::device::cpu::Cpu;
 use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::fault::{Fault, Faults};
+use sagnac::device::gpu::fault::{Fault, Faults, Moment};
 use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 
@@ -66,9 +67,26 @@ impl Subject {
         let Case { name, script, faults: fewest, said, on_cpu } = case;
         let (faults, seen) = scripted(script);
         let mut device = Subject::device(&self.adapter, faults);
-        let left = run(&self.study, &mut device);
+        self.runs_on(&mut device, &name, &said, on_cpu);
         let seen = *seen.lock().unwrap();
         assert!(seen.taken >= fewest, "{name}: {} faults", seen.taken);
+    }
+
+    /// The driver never finishes compiling the shader of this number, and the processor ends the run.
+    pub fn survives_a_stuck_driver(&self, shader: usize) {
+        let name = format!("stuck in shader {shader}");
+        let shaders = AtomicUsize::new(0);
+        let faults = move |moment| {
+            let is_next = moment == Moment::Pipeline && shaders.fetch_add(1, Ordering::Relaxed) == shader;
+            is_next.then_some(Fault::Stuck)
+        };
+        let mut device = Subject::device(&self.adapter, Arc::new(faults));
+        let said = ["its driver did not compile a shader within 5 minutes; from here on CPU"];
+        self.runs_on(&mut device, &name, &said, true);
+    }
+
+    fn runs_on(&self, device: &mut Device, name: &str, said: &[&str], on_cpu: bool) {
+        let left = run(&self.study, device);
         let notes = &left.done.degraded;
         assert_eq!(notes.len(), said.len(), "{name}: {notes:#?}");
         for (note, said) in notes.iter().zip(said) {
