@@ -42,7 +42,9 @@ pub(crate) fn within_limit<T: Send + 'static>(
     let mut result = receiver.recv_timeout(until_told);
     if matches!(result, Err(RecvTimeoutError::Timeout)) {
         if let Some(tell) = LISTENER.get() {
-            tell(&format!("{name}: its driver still compiles a shader; after 5 minutes the device is given up"));
+            tell(&format!(
+                "{name}: its driver still compiles a shader; after 5 minutes the device is given up"
+            ));
         }
         result = receiver.recv_timeout(rest);
     }

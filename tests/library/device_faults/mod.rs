@@ -167,16 +167,15 @@ static WAITS: Mutex<Vec<String>> = Mutex::new(vec![]);
 #[test]
 fn a_driver_that_never_compiles_a_shader_is_announced_and_leaves_the_run_to_the_processor() {
     on_wait(|sentence| WAITS.lock().unwrap().push(sentence.to_owned()));
-    let subject = Subject::new(gaps());
     let mut coverage = Coverage::start();
-    for shader in 0..2 {
-        subject.survives_a_stuck_driver(shader);
+    for study in [gaps(), records()] {
+        Subject::new(study).survives_a_stuck_driver();
         coverage.comparisons += 1;
     }
     let name = adapters().remove(0).name();
     let said = format!("{name}: its driver still compiles a shader; after 5 minutes the device is given up");
     assert_eq!(*WAITS.lock().unwrap(), [said.clone(), said]);
-    coverage.end("gap filling on a device whose driver is stuck");
+    coverage.end("studies on a device whose driver is stuck");
 }
 
 #[test]

@@ -43,10 +43,8 @@ pub(super) fn cards(machine: &Machine) -> Vec<Card> {
     }
     let mut kinds: Vec<Card> = Vec::new();
     for card in cards {
-        if !kinds
-            .iter()
-            .any(|known| known.vendor == card.vendor && (known.driver == card.driver || card.node.is_none()))
-        {
+        let is_same = |known: &Card| known.driver == card.driver || card.node.is_none();
+        if !kinds.iter().any(|known| known.vendor == card.vendor && is_same(known)) {
             kinds.push(card);
         }
     }

@@ -196,44 +196,39 @@ fn linked(machine: &Machine, card: &Card, package: Package, library: &str) -> St
 /// The libraries that NVIDIA's driver opens and that are missing.
 fn needed(machine: &Machine, card: &Card, library: &str) -> Vec<Finding> {
     let is_glx = library.contains("libGLX");
+    let core = if is_glx { "libnvidia-glcore.so." } else { "libnvidia-eglcore.so." };
     let missing = |names: Vec<String>| -> Vec<String> {
         names.into_iter().filter(|name| !machine.has_library(name)).collect()
     };
-    let mut findings = Vec::new();
-    let version = nvidia_version(machine);
-    let core = if is_glx { "libnvidia-glcore.so." } else { "libnvidia-eglcore.so." };
-    let mut names = vec![core, "libnvidia-tls.so.", "libnvidia-glvkspirv.so."];
-    if version
-        .split('.')
-        .next()
-        .and_then(|major| major.parse().ok())
-        .is_some_and(|major: u32| major >= SINCE_COMPILER)
-    {
-        names.push("libnvidia-gpucomp.so.");
-    }
-    let others = machine.libraries(core);
-    let own = if version.is_empty() {
-        vec![]
-    } else {
-        missing(names.iter().map(|name| format!("{name}{version}")).collect())
+    let without = |names: Vec<String>, remedy: String| {
+        let found = format!("{library} needs {}, which the folders of libraries lack", names.join(" and "));
+        Finding::new(found, remedy)
     };
-    if let (false, Some(other)) = (own.is_empty() || others.contains(&version), others.first()) {
-        findings.push(Finding::new(
-            format!("NVIDIA's kernel module has version {version}, but its libraries have version {other}: they must agree"),
-            "restart the machine after an update of the driver; start a container again",
-        ));
-    } else if !own.is_empty() {
-        findings.push(Finding::new(
-            format!("{library} needs {}, which the folders of libraries lack", own.join(", ")),
-            mounted(machine, card, Package::Nvidia),
-        ));
+    let mut findings = Vec::new();
+    // Without the version of the kernel module the names of the libraries are not known.
+    let version = nvidia_version(machine);
+    let major: Option<u32> = version.split('.').next().and_then(|major| major.parse().ok());
+    let own = major.map_or(vec![], |major| {
+        let mut names = vec![core, "libnvidia-tls.so.", "libnvidia-glvkspirv.so."];
+        names.extend((major >= SINCE_COMPILER).then_some("libnvidia-gpucomp.so."));
+        missing(names.iter().map(|name| format!("{name}{version}")).collect())
+    });
+    if !own.is_empty() {
+        let others = machine.libraries(core);
+        findings.push(match others.first().filter(|_| !others.contains(&version)) {
+            Some(other) => Finding::new(
+                format!(
+                    "NVIDIA's kernel module has version {version}, but its libraries have version {other}: they must \
+                     agree"
+                ),
+                "restart the machine after an update of the driver; start a container again",
+            ),
+            None => without(own, mounted(machine, card, Package::Nvidia)),
+        });
     }
     let x11 = missing(["libX11.so.6", "libXext.so.6"].map(str::to_owned).to_vec());
     if is_glx && !x11.is_empty() {
-        findings.push(Finding::new(
-            format!("{library} needs {}, which the folders of libraries lack", x11.join(" and ")),
-            Package::X11.install(machine),
-        ));
+        findings.push(without(x11, Package::X11.install(machine)));
     }
     findings
 }
