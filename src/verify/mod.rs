@@ -7,6 +7,8 @@
 //! # Ok::<(), sagnac::device::error::GpuError>(())
 //! ```
 
+#[cfg(feature = "gpu")]
+pub mod identity;
 pub mod measured;
 #[cfg(feature = "gpu")]
 pub mod shaders;
@@ -129,9 +131,11 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
             }
         }
     }
-    let hash = hasher.finalize();
-    let digest = hash[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte));
-    Ok(Verdict { kernel: kernel.name, digest, differences })
+    Ok(Verdict { kernel: kernel.name, digest: first_64_bits(hasher), differences })
+}
+
+fn first_64_bits(hasher: Sha256) -> u64 {
+    hasher.finalize()[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte))
 }
 
 /// The self-test of devices: small loads of every kernel. The first load of trials shows the speed.

@@ -161,6 +161,13 @@ impl Gpu {
         self.variant
     }
 
+    /// Its name, driver, backend and the variant of its kernels, for the matrix of identity.
+    pub(crate) fn identity(&self) -> [String; 4] {
+        let info = self.adapter.adapter.get_info();
+        let variant = format!("{}, workgroup {}", self.variant.products(), self.variant.workgroup);
+        [info.name, format!("{} {}", info.driver, info.driver_info), info.backend.to_string(), variant]
+    }
+
     /// Number of records that are made in parallel at least.
     pub(crate) fn records_at_once(&self) -> u64 {
         self.adapter.capacity().records_at_once
