@@ -153,7 +153,9 @@ impl Machine {
             (Some(gpu), _) => self.or_cpu(self.open(Choice::Gpu(gpu))),
             (None, software) => {
                 let reason = unused_card().unwrap_or_else(|| match software {
-                    Some(software) => format!("the only adapter, {}, is a software rasteriser", software.name()),
+                    Some(software) => {
+                        format!("the only adapter, {}, is a software rasteriser", software.name())
+                    }
                     None => "no GPU was found".to_owned(),
                 });
                 selection(self.cpu()?, &reason)
