@@ -1,5 +1,6 @@
 //! The command line.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -111,7 +112,8 @@ pub fn command() -> clap::Command {
 const VERIFY_EXAMPLES: &str = "\
 Examples:
   sagnac verify
-  sagnac verify --device cpu --trials 100000";
+  sagnac verify --device cpu --trials 100000
+  sagnac verify --report identity.md";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
@@ -123,6 +125,9 @@ pub struct Verify {
     /// Work per kernel: total number of trials, samples or values over all its configurations
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     pub trials: u64,
+    /// File to which a row is added for each compared device, as a table in Markdown to send to the project
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
 }
 
 const BENCH_EXAMPLES: &str = "\

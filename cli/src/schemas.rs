@@ -28,7 +28,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<_, fn() -> String, 8>([
+    one_of::<_, fn() -> String, 9>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),
@@ -37,6 +37,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
         ("allan", shipped!("allan")),
         ("compare", shipped!("compare")),
         ("bench", shipped!("bench")),
+        ("devices", shipped!("devices")),
     ])
 }
 

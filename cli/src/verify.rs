@@ -1,12 +1,17 @@
 //! `sagnac verify`.
 
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
 use sagnac::device::Device;
 use sagnac::device::select::every_adapter;
 use sagnac::kernel::width::Width;
 use sagnac::verify;
+use sagnac::verify::identity::{HEADER, rows};
 
 use crate::failure::Failure;
-use crate::output::print;
+use crate::output::{print, unwritten};
 
 /// Compares every kernel at every width of the CPU and on the device, or on all adapters.
 pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
@@ -21,6 +26,12 @@ pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
         say!("no GPU adapter: only the CPU kernels were verified");
     }
+    // Opened first: that a file cannot be written is not said only after minutes of work.
+    let report = match &options.report {
+        Some(path) => Some((path, opened(path)?)),
+        None => None,
+    };
+    let mut verdicts = Vec::new();
     let mut printed = Ok(());
     let identical = verify::verify(&mut devices, options.trials, |verdict| {
         let line = if verdict.differences.is_empty() {
@@ -31,7 +42,24 @@ pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
         if printed.is_ok() {
             printed = print(&line);
         }
+        verdicts.push(verdict.clone());
     })?;
     printed?;
+    if let Some((path, file)) = report {
+        add(file, &rows(&devices, options.trials, &verdicts)).map_err(unwritten(path))?;
+    }
     if identical { Ok(()) } else { Err(Failure::Different) }
+}
+
+/// Opens a report, or begins one.
+fn opened(path: &Path) -> Result<File, Failure> {
+    File::options().read(true).append(true).create(true).open(path).map_err(unwritten(path))
+}
+
+/// Adds rows to a report; the header comes before the first ones.
+fn add(mut file: File, rows: &str) -> io::Result<()> {
+    let mut before = String::new();
+    file.read_to_string(&mut before)?;
+    let header = if before.contains(HEADER) { "" } else { HEADER };
+    file.write_all(format!("{header}{rows}").as_bytes())
 }

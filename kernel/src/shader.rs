@@ -78,6 +78,13 @@ pub struct Variant {
     pub workgroup: u32,
 }
 
+impl Variant {
+    /// What products are made of, in messages.
+    pub fn products(self) -> &'static str {
+        if self.int64 { "64-bit products" } else { "16-bit products" }
+    }
+}
+
 /// A shader before its text is generated.
 #[derive(Debug, Default)]
 pub struct Shader {

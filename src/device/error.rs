@@ -10,6 +10,9 @@ pub enum GpuError {
     /// are intact.
     #[error("the device was lost: {0}")]
     Lost(String),
+    /// The driver does not return from compiling a shader. The thread that waits for it is left behind.
+    #[error("its driver did not compile a shader within 5 minutes")]
+    Stuck,
     /// The device has too little memory for the work at hand.
     #[error("the device is out of memory")]
     OutOfMemory,

@@ -64,6 +64,15 @@ pub(crate) mod trust {
     }
 }
 
+pub mod diagnosis {
+    //! No diagnosis.
+
+    /// Returns nothing: no card could be used.
+    pub(crate) fn unused_card() -> Option<String> {
+        None
+    }
+}
+
 /// An uninhabited type: there is no GPU.
 pub struct Gpu {
     pub(crate) threads: usize,

@@ -8,6 +8,7 @@ use crate::device::cpu::Cpu;
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::Adapter;
+use crate::device::gpu::diagnosis::unused_card;
 use crate::device::gpu::trust;
 use crate::device::group::Group;
 use crate::kernel::launch::Launch;
@@ -27,7 +28,7 @@ pub struct SelfTest {
 pub enum SelectError {
     /// A GPU was requested, but no adapter is one.
     #[error(
-        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac devices` lists the available devices"
+        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac devices --why` tells what is missing"
     )]
     NoGpu,
     /// No width and no adapter has the requested name.
@@ -150,9 +151,13 @@ impl Machine {
         let gpu = self.adapters.iter().position(|adapter| !adapter.is_software());
         match (gpu, self.adapters.first()) {
             (Some(gpu), _) => self.or_cpu(self.open(Choice::Gpu(gpu))),
-            (None, None) => selection(self.cpu()?, "no GPU was found"),
-            (None, Some(software)) => {
-                let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
+            (None, software) => {
+                let reason = unused_card().unwrap_or_else(|| match software {
+                    Some(software) => {
+                        format!("the only adapter, {}, is a software rasteriser", software.name())
+                    }
+                    None => "no GPU was found".to_owned(),
+                });
                 selection(self.cpu()?, &reason)
             }
         }

@@ -7,6 +7,8 @@
 //! # Ok::<(), sagnac::device::error::GpuError>(())
 //! ```
 
+#[cfg(feature = "gpu")]
+pub mod identity;
 pub mod measured;
 #[cfg(feature = "gpu")]
 pub mod shaders;
@@ -48,6 +50,12 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
 /// It computes other bits than the CPU, or fails.
 pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
     select::trusted(gpu, SELF_TEST)
+}
+
+/// Diagnoses the GPUs of this machine: opens and tests every adapter, and looks for what other cards lack.
+#[cfg(feature = "gpu")]
+pub fn diagnose() -> Vec<crate::device::gpu::diagnosis::Finding> {
+    crate::device::gpu::diagnosis::diagnose(SELF_TEST)
 }
 
 /// The result of checking one kernel.
@@ -123,9 +131,11 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
             }
         }
     }
-    let hash = hasher.finalize();
-    let digest = hash[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte));
-    Ok(Verdict { kernel: kernel.name, digest, differences })
+    Ok(Verdict { kernel: kernel.name, digest: first_64_bits(hasher), differences })
+}
+
+fn first_64_bits(hasher: Sha256) -> u64 {
+    hasher.finalize()[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte))
 }
 
 /// The self-test of devices: small loads of every kernel. The first load of trials shows the speed.

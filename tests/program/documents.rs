@@ -101,6 +101,7 @@ fn design_filler_allan_and_compare_print_what_their_schemas_say() {
         "compare without a fit",
     );
     schema("bench");
+    check(&schema("devices"), &Desk::with("").done("devices --why --json").stdout, "devices");
 }
 
 #[test]

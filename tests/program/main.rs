@@ -41,6 +41,7 @@ mod full_disks;
 mod goldens;
 mod groups;
 mod help;
+mod identity;
 mod kills;
 mod report;
 mod resumed;

@@ -87,13 +87,21 @@ impl Adapter {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
+    /// Number of the vendor, which is that on the PCI bus for a card.
+    pub(crate) fn vendor(&self) -> u32 {
+        self.adapter.get_info().vendor
+    }
+
     /// Driver and capabilities as text.
     pub fn description(&self) -> String {
         let info = self.adapter.get_info();
-        let int64 = if self.has_int64() { "64-bit products" } else { "16-bit products" };
+        let products = self.variant().products();
         let pci = if info.device_pci_bus_id.is_empty() { "" } else { ", PCI " };
         let address = info.device_pci_bus_id;
-        format!("{:?}, driver {} {}, {int64}{pci}{address}", info.device_type, info.driver, info.driver_info)
+        format!(
+            "{:?}, driver {} {}, {products}{pci}{address}",
+            info.device_type, info.driver, info.driver_info
+        )
     }
 
     /// Whether its shaders have 64-bit registers.

@@ -63,6 +63,8 @@ pub enum Moment {
     Opening,
     /// After a new pipeline has computed what the processor knows; any fault makes it wrong.
     Answer,
+    /// Just before its driver compiles a shader.
+    Pipeline,
     /// Just before it receives work of this size: steps of trials, chunks of records, or items.
     Tile(u64),
 }
@@ -78,6 +80,8 @@ pub enum Fault {
     LostAfter,
     /// One wrong bit in the results.
     WrongBits,
+    /// Its driver never finishes compiling a shader.
+    Stuck,
 }
 
 /// The faults of a test, by moment.
@@ -142,7 +146,8 @@ impl Gpu {
     /// Waits for all work after a failure, so that nothing of it affects later work, and returns the cause: wgpu
     /// reports some losses only when all work is done, and before that the errors that follow from them.
     pub(crate) fn settled(&self, error: GpuError) -> GpuError {
-        if matches!(error, GpuError::Lost(_)) {
+        // A driver that is stuck may not end this wait either.
+        if matches!(error, GpuError::Lost(_) | GpuError::Stuck) {
             return error;
         }
         let end = self.poll(None);

@@ -2,8 +2,10 @@
 
 pub mod adapter;
 pub(crate) mod clock;
+pub mod diagnosis;
 pub mod fault;
 pub(crate) mod limit;
+pub mod patience;
 pub(crate) mod records;
 pub(crate) mod resource;
 pub(crate) mod rest;
@@ -157,6 +159,13 @@ impl Gpu {
     /// The variant of the kernels that it runs.
     pub fn variant(&self) -> Variant {
         self.variant
+    }
+
+    /// Its name, driver, backend and the variant of its kernels, for the matrix of identity.
+    pub(crate) fn identity(&self) -> [String; 4] {
+        let info = self.adapter.adapter.get_info();
+        let variant = format!("{}, workgroup {}", self.variant.products(), self.variant.workgroup);
+        [info.name, format!("{} {}", info.driver, info.driver_info), info.backend.to_string(), variant]
     }
 
     /// Number of records that are made in parallel at least.

@@ -6,7 +6,8 @@ use wgpu::BufferUsages;
 
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
-use crate::device::gpu::fault::Moment;
+use crate::device::gpu::fault::{Fault, Moment};
+use crate::device::gpu::patience::within_limit;
 use crate::device::gpu::tile::Part;
 use crate::kernel::launch::{Launch, MOST_STEPS};
 use crate::kernel::moments::{Moments, Trials};
@@ -174,23 +175,9 @@ impl Gpu {
 
     /// Compiles a shader, given as its text and whether it draws normal numbers.
     pub(crate) fn pipeline(&self, (source, has_normals): (String, bool)) -> Result<Pipeline, GpuError> {
-        let descriptor =
-            wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
-        // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs the checked
-        // and the unchecked form and finds the same bits.
-        let module =
-            unsafe { self.device.create_shader_module_trusted(descriptor, runtime_checks(self.variant)) };
-        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: None,
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                zero_initialize_workgroup_memory: self.variant.checked,
-                ..Default::default()
-            },
-            cache: None,
-        });
+        let (device, variant) = (self.device.clone(), self.variant);
+        let is_stuck = self.fault(Moment::Pipeline) == Some(Fault::Stuck);
+        let pipeline = within_limit(&self.name, is_stuck, move || compiled(&device, source, variant))?;
         self.heard.failure()?;
         Ok(Pipeline { pipeline, has_normals })
     }
@@ -213,4 +200,23 @@ impl Gpu {
             entries: &entries,
         })
     }
+}
+
+fn compiled(device: &wgpu::Device, source: String, variant: Variant) -> wgpu::ComputePipeline {
+    let descriptor =
+        wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
+    // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs the checked
+    // and the unchecked form and finds the same bits.
+    let module = unsafe { device.create_shader_module_trusted(descriptor, runtime_checks(variant)) };
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            zero_initialize_workgroup_memory: variant.checked,
+            ..Default::default()
+        },
+        cache: None,
+    })
 }

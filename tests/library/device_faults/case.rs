@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use sagnac::device::Device;
 use sagnac::device::cpu::Cpu;
 use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::fault::{Fault, Faults};
+use sagnac::device::gpu::fault::{Fault, Faults, Moment};
 use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 
@@ -66,9 +66,21 @@ impl Subject {
         let Case { name, script, faults: fewest, said, on_cpu } = case;
         let (faults, seen) = scripted(script);
         let mut device = Subject::device(&self.adapter, faults);
-        let left = run(&self.study, &mut device);
+        self.runs_on(&mut device, &name, &said, on_cpu);
         let seen = *seen.lock().unwrap();
         assert!(seen.taken >= fewest, "{name}: {} faults", seen.taken);
+    }
+
+    /// The driver never finishes compiling a shader, and the processor does the run.
+    pub fn survives_a_stuck_driver(&self) {
+        let faults = |moment| (moment == Moment::Pipeline).then_some(Fault::Stuck);
+        let mut device = Subject::device(&self.adapter, Arc::new(faults));
+        let said = ["its driver did not compile a shader within 5 minutes; from here on CPU"];
+        self.runs_on(&mut device, "stuck", &said, true);
+    }
+
+    fn runs_on(&self, device: &mut Device, name: &str, said: &[&str], on_cpu: bool) {
+        let left = run(&self.study, device);
         let notes = &left.done.degraded;
         assert_eq!(notes.len(), said.len(), "{name}: {notes:#?}");
         for (note, said) in notes.iter().zip(said) {

@@ -6,8 +6,8 @@ mod group;
 mod left;
 mod script;
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 use crate::devices::{Coverage, adapters, jobs, open, reference, total};
 use crate::studies::{ALL_FREQUENCIES, parsed, study};
@@ -18,6 +18,7 @@ use sagnac::device::cpu::Cpu;
 use sagnac::device::error::GpuError;
 use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::fault::{Fault, Faults, Moment};
+use sagnac::device::gpu::patience::on_wait;
 use sagnac::device::select::SelectError;
 use sagnac::kernel::KERNELS;
 use sagnac::kernel::width::Width;
@@ -158,6 +159,23 @@ fn records_are_the_same_whatever_happens_to_the_device() {
     survives(subject.once(Place::Last, Fault::LostBefore, AGAIN));
     survives(subject.lost_twice_in_a_batch(subject.first_tile));
     coverage.end("records on a device that fails");
+}
+
+/// What is said while a driver takes long.
+static WAITS: Mutex<Vec<String>> = Mutex::new(vec![]);
+
+#[test]
+fn a_driver_that_never_compiles_a_shader_is_announced_and_leaves_the_run_to_the_processor() {
+    on_wait(|sentence| WAITS.lock().unwrap().push(sentence.to_owned()));
+    let mut coverage = Coverage::start();
+    for study in [gaps(), records()] {
+        Subject::new(study).survives_a_stuck_driver();
+        coverage.comparisons += 1;
+    }
+    let name = adapters().remove(0).name();
+    let said = format!("{name}: its driver still compiles a shader; after 5 minutes the device is given up");
+    assert_eq!(*WAITS.lock().unwrap(), [said.clone(), said]);
+    coverage.end("studies on a device whose driver is stuck");
 }
 
 #[test]

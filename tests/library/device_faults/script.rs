@@ -24,12 +24,13 @@ pub fn scripted(script: Script) -> (Faults, Arc<Mutex<Seen>>) {
     let seen = Arc::new(Mutex::new(Seen::default()));
     let (kept, script) = (Arc::clone(&seen), Mutex::new(script));
     let faults = move |moment: Moment| {
-        let (mut seen, mut script) = (kept.lock().unwrap(), script.lock().unwrap());
-        seen.tile = match moment {
+        let tile = match moment {
             Moment::Tile(work) => Some(work),
             Moment::Opening => None,
-            Moment::Answer => return None,
+            Moment::Pipeline | Moment::Answer => return None,
         };
+        let (mut seen, mut script) = (kept.lock().unwrap(), script.lock().unwrap());
+        seen.tile = tile;
         let fault = script(*seen);
         seen.taken += usize::from(fault.is_some());
         match seen.tile {
