@@ -285,3 +285,17 @@ pub(crate) fn partial(tally: &Moments) -> [u32; PARTIAL_WORDS] {
     let [a, b] = [sum, tally.square].map(|sum| [0, 1, 2].map(|place| word(sum, place)));
     [a[0], a[1], a[2], b[0], b[1], b[2], tally.least as u32, tally.greatest as u32]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_of_a_tally_are_read_back() {
+        let tally =
+            Moments { sum: -(5 << 70) - 3, square: (7 << 90) + 1, least: -9, ..Moments::empty(false) };
+        let mut read = Moments::empty(false);
+        add_partial(&mut read, &partial(&tally));
+        assert_eq!(read, tally);
+    }
+}
