@@ -32,8 +32,10 @@ pub(crate) fn within_limit<T: Send + 'static>(
     let [until_told, rest] = if is_stuck { PATIENCE.map(|time| time / 1000) } else { PATIENCE };
     let (sender, receiver) = channel();
     let calling = thread::Builder::new().name("driver".to_owned()).spawn(move || {
-        while is_stuck {
-            thread::park();
+        if is_stuck {
+            loop {
+                thread::park();
+            }
         }
         // Nobody receives a result that comes too late.
         let _ = sender.send(call());
