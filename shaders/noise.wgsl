@@ -27,7 +27,6 @@ struct Noise {
 var<private> address: Address;
 var<private> noise: Noise;
 var<private> holds: array<Hold, HOLD_ROOM>;
-// Only here: the rates of a chunk become its angles in place, because private memory bounds a GPU.
 var<private> angles: array<u32, CHUNK>;
 
 fn begin() {
@@ -53,54 +52,58 @@ fn begin() {
     //#end
 }
 
-// Computes the angles of the chunk that starts at sample `first`.
+// Computes the angles of the chunk that starts at sample `first`, in place of the changes of its flicker noise.
 fn chunk(first: u32) {
-    rates(first);
-    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, FOR_WHITE, first / 4u + block);
-        for (var k = 0u; k < 4u; k += 1u) {
-            let i = 4u * block + k;
-            let rate = angles[i];
-            angles[i] = high_word(noise.angle);
-            let step = add_wide(mul_wide(rate, p.rate_scale), mul_wide(normal(words[k]), p.white));
+    changes(first);
+    for (var block = 0u; block < CHUNK / WORDS; block += 1u) {
+        let at = first / WORDS + block;
+        let white = draw(address, FOR_WHITE, at);
+        //#if WALK_STEPS
+        let walk = draw(address, FOR_WALK, at);
+        //#end
+        //#if MARKOV_STEPS
+        let markov = draw(address, FOR_MARKOV, at);
+        //#end
+        //#if QUANTISATION_NOISE
+        let quantisation = draw(address, FOR_QUANTISATION, at);
+        //#end
+        //#for k in 0..WORDS
+        {
+            let i = WORDS * block + k;
+            //#if FLICKER_HOLDS
+            noise.flicker += angles[i];
+            //#end
+            var rate = noise.flicker;
+            //#if WALK_STEPS
+            noise.walk = add_wide(noise.walk, mul_wide(normal(walk[k]), p.walk));
+            rate += high_word(noise.walk);
+            //#end
+            //#if MARKOV_STEPS
+            let lost = mul_wide(bits_from(noise.markov, 30u), p.markov_loss);
+            noise.markov = add_wide(sub_wide(noise.markov, lost), mul_wide(normal(markov[k]), p.markov_step));
+            rate += bits_from(noise.markov, 30u);
+            //#end
+            var angle = high_word(noise.angle);
+            let step = add_wide(mul_wide(rate, p.rate_scale), mul_wide(normal(white[k]), p.white));
             noise.angle = add_wide(noise.angle, step);
+            //#if QUANTISATION_NOISE
+            angle += scaled(quantisation[k], p.quantisation);
+            //#end
+            angles[i] = reading(first + i, angle);
         }
+        //#end
     }
-    readings(first);
 }
 
-// Computes the rate in each sample, in place of its angle: flicker, random walk and Markov noise.
-fn rates(first: u32) {
+// Computes the change of flicker noise in each sample.
+fn changes(first: u32) {
+    //#if FLICKER_HOLDS
     for (var i = 0u; i < CHUNK; i += 1u) {
         angles[i] = 0u;
     }
-    //#if FLICKER_HOLDS
     short_holds(first);
     for (var octave = LONG_HOLDS; octave < OCTAVES; octave += 1u) {
         long_holds(octave, first);
-    }
-    for (var i = 0u; i < CHUNK; i += 1u) {
-        noise.flicker += angles[i];
-        angles[i] = noise.flicker;
-    }
-    //#end
-    //#if WALK_STEPS
-    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, FOR_WALK, first / 4u + block);
-        for (var k = 0u; k < 4u; k += 1u) {
-            noise.walk = add_wide(noise.walk, mul_wide(normal(words[k]), p.walk));
-            angles[4u * block + k] += high_word(noise.walk);
-        }
-    }
-    //#end
-    //#if MARKOV_STEPS
-    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, FOR_MARKOV, first / 4u + block);
-        for (var k = 0u; k < 4u; k += 1u) {
-            let lost = mul_wide(bits_from(noise.markov, 30u), p.markov_loss);
-            noise.markov = add_wide(sub_wide(noise.markov, lost), mul_wide(normal(words[k]), p.markov_step));
-            angles[4u * block + k] += bits_from(noise.markov, 30u);
-        }
     }
     //#end
 }
@@ -158,44 +161,28 @@ fn go_over(octave: u32, stream: u32, value: u32) {
     holds[at].value = value;
 }
 
-// Adds drift, fill residuals, sine and quantisation noise to the angles of a chunk, and reads them in whole pulses.
-fn readings(first: u32) {
+// Adds drift, fill residuals and sine to the angle of a sample, and reads it in whole pulses.
+fn reading(sample: u32, without: u32) -> u32 {
+    var angle = without;
     //#if DRIFT
-    for (var i = 0u; i < CHUNK; i += 1u) {
-        angles[i] += drift[min(first + i, p.samples)];
-    }
+    angle += drift[min(sample, p.samples)];
     //#end
     //#if FILL_RESIDUALS
-    for (var i = 0u; i < CHUNK; i += 1u) {
-        angles[i] += high_word(noise.residuals);
-        let sample = first + i;
-        if sample > 0u && sample % p.switch_interval == 0u {
-            jump(sample / p.switch_interval);
-        }
+    angle += high_word(noise.residuals);
+    if sample > 0u && sample % p.switch_interval == 0u {
+        jump(sample / p.switch_interval);
     }
     //#end
     //#if SINE_WAVE
-    for (var i = 0u; i < CHUNK; i += 1u) {
-        // The integral of a sine is minus its cosine; the product is in units of 2^-32 LSB.
-        let cosine = sine(noise.phase + QUARTER_TURN);
-        angles[i] -= high_word(mul_wide(cosine, p.sine_amplitude));
-        noise.phase += p.sine_step;
-    }
-    //#end
-    //#if QUANTISATION_NOISE
-    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, FOR_QUANTISATION, first / 4u + block);
-        for (var k = 0u; k < 4u; k += 1u) {
-            angles[4u * block + k] += scaled(words[k], p.quantisation);
-        }
-    }
+    // The integral of a sine is minus its cosine; the product is in units of 2^-32 LSB.
+    let cosine = sine(noise.phase + QUARTER_TURN);
+    angle -= high_word(mul_wide(cosine, p.sine_amplitude));
+    noise.phase += p.sine_step;
     //#end
     //#if PULSE
-    let whole = 0xffffffffu << p.pulse;
-    for (var i = 0u; i < CHUNK; i += 1u) {
-        angles[i] = (angles[i] + noise.start) & whole;
-    }
+    angle = (angle + noise.start) & (0xffffffffu << p.pulse);
     //#end
+    return angle;
 }
 
 //#if FILL_RESIDUALS

@@ -11,7 +11,7 @@ use crate::width::{AnyWidth, Width};
 use crate::word::{Scalar, Wide, Word};
 use crate::{Form, part};
 
-constants!(STATE_WORDS, SUM_WORDS, HOLD_WORDS);
+constants!(STATE_WORDS, SUM_WORDS, HOLD_WORDS, RING_LANES);
 
 /// Maps records to the sums of their squared differences.
 pub const FORM: Form = Form::Records;
@@ -25,13 +25,28 @@ const HOLD_WORDS: usize = 3;
 /// Words of a sum.
 pub const SUM_WORDS: usize = 3;
 
+/// Records of a dispatch whose angles stand side by side: one cache line of a GPU.
+pub const RING_LANES: usize = 32;
+
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 2;
 
 /// The newest angles of one level, as many as the longest difference reaches back, in a ring of whole chunks.
 struct Ring {
+    stride: usize,
     depth: usize,
     words: Vec<u32>,
+}
+
+/// The angles of a chunk that a level takes.
+#[derive(Clone, Copy)]
+struct Newest {
+    /// The first, counted in strides.
+    first: usize,
+    count: usize,
+    /// Place of the first in the chunk and in the ring.
+    sample: usize,
+    at: usize,
 }
 
 /// The sum at one place of the curve, kept as the sums of the lower and upper halves of its terms.
@@ -75,8 +90,10 @@ fn records<W: Word>(recipe: &Recipe, address: Address<W>, count: usize, to: &mut
     let mut rings: Vec<Ring> = recipe
         .levels
         .iter()
-        .map(|level| level.depth(recipe.order))
-        .map(|depth| Ring { depth, words: vec![0; depth * W::LANES] })
+        .map(|level| {
+            let depth = level.depth(recipe.order);
+            Ring { stride: level.stride as usize, depth, words: vec![0; depth * W::LANES] }
+        })
         .collect();
     let nothing = Sum::<W> { halves: [W::Wide::splat(0); 2] };
     let mut sums = vec![nothing; recipe.places()];
@@ -87,11 +104,11 @@ fn records<W: Word>(recipe: &Recipe, address: Address<W>, count: usize, to: &mut
         let count = CHUNK.min(last + 1 - first);
         let mut place = 0;
         for (level, ring) in recipe.levels.iter().zip(&mut rings) {
-            let range = ring.push::<W>(level.stride as usize, first, count, &angles);
+            let newest = ring.push::<W>(first, count, &angles);
             for &span in &level.spans {
                 let square = match recipe.order {
-                    2 => ring.squares::<W, 2>(span as usize, range),
-                    _ => ring.squares::<W, 3>(span as usize, range),
+                    2 => ring.squares::<W, 2>(span as usize, newest, &angles),
+                    _ => ring.squares::<W, 3>(span as usize, newest, &angles),
                 };
                 sums[place].add(square);
                 place += 1;
@@ -104,56 +121,65 @@ fn records<W: Word>(recipe: &Recipe, address: Address<W>, count: usize, to: &mut
 }
 
 impl Ring {
-    /// Stores the angles of a chunk at multiples of `stride`. Returns the first of them, counted in strides, and their
-    /// number.
+    /// Stores the angles of a chunk at multiples of the stride, and returns which these are.
     #[inline(always)]
-    fn push<W: Word>(&mut self, stride: usize, first: usize, count: usize, angles: &Chunk) -> [usize; 2] {
-        let from = first.div_ceil(stride);
-        let mut taken = 0;
-        let mut at = from % self.depth;
-        for sample in (from * stride - first..count).step_by(stride) {
+    fn push<W: Word>(&mut self, start: usize, count: usize, angles: &Chunk) -> Newest {
+        let first = start.div_ceil(self.stride);
+        let mut newest =
+            Newest { first, count: 0, sample: first * self.stride - start, at: first % self.depth };
+        let mut at = newest.at;
+        for sample in (newest.sample..count).step_by(self.stride) {
             W::load(&angles[sample * W::LANES..]).store(&mut self.words[at * W::LANES..]);
             at = self.beyond(at, 1);
-            taken += 1;
+            newest.count += 1;
         }
-        [from, taken]
+        newest
     }
 
-    /// The place `by` places beyond `at`, no further than the end of the ring, where it begins again.
+    /// The place `by` places beyond `at` in the ring.
     #[inline(always)]
     fn beyond(&self, at: usize, by: usize) -> usize {
-        if at + by == self.depth { 0 } else { at + by }
+        if at + by >= self.depth { at + by - self.depth } else { at + by }
     }
 
-    /// Sum of the squared differences of order `ORDER` over `span` strides that end at the angles of `range`.
+    /// The place `by` places before `at` in the ring.
     #[inline(always)]
-    fn squares<W: Word, const ORDER: usize>(&self, span: usize, range: [usize; 2]) -> W::Wide {
+    fn before(&self, at: usize, by: usize) -> usize {
+        if at < by { at + self.depth - by } else { at - by }
+    }
+
+    /// Sum of the squared differences of order `ORDER` over `span` strides that end at the newest angles.
+    #[inline(always)]
+    fn squares<W: Word, const ORDER: usize>(&self, span: usize, newest: Newest, angles: &Chunk) -> W::Wide {
         let mut sum = W::Wide::splat(0);
-        let [from, count] = range;
-        let start = from.max(ORDER * span);
-        if start >= from + count {
+        let start = newest.first.max(ORDER * span);
+        if start >= newest.first + newest.count {
             return sum;
         }
-        let mut at = [0; 4];
-        for (k, at) in at.iter_mut().enumerate() {
-            *at = start.saturating_sub(k * span) % self.depth;
+        let mut sample = newest.sample + (start - newest.first) * self.stride;
+        let mut place = self.beyond(newest.at, start - newest.first);
+        let mut at = [0; 3];
+        for at in &mut at[..ORDER] {
+            place = self.before(place, span);
+            *at = place;
         }
-        let mut left = from + count - start;
+        let mut left = newest.first + newest.count - start;
         while left > 0 {
-            // The run ends where the first of the indices reaches the end of the ring.
-            let run = left.min(self.depth - at[0].max(at[1]).max(at[2]).max(at[3]));
+            // The run ends where the first of the places reaches the end of the ring.
+            let run = left.min(self.depth - at[0].max(at[1]).max(at[2]));
             for i in 0..run {
-                let first = self.angle::<W>(at[0] + i);
-                let second = self.angle::<W>(at[1] + i);
-                let third = self.angle::<W>(at[2] + i);
+                let first = W::load(&angles[sample * W::LANES..]);
+                let second = self.angle::<W>(at[0] + i);
+                let third = self.angle::<W>(at[1] + i);
                 let mut difference = first - second - (second - third);
                 if ORDER == 3 {
-                    let fourth = self.angle::<W>(at[3] + i);
+                    let fourth = self.angle::<W>(at[2] + i);
                     difference = difference - (second - third - (third - fourth));
                 }
                 sum = sum + difference.mul_wide(difference);
+                sample += self.stride;
             }
-            for at in &mut at {
+            for at in &mut at[..ORDER] {
                 *at = self.beyond(*at, run);
             }
             left -= run;
@@ -208,7 +234,6 @@ impl Recipe {
                 ("LEVELS", self.levels.len()),
                 ("PLACES", self.places()),
                 ("ORDER", self.order as usize),
-                ("ANGLES", self.order as usize + 1),
             ],
             flags: vec![
                 ("FLICKER_HOLDS", octaves > 1),

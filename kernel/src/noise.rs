@@ -6,7 +6,7 @@
 //! each record switches to its own when its grid says so.
 
 use crate::normal::normal;
-use crate::philox::{Address, Purpose};
+use crate::philox::{Address, Purpose, WORDS};
 use crate::recipe::{CHUNK, FOUR_STREAMS, LONG_HOLDS, MAX_OCTAVES, Recipe, STREAMS};
 use crate::shader::constants;
 use crate::sine::{QUARTER_TURN, sine};
@@ -35,8 +35,6 @@ pub struct Noise<W: Word> {
     /// Readout at the start.
     start: W,
     holds: [[Hold<W>; STREAMS]; MAX_OCTAVES],
-    /// The rate in each sample of the chunk.
-    rate: Chunk,
 }
 
 /// One stream of an octave: the newest number, its difference from the one before, and the sample at which lanes switch
@@ -63,7 +61,6 @@ impl<W: Word> Noise<W> {
             residuals: W::Wide::splat(0),
             start: zero,
             holds: [[Hold { value: zero, change: zero, grid: zero }; STREAMS]; MAX_OCTAVES],
-            rate: [0; 16 * CHUNK],
         };
         if let Some(pulse) = recipe.pulse {
             noise.start = words[0] & W::splat((1 << pulse) - 1);
@@ -85,61 +82,57 @@ impl<W: Word> Noise<W> {
         noise
     }
 
-    /// Computes the angles of the chunk that starts at sample `first`.
+    /// Computes the angles of the chunk that starts at sample `first`, in place of the changes of its flicker noise.
     #[inline(always)]
     pub fn chunk(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
-        self.rates(recipe, first);
-        let scale = W::splat(recipe.rate_scale);
-        for block in 0..CHUNK / 4 {
-            let words = self.address.draw(Purpose::White, first / 4 + block);
-            for (k, word) in words.into_iter().enumerate() {
-                let i = (4 * block + k) * W::LANES;
-                self.angle.high_word().store(&mut angles[i..]);
-                let rate = W::load(&self.rate[i..]).mul_wide(scale);
-                self.angle = self.angle + rate + normal(word).mul_wide(W::splat(recipe.white));
+        self.changes(recipe, first, angles);
+        for block in 0..CHUNK / WORDS {
+            let at = first / WORDS + block;
+            let white = self.address.draw(Purpose::White, at);
+            let walk = (recipe.walk > 0).then(|| self.address.draw(Purpose::Walk, at));
+            let markov = recipe.markov.map(|markov| (markov, self.address.draw(Purpose::Markov, at)));
+            let quantisation =
+                (recipe.quantisation > 0).then(|| self.address.draw(Purpose::Quantisation, at));
+            for k in 0..WORDS {
+                let i = WORDS * block + k;
+                let place = &mut angles[i * W::LANES..];
+                self.flicker = self.flicker + W::load(place);
+                let mut rate = self.flicker;
+                if let Some(words) = walk {
+                    self.walk = self.walk + normal(words[k]).mul_wide(W::splat(recipe.walk));
+                    rate = rate + self.walk.high_word();
+                }
+                if let Some(([loss, step, _], words)) = markov {
+                    let lost = self.markov.bits_from(30).mul_wide(W::splat(loss));
+                    self.markov = self.markov - lost + normal(words[k]).mul_wide(W::splat(step));
+                    rate = rate + self.markov.bits_from(30);
+                }
+                let mut angle = self.angle.high_word();
+                let of_rate = rate.mul_wide(W::splat(recipe.rate_scale));
+                self.angle = self.angle + of_rate + normal(white[k]).mul_wide(W::splat(recipe.white));
+                if let Some(words) = quantisation {
+                    angle = angle + scaled(words[k], recipe.quantisation);
+                }
+                self.reading(recipe, first + i, angle).store(place);
             }
         }
-        self.readings(recipe, first, angles);
     }
 
-    /// Computes the rate in each sample: flicker, random walk and Markov noise.
+    /// Computes the change of flicker noise in each sample.
     #[inline(always)]
-    fn rates(&mut self, recipe: &Recipe, first: usize) {
-        self.rate.fill(0);
+    fn changes(&mut self, recipe: &Recipe, first: usize, changes: &mut Chunk) {
+        changes.fill(0);
         if recipe.octaves() > 1 {
-            self.short_holds(recipe, first);
+            self.short_holds(recipe, first, changes);
             for octave in LONG_HOLDS..recipe.octaves() {
-                self.long_holds(recipe, octave, first);
-            }
-            for i in 0..CHUNK {
-                self.flicker = self.flicker + W::load(&self.rate[i * W::LANES..]);
-                self.flicker.store(&mut self.rate[i * W::LANES..]);
-            }
-        }
-        if recipe.walk > 0 {
-            for block in 0..CHUNK / 4 {
-                let words = self.address.draw(Purpose::Walk, first / 4 + block);
-                for (k, word) in words.into_iter().enumerate() {
-                    self.walk = self.walk + normal(word).mul_wide(W::splat(recipe.walk));
-                    add(&mut self.rate, 4 * block + k, self.walk.high_word());
-                }
-            }
-        }
-        if let Some([loss, step, _]) = recipe.markov {
-            for block in 0..CHUNK / 4 {
-                let words = self.address.draw(Purpose::Markov, first / 4 + block);
-                for (k, word) in words.into_iter().enumerate() {
-                    let lost = self.markov.bits_from(30).mul_wide(W::splat(loss));
-                    self.markov = self.markov - lost + normal(word).mul_wide(W::splat(step));
-                    add(&mut self.rate, 4 * block + k, self.markov.bits_from(30));
-                }
+                self.long_holds(recipe, octave, first, changes);
             }
         }
     }
 
     /// Applies the changes of holds that are shorter than a chunk.
     #[inline(always)]
-    fn short_holds(&mut self, recipe: &Recipe, first: usize) {
+    fn short_holds(&mut self, recipe: &Recipe, first: usize, changes: &mut Chunk) {
         let octaves = recipe.octaves();
         for octave in 1..octaves.min(FOUR_STREAMS) {
             // Hold 0 contains the start; the hold that begins at h·2^o has the number h + 1.
@@ -154,7 +147,7 @@ impl<W: Word> Noise<W> {
                 let Hold { change, grid, .. } = self.holds[octave][0];
                 for i in 0..1 << octave {
                     let change = W::splat(0).add_where_equal(change, grid, W::splat(i as u32));
-                    add(&mut self.rate, (h << octave) + i, change);
+                    add(changes, (h << octave) + i, change);
                 }
             }
         }
@@ -171,7 +164,7 @@ impl<W: Word> Noise<W> {
                     for hold in &holds {
                         change = change.add_where_equal(hold.change, hold.grid, place);
                     }
-                    add(&mut self.rate, (h << octave) + i, change);
+                    add(changes, (h << octave) + i, change);
                 }
             }
         }
@@ -179,7 +172,7 @@ impl<W: Word> Noise<W> {
 
     /// Applies the changes of the holds of an octave that last for a chunk or longer.
     #[inline(always)]
-    fn long_holds(&mut self, recipe: &Recipe, octave: usize, first: usize) {
+    fn long_holds(&mut self, recipe: &Recipe, octave: usize, first: usize, changes: &mut Chunk) {
         let place = first & ((1 << octave) - 1);
         if place == 0 {
             let words = self.address.draw_beyond(Purpose::Flicker, octave, (first >> octave) + 1);
@@ -191,14 +184,14 @@ impl<W: Word> Noise<W> {
             let to_go = hold.grid - W::splat(place as u32);
             let mut lanes = to_go.below(CHUNK as u32);
             if lanes != 0 {
-                let (mut samples, mut changes) = ([0; 16], [0; 16]);
+                let (mut samples, mut of_lanes) = ([0; 16], [0; 16]);
                 to_go.store(&mut samples);
-                hold.change.store(&mut changes);
+                hold.change.store(&mut of_lanes);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let rate = &mut self.rate[samples[lane] as usize * W::LANES + lane];
-                    *rate = rate.wrapping_add(changes[lane]);
+                    let change = &mut changes[samples[lane] as usize * W::LANES + lane];
+                    *change = change.wrapping_add(of_lanes[lane]);
                 }
             }
         }
@@ -212,48 +205,29 @@ impl<W: Word> Noise<W> {
         hold.value = value;
     }
 
-    /// Adds drift, fill residuals, sine and quantisation noise to the angles of a chunk, and reads them in whole
-    /// pulses.
+    /// Adds drift, fill residuals and sine to the angle of a sample, and reads it in whole pulses.
     #[inline(always)]
-    fn readings(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
+    fn reading(&mut self, recipe: &Recipe, sample: usize, mut angle: W) -> W {
         if !recipe.drift.is_empty() {
-            for i in 0..CHUNK {
-                let drift = recipe.drift[(first + i).min(recipe.samples as usize)];
-                add(angles, i, W::splat(drift));
-            }
+            angle = angle + W::splat(recipe.drift[sample.min(recipe.samples as usize)]);
         }
         if let Some([interval, amplitude, sigma]) = recipe.switching {
-            for i in 0..CHUNK {
-                add(angles, i, self.residuals.high_word());
-                let sample = (first + i) as u32;
-                if sample > 0 && sample.is_multiple_of(interval) {
-                    self.jump(sample / interval, amplitude, sigma);
-                }
+            angle = angle + self.residuals.high_word();
+            let sample = sample as u32;
+            if sample > 0 && sample.is_multiple_of(interval) {
+                self.jump(sample / interval, amplitude, sigma);
             }
         }
         if let Some([step, amplitude]) = recipe.sine {
-            for i in 0..CHUNK {
-                // The integral of a sine is minus its cosine; the product is in units of 2^−32 LSB.
-                let cosine = sine(self.phase + W::splat(QUARTER_TURN));
-                add(angles, i, W::splat(0) - cosine.mul_wide(W::splat(amplitude)).high_word());
-                self.phase = self.phase + W::splat(step);
-            }
-        }
-        if recipe.quantisation > 0 {
-            for block in 0..CHUNK / 4 {
-                let words = self.address.draw(Purpose::Quantisation, first / 4 + block);
-                for (k, word) in words.into_iter().enumerate() {
-                    add(angles, 4 * block + k, scaled(word, recipe.quantisation));
-                }
-            }
+            // The integral of a sine is minus its cosine; the product is in units of 2^−32 LSB.
+            let cosine = sine(self.phase + W::splat(QUARTER_TURN));
+            angle = angle - cosine.mul_wide(W::splat(amplitude)).high_word();
+            self.phase = self.phase + W::splat(step);
         }
         if let Some(pulse) = recipe.pulse {
-            let whole = W::splat(u32::MAX << pulse);
-            for i in 0..CHUNK {
-                let at = &mut angles[i * W::LANES..];
-                ((W::load(at) + self.start) & whole).store(at);
-            }
+            angle = (angle + self.start) & W::splat(u32::MAX << pulse);
         }
+        angle
     }
 
     /// Adds the fill residual of a switch to all records.

@@ -109,13 +109,13 @@ pub struct Address<W> {
 impl<W: Word> Address<W> {
     /// The four words of a block of a purpose.
     #[inline(always)]
-    pub fn draw(&self, purpose: Purpose, block: usize) -> [W; 4] {
+    pub fn draw(&self, purpose: Purpose, block: usize) -> [W; WORDS] {
         self.draw_beyond(purpose, 0, block)
     }
 
     /// The four words of a block of the purpose `beyond` places after the given one.
     #[inline(always)]
-    pub fn draw_beyond(&self, purpose: Purpose, beyond: usize, block: usize) -> [W; 4] {
+    pub fn draw_beyond(&self, purpose: Purpose, beyond: usize, block: usize) -> [W; WORDS] {
         let counter = [
             self.low.factors(),
             W::Factors::splat(self.high),
@@ -132,6 +132,9 @@ impl<W: Word> Address<W> {
     }
 }
 
+/// Words of a block.
+pub const WORDS: usize = 4;
+
 const ROUNDS: usize = 10;
 const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
@@ -139,6 +142,7 @@ const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 /// The constants that the shader takes from this module.
 pub(crate) fn constants() -> Constants {
     let mut all = purposes();
+    all.push(("WORDS".to_owned(), WORDS.into()));
     all.push(("ROUNDS".to_owned(), ROUNDS.into()));
     all.push(("MULTIPLIER".to_owned(), MULTIPLIER.into()));
     all.push(("WEYL".to_owned(), WEYL.into()));

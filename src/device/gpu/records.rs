@@ -9,7 +9,7 @@ use crate::device::error::GpuError;
 use crate::device::gpu::fault::Submission;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::{Gpu, TILE_SECONDS};
-use crate::kernel::allan::SUM_WORDS;
+use crate::kernel::allan::{RING_LANES, SUM_WORDS};
 use crate::kernel::recipe::Recipe;
 
 impl Gpu {
@@ -64,6 +64,8 @@ impl Gpu {
         let pipeline = self.pipeline_of_records(recipe)?;
         let drift = self.upload("drift", bytemuck::cast_slice(&recipe.drift), BufferUsages::STORAGE)?;
         let most = self.most_lanes.min((budget / ring_bytes) as usize).max(1);
+        // Whole rows of the rings.
+        let most = most - if most > RING_LANES { most % RING_LANES } else { 0 };
         let mut sums = Vec::with_capacity(count * recipe.places());
         let mut done = 0;
         while done < count {
@@ -89,7 +91,8 @@ impl Gpu {
         lanes: usize,
     ) -> Result<Vec<u128>, GpuError> {
         let size = |words: usize| 4 * (words * lanes) as u64;
-        let rings = self.buffer("rings", size(recipe.depth()), BufferUsages::STORAGE)?;
+        let rows = lanes.next_multiple_of(lanes.min(RING_LANES));
+        let rings = self.buffer("rings", 4 * (recipe.depth() * rows) as u64, BufferUsages::STORAGE)?;
         let state = self.buffer("state", size(recipe.state_words()), BufferUsages::STORAGE)?;
         let sums_size = size(SUM_WORDS * recipe.places());
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
