@@ -117,7 +117,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         {
             var sum = less(row_truth, p[IN_GAP_SCALE + filler]);
             for (var k = 0u; k < EXTRAPOLATION_BEFORE; k++) {
-                sum = add_tick(sum, run.kept[k], table[(filler * GAP_TICKS + row) * EXTRAPOLATION_BEFORE + k]);
+                sum = add_tick(sum, run.kept[k], table_word((filler * GAP_TICKS + row) * EXTRAPOLATION_BEFORE + k));
             }
             let found = error_of(sum, IN_GAPS + filler);
             error[IN_GAPS + filler] = max_signed(error[IN_GAPS + filler], with_sign(found, found));

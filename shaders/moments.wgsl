@@ -21,6 +21,13 @@ struct Job {
 //#end
 //#if TABLE
 @group(0) @binding(5) var<storage, read> table: array<u32>;
+// The tables of the points follow one another; that of the point of this job starts here.
+var<private> table_start: u32;
+
+// Only here: on the processor, a table is a slice.
+fn table_word(at: u32) -> u32 {
+    return table[table_start + at];
+}
 //#end
 
 // The parameters in registers; loaded where they are used, they would be reloaded in every trial.
@@ -64,6 +71,9 @@ fn load_parameters(point: u32) {
     let from_ = point * PARAMETER_VECTORS;
     //#for i in 0..PARAMETER_WORDS
     p[i] = parameters[from_ + i / 4u][i % 4u];
+    //#end
+    //#if TABLE
+    table_start = parameters[from_ + PARAMETER_WORDS / 4u][PARAMETER_WORDS % 4u];
     //#end
 }
 

@@ -74,7 +74,7 @@ fn gap(motion: Motion, row: u32) -> u32 {
     //#end
     //#if GAUSSIAN
     for (var i = 0u; i < GAP_TICKS; i++) {
-        angle = add_wide(angle, mul_wide(gaussian[i], table[MOTION_TABLE + row * GAP_TICKS + i]));
+        angle = add_wide(angle, mul_wide(gaussian[i], table_word(MOTION_TABLE + row * GAP_TICKS + i)));
     }
     //#end
     //#if PROFILE
@@ -196,7 +196,7 @@ fn gaussian_side(place: u32) -> Wide {
     let row = GAUSSIAN_SIDES + (place * (place + 1u) - GAP_TICKS * (GAP_TICKS + 1u)) / 2u;
     var angle = wide(0u, 0u);
     for (var i = 0u; i <= place; i++) {
-        angle = add_wide(angle, mul_wide(gaussian[i], table[row + i]));
+        angle = add_wide(angle, mul_wide(gaussian[i], table_word(row + i)));
     }
     return angle;
 }
@@ -205,7 +205,7 @@ fn gaussian_side(place: u32) -> Wide {
 //#if PROFILE
 // The angle of the profile since its start, at a boundary of its ticks.
 fn profile(boundary: u32) -> u32 {
-    return table[MOTION_TABLE + boundary];
+    return table_word(MOTION_TABLE + boundary);
 }
 //#end
 

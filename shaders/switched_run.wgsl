@@ -78,14 +78,14 @@ fn halvings(inverse: u32, usual: u32) -> u32 {
 // words of the row.
 fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
     let bits = p[TIME_BITS];
-    let now = exp2_minus(halvings(warm_up.inverse, table[words + 1u])) >> 1u;
+    let now = exp2_minus(halvings(warm_up.inverse, table_word(words + 1u))) >> 1u;
     let one = DECAY_ONE;
     let even = k % 2u == 0u;
     let signed = select(0u - warm_up.last, warm_up.last, even);
     let pairs = bits_from(mul_wide(warm_up.tanh, one - signed), DECAY_BITS);
     let rest = bits_from(mul_wide(warm_up.ratio, warm_up.last - now), DECAY_BITS - bits);
     let decayed = select(pairs - rest, pairs + rest, even);
-    return vec2<u32>(table[words] - decayed, now);
+    return vec2<u32>(table_word(words) - decayed, now);
 }
 //#end
 
@@ -99,25 +99,25 @@ fn angle(run: Run, k: u32, row: u32, more: Wide) -> u32 {
     at++;
     //#end
     //#if MAGNETIC
-    magnetic = add_wide(magnetic, mul_wide(run.deviation[0], table[at]));
+    magnetic = add_wide(magnetic, mul_wide(run.deviation[0], table_word(at)));
     at++;
     //#end
     //#if INITIAL
-    magnetic = add_wide(magnetic, mul_wide(run.deviation[1], table[at]));
+    magnetic = add_wide(magnetic, mul_wide(run.deviation[1], table_word(at)));
     at++;
     //#end
     //#if NON_MAGNETIC
-    random = add_wide(random, mul_wide(run.deviation[2], table[at]));
+    random = add_wide(random, mul_wide(run.deviation[2], table_word(at)));
     at++;
     //#end
     //#if WARM_UP
     magnetic = add_wide(magnetic, mul_wide(heating(run.warm_up, k, at)[0], run.warm_up.heated));
     //#end
     //#if MODE
-    let whole = high_word(magnetic) + table[words + 1u];
-    return table[words] + run.relocked + high_word(random) + with_sign(whole, run.mode);
+    let whole = high_word(magnetic) + table_word(words + 1u);
+    return table_word(words) + run.relocked + high_word(random) + with_sign(whole, run.mode);
     //#else
-    return table[words] + run.relocked + high_word(add_wide(random, magnetic));
+    return table_word(words) + run.relocked + high_word(add_wide(random, magnetic));
     //#end
 }
 

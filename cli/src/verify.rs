@@ -5,7 +5,7 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 
 use sagnac::device::Device;
-use sagnac::device::select::every_adapter;
+use sagnac::device::select::{every_adapter, untested};
 use sagnac::kernel::width::Width;
 use sagnac::verify;
 use sagnac::verify::identity::{HEADER, rows};
@@ -16,7 +16,7 @@ use crate::output::{print, unwritten};
 /// Compares every kernel at every width of the CPU and on the device, or on all adapters.
 pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     let mut devices = match &options.device {
-        Some(name) => verify::select(name, 0)?.device.into_devices(),
+        Some(name) => untested(name)?.device.into_devices(),
         None => every_adapter()?,
     };
     let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));
@@ -26,7 +26,7 @@ pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
         say!("no GPU adapter: only the CPU kernels were verified");
     }
-    // Opened first: that a file cannot be written is not said only after minutes of work.
+    // Opened first, so that a file that cannot be written is reported before minutes of work.
     let report = match &options.report {
         Some(path) => Some((path, opened(path)?)),
         None => None,

@@ -44,7 +44,7 @@ fn of_trial(launch: &Launch, histogram: bool, variant: Variant) -> Operations {
     let known = |words: &[u32]| words.iter().copied().map(Some).collect::<Vec<_>>();
     let of = |trials: u32| {
         let given = |name: &str| match name {
-            "parameters" => Some(known(&launch.words)),
+            "parameters" => Some(known(&launch.parameters(0))),
             // The number of the first trial is unknown, and so are those of all.
             "jobs" => Some(vec![None, Some(0), Some(trials * variant.workgroup), Some(0), Some(0)]),
             "table" => Some(known(&launch.table)),

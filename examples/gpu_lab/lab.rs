@@ -201,7 +201,7 @@ impl<'a> Kernel<'a> {
         let partials = lab.buffer(4 * (estimates * PARTIAL_WORDS) as u64 * u64::from(groups), usage);
         let bins = lab.buffer(4 * (estimates * BINS) as u64, usage);
         // Edits bind the parameters otherwise.
-        let parameters = lab.upload(&launch.words, Use::UNIFORM | Use::STORAGE);
+        let parameters = lab.upload(&launch.parameters(0), Use::UNIFORM | Use::STORAGE);
         let table = lab.upload(&launch.table, Use::STORAGE);
         let pipeline = lab.pipeline(source, variant.checked);
         let (_, has_normals) = launch.shader(*histogram, variant);

@@ -134,11 +134,22 @@ impl Launch {
         shader.constants.extend([
             ("ESTIMATES", self.sampled.estimates()),
             ("PARAMETER_WORDS", words),
-            ("PARAMETER_VECTORS", words.div_ceil(4)),
+            ("PARAMETER_VECTORS", self.parameters(0).len() / 4),
         ]);
         shader.flags.extend([("HISTOGRAM", histogram), ("TABLE", self.sampled.has_table())]);
         shader.parts.push(&part::moments);
         (shader.text(variant), shader.has_normals())
+    }
+
+    /// The parameters as the shader reads them, in whole vectors of four words. Its table starts at word `table_start` of the
+    /// bound ones.
+    pub fn parameters(&self, table_start: u32) -> Vec<u32> {
+        let mut words = self.words.clone();
+        if self.sampled.has_table() {
+            words.push(table_start);
+        }
+        words.resize(words.len().next_multiple_of(4), 0);
+        words
     }
 
     /// Tallies of the estimates over some trials.

@@ -24,8 +24,10 @@ pub struct Group {
 
 struct Member {
     device: Device,
-    /// Steps of trials, or samples of records, per second; a guess before the first part.
+    /// Steps of trials, or samples of records, per second.
     rate: f64,
+    /// Whether the rate is a guess, which its first work replaces.
+    is_guess: bool,
     /// Why it leaves.
     failure: Option<GpuError>,
 }
@@ -48,7 +50,10 @@ struct Part<'a, T> {
 
 impl Group {
     pub(crate) fn new(devices: Vec<Device>) -> Group {
-        let member = |device: Device| Member { rate: device.first_batch() as f64, device, failure: None };
+        let member = |device: Device| {
+            let rate = device.first_batch() as f64;
+            Member { device, rate, is_guess: true, failure: None }
+        };
         Group { members: devices.into_iter().map(member).collect(), left: vec![] }
     }
 
@@ -139,7 +144,8 @@ impl Group {
     }
 
     /// Has all members take parts of `total` units of work, in multiples of what `multiple` says of the device, until all
-    /// are taken. A part is as large as the speed of the member, and smaller towards the end. Members that fail leave.
+    /// are taken. A part is as large as the speed of the member, and smaller towards the end; a member whose least part would
+    /// last longer than the rest of the work takes none. Members that fail leave.
     ///
     /// # Errors
     /// All of them fail; the last stays.
@@ -150,48 +156,59 @@ impl Group {
         progress: Advance<'a>,
         by: impl Fn(&mut Device, Range<u64>, Advance) -> Result<T, GpuError> + Sync,
     ) -> Result<Vec<Part<'a, T>>, GpuError> {
-        let rates: f64 = self.members.iter().map(|member| member.rate).sum();
-        let taken = AtomicU64::new(0);
-        let take = |member: &Member| {
-            let end = |start: u64| {
-                let rest = total - start;
-                let dealt = (DEALT * rest as f64).max(LEAST * total as f64);
-                let part = ((dealt * member.rate / rates) as u64).max(1);
-                start + part.next_multiple_of(multiple(&member.device)).min(rest)
+        let (mut parts, taken) = (vec![], AtomicU64::new(0));
+        while taken.load(Relaxed) < total {
+            let rates = self.members.iter().map(|member| member.rate);
+            let (rates, fastest) = (rates.clone().sum::<f64>(), rates.fold(0.0, f64::max));
+            let take = |member: &Member| {
+                let end = |start: u64| {
+                    let rest = total - start;
+                    let dealt = (DEALT * rest as f64).max(LEAST * total as f64);
+                    let part = ((dealt * member.rate / rates) as u64).max(1);
+                    start + part.next_multiple_of(multiple(&member.device)).min(rest)
+                };
+                // The others are done with the rest before this one is with its least part.
+                let is_too_slow = |rest: u64| {
+                    let least = multiple(&member.device).min(rest) as f64;
+                    member.rate < fastest && least / member.rate > rest as f64 / (rates - member.rate)
+                };
+                let takes = |start: u64| start < total && !is_too_slow(total - start);
+                let took = taken.fetch_update(Relaxed, Relaxed, |start| takes(start).then(|| end(start)));
+                took.ok().map(|start| start..end(start))
             };
-            let took = taken.fetch_update(Relaxed, Relaxed, |start| (start < total).then(|| end(start)));
-            took.ok().map(|start| start..end(start))
-        };
-        let work = |member: &mut Member| {
-            let (mut parts, mut done, started) = (vec![], 0, Instant::now());
-            while let Some(units) = take(member) {
-                let attempts = Attempts::new(progress);
-                let result = by(&mut member.device, units.clone(), &attempts.next());
-                let failure = result.as_ref().err().cloned();
-                done += units.end - units.start;
-                parts.push(Part { units, attempts, result });
-                if let Some(failure) = failure {
-                    let stays = matches!(failure, GpuError::TooLong { .. });
-                    member.failure = Some(failure).filter(|_| !stays);
-                    return parts;
+            let work = |member: &mut Member| {
+                let (mut parts, mut done, started) = (vec![], 0, Instant::now());
+                while let Some(units) = take(member) {
+                    let attempts = Attempts::new(progress);
+                    let result = by(&mut member.device, units.clone(), &attempts.next());
+                    let failure = result.as_ref().err().cloned();
+                    done += units.end - units.start;
+                    parts.push(Part { units, attempts, result });
+                    if let Some(failure) = failure {
+                        let stays = matches!(failure, GpuError::TooLong { .. });
+                        member.failure = Some(failure).filter(|_| !stays);
+                        return parts;
+                    }
                 }
-            }
-            if done > 0 {
-                let rate = done as f64 / started.elapsed().as_secs_f64().max(1e-6);
-                member.rate += NEWEST * (rate - member.rate);
-            }
-            parts
-        };
-        let parts = thread::scope(|scope| {
-            let mut members = self.members.iter_mut();
-            let own = members.next();
-            let others: Vec<_> = members.map(|member| scope.spawn(|| work(member))).collect();
-            let own = own.into_iter().flat_map(work);
-            let joined =
-                |other: ScopedJoinHandle<_>| other.join().unwrap_or_else(|panic| resume_unwind(panic));
-            own.chain(others.into_iter().flat_map(joined)).collect()
-        });
-        self.bury()?;
+                if done > 0 {
+                    let rate = done as f64 / started.elapsed().as_secs_f64().max(1e-6);
+                    let weight = if member.is_guess { 1.0 } else { NEWEST };
+                    member.rate += weight * (rate - member.rate);
+                    member.is_guess = false;
+                }
+                parts
+            };
+            parts.extend(thread::scope(|scope| {
+                let mut members = self.members.iter_mut();
+                let own = members.next();
+                let others: Vec<_> = members.map(|member| scope.spawn(|| work(member))).collect();
+                let own = own.into_iter().flat_map(work);
+                let joined =
+                    |other: ScopedJoinHandle<_>| other.join().unwrap_or_else(|panic| resume_unwind(panic));
+                own.chain(others.into_iter().flat_map(joined)).collect::<Vec<_>>()
+            }));
+            self.bury()?;
+        }
         Ok(parts)
     }
 
@@ -245,6 +262,7 @@ fn within<'a>(jobs: &[Job<'a>], range: &Range<u64>) -> (Vec<usize>, Vec<Job<'a>>
 #[cfg(test)]
 mod tests {
     use std::sync::Barrier;
+    use std::time::Duration;
 
     use super::*;
     use crate::device::cpu::Cpu;
@@ -307,6 +325,27 @@ mod tests {
         let by = |_: &mut Device, _: Range<u64>, _: Advance| Err(GpuError::OutOfMemory);
         assert_eq!(group.sums(10, 0..100, &|_| {}, &by), Err(GpuError::OutOfMemory));
         assert_eq!(group.devices().count(), 1);
+    }
+
+    #[test]
+    fn members_take_parts_by_their_speed_and_a_slow_one_takes_none_that_the_others_wait_for() {
+        // Records per second of processors of one, two and three threads. The first two seem equal at first.
+        let speeds = [2000.0, 6000.0, 0.5];
+        let (mut group, taken) = (group(&[1e4, 1e4, 5.0]), [const { AtomicU64::new(0) }; 3]);
+        let by = |device: &mut Device, records: Range<u64>, _: Advance| {
+            let (member, count) = (threads(device) as usize - 1, records.end - records.start);
+            taken[member].fetch_add(count, Relaxed);
+            thread::sleep(Duration::from_secs_f64(count as f64 / speeds[member]));
+            Ok(records.map(u128::from).collect())
+        };
+        for _ in 0..2 {
+            taken.iter().for_each(|taken| taken.store(0, Relaxed));
+            let sums = group.sums(10, 0..1000, &|_| {}, &by).unwrap();
+            assert!(sums.into_iter().eq(0..1000));
+        }
+        let [slow, fast, slowest] = taken.each_ref().map(|taken| taken.load(Relaxed));
+        assert!((1.8..5.0).contains(&(fast as f64 / slow as f64)), "{fast} beside {slow}");
+        assert_eq!(slowest, 0, "a record of two seconds");
     }
 
     #[test]

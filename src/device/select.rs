@@ -99,7 +99,7 @@ pub struct Selection {
     pub device: Device,
     /// Reason for its selection, in one line for the user.
     pub reason: String,
-    /// The adapters that `all` leaves out, each with the reason in one line for the user.
+    /// The adapters that `auto` and `all` leave out, each with the reason in one line for the user.
     pub left_out: Vec<String>,
 }
 
@@ -118,12 +118,15 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
 /// # Errors
 /// There is no such device, it does not work, it computes other bits than the CPU, or a list names it twice.
 pub fn select(wanted: &str, threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
-    let machine = Machine { adapters: LazyCell::new(Adapter::all), threads, self_test };
-    match wanted {
-        "auto" => machine.auto(),
-        "all" => machine.all(),
-        names => selection(machine.named(names)?, "as asked"),
-    }
+    Machine { adapters: LazyCell::new(Adapter::all), threads, self_test: Some(self_test) }.select(wanted)
+}
+
+/// Selects the device that `wanted` names, as [`select`] does, but without a self-test, for a check of identity.
+///
+/// # Errors
+/// There is no such device, it does not work, or a list names it twice.
+pub fn untested(wanted: &str) -> Result<Selection, SelectError> {
+    Machine { adapters: LazyCell::new(Adapter::all), threads: 0, self_test: None }.select(wanted)
 }
 
 fn selection(device: Device, reason: &str) -> Result<Selection, SelectError> {
@@ -143,32 +146,59 @@ struct Machine {
     /// Adapters are queried only where a name may mean one.
     adapters: LazyCell<Vec<Adapter>>,
     threads: usize,
-    self_test: SelfTest,
+    /// What adapters must pass; without it, they are opened untested.
+    self_test: Option<SelfTest>,
 }
 
 impl Machine {
-    fn auto(&self) -> Result<Selection, SelectError> {
-        let gpu = self.adapters.iter().position(|adapter| !adapter.is_software());
-        match (gpu, self.adapters.first()) {
-            (Some(gpu), _) => self.or_cpu(self.open(Choice::Gpu(gpu))),
-            (None, software) => {
-                let reason = unused_card().unwrap_or_else(|| match software {
-                    Some(software) => {
-                        format!("the only adapter, {}, is a software rasteriser", software.name())
-                    }
-                    None => "no GPU was found".to_owned(),
-                });
-                selection(self.cpu()?, &reason)
-            }
+    fn select(&self, wanted: &str) -> Result<Selection, SelectError> {
+        match wanted {
+            "auto" => self.auto(),
+            "all" => self.all(),
+            names => selection(self.named(names)?, "as asked"),
         }
     }
 
-    /// Falls back to the CPU where a GPU cannot be used, and gives the reason.
-    fn or_cpu(&self, gpu: Result<Device, SelectError>) -> Result<Selection, SelectError> {
-        match gpu {
-            Ok(gpu) => selection(gpu, "a GPU that passed its self-test"),
-            Err(error) => selection(self.cpu()?, &in_one_line(&error)),
+    fn auto(&self) -> Result<Selection, SelectError> {
+        let real = self.real();
+        if real.is_empty() {
+            let reason = unused_card(&[]).unwrap_or_else(|| match self.adapters.first() {
+                Some(software) => format!("the only adapter, {}, is a software rasteriser", software.name()),
+                None => "no GPU was found".to_owned(),
+            });
+            return selection(self.cpu()?, &reason);
         }
+        let vendors: Vec<u32> = real.iter().map(|&at| self.adapters[at].vendor()).collect();
+        let Selection { device, reason, mut left_out } =
+            self.first_of(real.into_iter().map(|at| self.open(Choice::Gpu(at))))?;
+        left_out.extend(unused_card(&vendors));
+        Ok(Selection { device, reason, left_out })
+    }
+
+    /// The first GPU that can be used, else the CPU, with the reasons why others cannot.
+    fn first_of(
+        &self,
+        gpus: impl Iterator<Item = Result<Device, SelectError>>,
+    ) -> Result<Selection, SelectError> {
+        let mut failures = vec![];
+        for gpu in gpus {
+            match gpu {
+                Ok(device) => {
+                    let reason = "a GPU that passed its self-test".to_owned();
+                    return Ok(Selection { device, reason, left_out: failures });
+                }
+                Err(error) => failures.push(in_one_line(&error)),
+            }
+        }
+        Ok(Selection { device: self.cpu()?, reason: failures.remove(0), left_out: failures })
+    }
+
+    /// Places of the adapters that are no software rasterisers, cards first.
+    fn real(&self) -> Vec<usize> {
+        let adapters = &*self.adapters;
+        let mut real: Vec<usize> = (0..adapters.len()).filter(|&at| !adapters[at].is_software()).collect();
+        real.sort_by_key(|&at| !adapters[at].is_discrete());
+        real
     }
 
     fn all(&self) -> Result<Selection, SelectError> {
@@ -227,10 +257,9 @@ impl Machine {
             return Ok(Choice::Cpu(width));
         }
         let adapters = &*self.adapters;
-        let real = || adapters.iter().position(|adapter| !adapter.is_software());
         let found = match name.strip_prefix("gpu") {
             Some("") if adapters.is_empty() => return Err(SelectError::NoGpu),
-            Some("") => Some(real().unwrap_or(0)),
+            Some("") => Some(self.real().first().copied().unwrap_or(0)),
             Some(number) if number.starts_with(':') => {
                 number[1..].parse().ok().filter(|&at| at < adapters.len())
             }
@@ -260,7 +289,10 @@ impl Machine {
     fn open(&self, choice: Choice) -> Result<Device, SelectError> {
         match choice {
             Choice::Cpu(width) => Ok(Device::Cpu(Cpu::new(width, self.threads)?)),
-            Choice::Gpu(at) => trust::open(&self.adapters[at], self.threads, self.self_test),
+            Choice::Gpu(at) => match self.self_test {
+                Some(self_test) => trust::open(&self.adapters[at], self.threads, self_test),
+                None => Ok(Device::Gpu(Box::new(opened(&self.adapters[at])?))),
+            },
         }
     }
 
@@ -307,7 +339,12 @@ pub fn trusted(gpu: Gpu, self_test: SelfTest) -> Result<Device, SelectError> {
     let mut device = Device::Gpu(Box::new(gpu.with_self_test(self_test)));
     match (self_test.differs)(&mut device) {
         Ok(None) => Ok(device),
-        Ok(Some(kernel)) => Err(SelectError::Untrusted { name, kernel }),
+        Ok(Some(kernel)) => {
+            if let Device::Gpu(gpu) = &device {
+                gpu.distrust();
+            }
+            Err(SelectError::Untrusted { name, kernel })
+        }
         Err(source) => Err(SelectError::Gpu { name, source }),
     }
 }
@@ -319,12 +356,18 @@ mod tests {
     #[test]
     fn auto_takes_the_cpu_for_a_gpu_that_cannot_be_trusted_and_says_why() {
         let untrusted = SelectError::Untrusted { name: "Some GPU".to_owned(), kernel: "sine" };
-        let self_test = SelfTest { differs: |_| Ok(None), timed: || None };
-        let machine = Machine { adapters: LazyCell::new(Vec::new), threads: 0, self_test };
-        let Selection { device, reason, .. } = machine.or_cpu(Err(untrusted)).unwrap();
+        let machine = Machine { adapters: LazyCell::new(Vec::new), threads: 0, self_test: None };
+        let lost = || SelectError::Gpu { name: "Another GPU".to_owned(), source: GpuError::OutOfMemory };
+        let gpus = [Err(untrusted), Err(lost())];
+        let Selection { device, reason, left_out } = machine.first_of(gpus.into_iter()).unwrap();
         assert!(matches!(device, Device::Cpu(_)), "{}", device.name());
         assert!(reason.contains("Some GPU computes other bits than the CPU in sine"), "{reason}");
         assert!(!reason.contains('\n'), "{reason:?}");
+        assert!(left_out.len() == 1 && left_out[0].starts_with("Another GPU cannot be used"), "{left_out:?}");
+
+        let second = machine.first_of([Err(lost()), machine.cpu()].into_iter()).unwrap();
+        assert_eq!(second.reason, "a GPU that passed its self-test", "the next is tried");
+        assert_eq!(second.left_out, left_out);
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub(crate) fn while_storing<T: Tally + Send, R>(
         return stored.map_err(RunError::from).and(sampled);
     }
     thread::scope(|scope| {
-        // A channel without room: a batch waits while the one before is stored, and none is begun beyond it.
+        // A channel without room: a batch waits while the one before is stored, and no third one is begun.
         let (sender, receiver) = sync_channel(0);
         let stored = scope.spawn(move || receiver.into_iter().try_for_each(insert));
         let sampled = sample(&mut |rows, so_far| sender.send((rows, so_far)).is_ok());

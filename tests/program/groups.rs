@@ -13,12 +13,12 @@ fn sorted_rows(desk: &Desk, folder: &str) -> Vec<String> {
 fn several_devices_give_the_files_and_rows_of_one() {
     for (text, trials) in [(MOMENTS, 60_000), (RUNS, 3000), (ROWS, 150)] {
         let desk = Desk::with(text);
-        let run = |device: &str| {
-            desk.done(&format!("run study.toml --trials {trials} --device {device} --out {device}")).stderr
+        let run = |device: &str, out: &str| {
+            desk.done(&format!("run study.toml --trials {trials} --device {device} --out {out}")).stderr
         };
-        run("cpu");
-        for group in ["cpu,gpu:0", "gpu:0,cpu"] {
-            let said = run(group);
+        run("cpu", "cpu");
+        for (devices, group) in [("cpu,gpu:0", "cpu-first"), ("gpu:0,cpu", "gpu-first")] {
+            let said = run(devices, group);
             assert!(
                 said.contains(" and ") && said.contains("CPU (") && said.contains(", as asked"),
                 "{said}"

@@ -28,11 +28,21 @@ const SOFTWARE: Capacity = Capacity {
     most_rounds: 60_000,
 };
 
-/// A large GPU runs a quarter of a million invocations at a time; a small one does the first tile in less than a second.
-const HARDWARE: Capacity = Capacity {
+/// A GPU in the processor, and any that is not known to be a card. Windows takes a device away from a tile of two seconds.
+const INTEGRATED: Capacity = Capacity {
+    groups: 1024,
+    first_tile: 1 << 20,
+    records_at_once: 1 << 12,
+    most_records: 1 << 15,
+    most_bytes: 512 << 20,
+    most_rounds: 1 << 24,
+};
+
+/// A large card runs a quarter of a million invocations at a time; a small one does the first tile in half a second.
+const DISCRETE: Capacity = Capacity {
     groups: 8192,
     first_tile: 1 << 26,
-    records_at_once: 1 << 12,
+    records_at_once: 1 << 15,
     most_records: 1 << 18,
     most_bytes: 2 << 30,
     most_rounds: 1 << 24,
@@ -75,11 +85,20 @@ impl Adapter {
     /// Whether both are the same device, such as one that two interfaces drive.
     pub(crate) fn is_device_of(&self, other: &Adapter) -> bool {
         let [one, other] = [self, other].map(|adapter| adapter.adapter.get_info());
+        if [one.backend, other.backend] == [wgpu::Backend::Dx12; 2] {
+            // It lists each device once, but gives equal ones the address of the first.
+            return false;
+        }
         match [&one, &other].map(|info| info.device_pci_bus_id.as_str()) {
-            // An interface lists equal devices apart.
+            // Adapters of one interface are different devices.
             ["", _] | [_, ""] => one.name == other.name && one.backend != other.backend,
             [address, of_other] => address.eq_ignore_ascii_case(of_other),
         }
+    }
+
+    /// Whether it is a card with memory of its own.
+    pub(crate) fn is_discrete(&self) -> bool {
+        self.adapter.get_info().device_type == wgpu::DeviceType::DiscreteGpu
     }
 
     /// Whether it is a software rasteriser on the processor.
@@ -90,6 +109,11 @@ impl Adapter {
     /// Number of the vendor, which is that on the PCI bus for a card.
     pub(crate) fn vendor(&self) -> u32 {
         self.adapter.get_info().vendor
+    }
+
+    /// Version of its driver; empty where the interface does not give it.
+    pub(crate) fn driver_version(&self) -> String {
+        self.adapter.get_info().driver_info
     }
 
     /// Driver and capabilities as text.
@@ -111,7 +135,11 @@ impl Adapter {
 
     /// How much work it takes at a time.
     pub(crate) fn capacity(&self) -> &'static Capacity {
-        if self.is_software() { &SOFTWARE } else { &HARDWARE }
+        match self.adapter.get_info().device_type {
+            wgpu::DeviceType::Cpu => &SOFTWARE,
+            wgpu::DeviceType::DiscreteGpu => &DISCRETE,
+            _ => &INTEGRATED,
+        }
     }
 
     /// The fastest variant of the kernels for this adapter.

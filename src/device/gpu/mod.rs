@@ -49,8 +49,8 @@ pub struct Gpu {
     queue: wgpu::Queue,
     variant: Variant,
     normal_table: wgpu::Buffer,
-    /// The table of the previous launch with its buffer; neighbouring points often share one.
-    table: Option<(Arc<[u32]>, wgpu::Buffer)>,
+    /// The tables of the previous part with their buffer; the next part often has the same.
+    table: Option<(Vec<Arc<[u32]>>, wgpu::Buffer)>,
     /// Pipelines of trials by shape and histogram, and those of records by the text of their shaders.
     pipelines: HashMap<(Arc<dyn Sampled>, bool), Pipeline>,
     record_pipelines: HashMap<String, Pipeline>,
@@ -149,6 +149,11 @@ impl Gpu {
         let (threads, losses, self_test, faults) =
             (self.threads, self.losses, self.self_test, self.faults.clone());
         Ok(Gpu { tile, most_tile, most_lanes, threads, losses, self_test, faults, ..gpu })
+    }
+
+    /// Has the next start test its adapter again.
+    pub(crate) fn distrust(&self) {
+        trust::withdraw(&self.adapter);
     }
 
     /// The name of its adapter.

@@ -15,8 +15,8 @@ use crate::kernel::recipe::{CHUNK, Recipe};
 use crate::kernel::shader::Variant;
 use crate::kernel::width::Width;
 
-/// Most buffers kept for the next tiles: those of two tiles of two parts.
-const MOST_FREE: usize = 12;
+/// Most buffers kept for the next tiles: those of two tiles of some parts.
+const MOST_FREE: usize = 36;
 
 /// A compiled shader.
 #[derive(Clone)]
@@ -109,15 +109,17 @@ impl Gpu {
         buffer.get_mapped_range(..).map_err(|error| GpuError::Refused(error.to_string()))
     }
 
-    /// The buffer with the table of a launch.
-    pub(crate) fn table(&mut self, table: &Arc<[u32]>) -> Result<wgpu::Buffer, GpuError> {
+    /// The buffer with some tables, one after the other.
+    pub(crate) fn table(&mut self, tables: &[&Arc<[u32]>]) -> Result<wgpu::Buffer, GpuError> {
         if let Some((held, buffer)) = &self.table
-            && Arc::ptr_eq(held, table)
+            && held.len() == tables.len()
+            && held.iter().zip(tables).all(|(held, table)| Arc::ptr_eq(held, table))
         {
             return Ok(buffer.clone());
         }
-        let buffer = self.upload("table", bytemuck::cast_slice(table), BufferUsages::STORAGE)?;
-        self.table = Some((Arc::clone(table), buffer.clone()));
+        let words: Vec<u32> = tables.iter().flat_map(|table| table.iter().copied()).collect();
+        let buffer = self.upload("table", bytemuck::cast_slice(&words), BufferUsages::STORAGE)?;
+        self.table = Some((tables.iter().map(|&table| Arc::clone(table)).collect(), buffer.clone()));
         Ok(buffer)
     }
 
@@ -153,7 +155,11 @@ impl Gpu {
         let faults = self.faults.take();
         let same = same(self);
         self.faults = faults;
-        if same? && self.fault(Moment::Answer).is_none() { Ok(()) } else { Err(GpuError::WrongBits) }
+        if same? && self.fault(Moment::Answer).is_none() {
+            return Ok(());
+        }
+        self.distrust();
+        Err(GpuError::WrongBits)
     }
 
     fn tallies_as_the_cpu(&mut self, launch: &Launch, histogram: bool) -> Result<bool, GpuError> {

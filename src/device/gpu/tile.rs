@@ -22,14 +22,19 @@ pub(crate) struct Job {
     slot: u32,
 }
 
-/// Ranges of trials of launches with the same shape and table, which form one dispatch.
+/// Ranges of trials of launches with the same shape, which form one dispatch.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Part<'a> {
     /// The launches, which the shader calls points.
     launches: Vec<&'a Launch>,
+    /// Their tables, each once.
+    tables: Vec<&'a Arc<[u32]>>,
     /// Their ranges, in the order of the results.
     pieces: Vec<Piece>,
 }
+
+/// Most words of tables that points bring to a dispatch of others.
+const MOST_TABLE_WORDS: usize = 1 << 22;
 
 /// A range of trials; its tallies are added to place `to` of the results.
 #[derive(Debug, Clone)]
@@ -43,20 +48,28 @@ struct Piece {
 impl<'a> Part<'a> {
     /// Whether trials of `launch` may join this part.
     pub(crate) fn takes(&self, launch: &Launch) -> bool {
-        self.launches.first().is_some_and(|own| {
-            let shared =
-                Arc::ptr_eq(&own.table, &launch.table) || own.table.is_empty() && launch.table.is_empty();
-            shared && *own.sampled == *launch.sampled
-        })
+        let words: usize = self.tables.iter().map(|table| table.len()).sum();
+        let has_room =
+            self.start_of(&launch.table).is_some() || words + launch.table.len() <= MOST_TABLE_WORDS;
+        self.launches.first().is_some_and(|own| *own.sampled == *launch.sampled) && has_room
     }
 
     /// Adds trials of a launch that [`takes`](Part::takes) accepts, or the first ones.
     pub(crate) fn push(&mut self, launch: &'a Launch, trials: Range<u64>, to: usize) {
         let point = self.launches.iter().rposition(|&own| std::ptr::eq(own, launch)).unwrap_or_else(|| {
             self.launches.push(launch);
+            if self.start_of(&launch.table).is_none() {
+                self.tables.push(&launch.table);
+            }
             self.launches.len() - 1
         });
         self.pieces.push(Piece { point, trials, to });
+    }
+
+    /// Word of all tables at which this one starts, if it is one of them.
+    fn start_of(&self, table: &Arc<[u32]>) -> Option<usize> {
+        let at = self.tables.iter().position(|own| Arc::ptr_eq(own, table))?;
+        Some(self.tables[..at].iter().map(|table| table.len()).sum())
     }
 
     /// Trials of all pieces.
@@ -89,14 +102,10 @@ impl<'a> Part<'a> {
         jobs
     }
 
-    /// The parameters of its launches, each in whole vectors of four words.
+    /// The parameters of its launches.
     pub(crate) fn parameters(&self) -> Vec<u32> {
-        let mut words = Vec::new();
-        for launch in &self.launches {
-            words.extend(&launch.words);
-            words.resize(words.len().next_multiple_of(4), 0);
-        }
-        words
+        let of = |launch: &&Launch| launch.parameters(self.start_of(&launch.table).unwrap_or(0) as u32);
+        self.launches.iter().flat_map(of).collect()
     }
 }
 
@@ -205,7 +214,7 @@ impl Gpu {
         let jobs = self.borrow("jobs", job_bytes, usage)?;
         self.queue.write_buffer(&jobs, 0, bytemuck::cast_slice(&all));
         let launch = part.launches[0];
-        let table = launch.sampled.has_table().then(|| self.table(&launch.table)).transpose()?;
+        let table = launch.sampled.has_table().then(|| self.table(&part.tables)).transpose()?;
         let pipeline = self.pipeline_of(launch, histogram)?;
         let range = |buffer, offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);

@@ -116,12 +116,13 @@ fn lacking(machine: &Machine, vendors: &[u32], no_adapters: bool) -> Vec<Finding
     findings
 }
 
-/// In one line: a card of this machine, given that Vulkan offers none.
-pub(crate) fn unused_card() -> Option<String> {
-    unused(&Machine::own())
+/// In one line: a card of this machine, given the vendors of the GPUs that Vulkan offers.
+pub(crate) fn unused_card(vendors: &[u32]) -> Option<String> {
+    unused(&Machine::own(), vendors)
 }
 
-fn unused(machine: &Machine) -> Option<String> {
-    let name = cards(machine).into_iter().find(Card::is_known)?.name();
+fn unused(machine: &Machine, vendors: &[u32]) -> Option<String> {
+    let is_unused = |card: &Card| card.is_known() && !card.is_among(vendors);
+    let name = cards(machine).into_iter().find(is_unused)?.name();
     Some(format!("this machine has {name}, but Vulkan does not offer it (`sagnac devices --why` explains)"))
 }

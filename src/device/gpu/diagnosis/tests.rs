@@ -350,11 +350,11 @@ fn a_card_that_is_not_used_is_told_in_one_line_and_a_virtual_one_is_not() {
             "this machine has {card}, but Vulkan does not offer it (`sagnac devices --why` explains)"
         ))
     };
-    assert_eq!(unused(&container().machine), said("an NVIDIA card"));
-    assert_eq!(unused(&workstation().machine), said("an AMD card"));
+    assert_eq!(unused(&container().machine, &[]), said("an NVIDIA card"));
+    assert_eq!(unused(&workstation().machine, &[]), said("an AMD card"));
     let laid = Laid::out(&[("/dev/dri/renderD128", "")]);
     laid.add_card("renderD128", "0x1af4", "virtio-pci");
-    assert_eq!(unused(&laid.machine), None);
+    assert_eq!(unused(&laid.machine, &[]), None);
     let (found, _) = laid.finding(false);
     assert!(found.starts_with("this machine has a card with the kernel driver virtio-pci, but"), "{found}");
 }
