@@ -314,6 +314,11 @@ impl Recipe {
         words
     }
 
+    /// Words of the rings of `lanes` records in the shader, which fill whole rows.
+    pub fn ring_words(&self, lanes: usize) -> usize {
+        self.depth() * lanes.next_multiple_of(lanes.min(RING_LANES))
+    }
+
     /// Words of a record's state that the shader keeps between dispatches.
     pub fn state_words(&self) -> usize {
         STATE_WORDS + HOLD_WORDS * STREAMS * self.octaves()

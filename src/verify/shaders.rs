@@ -243,7 +243,7 @@ fn of_records(recipe: &Recipe) -> Run {
     };
     let contents = vec![
         ("p", Contents::zeros(parameters(0).len())),
-        ("rings", Contents::zeros(recipe.depth() * RECORDS)),
+        ("rings", Contents::zeros(recipe.ring_words(RECORDS))),
         ("sums", Contents::result(expected)),
         ("state", Contents::zeros(recipe.state_words() * RECORDS)),
         ("drift", Contents::input(&recipe.drift)),

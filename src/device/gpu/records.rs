@@ -91,8 +91,7 @@ impl Gpu {
         lanes: usize,
     ) -> Result<Vec<u128>, GpuError> {
         let size = |words: usize| 4 * (words * lanes) as u64;
-        let rows = lanes.next_multiple_of(lanes.min(RING_LANES));
-        let rings = self.buffer("rings", 4 * (recipe.depth() * rows) as u64, BufferUsages::STORAGE)?;
+        let rings = self.buffer("rings", 4 * recipe.ring_words(lanes) as u64, BufferUsages::STORAGE)?;
         let state = self.buffer("state", size(recipe.state_words()), BufferUsages::STORAGE)?;
         let sums_size = size(SUM_WORDS * recipe.places());
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
