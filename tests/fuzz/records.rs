@@ -14,7 +14,7 @@ use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::outliers;
-use sagnac::record::log::read::{Request, Timing};
+use sagnac::record::log::read::{Hints, Request, Timing};
 use tempfile::TempDir;
 
 use crate::campaign::{Outcome, Target, fuzz};
@@ -108,9 +108,11 @@ fn requests() -> Vec<Request> {
         timing,
         data,
         unit: unit.map(|unit| Unit::parse(unit, data).unwrap()),
+        hints: Hints::default(),
     };
     let stamps = |column: &str, unit: Option<&str>| Timing::Stamps {
-        column: column.to_owned(),
+        step_s: None,
+        column: Some(column.to_owned()),
         unit: unit.map(str::to_owned),
     };
     vec![
