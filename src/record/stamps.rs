@@ -71,7 +71,8 @@ pub(crate) struct Doubled {
     pub first: Option<usize>,
 }
 
-/// Finds rows with the stamp of the row before. Those that repeat the row are left out, and the others as `duplicates` says.
+/// Finds rows with the stamp of the row before. Those that repeat the row are left out, and the others as `duplicates` says;
+/// if all are kept, counts may repeat too.
 pub(crate) fn doubled(
     stamps: &[f64],
     columns: &[Vec<f64>],
@@ -87,17 +88,18 @@ pub(crate) fn doubled(
             found.kept.push(row);
             continue;
         };
-        if columns.iter().all(|column| column[row].to_bits() == column[before].to_bits()) {
-            found.repeated += 1;
-            continue;
+        let is_repeated = columns.iter().all(|column| column[row].to_bits() == column[before].to_bits());
+        match duplicates {
+            Some(Duplicates::Keep) => found.kept.push(row),
+            _ if is_repeated => {
+                found.repeated += 1;
+                continue;
+            }
+            Some(Duplicates::Last) => *found.kept.last_mut().unwrap_or(&mut 0) = row,
+            _ => {}
         }
         found.differing += 1;
         found.first = found.first.or(Some(row));
-        match duplicates {
-            Some(Duplicates::Last) => *found.kept.last_mut().unwrap_or(&mut 0) = row,
-            Some(Duplicates::Keep) => found.kept.push(row),
-            _ => {}
-        }
     }
     Some(found)
 }
@@ -169,8 +171,8 @@ pub(crate) fn late_grid(stamps: &[f64], step: f64) -> Result<Grid, TimeFault> {
             place += steps;
             if place >= most {
                 let message = "most of the record is missing".to_owned();
-                let help = "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be \
-                            missing as there are";
+                let help = "is a time stamp wrong? correct it, cut the log there, or ignore the stamps with `time = none`: at \
+                            most ten times as many samples may be missing as there are";
                 let label = "after the longest gap".to_owned();
                 return Err(TimeFault { row, words: [message, label, help.to_owned()] });
             }

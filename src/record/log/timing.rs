@@ -154,13 +154,14 @@ pub(crate) fn spread(
         return clock.step_s.map(|step_s| (step_s, samples));
     };
     let title = time_column(file, time.column);
-    let is_ordered = |stamps: &[f64]| stamps.windows(2).all(|pair| pair[0] <= pair[1]);
-    let doubled = doubled(&stamps, &samples, clock.duplicates);
+    // Only refused stamps need a decision.
+    let duplicates = clock.duplicates.or((!clock.is_sure).then_some(Duplicates::Keep));
+    let doubled = doubled(&stamps, &samples, duplicates);
     if let Some(Doubled { kept, .. }) = &doubled {
         stamps = kept.iter().map(|&row| stamps[row]).collect();
     }
     let rolled = unroll(&mut stamps);
-    if !clock.is_sure && (!is_ordered(&stamps) || stamps.len() < 2) {
+    if !clock.is_sure && !are_times(&stamps) {
         return clock.step_s.map(|step_s| (step_s, samples));
     }
     if let Some((limit, times)) = rolled {
@@ -174,7 +175,7 @@ pub(crate) fn spread(
             let rows = if found.repeated == 1 { "row that repeats" } else { "rows that repeat" };
             notes.push(format!("left out: {} {rows} the row before", found.repeated));
         }
-        match (found.first, clock.duplicates) {
+        match (found.first, duplicates) {
             (None, _) => {}
             (Some(row), None) => {
                 let message =
@@ -240,6 +241,12 @@ pub(crate) fn spread(
         }
     };
     Some((step_s, samples.into_iter().map(|values| grid.spread(values)).collect()))
+}
+
+/// Whether numbers increase like stamps, of which some may be equal.
+fn are_times(numbers: &[f64]) -> bool {
+    let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
+    steps().all(|step| step >= 0.0) && 2 * steps().filter(|step| *step > 0.0).count() >= numbers.len().max(2)
 }
 
 /// The unit of the stamps; they may be times since 1970.
