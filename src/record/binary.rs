@@ -108,7 +108,7 @@ impl Binary {
         let Some(length) = source.length else {
             return bad("it is not a regular file".to_owned());
         };
-        if length < self.skipped || (length - self.skipped) % row > 0 {
+        if length < self.skipped || !(length - self.skipped).is_multiple_of(row) {
             let after = length.saturating_sub(self.skipped);
             return bad(format!("{after} bytes of numbers are no multiple of {row}, the bytes of a row"));
         }

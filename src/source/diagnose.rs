@@ -108,7 +108,7 @@ pub struct StudyError {
     span: Option<SourceSpan>,
     /// The faults, where there are several.
     #[related]
-    several: Vec<StudyError>,
+    several: Box<[StudyError]>,
 }
 
 impl StudyError {
@@ -127,7 +127,7 @@ impl StudyError {
             help: help.into(),
             shown,
             span,
-            several: vec![],
+            several: Box::default(),
         }
     }
 

@@ -33,7 +33,7 @@ pub const BINARIES: [Sample; 11] = [
     Sample { time: Some(("1", "s")), ..sample("imu.npy", ["2", "3", "4"], false) },
     sample("imu.npz", GYRO, true),
     sample("imu_packed.npz", GYRO, true),
-    sample("imu.mat", GYRO, false),
+    sample("imu.mat", ["imu.gyro.1", "imu.gyro.2", "imu.gyro.3"], false),
     sample("imu_packed.mat", GYRO, true),
     sample("imu.h5", ["imu/gyro.1", "imu/gyro.2", "imu/gyro.3"], false),
     sample("imu_packed.h5", GYRO, true),

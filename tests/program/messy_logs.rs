@@ -25,7 +25,7 @@ fn missing(desk: &Desk, words: &str) -> (u64, u64, f64) {
 
 #[test]
 fn gaps_stay_gaps_however_the_times_are_given() {
-    let late = |i: usize| if i % 5 == 0 { 0.004 } else { 0.0 };
+    let late = |i: usize| if i.is_multiple_of(5) { 0.004 } else { 0.0 };
     let files = [
         (
             "t.csv",
@@ -68,7 +68,7 @@ fn gaps_stay_gaps_however_the_times_are_given() {
 
 #[test]
 fn all_problems_are_told_at_once_with_what_settles_them() {
-    let late = |i: usize| if i % 5 == 0 { 4_000_000 } else { 0 };
+    let late = |i: usize| if i.is_multiple_of(5) { 4_000_000 } else { 0 };
     let text = log("ticks;gx;gz", |i, y| {
         let time = 1_700_000_000_000_000_000_u64 + 10_000_000 * i as u64 + late(i);
         let doubled = if i == 300 { format!("\n{time};{y};0.5") } else { String::new() };

@@ -66,7 +66,7 @@ def write_arrays():
     np.savez(FOLDER / "imu.npz", time_s=times, gyro=rates)
     np.savez_compressed(FOLDER / "imu_packed.npz", time_s=times, gyro=rates)
     variables = {"time_s": times, "gyro": rates, "fs": 200.0, "about": "an IMU"}
-    scipy.io.savemat(FOLDER / "imu.mat", variables)
+    scipy.io.savemat(FOLDER / "imu.mat", {"imu": variables})
     scipy.io.savemat(FOLDER / "imu_packed.mat", variables, do_compression=True)
     np.column_stack([times, rates]).astype("<f8").tofile(FOLDER / "imu.bin")
 
