@@ -181,3 +181,34 @@ impl Columns for Raw<'_> {
         Ok(columns)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layouts_have_types_order_header_and_names() {
+        let layout = Binary::parse("u32, f32 x6, big, skip 64, time_us 1, gz [dps] 4").unwrap();
+        let names: Vec<&str> = layout.numbers().map(|number| number.long_name).collect();
+        assert_eq!(names, ["u32", "f32", "f32", "f32", "f32", "f32", "f32"]);
+        assert_eq!((layout.big_endian, layout.skipped), (true, 64));
+        assert_eq!(layout.named(|name| name == "time"), [3]);
+    }
+
+    #[test]
+    fn what_is_no_layout_is_named() {
+        for (text, piece) in [
+            ("", "`` has no meaning"),
+            ("little", "has 0 columns"),
+            ("f64 x0", "`f64 x0`"),
+            ("f64 x99999", "`f64 x99999`"),
+            ("f65", "`f65`"),
+            ("f64 x2, rate 3", "`rate 3` names a column that is not there: the layout has 2"),
+            ("f64, rate", "`rate`"),
+            ("f64, skip -1", "`skip -1`"),
+        ] {
+            let error = Binary::parse(text).unwrap_err().to_string();
+            assert!(error.contains(piece) && error.contains("f64 x7"), "{text}: {error}");
+        }
+    }
+}

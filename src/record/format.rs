@@ -78,6 +78,11 @@ pub(crate) trait Columns {
     /// The numbers of the `wanted` columns in the given order, with NaN for missing ones.
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError>;
 
+    /// Whether a column seems to hold numbers.
+    fn is_number(&self, _column: usize) -> bool {
+        true
+    }
+
     /// What was inferred about the file, in a line each.
     fn inferred(&self) -> Vec<String> {
         vec![]

@@ -20,6 +20,8 @@ pub(crate) struct Layout {
     pub names: Vec<Name>,
     /// Number of cells in a row.
     pub columns: usize,
+    /// Whether each cell of one of the first rows is a number.
+    pub numbers: Vec<bool>,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
@@ -61,6 +63,10 @@ impl Layout {
             decimal: decimal_found,
             names: vec![],
             columns: cells.len(),
+            numbers: content.last().map_or_else(Vec::new, |row| {
+                let is_number = |cell| decimal_found.value(&row.text[cell]).is_some_and(f64::is_finite);
+                Cells::new(row.text, delimiter).map(is_number).collect()
+            }),
             start: first.start,
             lines: first.number - 1,
             step_s: stable32.and_then(|found| found.step_s),

@@ -99,6 +99,11 @@ impl<'a> Recording<'a> {
         self.columns.count()
     }
 
+    /// Whether a column seems to hold numbers.
+    pub(crate) fn is_number(&self, column: usize) -> bool {
+        self.columns.is_number(column)
+    }
+
     /// What was inferred about the file, in a line each.
     pub(crate) fn inferred(&self) -> Vec<String> {
         self.columns.inferred()

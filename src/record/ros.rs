@@ -136,3 +136,47 @@ impl Columns for Topics {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A message with the numbers 0, 1, 2 and so on, of which some are replaced.
+    fn message(encoding: Encoding, replaced: &[(usize, f64)]) -> Vec<u8> {
+        let mut bytes = if encoding == Encoding::Cdr { vec![0, 1, 0, 0] } else { vec![9; 4] };
+        let words = [3_u32, 500, 4];
+        bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+        bytes.extend(b"imu\0");
+        let number = |at: usize| {
+            replaced.iter().find(|(place, _)| *place == at).map_or(at as f64, |(_, other)| *other)
+        };
+        bytes.extend((0..NUMBERS).flat_map(|at| number(at).to_le_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn rates_and_accelerations_are_read_and_what_was_not_measured_is_missing() {
+        for encoding in [Encoding::Ros1, Encoding::Cdr] {
+            let read = sample(&message(encoding, &[]), encoding).unwrap();
+            assert_eq!(read, [3_000_000_500.0, 13.0, 14.0, 15.0, 25.0, 26.0, 27.0]);
+            let read = sample(&message(encoding, &[(16, -1.0)]), encoding).unwrap();
+            assert!(read[1..4].iter().all(|rate| rate.is_nan()) && read[4] == 25.0, "{read:?}");
+        }
+    }
+
+    #[test]
+    fn other_messages_are_none() {
+        let whole = message(Encoding::Cdr, &[]);
+        for length in 0..whole.len() {
+            assert_eq!(sample(&whole[..length], Encoding::Cdr), None, "{length} bytes");
+        }
+        let with = |at: usize, byte: u8| {
+            let mut bytes = whole.clone();
+            bytes[at] = byte;
+            sample(&bytes, Encoding::Cdr)
+        };
+        // Another serialisation, 4.3e9 ns, and a name of 4 GB.
+        assert_eq!([with(1, 2), with(11, 255), with(15, 255)], [None; 3]);
+        assert_eq!(sample(&[&whole[..], &[0; 4]].concat(), Encoding::Cdr), None);
+    }
+}

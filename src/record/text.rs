@@ -50,6 +50,10 @@ impl Columns for Text<'_> {
         read(&self.layout, &mut self.rows, wanted, rules)
     }
 
+    fn is_number(&self, column: usize) -> bool {
+        self.layout.numbers.get(column).copied().unwrap_or_default()
+    }
+
     fn inferred(&self) -> Vec<String> {
         self.layout.inferred.clone()
     }

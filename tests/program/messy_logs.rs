@@ -53,6 +53,11 @@ fn gaps_stay_gaps_however_the_times_are_given() {
             log("stamp gz(°/s)", |i, y| format!("{} {y}", 1_700_000_000_000_000_000 + 10_000_000 * i)),
             vec!["", "--rate 100Hz"],
         ),
+        (
+            "zeit.csv",
+            log("Zeit gz(°/s)", |i, y| format!("{} {y}", 1_700_000_000_000_000_000 + 10_000_000 * i)),
+            vec!["", "--rate 100Hz --column gz"],
+        ),
     ];
     for (name, text, options) in files {
         let desk = desk_with(name, text);
@@ -85,6 +90,7 @@ fn all_problems_are_told_at_once_with_what_settles_them() {
         "--rate 100Hz",
     ];
     desk.fails("allan log.csv --data rate --column gz --time ticks", 3, &pieces);
+    desk.fails("allan log.csv --data rate --column gz", 3, &pieces);
     let settled = "log.csv --data rate --column gz --time ticks --unit dps --duplicates first --rate 100Hz";
     assert_eq!(missing(&desk, settled), (77, 600, 0.01));
     let said = desk.done(&format!("allan {settled}")).stderr;

@@ -10,6 +10,7 @@ use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::timing::{Clock, found, is_time, spread};
+use crate::record::names::Name;
 use crate::record::recording::{Recording, Rules};
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
@@ -110,7 +111,8 @@ impl Log {
         let time = found(&file, &request.timing, &request.columns, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
         let columns = faults.take(wanted(&file, &request.columns, &named, time.map(|time| time.column)));
-        let columns = columns.unwrap_or_default();
+        // Without a choice of columns, the times are still examined by those that may be meant.
+        let columns = columns.unwrap_or_else(|| measuring(&file, request.data));
         let channels = columns.iter().map(|&column| channel(&file, column, request));
         let channels: Vec<Option<Channel>> = channels.map(|channel| faults.take(channel)).collect();
         if (1..columns.len()).any(|i| columns[..i].contains(&columns[i])) {
@@ -180,6 +182,12 @@ fn wanted(
             Err(file.refuse(None, &message, "these are the columns", &help))
         }
     }
+}
+
+/// The columns whose units are those of such data.
+fn measuring(file: &Recording, data: Data) -> Vec<usize> {
+    let unit = |name: &Name| name.unit.as_ref().is_some_and(|unit| Unit::parse(unit, data).is_ok());
+    (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
 }
 
 /// A channel for a column, without its samples.

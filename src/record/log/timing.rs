@@ -87,25 +87,27 @@ pub(crate) fn found(
         notes.push(format!("times are taken from {}", time_column(file, column)));
         return time(column);
     }
-    if step_s.or(file.step_s()).is_none() {
-        let help = "give `rate = 100Hz`, or `time = COLUMN` for a column of time stamps, or both: the stamps then only show \
-                    where samples are missing";
-        return Err(file.refuse(
-            None,
-            "the times of the samples are not given",
-            "no column called time",
-            help,
-        ));
-    }
     if let (None, Some(step_s)) = (step_s, file.step_s()) {
         let step = significant(step_s, 9);
         notes.push(format!("the sampling step of {step} s is taken from the header"));
     }
     let counter = candidates(&|column| is_called(bare(column), &COUNTERS)).first().copied();
-    // Without a header the first column often has times or numbers.
-    let first = (file.names().is_empty() && file.columns() > 1 && !wanted.is_empty() && !wanted.contains(&0))
-        .then_some(0);
-    Ok((counter.or(first).map(|column| Time { column, unit_s: None }), false))
+    // The first column often has times under another name. It must not be missed among samples that are not named.
+    let has_step = step_s.or(file.step_s()).is_some();
+    let may_be_first = file.columns() > 1 && file.is_number(0) && !wanted.contains(&0);
+    let first = (may_be_first && !(has_step && wanted.is_empty())).then_some(0);
+    let column = if has_step { counter.or(first) } else { first };
+    if column.is_none() && !has_step {
+        return Err(without_times(file));
+    }
+    Ok((column.map(|column| Time { column, unit_s: None }), false))
+}
+
+/// The error for a file without times.
+fn without_times(file: &Recording) -> RecordError {
+    let help = "give `rate = 100Hz`, or `time = COLUMN` for a column of time stamps, or both: the stamps then only show where \
+                samples are missing";
+    file.refuse(None, "the times of the samples are not given", "no column called time", help)
 }
 
 /// A column of times in a sentence.
@@ -154,14 +156,19 @@ pub(crate) fn spread(
         return clock.step_s.map(|step_s| (step_s, samples));
     };
     let title = time_column(file, time.column);
-    // Only refused stamps need a decision.
-    let duplicates = clock.duplicates.or((!clock.is_sure).then_some(Duplicates::Keep));
+    // Stamps that may be none need no decision.
+    let has_step = clock.step_s.is_some();
+    let duplicates = clock.duplicates.or((!clock.is_sure && has_step).then_some(Duplicates::Keep));
     let doubled = doubled(&stamps, &samples, duplicates);
     if let Some(Doubled { kept, .. }) = &doubled {
         stamps = kept.iter().map(|&row| stamps[row]).collect();
     }
     let rolled = unroll(&mut stamps);
-    if !clock.is_sure && !are_times(&stamps) {
+    let are_since_1970 = || stamps.first().is_some_and(|first| epoch_unit(*first).is_some());
+    if !clock.is_sure && !(are_times(&stamps) && (has_step || are_since_1970())) {
+        if !has_step {
+            faults.add(without_times(file));
+        }
         return clock.step_s.map(|step_s| (step_s, samples));
     }
     if let Some((limit, times)) = rolled {
