@@ -78,9 +78,9 @@ pub(crate) trait Columns {
     /// The numbers of the `wanted` columns in the given order, with NaN for missing ones.
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError>;
 
-    /// Whether a column seems to hold numbers.
-    fn is_number(&self, _column: usize) -> bool {
-        true
+    /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
+    fn sample(&self, _column: usize) -> Option<f64> {
+        Some(f64::NAN)
     }
 
     /// What was inferred about the file, in a line each.

@@ -20,8 +20,8 @@ pub(crate) struct Layout {
     pub names: Vec<Name>,
     /// Number of cells in a row.
     pub columns: usize,
-    /// Whether each cell of one of the first rows is a number.
-    pub numbers: Vec<bool>,
+    /// The number in each cell of one of the first rows, NaN where there is no row.
+    pub numbers: Vec<Option<f64>>,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
@@ -63,10 +63,13 @@ impl Layout {
             decimal: decimal_found,
             names: vec![],
             columns: cells.len(),
-            numbers: content.last().map_or_else(Vec::new, |row| {
-                let is_number = |cell| decimal_found.value(&row.text[cell]).is_some_and(f64::is_finite);
-                Cells::new(row.text, delimiter).map(is_number).collect()
-            }),
+            numbers: match &content[1..] {
+                [] => vec![Some(f64::NAN); cells.len()],
+                [.., row] => {
+                    let number = |cell| decimal_found.value(&row.text[cell]);
+                    Cells::new(row.text, delimiter).map(number).collect()
+                }
+            },
             start: first.start,
             lines: first.number - 1,
             step_s: stable32.and_then(|found| found.step_s),

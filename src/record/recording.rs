@@ -99,9 +99,9 @@ impl<'a> Recording<'a> {
         self.columns.count()
     }
 
-    /// Whether a column seems to hold numbers.
-    pub(crate) fn is_number(&self, column: usize) -> bool {
-        self.columns.is_number(column)
+    /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
+    pub(crate) fn sample(&self, column: usize) -> Option<f64> {
+        self.columns.sample(column)
     }
 
     /// What was inferred about the file, in a line each.

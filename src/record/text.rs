@@ -50,8 +50,8 @@ impl Columns for Text<'_> {
         read(&self.layout, &mut self.rows, wanted, rules)
     }
 
-    fn is_number(&self, column: usize) -> bool {
-        self.layout.numbers.get(column).copied().unwrap_or_default()
+    fn sample(&self, column: usize) -> Option<f64> {
+        self.layout.numbers.get(column).copied().flatten()
     }
 
     fn inferred(&self) -> Vec<String> {

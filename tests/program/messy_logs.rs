@@ -102,6 +102,19 @@ fn all_problems_are_told_at_once_with_what_settles_them() {
 }
 
 #[test]
+fn a_column_of_dates_or_temperatures_is_not_taken_for_times() {
+    let text = log("time,T [K],t [°C],gz [deg/s]", |i, y| {
+        format!("2026-11-23 10:{:02},{},20,{y}", i / 60, 300 - i % 3)
+    });
+    let desk = desk_with("log.csv", text);
+    assert_eq!(missing(&desk, "log.csv --data rate --column gz --rate 100Hz"), (0, 523, 0.01));
+    let said = desk.done("allan log.csv --data rate --column gz --rate 100Hz").stderr;
+    desk.write("warm.csv", &log("temp,gz [deg/s]", |i, y| format!("{},{y}", 300.0 + 1e-6 * (i * i) as f64)));
+    assert_eq!(missing(&desk, "warm.csv --data rate --column gz --rate 100Hz"), (0, 523, 0.01));
+    assert!(said.contains("the time column `time` holds no numbers and is not used"), "{said}");
+}
+
+#[test]
 fn rows_that_repeat_are_left_out_and_outliers_that_are_removed_count_as_missing() {
     let text = log("time [s],gz [deg/s]", |i, y| {
         let row = format!("{},{}", 0.01 * i as f64, if i == 400 { 99.0 } else { y });

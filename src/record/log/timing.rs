@@ -5,10 +5,11 @@ use crate::quantity::units::Dimension;
 use crate::record::error::{Faults, RecordError};
 use crate::record::log::read::{Duplicates, RULES, Timing};
 use crate::record::recording::Recording;
+use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, doubled, epoch_unit, faults as faults_of, late_grid, step_in_stamps, unroll,
 };
-use crate::record::time::{TimeFault, grid};
+use crate::record::time::{TimeFault, grid, median_step};
 
 /// Names of columns of times, without signs between words.
 const TIMES: [&str; 10] =
@@ -57,7 +58,8 @@ pub(crate) fn is_time(name: &str) -> bool {
 fn is_called(name: &str, names: &[&str]) -> bool {
     let last = name.rsplit(['/', '.']).next().unwrap_or(name);
     let letters: String = last.chars().filter(|c| c.is_alphanumeric()).collect();
-    names.iter().any(|known| letters.eq_ignore_ascii_case(known))
+    // T is a temperature.
+    letters != "T" && names.iter().any(|known| letters.eq_ignore_ascii_case(known))
 }
 
 /// The column of stamps, if there is one, and whether its name says so.
@@ -82,8 +84,16 @@ pub(crate) fn found(
             .collect()
     };
     let bare = |column: usize| file.names()[column].bare.as_str();
-    let times = nearest(file, candidates(&|column| is_time(bare(column))), wanted.first());
-    if let Some(column) = times {
+    let is_of_time = |column: usize| {
+        let unit = file.names()[column].unit.as_deref();
+        is_time(bare(column)) && unit.is_none_or(|unit| unit_of(unit, &[Dimension::Time]).is_ok())
+    };
+    let mut times = candidates(&is_of_time);
+    if let Some(&column) = times.iter().find(|column| file.sample(**column).is_none()) {
+        notes.push(format!("{} holds no numbers and is not used", time_column(file, column)));
+        times.retain(|column| file.sample(*column).is_some());
+    }
+    if let Some(column) = nearest(file, times, wanted.first()) {
         notes.push(format!("times are taken from {}", time_column(file, column)));
         return time(column);
     }
@@ -91,10 +101,12 @@ pub(crate) fn found(
         let step = significant(step_s, 9);
         notes.push(format!("the sampling step of {step} s is taken from the header"));
     }
-    let counter = candidates(&|column| is_called(bare(column), &COUNTERS)).first().copied();
+    let is_counter = |column: usize| is_called(bare(column), &COUNTERS) && file.sample(column).is_some();
+    let counter = candidates(&is_counter).first().copied();
     // The first column often has times under another name. It must not be missed among samples that are not named.
     let has_step = step_s.or(file.step_s()).is_some();
-    let may_be_first = file.columns() > 1 && file.is_number(0) && !wanted.contains(&0);
+    let is_time = |sample| file.names().is_empty() || epoch_unit(sample).is_some();
+    let may_be_first = file.columns() > 1 && !wanted.contains(&0) && file.sample(0).is_some_and(is_time);
     let first = (may_be_first && !(has_step && wanted.is_empty())).then_some(0);
     let column = if has_step { counter.or(first) } else { first };
     if column.is_none() && !has_step {
@@ -164,8 +176,9 @@ pub(crate) fn spread(
         stamps = kept.iter().map(|&row| stamps[row]).collect();
     }
     let rolled = unroll(&mut stamps);
-    let are_since_1970 = || stamps.first().is_some_and(|first| epoch_unit(*first).is_some());
-    if !clock.is_sure && !(are_times(&stamps) && (has_step || are_since_1970())) {
+    let name = file.names().get(time.column);
+    let may_number = has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS));
+    if !clock.is_sure && !are_times(&stamps, may_number) {
         if !has_step {
             faults.add(without_times(file));
         }
@@ -250,10 +263,16 @@ pub(crate) fn spread(
     Some((step_s, samples.into_iter().map(|values| grid.spread(values)).collect()))
 }
 
-/// Whether numbers increase like stamps, of which some may be equal.
-fn are_times(numbers: &[f64]) -> bool {
+/// Whether numbers increase like times since 1970, of which some may be equal, or evenly like times and numbers of samples.
+fn are_times(numbers: &[f64], may_number: bool) -> bool {
     let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
-    steps().all(|step| step >= 0.0) && 2 * steps().filter(|step| *step > 0.0).count() >= numbers.len().max(2)
+    let are_since_1970 = numbers.first().is_some_and(|first| epoch_unit(*first).is_some());
+    let is_even = || {
+        let median = median_step(numbers);
+        let near = steps().filter(|step| (0.5 * median..=1.5 * median).contains(step)).count();
+        median > 0.0 && 4 * near >= 3 * (numbers.len() - 1)
+    };
+    numbers.len() > 1 && steps().all(|step| step >= 0.0) && (are_since_1970 || may_number && is_even())
 }
 
 /// The unit of the stamps; they may be times since 1970.
