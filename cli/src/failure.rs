@@ -112,18 +112,22 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 14] = [
+const OPTIONS: [&str; 18] = [
     "at",
+    "binary",
     "bootstrap",
     "column",
     "data",
+    "decimal",
     "device",
+    "duplicates",
     "filler",
     "out",
     "rate",
     "salvage",
     "scale",
     "tau",
+    "time",
     "time_unit",
     "unit",
     "unit_check",

@@ -6,9 +6,11 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::fit::choose::Terms;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
+use sagnac::record::binary::Binary;
+use sagnac::record::layout::Decimal;
 use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
-use sagnac::record::log::read::{Request, Timing};
+use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use sagnac::theory::allan::terms::Term;
 
 use crate::failure::{Failure, in_options};
@@ -25,15 +27,24 @@ pub struct Reading {
     /// Size of a pulse, if the numbers count pulses
     #[arg(help_heading = "Reading the log", long, value_name = "SIZE/pulse")]
     scale: Option<String>,
-    /// Sampling rate, as in 100Hz
-    #[arg(help_heading = "Reading the log", long, value_name = "RATE", conflicts_with = "time")]
+    /// Sampling rate, as in 100Hz; time stamps then only show where samples are missing, and may be late
+    #[arg(help_heading = "Reading the log", long, value_name = "RATE")]
     rate: Option<String>,
-    /// Column of time stamps, by name or number, instead of a rate
+    /// Column of time stamps, by name or number; none ignores stamps [default: a column called time, stamp or t]
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMN")]
     time: Option<String>,
-    /// Unit of the time stamps: s, ms, us, ns [default: that of the header]
-    #[arg(help_heading = "Reading the log", long, value_name = "UNIT", requires = "time")]
+    /// Unit of the time stamps: s, ms, us, ns [default: that of the header, or of times since 1970]
+    #[arg(help_heading = "Reading the log", long, value_name = "UNIT")]
     time_unit: Option<String>,
+    /// Rows with the time of the row before, but other numbers: use the first or the last of them, or keep each as a sample
+    #[arg(help_heading = "Reading the log", long, value_name = "WHICH", value_parser = duplicates())]
+    duplicates: Option<Duplicates>,
+    /// Sign before decimals in a text [default: found from the first lines]
+    #[arg(help_heading = "Reading the log", long, value_name = "SIGN", value_parser = decimal())]
+    decimal: Option<Decimal>,
+    /// Layout of a raw binary file, as in "f64 x7, little, time 1, rate 3": types of the columns, order of bytes, names
+    #[arg(help_heading = "Reading the log", long, value_name = "LAYOUT", value_parser = Binary::parse)]
+    binary: Option<Binary>,
     /// Columns by name or number from 1, separated by commas [default: the only one]
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMNS", value_delimiter = ',')]
     column: Vec<String>,
@@ -49,7 +60,7 @@ pub struct Reading {
     /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
-    /// Whether to refuse rates that seem to be in another unit; see docs/reference.md
+    /// Whether to note rates that seem to be in another unit; see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
     unit_check: UnitCheck,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
@@ -68,6 +79,14 @@ enum Fitted {
 
 fn data() -> impl TypedValueParser<Value = Data> {
     one_of(Data::ALL.map(|data| (data.name(), data)))
+}
+
+fn duplicates() -> impl TypedValueParser<Value = Duplicates> {
+    one_of([("first", Duplicates::First), ("last", Duplicates::Last), ("keep", Duplicates::Keep)])
+}
+
+fn decimal() -> impl TypedValueParser<Value = Decimal> {
+    one_of([("point", Decimal::Point), ("comma", Decimal::Comma)])
 }
 
 fn trend() -> impl TypedValueParser<Value = Trend> {
@@ -111,7 +130,7 @@ impl Reading {
     /// The request for each file.
     ///
     /// # Errors
-    /// A unit, scale or rate is invalid, or the times of the samples are not given.
+    /// A unit, scale or rate is invalid, or stamps are ignored without a rate.
     pub fn request(&self) -> Result<Request, Failure> {
         let data = self.data;
         let unit = match (&self.unit, &self.scale) {
@@ -122,16 +141,20 @@ impl Reading {
         let unit = unit
             .transpose()
             .map_err(|wrong| Failure::Usage(in_options(&format!("{}\n{}", wrong.message, wrong.help))))?;
-        let timing = match (&self.rate, &self.time) {
-            (Some(rate), _) => Timing::Step(step(rate)?),
-            (None, Some(column)) => Timing::Stamps { column: column.clone(), unit: self.time_unit.clone() },
-            (None, None) => {
-                let message = "the times of the samples are not given\ngive --rate 100Hz, or --time COLUMN for a \
-                               column of time stamps";
+        let step_s = self.rate.as_deref().map(step).transpose()?;
+        let timing = match (step_s, self.time.as_deref()) {
+            (Some(step_s), Some("none")) => Timing::Step(step_s),
+            (None, Some("none")) => {
+                let message = "--time none ignores time stamps, and the sampling rate is not given\ngive --rate 100Hz too";
                 return Err(Failure::Usage(message.to_owned()));
             }
+            (step_s, column) => {
+                Timing::Stamps { step_s, column: column.map(str::to_owned), unit: self.time_unit.clone() }
+            }
         };
-        Ok(Request { columns: self.column.clone(), timing, data, unit })
+        let (decimal, duplicates, binary) = (self.decimal, self.duplicates, self.binary.clone());
+        let hints = Hints { decimal, duplicates, binary };
+        Ok(Request { columns: self.column.clone(), timing, data, unit, hints })
     }
 
     /// The treatment of each log before its analysis.

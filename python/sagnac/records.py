@@ -214,7 +214,7 @@ def allan(
     remove_outliers
         Treats samples more than 8 standard deviations from the median of their neighbours as missing.
     unit_check
-        Refuses rates that seem to be in another unit: degrees taken for radians, means above 20 °/s.
+        Warns of rates that seem to be in another unit: degrees taken for radians, means above 20 °/s.
     threads
         Threads; by default all logical cores. The curves have the same bits for any number.
 

@@ -1,6 +1,9 @@
 //! Deviations and fits of an array.
 
+use std::ffi::CString;
+
 use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::Angles;
@@ -18,7 +21,7 @@ use sagnac::record::log::MOST_SAMPLES;
 use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
-use sagnac::record::log::samples::{Fault, Samples};
+use sagnac::record::log::samples::{Doubt, Fault, Samples};
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
 
@@ -48,6 +51,8 @@ struct Record {
     mean_rate: Option<f64>,
     /// Slope in the unit of the curve per s.
     slope: f64,
+    /// What looks doubtful in the samples.
+    doubt: Option<String>,
     unit: sagnac::allan::unit::Unit,
 }
 
@@ -108,8 +113,8 @@ impl Reading {
         }
         let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
         let check = if self.unit_check { UnitCheck::On } else { UnitCheck::Off };
-        if let Some(fault) = samples.fault(check) {
-            return Err(Failure::Record(in_words(fault, &unit)));
+        if let Some(fault) = samples.fault() {
+            return Err(Failure::Record(in_words(fault)));
         }
         let treatment = Treatment {
             skip_s: 0.0,
@@ -120,10 +125,11 @@ impl Reading {
         };
         let (angles, outliers) = treatment.angles(&samples);
         Ok(Record {
-            outliers,
-            missing: samples.missing(),
+            doubt: samples.doubt().filter(|_| self.unit_check).map(|doubt| warning(doubt, &unit)),
+            missing: treatment.missing(&samples, &outliers),
             mean_rate: samples.mean_rate(),
             slope: slope(&angles, &samples),
+            outliers,
             unit: match unit.is_angular {
                 true => sagnac::allan::unit::Unit::Angular,
                 false => sagnac::allan::unit::Unit::Plain,
@@ -134,9 +140,7 @@ impl Reading {
 }
 
 /// The message for refused samples.
-fn in_words(fault: Fault, unit: &Unit) -> String {
-    let off = "if the unit is right, give unit_check=False";
-    let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
+fn in_words(fault: Fault) -> String {
     match fault {
         Fault::TooFew(there) => format!(
             "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or remove less"
@@ -145,11 +149,19 @@ fn in_words(fault: Fault, unit: &Unit) -> String {
             "the array is constant: all {there} samples are {value}\nis it the right column, and was the sensor on? a \
              constant has no deviation to show"
         ),
-        Fault::DegreesAsRadians(mean) => format!(
+    }
+}
+
+/// The warning on samples whose unit is doubtful.
+fn warning(doubt: Doubt, unit: &Unit) -> String {
+    let off = "if the unit is right, give unit_check=False";
+    let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
+    match doubt {
+        Doubt::DegreesAsRadians(mean) => format!(
             "the array looks like degrees taken for radians: its mean is {}\ngive the unit in deg; {off}",
             rate(mean)
         ),
-        Fault::NeverAtRest(mean) => format!(
+        Doubt::NeverAtRest(mean) => format!(
             "the array has a mean rate of {}, which no gyro at rest has\nis {} its unit? is kind= right? {off}",
             rate(mean),
             unit.text
@@ -164,6 +176,10 @@ fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> 
 
 /// The common results of both functions for a record.
 fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict>> {
+    if let Some(doubt) = &record.doubt {
+        let message = CString::new(doubt.as_str())?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 2)?;
+    }
     let document = PyDict::new(py);
     let outliers: Vec<i64> = record.outliers.samples.iter().map(|&sample| sample as i64).collect();
     document.set_item("missing", record.missing)?;

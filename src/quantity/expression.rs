@@ -56,7 +56,7 @@ pub(crate) struct Size {
 }
 
 /// All symbols, each with its size in base units and the powers (in halves) of ″, s, g, pulse.
-const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
+const SYMBOLS: [(&[&str], f64, [i32; 4]); 17] = [
     (&["s"], 1.0, [0, 2, 0, 0]),
     (&["ms"], 1e-3, [0, 2, 0, 0]),
     (&["us", "µs", "μs"], 1e-6, [0, 2, 0, 0]),
@@ -68,6 +68,7 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
     (&["arcsec", "″", "\""], 1.0, [2, 0, 0, 0]),
     (&["arcmin", "′"], 60.0, [2, 0, 0, 0]),
     (&["deg", "°"], 3600.0, [2, 0, 0, 0]),
+    (&["mdeg"], 3.6, [2, 0, 0, 0]),
     (&["rad"], ARCSEC_PER_RAD, [2, 0, 0, 0]),
     (&["mrad"], ARCSEC_PER_RAD * 1e-3, [2, 0, 0, 0]),
     (&["urad", "µrad", "μrad"], ARCSEC_PER_RAD * 1e-6, [2, 0, 0, 0]),

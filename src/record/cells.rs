@@ -13,15 +13,21 @@ pub(crate) enum Delimiter {
 
 impl Delimiter {
     /// The delimiter of the `first` line and of the one after it, a `row` of numbers: a sign that occurs equally often in both, or
-    /// else one in the row.
-    pub(crate) fn of(first: &[u8], row: &[u8]) -> Delimiter {
-        let count = |line: &[u8], sign: u8| Cells::new(line.trim_ascii(), Delimiter::Byte(sign)).count();
-        let signs = || b"\t;,".iter().copied().filter(|sign| row.trim_ascii().contains(sign));
-        match signs().find(|sign| count(first, *sign) == count(row, *sign)).or(signs().next()) {
+    /// else one in the row. A comma does not count where it stands for the decimal point.
+    pub(crate) fn of(first: &[u8], row: &[u8], decimal: Decimal) -> Delimiter {
+        let signs: &[u8] = if decimal == Decimal::Comma { b"\t;" } else { b"\t;," };
+        let signs = || signs.iter().copied().filter(|sign| row.trim_ascii().contains(sign));
+        let equal = |sign: &u8| Delimiter::Byte(*sign).count(first) == Delimiter::Byte(*sign).count(row);
+        match signs().find(equal).or(signs().next()) {
             Some(sign) => Delimiter::Byte(sign),
-            None if row.trim_ascii().contains(&b' ') => Delimiter::Blanks,
+            None if row.trim_ascii().contains(&b' ') || decimal == Decimal::Comma => Delimiter::Blanks,
             None => Delimiter::Byte(b','),
         }
+    }
+
+    /// Number of cells in a line.
+    pub(crate) fn count(self, line: &[u8]) -> usize {
+        Cells::new(line.trim_ascii(), self).count()
     }
 
     pub(crate) fn name(self) -> &'static str {
@@ -106,13 +112,43 @@ fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
     cell.start + lead..cell.end - trail
 }
 
-/// Reads a cell as a number with a decimal point; an empty cell, `NaN`, `NA` and `null` are missing values, NaN. Other text is
-/// `None`.
-#[inline]
-pub(crate) fn value(cell: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(cell).ok()?;
-    let missing = || ["", "NA", "N/A", "null", "-"].contains(&text).then_some(f64::NAN);
-    text.parse().ok().or_else(missing)
+/// The sign before the decimals of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Decimal {
+    /// 1.5
+    Point,
+    /// 1,5
+    Comma,
+}
+
+/// Longest number with a decimal comma.
+const LONGEST: usize = 64;
+
+impl Decimal {
+    /// Reads a cell as a number with these decimals; an empty cell, `NaN`, `NA` and `null` are missing values, NaN. Other text,
+    /// and a number with other decimals, is `None`.
+    #[inline]
+    pub(crate) fn value(self, cell: &[u8]) -> Option<f64> {
+        let mut copy = [0; LONGEST];
+        let cell = match self {
+            Decimal::Point => cell,
+            Decimal::Comma if cell.contains(&b'.') => return None,
+            Decimal::Comma => {
+                let copy = copy.get_mut(..cell.len())?;
+                copy.copy_from_slice(cell);
+                copy.iter_mut().filter(|byte| **byte == b',').for_each(|byte| *byte = b'.');
+                copy
+            }
+        };
+        let text = std::str::from_utf8(cell).ok()?;
+        let missing = || ["", "NA", "N/A", "null", "-"].contains(&text).then_some(f64::NAN);
+        text.parse().ok().or_else(missing)
+    }
+
+    /// Whether a cell is a number with a decimal comma.
+    pub(crate) fn is_comma(cell: &[u8]) -> bool {
+        cell.contains(&b',') && Decimal::Comma.value(cell).is_some_and(f64::is_finite)
+    }
 }
 
 #[cfg(test)]
@@ -120,7 +156,7 @@ mod tests {
     use super::*;
 
     fn cells(line: &str) -> Vec<&str> {
-        Cells::new(line.as_bytes(), Delimiter::of(line.as_bytes(), line.as_bytes()))
+        Cells::new(line.as_bytes(), Delimiter::of(line.as_bytes(), line.as_bytes(), Decimal::Point))
             .map(|cell| &line[cell])
             .collect()
     }
@@ -145,15 +181,19 @@ mod tests {
 
     #[test]
     fn numbers_gaps_and_what_is_neither_are_told_apart() {
-        assert_eq!(value(b"-1.5e-3"), Some(-1.5e-3));
+        assert_eq!(Decimal::Point.value(b"-1.5e-3"), Some(-1.5e-3));
         for missing in ["", "NaN", "nan", "NA", "null"] {
-            assert!(value(missing.as_bytes()).unwrap().is_nan(), "{missing}");
+            assert!(Decimal::Point.value(missing.as_bytes()).unwrap().is_nan(), "{missing}");
         }
         for infinite in ["inf", "-Infinity", "1e999"] {
-            assert!(value(infinite.as_bytes()).unwrap().is_infinite(), "{infinite}");
+            assert!(Decimal::Point.value(infinite.as_bytes()).unwrap().is_infinite(), "{infinite}");
         }
         for text in ["1,5", "12:00", "0x10", "\u{b0}", "1 2"] {
-            assert_eq!(value(text.as_bytes()), None, "{text}");
+            assert_eq!(Decimal::Point.value(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!(Decimal::Comma.value(b"-1,5e-3"), Some(-1.5e-3));
+        for text in ["1.5", "1.234,5", "1,234,5", &"1".repeat(100)] {
+            assert_eq!(Decimal::Comma.value(text.as_bytes()), None, "{text}");
         }
     }
 

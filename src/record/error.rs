@@ -45,6 +45,35 @@ impl RecordError {
     }
 }
 
+/// The faults found in a file so far.
+#[derive(Default)]
+pub(crate) struct Faults(Vec<RecordError>);
+
+impl Faults {
+    pub(crate) fn add(&mut self, fault: RecordError) {
+        self.0.push(fault);
+    }
+
+    /// The value, or none after its fault was added.
+    pub(crate) fn take<T>(&mut self, result: Result<T, RecordError>) -> Option<T> {
+        result.map_err(|fault| self.add(fault)).ok()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The only fault, or one that lists all; there is at least one.
+    pub(crate) fn into_error(self, file: &str) -> RecordError {
+        let message = format!("{file} has {} problems, each with what settles it", self.0.len());
+        let mut faults = self.0;
+        match faults.len() {
+            1 => faults.remove(0),
+            _ => RecordError(StudyError::of_several(message, faults.into_iter().map(|fault| fault.0))),
+        }
+    }
+}
+
 impl From<RecordError> for StudyError {
     fn from(error: RecordError) -> StudyError {
         error.0

@@ -1,22 +1,34 @@
 //! The layout of a text with columns, determined from its first lines.
 
-use crate::record::cells::{Cells, Delimiter, value};
+use crate::quantity::units::{Dimension, parse as parse_quantity};
+pub use crate::record::cells::Decimal;
+use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
 use crate::record::names::Name;
 use crate::source::place::Place;
+
+/// Lines from which delimiter and decimals are found.
+const SAMPLE: usize = 32;
 
 /// The layout of a text.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
     pub file: String,
     pub delimiter: Delimiter,
+    pub decimal: Decimal,
     /// Column names; empty without a header.
     pub names: Vec<Name>,
     /// Number of cells in a row.
     pub columns: usize,
+    /// The number in each cell of one of the first rows, NaN where there is no row.
+    pub numbers: Vec<Option<f64>>,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
+    /// The sampling step that a header of Stable32 states, s.
+    pub step_s: Option<f64>,
+    /// What was inferred, in a line each.
+    pub inferred: Vec<String>,
     /// The line that shows the columns, which is the header or else the first row, with its number from 1.
     shown: (usize, Vec<u8>),
 }
@@ -31,39 +43,59 @@ struct Line<'h> {
 }
 
 impl Layout {
-    /// Finds the layout of the text that begins with `head`.
+    /// Finds the layout of the text that begins with `head`, with these decimals if they are given.
     ///
     /// # Errors
     /// The log has no rows.
-    pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, RecordError> {
-        let (content, comment) = first_lines(head);
+    pub(crate) fn of(head: &[u8], file: &str, decimal: Option<Decimal>) -> Result<Layout, RecordError> {
+        let stable32 = stable32(head);
+        let (content, comment) = first_lines(head, stable32.as_ref().map_or(0, |found| found.end));
         let Some(first) = content.first() else {
             let what = if head.is_empty() { "is empty" } else { "has no samples" };
             let help = "write one line for each sample, below a header with the names of the columns";
             return Err(RecordError::new(format!("{file} {what}"), "", help, None));
         };
-        let delimiter = Delimiter::of(first.text, content.last().unwrap_or(first).text);
+        let (delimiter, decimal_found) = signs(&content, decimal);
         let cells = texts(first.text, delimiter);
         let mut layout = Layout {
             file: file.to_owned(),
             delimiter,
+            decimal: decimal_found,
             names: vec![],
             columns: cells.len(),
+            numbers: match &content[1..] {
+                [] => vec![Some(f64::NAN); cells.len()],
+                [.., row] => {
+                    let number = |cell| decimal_found.value(&row.text[cell]);
+                    Cells::new(row.text, delimiter).map(number).collect()
+                }
+            },
             start: first.start,
             lines: first.number - 1,
+            step_s: stable32.and_then(|found| found.step_s),
+            inferred: vec![],
             shown: (first.number, first.text.to_vec()),
         };
-        if is_header(&cells) {
+        if decimal.is_none() && decimal_found == Decimal::Comma {
+            let divided = delimiter.name();
+            layout.inferred.push(format!("commas are decimals, and cells are divided by {divided}"));
+        }
+        if is_header(&cells, decimal_found) {
+            let units = content.get(1).map(|line| texts(line.text, delimiter)).filter(|units| {
+                units.len() == cells.len() && is_header(units, decimal_found) && content.len() > 2
+            });
+            let last = if units.is_some() { &content[1] } else { first };
             layout.names = names(&cells);
-            layout.lines = first.number;
-            layout.start = head.len().min(first.end);
+            units.iter().flatten().zip(&mut layout.names).for_each(|(unit, name)| name.complete(unit));
+            layout.lines = last.number;
+            layout.start = head.len().min(last.end);
         } else {
             // The header as NumPy's savetxt writes it.
             let is_sign = |byte: &u8| b"#%; \t".contains(byte);
             let text = comment.map(|text| &text[text.iter().take_while(|byte| is_sign(byte)).count()..]);
             let words = text.map(|text| texts(text, delimiter)).unwrap_or_default();
-            layout.names =
-                if words.len() == cells.len() && is_header(&words) { names(&words) } else { vec![] };
+            let is_header = words.len() == cells.len() && is_header(&words, decimal_found);
+            layout.names = if is_header { names(&words) } else { vec![] };
         }
         Ok(layout)
     }
@@ -78,12 +110,77 @@ impl Layout {
     }
 }
 
-/// The first two lines with content, and the comment before the first.
-fn first_lines(head: &[u8]) -> (Vec<Line<'_>>, Option<&[u8]>) {
+/// The header of a file of Stable32.
+struct Stable32 {
+    /// Its length in bytes.
+    end: usize,
+    /// The sampling step, s.
+    step_s: Option<f64>,
+}
+
+/// Finds the lines up to `# Header End`, such as `File: PHASE.DAT`, `Date: …`, `Type: Phase` and `Tau: 1.0e+00`.
+fn stable32(head: &[u8]) -> Option<Stable32> {
+    let (mut end, mut step_s) = (0, None);
+    for line in head.split_inclusive(|byte| *byte == b'\n').take(MOST_HEADER) {
+        end += line.len();
+        let text = String::from_utf8_lossy(line);
+        let text = text.trim().trim_start_matches('#').trim_start();
+        if text.eq_ignore_ascii_case("header end") {
+            return Some(Stable32 { end, step_s });
+        }
+        let tau = text.split_once([':', '=']).filter(|(key, _)| key.trim().eq_ignore_ascii_case("tau"));
+        if let Some((_, tau)) = tau {
+            let seconds = tau.trim().parse().ok();
+            let with_unit = || parse_quantity(tau, &[Dimension::Time]).ok().map(|tau| tau.value);
+            step_s = seconds.or_else(with_unit).filter(|step_s: &f64| *step_s > 0.0 && step_s.is_finite());
+        }
+    }
+    None
+}
+
+/// Most lines in the header of a file of Stable32.
+const MOST_HEADER: usize = 200;
+
+/// The delimiter and the decimals of some lines, of which the first may be a header; the decimals may be given.
+fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {
+    let (first, row) = (content[0].text, content.last().unwrap_or(&content[0]).text);
+    let found =
+        |decimal| (Delimiter::of(first, content.get(1).unwrap_or(&content[0]).text, decimal), decimal);
+    if let Some(decimal) = decimal {
+        return found(decimal);
+    }
+    let (delimiter, _) = found(Decimal::Point);
+    let cells = |delimiter| Cells::new(row, delimiter).map(|cell| &row[cell]);
+    if delimiter != Delimiter::Byte(b',') {
+        let any = |is: &dyn Fn(&[u8]) -> bool| {
+            content.iter().any(|line| Cells::new(line.text, delimiter).any(|cell| is(&line.text[cell])))
+        };
+        let has_points =
+            any(&|cell| cell.contains(&b'.') && Decimal::Point.value(cell).is_some_and(f64::is_finite));
+        let are_commas = !has_points && any(&Decimal::is_comma);
+        return (delimiter, if are_commas { Decimal::Comma } else { Decimal::Point });
+    }
+    // Commas that divide cells leave `01 1` of `0,01 1,5`; or more cells than names in the header.
+    let blanks = Delimiter::Blanks;
+    let are_decimals = cells(blanks).all(|cell| Decimal::Comma.value(cell).is_some());
+    let is_divided = cells(delimiter).all(|cell| Decimal::Point.value(cell).is_some());
+    let names = texts(first, blanks);
+    let fits_header = is_header(&names, Decimal::Comma)
+        && texts(first, delimiter).len() != delimiter.count(row)
+        && names.len() == blanks.count(row);
+    match are_decimals && (!is_divided || fits_header) {
+        true => (blanks, Decimal::Comma),
+        false => (delimiter, Decimal::Point),
+    }
+}
+
+/// The first lines with content from `start` on, and the comment before the first.
+fn first_lines(head: &[u8], start: usize) -> (Vec<Line<'_>>, Option<&[u8]>) {
     let bom: &[u8] = b"\xef\xbb\xbf";
-    let mut start = if head.starts_with(bom) { bom.len() } else { 0 };
-    let (mut content, mut comment, mut number) = (Vec::new(), None, 0);
-    while start < head.len() && content.len() < 2 {
+    let mut number = head[..start].iter().filter(|byte| **byte == b'\n').count();
+    let mut start = if start == 0 && head.starts_with(bom) { bom.len() } else { start };
+    let (mut content, mut comment) = (Vec::new(), None);
+    while start < head.len() && content.len() < SAMPLE {
         let end = head[start..].iter().position(|byte| *byte == b'\n').map_or(head.len(), |n| start + n);
         let text = &head[start..end];
         number += 1;
@@ -117,8 +214,8 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
 }
 
 /// Whether the cells are words without a number among them.
-fn is_header(cells: &[String]) -> bool {
-    let mut values = cells.iter().map(|cell| value(cell.as_bytes()));
+fn is_header(cells: &[String], decimal: Decimal) -> bool {
+    let mut values = cells.iter().map(|cell| decimal.value(cell.as_bytes()));
     values.clone().any(|value| value.is_none()) && !values.any(|value| value.is_some_and(f64::is_finite))
 }
 
@@ -131,7 +228,7 @@ mod tests {
     use super::*;
 
     fn layout(text: &str) -> Layout {
-        Layout::of(text.as_bytes(), "g.csv").unwrap()
+        Layout::of(text.as_bytes(), "g.csv", None).unwrap()
     }
 
     fn bare(layout: &Layout) -> Vec<&str> {
@@ -164,9 +261,44 @@ mod tests {
     }
 
     #[test]
+    fn decimal_commas_and_lines_of_units_are_found() {
+        use Decimal::{Comma, Point};
+        let table: [(&str, &[&str], usize, Decimal); 9] = [
+            ("t;gx\n0,01;1,5\n", &["t", "gx"], 2, Comma),
+            ("0,01\t1,5\n", &[], 2, Comma),
+            ("t gx\n0,01 1,5\n", &["t", "gx"], 2, Comma),
+            ("0,01 -1,5\n0,02 1\n", &[], 2, Comma),
+            ("gz [deg/s]\n1,5\n", &["gz"], 1, Comma),
+            ("1,5\n2,5\n", &[], 2, Point),
+            ("t,gx\n0.01,1.5\n", &["t", "gx"], 2, Point),
+            ("t;note\n1;a,b\n", &["t", "note"], 2, Point),
+            ("t;gx\n1;2\n2;2,5\n", &["t", "gx"], 2, Comma),
+        ];
+        for (text, names, columns, decimal) in table {
+            let found = layout(text);
+            assert_eq!(
+                (bare(&found), found.columns, found.decimal),
+                (names.to_vec(), columns, decimal),
+                "{text}"
+            );
+        }
+        let units = layout("time;gx\n[s];[dps]\n0;1\n");
+        let found: Vec<Option<&str>> = units.names.iter().map(|name| name.unit.as_deref()).collect();
+        assert_eq!((found, units.lines), (vec![Some("s"), Some("dps")], 2));
+    }
+
+    #[test]
+    fn a_header_of_stable32_is_skipped_and_its_sampling_step_taken() {
+        let text = "File: PHASE.DAT\nDate: 10/03/2008 12:00:00\nType: Phase\nTau: 1.00e-01\n# Header End\n1.5e-9\n2.5e-9\n";
+        let found = layout(text);
+        assert_eq!((found.step_s, found.lines, found.columns, found.names.len()), (Some(0.1), 5, 1, 0));
+        assert!(text[found.start..].starts_with("1.5e-9"));
+    }
+
+    #[test]
     fn a_file_without_samples_says_so() {
         for (text, piece) in [("", "is empty"), ("# only\n\n", "has no samples")] {
-            let error = Layout::of(text.as_bytes(), "g.csv").unwrap_err();
+            let error = Layout::of(text.as_bytes(), "g.csv", None).unwrap_err();
             assert!(error.to_string().contains(piece), "{error}");
         }
         assert_eq!(layout("a,b\n").columns, 2);

@@ -2,7 +2,7 @@
 //! angles of ticks over them, and in [`log`] the logs of sensors.
 //!
 //! ```text
-//! file ─ format: text | npy ─▶ Recording: columns with names, units, places ─▶ Record of a motion | Log of a sensor
+//! file ─ format ─▶ Recording: columns with names, units, places ─▶ Record of a motion | Log of a sensor
 //! ```
 //!
 //! Text is read in blocks, whose lines are parsed in parallel. Memory is 8 bytes for each sample of a requested column,
@@ -10,21 +10,39 @@
 //! here because it takes only one delimiter and one comment sign, no runs of blanks, and does not give the place of a
 //! cell.
 
+pub(crate) mod arrays;
+#[cfg(feature = "ros")]
+pub(crate) mod bag;
+pub mod binary;
 pub(crate) mod cells;
 pub mod error;
-pub(crate) mod layout;
+pub(crate) mod format;
+#[cfg(feature = "hdf5")]
+pub(crate) mod hdf5;
+pub mod layout;
 pub mod log;
+pub(crate) mod mat;
+pub(crate) mod matrix;
+#[cfg(feature = "ros")]
+pub(crate) mod mcap;
 pub(crate) mod names;
 pub(crate) mod npy;
+pub(crate) mod npz;
 pub(crate) mod profile;
 pub(crate) mod recording;
+#[cfg(feature = "ros")]
+pub(crate) mod ros;
+pub(crate) mod spelling;
+pub(crate) mod stamps;
 pub(crate) mod text;
 pub(crate) mod time;
 
 use std::ops::RangeInclusive;
 
 use crate::record::error::RecordError;
-use crate::record::recording::{Origin, Recording};
+use crate::record::format::Origin;
+use crate::record::log::read::Hints;
+use crate::record::recording::Recording;
 
 /// Most samples of a record, 2^24, which is more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
@@ -63,7 +81,8 @@ impl Record {
     /// assert_eq!(record.tick_angles(0.001).len(), 4);
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Record, RecordError> {
-        profile::read(Recording::open(name.to_owned(), Origin::Bytes(text.as_bytes()))?, MOST_SAMPLES)
+        let file = Recording::open(name.to_owned(), Origin::Bytes(text.as_bytes()), &Hints::default())?;
+        profile::read(file, MOST_SAMPLES)
     }
 
     /// Time from the first sample to the last, s.

@@ -1,9 +1,13 @@
 //! The names of columns and their units, as in a header.
 
-use crate::quantity::units::{Dimension, parse_unit};
+use crate::quantity::units::Dimension;
+use crate::record::spelling::unit_of;
 
 /// Longest unit after an underscore, in bytes including it.
 const LONGEST_UNIT: usize = 64;
+
+/// What a unit without brackets may measure.
+const MEASURED: [Dimension; 3] = [Dimension::Rate, Dimension::Angle, Dimension::Time];
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,7 +20,8 @@ pub(crate) struct Name {
 }
 
 impl Name {
-    /// Reads `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
+    /// Reads `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s`, `gz_deg_s` and `gz dps` where the end is a unit of a rate, an
+    /// angle or a time.
     pub(crate) fn read(cell: &str) -> Name {
         let whole = cell.trim();
         let with = |bare: &str, unit: &str| Name {
@@ -24,7 +29,7 @@ impl Name {
             bare: bare.trim().to_owned(),
             unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
         };
-        for (open, close) in [('[', ']'), ('(', ')')] {
+        for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
             let inner = whole.strip_suffix(close).and_then(|rest| rest.split_once(open));
             if let Some((bare, unit)) = inner.filter(|(bare, _)| !bare.trim().is_empty()) {
                 return with(bare, unit);
@@ -34,11 +39,26 @@ impl Name {
         let is_short = |at: usize| whole.len() - at <= LONGEST_UNIT;
         for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
             let unit = whole[at + 1..].replace("_per_", "/");
-            if parse_unit(&unit, &[Dimension::Rate, Dimension::Angle, Dimension::Time]).is_ok() {
-                return with(&whole[..at], &unit);
+            let quotient = unit.replace('_', "/");
+            let found = [(&unit, &MEASURED[..]), (&quotient, &MEASURED[..1])];
+            if let Some((unit, _)) = found.into_iter().find(|(unit, wanted)| unit_of(unit, wanted).is_ok()) {
+                return with(&whole[..at], unit);
             }
         }
+        if let Some((bare, unit)) = whole.rsplit_once(' ').filter(|(_, unit)| unit.len() < LONGEST_UNIT)
+            && unit_of(unit, &MEASURED).is_ok()
+        {
+            return with(bare, unit);
+        }
         Name { whole: whole.to_owned(), bare: whole.to_owned(), unit: None }
+    }
+
+    /// Takes the unit from a line of units below the names.
+    pub(crate) fn complete(&mut self, unit: &str) {
+        let unit = unit.trim_matches(['[', ']', '(', ')', ' ']);
+        if self.unit.is_none() && !unit.is_empty() {
+            self.unit = Some(unit.to_owned());
+        }
     }
 }
 
@@ -59,6 +79,11 @@ mod tests {
             ("gyro_z_deg/h", "gyro_z", "deg/h"),
             ("time_ns", "time", "ns"),
             ("gyro_x", "gyro_x", ""),
+            ("gyro_z_dps", "gyro_z", "dps"),
+            ("gyro_z_rad_s", "gyro_z", "rad/s"),
+            ("Gyro Z deg/sec", "Gyro Z", "deg/sec"),
+            ("gyro z", "gyro z", ""),
+            ("gz {°/s}", "gz", "°/s"),
             (&"_".repeat(1 << 20), &"_".repeat(1 << 20), ""),
             ("[s]", "[s]", ""),
             ("t []", "t", ""),

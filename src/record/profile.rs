@@ -75,10 +75,11 @@ fn finite(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::recording::Origin;
+    use crate::record::format::Origin;
+    use crate::record::log::read::Hints;
 
     fn record(text: &str, most: usize) -> Result<Record, String> {
-        let file = Recording::open("r.csv".to_owned(), Origin::Bytes(text.as_bytes()));
+        let file = Recording::open("r.csv".to_owned(), Origin::Bytes(text.as_bytes()), &Hints::default());
         file.and_then(|file| read(file, most)).map_err(|error| error.render(false, 200))
     }
 
@@ -115,7 +116,7 @@ mod tests {
             ("time [s],speed\n".to_owned(), "no column is called `rate`", "r.csv:1:1", names),
             ("rate_x [deg/s],time [s]\n".to_owned(), "no column is called `rate`", "r.csv:1:1", names),
             ("#\n\ntime [s],rate\n".to_owned(), "`rate` has no unit", "r.csv:3:10", "arcsec/s, deg/s"),
-            ("time [s], rate [dps]\n".to_owned(), "`dps` is not a known unit", "r.csv:1:11", "deg/s"),
+            ("time [s], rate [volts]\n".to_owned(), "`volts` is not a known unit", "r.csv:1:11", "deg/s"),
             ("time [deg],rate [deg/s]\n".to_owned(), "\"deg\" is an angle", "r.csv:1:1", "s, ms"),
             ("time [s],rate [deg]\n".to_owned(), "\"deg\" is an angle", "r.csv:1:10", "an angular rate in"),
             (

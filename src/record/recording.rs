@@ -1,59 +1,37 @@
 //! An open file of recorded data: its columns by name or number, their units, and the numbers of the requested columns.
 
-use std::fs::File;
-use std::io::{self, Chain, Cursor, Read};
-use std::path::Path;
-
 use crate::quantity::number::significant;
-use crate::quantity::units::{Dimension, parse_unit};
+use crate::quantity::units::Dimension;
 use crate::record::STEPS_S;
 use crate::record::error::RecordError;
-use crate::record::layout::Layout;
+use crate::record::format::{Columns, FORMATS, Origin, Source};
+use crate::record::layout::Decimal;
+use crate::record::log::read::Hints;
 use crate::record::names::Name;
-use crate::record::npy::{Array, MAGIC};
-use crate::record::text::{self, TEXT_WANTED};
+use crate::record::spelling::unit_of;
+use crate::record::text::{TEXT_WANTED, Text};
 use crate::source::diagnose::choices;
 use crate::source::place::Place;
-
-/// Bytes from which the format and the layout of a file are determined.
-const HEAD: u64 = 1 << 20;
 
 /// Most columns that a message lists.
 const MOST_LISTED: usize = 20;
 
 /// First bytes of unsupported files that users often give, with their descriptions.
-const OTHERS: [(&[u8], &str); 8] = [
-    (b"PK\x03\x04", "a ZIP archive (.npz, .xlsx)"),
+const OTHERS: [(&[u8], &str); 5] = [
     (b"\x1f\x8b", "compressed by gzip"),
-    (b"\x89HDF", "HDF5 (.h5, .mat)"),
-    (b"MATLAB 5.0", "a MATLAB file (.mat)"),
     (b"PAR1", "Parquet"),
     (b"\xff\xfe", "text in UTF-16"),
     (b"\xfe\xff", "text in UTF-16"),
-    (b"#ROSBAG", "a ROS bag"),
+    (b"#ROSBAG", "a ROS bag of an old version"),
 ];
 
-/// The source of the bytes of a file.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Origin<'a> {
-    Path(&'a Path),
-    /// The bytes of a file that was read before.
-    Bytes(&'a [u8]),
-}
+/// First bytes that tell binary files from text, and the largest part of control signs in text, as a divisor.
+const SAMPLE: usize = 4096;
+const MOST_CONTROLS: usize = 32;
 
-impl<'a> Origin<'a> {
-    /// The bytes from the first on, with their number, which is unknown for a pipe.
-    pub(crate) fn open(self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
-        match self {
-            Origin::Path(path) => {
-                let file = File::open(path)?;
-                let about = file.metadata()?;
-                Ok((Box::new(file), about.is_file().then_some(about.len())))
-            }
-            Origin::Bytes(bytes) => Ok((Box::new(bytes), Some(bytes.len() as u64))),
-        }
-    }
-}
+/// Advice on binary files of no known format.
+const BINARY_WANTED: &str = "describe its rows as in `binary = \"f64 x7, little, time 1, rate 3\"`; known formats are text, .npy, \
+                             .npz, MATLAB .mat, HDF5, MCAP and ROS bags";
 
 /// What a caller accepts of a file.
 #[derive(Clone, Copy)]
@@ -70,66 +48,70 @@ pub(crate) struct Rules {
     pub uneven: &'static str,
 }
 
-/// The format of a file. Its head gives the names and the number of the columns, and the bytes after it the numbers.
-enum Format {
-    Text(Layout),
-    Npy(Array),
-}
-
 /// An open file of which no number has been read yet.
 pub(crate) struct Recording<'a> {
     /// Its name in messages.
     pub file: String,
-    origin: Origin<'a>,
-    format: Format,
-    /// The bytes from the first number on.
-    numbers: Chain<Cursor<Vec<u8>>, Box<dyn Read + 'a>>,
+    columns: Box<dyn Columns + 'a>,
 }
 
 impl<'a> Recording<'a> {
-    /// Opens the file and finds its format; messages call it `file`.
+    /// Opens the file and finds its format, as far as it does not follow from `hints`; messages call it `file`.
     ///
     /// # Errors
     /// The file cannot be read, or its format is not supported.
-    pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Recording<'a>, RecordError> {
-        let failed = |error| RecordError::unreadable(&file, &error);
-        let (mut rest, length) = origin.open().map_err(failed)?;
-        let mut head = Vec::new();
-        rest.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
-        let other = OTHERS.iter().find(|(start, _)| head.starts_with(start)).map(|(_, what)| *what);
-        if let Some(what) = other.or((head.first() == Some(&0)).then_some("binary")) {
-            return Err(RecordError::new(format!("{file} is {what}"), "", TEXT_WANTED, None));
-        }
-        let (format, start) = if head.starts_with(MAGIC) {
-            let (array, start) = Array::read(&file, &head, length)?;
-            (Format::Npy(array), start)
-        } else {
-            let layout = Layout::of(&head, &file)?;
-            let start = layout.start;
-            (Format::Text(layout), start)
+    pub(crate) fn open(
+        file: String,
+        origin: Origin<'a>,
+        hints: &Hints,
+    ) -> Result<Recording<'a>, RecordError> {
+        let source = Source::open(file.clone(), origin)?;
+        let head = &source.head;
+        let columns = match (&hints.binary, FORMATS.iter().find(|format| (format.begins)(head))) {
+            (Some(layout), _) => layout.open(source)?,
+            (None, Some(format)) => (format.open)(source)?,
+            (None, None) => Recording::text(source, hints.decimal)?,
         };
-        let mut head = Cursor::new(head);
-        head.set_position(start as u64);
-        Ok(Recording { file, origin, format, numbers: head.chain(rest) })
+        Ok(Recording { file, columns })
     }
 
-    fn layout(&self) -> Option<&Layout> {
-        match &self.format {
-            Format::Text(layout) => Some(layout),
-            Format::Npy(_) => None,
+    /// Opens a file of text.
+    fn text(source: Source<'a>, decimal: Option<Decimal>) -> Result<Box<dyn Columns + 'a>, RecordError> {
+        let (file, head) = (&source.file, &source.head);
+        if let Some((_, what)) = OTHERS.iter().find(|(start, _)| head.starts_with(start)) {
+            return Err(RecordError::new(format!("{file} is {what}"), "", TEXT_WANTED, None));
         }
+        // Zeros and many control signs do not occur in text, but among the bytes of numbers.
+        let sample = &head[..head.len().min(SAMPLE)];
+        let is_control = |byte: &&u8| **byte < 0x20 && !byte.is_ascii_whitespace();
+        if sample.contains(&0) || sample.iter().filter(is_control).count() > sample.len() / MOST_CONTROLS {
+            return Err(RecordError::new(format!("{file} is binary"), "", BINARY_WANTED, None));
+        }
+        Ok(Box::new(Text::open(source, decimal)?))
     }
 
     /// Names of the columns; empty where they have none.
     pub(crate) fn names(&self) -> &[Name] {
-        self.layout().map_or(&[], |layout| &layout.names)
+        self.columns.names()
     }
 
     pub(crate) fn columns(&self) -> usize {
-        match &self.format {
-            Format::Text(layout) => layout.columns,
-            Format::Npy(array) => array.columns,
-        }
+        self.columns.count()
+    }
+
+    /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
+    pub(crate) fn sample(&self, column: usize) -> Option<f64> {
+        self.columns.sample(column)
+    }
+
+    /// What was inferred about the file, in a line each.
+    pub(crate) fn inferred(&self) -> Vec<String> {
+        self.columns.inferred()
+    }
+
+    /// The sampling step that the file states, s.
+    pub(crate) fn step_s(&self) -> Option<f64> {
+        self.columns.step_s()
     }
 
     /// All columns as part of a sentence, such as `1 time, 2 gx` or `columns 1 … 4`.
@@ -146,7 +128,7 @@ impl<'a> Recording<'a> {
 
     /// The place where a column is shown, or all of them, if the file has lines.
     pub(crate) fn place(&self, column: Option<usize>) -> Option<Place> {
-        self.layout().map(|layout| layout.place(column))
+        self.columns.place(column)
     }
 
     /// An error about a column, or about all of them.
@@ -164,7 +146,7 @@ impl<'a> Recording<'a> {
     /// `words` are message, label and help.
     pub(crate) fn refuse_row(&self, row: usize, column: usize, words: [String; 3]) -> RecordError {
         let [message, label, help] = words;
-        let place = self.layout().and_then(|layout| text::place_of_row(layout, self.origin, row, column));
+        let place = self.columns.place_of_row(row, column);
         let numbered = if place.is_some() { String::new() } else { format!("row {}: ", row + 1) };
         RecordError::new(numbered + &message, label, help, place)
     }
@@ -186,8 +168,7 @@ impl<'a> Recording<'a> {
             found = called(&|name| name.eq_ignore_ascii_case(word));
         }
         let unit = |i: usize| names[i].unit.as_deref().unwrap_or_default();
-        let is_preferred =
-            |i: &usize| preferred.is_some_and(|wanted| parse_unit(unit(*i), &[wanted]).is_ok());
+        let is_preferred = |i: &usize| preferred.is_some_and(|wanted| unit_of(unit(*i), &[wanted]).is_ok());
         if found.len() > 1 && found.iter().any(is_preferred) {
             found.retain(is_preferred);
         }
@@ -234,7 +215,7 @@ impl<'a> Recording<'a> {
         let unit = given
             .or(of_header)
             .ok_or_else(|| refused(&format!("{what} has no unit"), "its unit is missing"))?;
-        let size = parse_unit(unit, &[dimension])
+        let size = unit_of(unit, &[dimension])
             .map_err(|error| refused(&format!("the unit of {what}: {error}"), error.label()))?;
         Ok(size.0)
     }
@@ -244,10 +225,21 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// The file cannot be read, has too many rows, or contains something other than numbers.
     pub(crate) fn read(&mut self, columns: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
-        match &self.format {
-            Format::Text(layout) => text::read(layout, &mut self.numbers, columns, rules),
-            Format::Npy(array) => array.columns(&mut self.numbers, columns, rules.most),
+        let numbers = self.columns.read(columns, rules)?;
+        for (numbers, &column) in numbers.iter().zip(columns) {
+            if let Some(row) = numbers.iter().position(|number| number.is_infinite()) {
+                let name = self.title(column);
+                let message = format!("{}: {name} is infinite at row {}", self.file, row + 1);
+                return Err(RecordError::new(message, "", "put NaN where a sample is missing", None));
+            }
         }
+        Ok(numbers)
+    }
+
+    /// A column in a sentence: its name, or else its number.
+    pub(crate) fn title(&self, column: usize) -> String {
+        let name = self.names().get(column);
+        name.map_or_else(|| format!("column {}", column + 1), |name| format!("`{}`", name.whole))
     }
 
     /// Refuses a sampling step, s, that is impossible for a sensor; `time` is the column of the stamps.
@@ -266,7 +258,7 @@ mod tests {
     use super::*;
 
     fn recording(header: &str) -> Recording<'_> {
-        Recording::open("g.csv".to_owned(), Origin::Bytes(header.as_bytes())).unwrap()
+        Recording::open("g.csv".to_owned(), Origin::Bytes(header.as_bytes()), &Hints::default()).unwrap()
     }
 
     #[test]

@@ -5,10 +5,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::record::cells::{Cells, Delimiter, value};
+use crate::record::cells::{Cells, Decimal};
 use crate::record::error::RecordError;
+use crate::record::format::{Bytes, Columns, Origin, Source};
 use crate::record::layout::Layout;
-use crate::record::recording::{Origin, Rules};
+use crate::record::names::Name;
+use crate::record::recording::Rules;
 use crate::source::place::Place;
 
 /// Bytes read at a time; no line may be longer.
@@ -20,11 +22,60 @@ const PART: usize = 1 << 20;
 /// The columns and the number of lines of a part, or the line that cannot be read and the number of lines before it.
 type Part<'b> = Result<(Vec<Vec<f64>>, usize), (&'b [u8], usize)>;
 
+/// A text of which the layout is known.
+pub(crate) struct Text<'a> {
+    layout: Layout,
+    origin: Origin<'a>,
+    rows: Bytes<'a>,
+}
+
+impl<'a> Text<'a> {
+    /// Finds the layout, with these decimals if they are given.
+    pub(crate) fn open(source: Source<'a>, decimal: Option<Decimal>) -> Result<Text<'a>, RecordError> {
+        let layout = Layout::of(&source.head, &source.file, decimal)?;
+        Ok(Text { origin: source.origin, rows: source.from(layout.start), layout })
+    }
+}
+
+impl Columns for Text<'_> {
+    fn names(&self) -> &[Name] {
+        &self.layout.names
+    }
+
+    fn count(&self) -> usize {
+        self.layout.columns
+    }
+
+    fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
+        read(&self.layout, &mut self.rows, wanted, rules)
+    }
+
+    fn sample(&self, column: usize) -> Option<f64> {
+        self.layout.numbers.get(column).copied().flatten()
+    }
+
+    fn inferred(&self) -> Vec<String> {
+        self.layout.inferred.clone()
+    }
+
+    fn step_s(&self) -> Option<f64> {
+        self.layout.step_s
+    }
+
+    fn place(&self, column: Option<usize>) -> Option<Place> {
+        Some(self.layout.place(column))
+    }
+
+    fn place_of_row(&self, row: usize, column: usize) -> Option<Place> {
+        place_of_row(&self.layout, self.origin, row, column)
+    }
+}
+
 /// Reads the `wanted` columns in the given order from the `bytes` of all rows, with NaN for missing values.
 ///
 /// # Errors
 /// The file cannot be read, has too many rows, or a row does not fit the layout; of several such rows the first is reported.
-pub(crate) fn read(
+fn read(
     layout: &Layout,
     mut bytes: impl Read,
     wanted: &[usize],
@@ -97,7 +148,7 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
     let (mut count, mut last_is_empty) = (0, false);
     for cell in Cells::new(text, layout.delimiter) {
         if let Some(slot) = slots.get(count).copied().flatten() {
-            match value(&text[cell.clone()]) {
+            match layout.decimal.value(&text[cell.clone()]) {
                 Some(number) if !number.is_infinite() => columns[slot].push(number),
                 _ => return false,
             }
@@ -132,10 +183,16 @@ fn refusal(
             None => format!("column {}", column + 1),
         };
         let shown = String::from_utf8_lossy(&text[cell.clone()]);
-        let Some(number) = value(&text[cell.clone()]) else {
-            let help = match shown.contains(',') && layout.delimiter != Delimiter::Byte(b',') {
-                true => "write decimals with a point".to_owned(),
-                false => format!("write numbers with a point for decimals; {missing}"),
+        let Some(number) = layout.decimal.value(&text[cell.clone()]) else {
+            let help = match layout.decimal {
+                Decimal::Point if Decimal::is_comma(shown.as_bytes()) => {
+                    "give `decimal = comma` if the comma is one; thousands are written without a sign"
+                        .to_owned()
+                }
+                Decimal::Point => format!("write numbers with a point for decimals; {missing}"),
+                Decimal::Comma => {
+                    format!("decimals are commas in this file; if not, give `decimal = point`; {missing}")
+                }
             };
             let message = format!("{name} holds \"{shown}\", which is not a number");
             return refused(cell.clone(), message, "not a number", &help);
@@ -158,7 +215,7 @@ fn refusal(
 
 /// Advice on binary files.
 pub(crate) const TEXT_WANTED: &str =
-    "give CSV, TSV or columns with blanks between them as text, or a NumPy .npy file";
+    "give text (CSV, TSV, or blanks between columns), .npy, .npz, MATLAB .mat, HDF5, MCAP or a ROS bag";
 
 fn endless(layout: &Layout, lines: usize, block: &[u8]) -> RecordError {
     if block.contains(&0) {
@@ -170,7 +227,7 @@ fn endless(layout: &Layout, lines: usize, block: &[u8]) -> RecordError {
 }
 
 /// The place of a row, counted from 0. Rows are read again for it, because places are not kept for millions of rows.
-pub(crate) fn place_of_row(layout: &Layout, origin: Origin, row: usize, column: usize) -> Option<Place> {
+fn place_of_row(layout: &Layout, origin: Origin, row: usize, column: usize) -> Option<Place> {
     let lines = BufReader::new(origin.open().ok()?.0).split(b'\n').map_while(Result::ok);
     let lines = lines.zip(1..).skip(layout.lines);
     let mut rows = lines.filter(|(line, _)| !layout.delimiter.skips(line));

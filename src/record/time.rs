@@ -4,11 +4,11 @@ use crate::quantity::number::significant;
 use crate::record::recording::Rules;
 
 /// Steps from which on a gap is rounded to a whole number of them without a check, because clocks drift.
-const LONG_GAP: f64 = 10.0;
+pub(crate) const LONG_GAP: f64 = 10.0;
 
 /// Largest ratio of the number of samples to those in the file. A larger one is an error in a time stamp, for which no
 /// memory may be allocated.
-const SPARSEST: f64 = 10.0;
+pub(crate) const SPARSEST: f64 = 10.0;
 
 /// Most steps from which the median is taken.
 const MOST_STEPS: usize = 1 << 16;
@@ -96,7 +96,7 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, T
 
 /// The median of all steps, or of [`MOST_STEPS`] evenly spread over the record. Of two in the middle the shorter one is
 /// taken, because longer ones are gaps.
-fn median_step(stamps: &[f64]) -> f64 {
+pub(crate) fn median_step(stamps: &[f64]) -> f64 {
     let stride = (stamps.len() / MOST_STEPS).max(1);
     let mut steps: Vec<f64> = stamps.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
     let middle = (steps.len() - 1) / 2;

@@ -106,6 +106,9 @@ pub struct StudyError {
     shown: Option<Arc<Place>>,
     #[label("{label}")]
     span: Option<SourceSpan>,
+    /// The faults, where there are several.
+    #[related]
+    several: Box<[StudyError]>,
 }
 
 impl StudyError {
@@ -118,7 +121,20 @@ impl StudyError {
     ) -> StudyError {
         let span = shown.as_ref().map(|place| place.span.clone().into());
         let shown = shown.map(Arc::new);
-        StudyError { message: message.into(), label: label.into(), help: help.into(), shown, span }
+        StudyError {
+            message: message.into(),
+            label: label.into(),
+            help: help.into(),
+            shown,
+            span,
+            several: Box::default(),
+        }
+    }
+
+    /// An error that lists several.
+    pub(crate) fn of_several(message: String, several: impl Iterator<Item = StudyError>) -> StudyError {
+        let help = "settle all of them at once";
+        StudyError { several: several.collect(), ..StudyError::new(message, "", help, None) }
     }
 
     /// The error for a file that could not be read; `what` names its purpose, such as `the study`, and `help` an
@@ -155,6 +171,7 @@ impl StudyError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);
         }
+        self.several = self.several.into_iter().map(|error| error.spelled(spell)).collect();
         self
     }
 

@@ -4,7 +4,11 @@
 //! `SAGNAC_FUZZ_SECONDS=600 cargo test --release --test fuzz studies -- --nocapture`. A failing input is kept in the
 //! corpus; `SAGNAC_FUZZ_SEED` repeats a run.
 
+#[path = "../desks/formats.rs"]
+mod formats;
+
 mod campaign;
+mod damaged;
 mod edits;
 mod limits;
 mod records;

@@ -9,12 +9,14 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use sagnac::allan::trend::Trend;
 use sagnac::record::Record;
+use sagnac::record::binary::Binary;
 use sagnac::record::error::RecordError;
+use sagnac::record::layout::Decimal;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::outliers;
-use sagnac::record::log::read::{Request, Timing};
+use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use tempfile::TempDir;
 
 use crate::campaign::{Outcome, Target, fuzz};
@@ -108,10 +110,16 @@ fn requests() -> Vec<Request> {
         timing,
         data,
         unit: unit.map(|unit| Unit::parse(unit, data).unwrap()),
+        hints: Hints::default(),
     };
     let stamps = |column: &str, unit: Option<&str>| Timing::Stamps {
-        column: column.to_owned(),
+        step_s: None,
+        column: Some(column.to_owned()),
         unit: unit.map(str::to_owned),
+    };
+    let with_rate = |hints: Hints| {
+        let timing = Timing::Stamps { step_s: Some(0.01), column: None, unit: None };
+        Request { hints, ..request(&["2"], timing, Data::Rate, Some("deg/h")) }
     };
     vec![
         request(&[], Timing::Step(0.01), Data::Rate, Some("deg/h")),
@@ -120,6 +128,9 @@ fn requests() -> Vec<Request> {
         request(&["2", "1"], stamps("3", Some("ns")), Data::Increment, Some("arcsec")),
         request(&["gz"], stamps("time", None), Data::Rate, None),
         request(&["2"], Timing::Step(f64::MIN_POSITIVE), Data::Angle, Some("rad")),
+        with_rate(Hints { duplicates: Some(Duplicates::First), ..Hints::default() }),
+        with_rate(Hints { decimal: Some(Decimal::Comma), duplicates: Some(Duplicates::Keep), binary: None }),
+        with_rate(Hints { binary: Binary::parse("u8, i16 x2, f64, big, skip 3").ok(), ..Hints::default() }),
     ]
 }
 

@@ -4,6 +4,8 @@
 mod devices;
 #[path = "../desks/fitted.rs"]
 mod fitted;
+#[path = "../desks/formats.rs"]
+mod formats;
 #[path = "../desks/noise.rs"]
 mod noise;
 #[path = "../desks/reference/mod.rs"]
@@ -24,6 +26,7 @@ mod device_faults;
 mod groups;
 mod imports;
 mod keys;
+mod log_formats;
 mod lowering;
 mod motions;
 mod oracles;

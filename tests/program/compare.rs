@@ -205,7 +205,7 @@ fn gaps_and_outliers_are_said_and_no_fit_leaves_the_curves() {
     let a = lines(&rates).replacen(&format!("{:.6}\n", rates[300]), "nan\n", 1);
     let desk = two(a, lines(&white(2000, 1.0, 2)));
     let ended = done(&desk, &format!("a.csv b.csv {RATE} --fit none --remove-outliers"));
-    for piece in ["a: 1 of 2000 samples are missing", "a: 1 outlier: treated as gaps"] {
+    for piece in ["a: 2 of 2000 samples are missing", "a: 1 outlier: treated as gaps"] {
         assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
     }
     assert!(ended.stdout.contains("the least p of 10 averaging times"), "{}", ended.stdout);
@@ -253,7 +253,7 @@ fn logs_that_cannot_be_compared_are_refused_with_what_to_do() {
     refused(&desk, &format!("a.csv b.csv {RATE}"), 3, &["b.csv:1:1", "has 2 samples, at least 16"]);
     refused(&desk, &format!("other.csv a.csv {RATE}"), 3, &["cannot read other.csv"]);
     refused(&desk, &format!("a.csv {RATE}"), 2, &["<B>"]);
-    refused(&desk, "a.csv b.csv --data rate --unit deg/h", 2, &["--rate 100Hz, or --time COLUMN"]);
+    refused(&desk, "a.csv b.csv --data rate --unit deg/h", 3, &["--rate 100Hz, or --time COLUMN"]);
     refused(
         &desk,
         &format!("a.csv b.csv {RATE} --column 1,2,3"),

@@ -60,6 +60,8 @@ fn prepared() -> Desk {
         npy(&(0..1_000_000_u32).map(|at| (at % 7) as i32).collect::<Vec<_>>()),
     )
     .unwrap();
+    let recorded = Path::new(crate::ROOT).join("tests/data/formats/imu.mcap");
+    std::fs::copy(recorded, desk.path("imu.mcap")).unwrap();
     desk.done("run my.toml --device cpu --shard 1/2");
     desk.done("run my.toml --device cpu --shard 2/2");
     desk

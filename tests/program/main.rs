@@ -43,6 +43,7 @@ mod groups;
 mod help;
 mod identity;
 mod kills;
+mod messy_logs;
 mod report;
 mod resumed;
 mod shaders;

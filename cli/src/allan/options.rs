@@ -18,11 +18,13 @@ Examples:
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
+  sagnac allan imu.mcap --data rate --column gx,gy,gz
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
 
-Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments
-behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps.
-The deviations omit every difference that touches a gap.";
+Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
+header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
+MCAP and ROS 1 bags with sensor_msgs/Imu, or raw binary with --binary. Empty cells, NaN and missing
+time stamps are gaps, with --rate too. The deviations omit every difference that touches a gap.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]

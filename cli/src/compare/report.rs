@@ -7,6 +7,7 @@ use sagnac::analysis::compare::words::{duration, length, probability, sentences,
 use sagnac::quantity::number::significant;
 use sagnac::record::log::measure::Data;
 
+use crate::failure::in_options;
 use crate::terminal::{headed, number};
 
 /// Notes attached to the results.
@@ -33,7 +34,8 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 }
 
 fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> =
+        side.reading.iter().map(|note| format!("{}: {}", side.label, in_options(note))).collect();
     if let Some(unit) = &side.overruled {
         notes.push(format!("{}: the header says {unit}; --unit or --scale takes precedence", side.label));
     }

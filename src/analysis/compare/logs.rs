@@ -61,7 +61,9 @@ pub struct Side {
     pub samples: usize,
     /// Time from sample to sample, s.
     pub step_s: f64,
-    /// Number of missing samples.
+    /// What was inferred about the file, and what looks doubtful in it, in a line each.
+    pub reading: Vec<String>,
+    /// Number of missing samples, and of outliers that were removed.
     pub missing: usize,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
@@ -89,7 +91,8 @@ impl Side {
             data: log.data,
             samples: log.samples(),
             step_s: log.step_s,
-            missing: samples.missing(),
+            reading: log.notes.clone(),
+            missing: treatment.missing(&samples, &outliers),
             outliers,
             overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
             unit: if channel.unit.is_angular { Unit::Angular } else { Unit::Plain },

@@ -154,6 +154,7 @@ fn of_side(side: &Side, curve: &[Point]) -> Value {
         "step_s": side.step_s,
         "length_s": side.length_s(),
         "missing": side.missing,
+        "reading": side.reading,
         "outliers": side.outliers.samples.len(),
         "points": points,
     })

@@ -63,6 +63,8 @@ pub struct Analysis {
     pub confidence: f64,
     /// Treatment of the log.
     pub treatment: Treatment,
+    /// What was inferred about the file, and what looks doubtful in it, in a line each.
+    pub reading: Vec<String>,
     /// Requested columns.
     pub columns: Vec<Column>,
 }
@@ -76,7 +78,7 @@ pub struct Column {
     pub unit: Unit,
     /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
-    /// Number of samples missing in the file.
+    /// Number of samples missing in the file, and of outliers that were removed.
     pub missing: usize,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
@@ -124,7 +126,7 @@ pub struct Treatment {
     pub trend: Trend,
     /// Whether outliers are treated as gaps.
     pub outliers_removed: bool,
-    /// Whether rates that appear to be in a wrong unit are refused.
+    /// Whether rates that appear to be in a wrong unit are noted.
     pub unit_check: UnitCheck,
 }
 
@@ -151,6 +153,11 @@ impl Treatment {
             false => samples.angles(self.trend),
         };
         (angles, outliers)
+    }
+
+    /// The number of samples that are missing in the analysis: those of the file, and outliers that are removed.
+    pub fn missing(&self, samples: &Samples, outliers: &Outliers) -> usize {
+        samples.missing() + if self.outliers_removed { outliers.samples.len() } else { 0 }
     }
 
     /// The parts left out, in a few words.
@@ -210,6 +217,7 @@ impl Analysis {
             step_s: log.step_s,
             confidence: asked.confidence,
             treatment: Treatment { skip_s: log.start_s, ..*treatment },
+            reading: log.notes.clone(),
             columns,
         })
     }
@@ -262,7 +270,7 @@ fn column(
         name: channel.name.clone(),
         unit,
         overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
-        missing: samples.missing(),
+        missing: treatment.missing(&samples, &outliers),
         mean_rate: samples.mean_rate(),
         slope: slope(&angles, &samples),
         curves,

@@ -16,7 +16,8 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         let notes = of_column(column, analysis).into_iter().flatten();
         notes.map(|note| format!("{}: {note}", column.name)).collect::<Vec<_>>()
     };
-    analysis.columns.iter().flat_map(of_column).collect()
+    let reading = analysis.reading.iter().cloned();
+    reading.chain(analysis.columns.iter().flat_map(of_column)).collect()
 }
 
 fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {

@@ -168,6 +168,7 @@ pub fn document(analysis: &Analysis) -> Value {
             "effect": treatment.effect(analysis.length_s()),
             "outliers_removed": treatment.outliers_removed,
         },
+        "reading": analysis.reading,
         "columns": columns,
     })
 }

@@ -19,6 +19,8 @@ pub struct Log {
     pub start_s: f64,
     /// Channels, one for each requested column.
     pub channels: Vec<Channel>,
+    /// What was inferred about the file, and what looks doubtful in it, in a line each.
+    pub notes: Vec<String>,
 }
 
 /// One column of a log.

@@ -1,7 +1,8 @@
 //! The quantity measured by a log, and its unit.
 
 use crate::key::holds::names;
-use crate::quantity::units::{Dimension, parse as parse_quantity, parse_unit};
+use crate::quantity::units::{Dimension, parse as parse_quantity};
+use crate::record::spelling::unit_of;
 
 names! {
     /// The quantity of the numbers of a log.
@@ -56,7 +57,7 @@ impl Unit {
             return Ok(Unit { text: text.to_owned(), factor: 1.0, is_angular: false });
         }
         let wanted = data.dimension();
-        parse_unit(text, &[wanted])
+        unit_of(text, &[wanted])
             .map(|(factor, _)| Unit { text: text.to_owned(), factor, is_angular: true })
             .map_err(|error| UnitMismatch {
                 message: format!("the unit of `data = {}`: {error}", data.name()),
@@ -111,6 +112,7 @@ mod tests {
         let unit = |text, data| Unit::parse(text, data).unwrap().factor;
         assert_eq!((unit("deg/h", Data::Rate), unit("deg/s", Data::Rate)), (1.0, 3600.0));
         assert!((unit("rad/s", Data::Rate) / 206_264.806_247 - 1.0).abs() < 1e-12);
+        assert_eq!((unit("dps", Data::Rate), unit("deg/sec", Data::Rate)), (3600.0, 3600.0));
         assert_eq!(unit("deg", Data::Angle), 3600.0);
         assert!(!Unit::parse("none", Data::Rate).unwrap().is_angular);
         let scale = |text, data| Unit::parse_scale(text, data).unwrap().factor;
@@ -124,7 +126,7 @@ mod tests {
         for (text, data, piece) in [
             ("deg", Data::Rate, "an angle"),
             ("deg/s", Data::Increment, "an angular rate"),
-            ("dps", Data::Rate, "`dps` is not a known unit"),
+            ("volts", Data::Rate, "`volts` is not a known unit"),
             ("", Data::Rate, "cannot be read"),
         ] {
             let error = Unit::parse(text, data).unwrap_err();

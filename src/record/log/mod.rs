@@ -12,6 +12,7 @@ pub mod read;
 pub mod samples;
 #[cfg(test)]
 mod tests;
+pub(crate) mod timing;
 
 /// Most samples of a log, 2^28, which is a week at 400 Hz.
 pub const MOST_SAMPLES: usize = 1 << 28;

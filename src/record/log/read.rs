@@ -2,22 +2,24 @@
 
 use std::path::Path;
 
-use crate::quantity::units::Dimension;
-use crate::record::error::RecordError;
+use crate::record::binary::Binary;
+use crate::record::error::{Faults, RecordError};
+use crate::record::format::Origin;
+use crate::record::layout::Decimal;
 use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
-use crate::record::recording::{Origin, Recording, Rules};
-use crate::record::time::grid;
+use crate::record::log::timing::{Clock, found, is_time, spread};
+use crate::record::names::Name;
+use crate::record::recording::{Recording, Rules};
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
-const RULES: Rules = Rules {
+pub(crate) const RULES: Rules = Rules {
     most: MOST_SAMPLES,
     missing: "leave the cell empty or write NaN where a sample is missing",
     jitter: 0.1,
     has_gaps: true,
-    uneven: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` instead \
-           of stamps if the stamps are only rounded or late",
+    uneven: "resample the log, or give `rate = 100Hz` too",
 };
 
 /// The columns of a log to read, and their interpretation.
@@ -31,18 +33,45 @@ pub struct Request {
     pub data: Data,
     /// Unit; if absent, that in each column's header.
     pub unit: Option<Unit>,
+    /// What is known of the file.
+    pub hints: Hints,
+}
+
+/// What is known of a file, instead of what would be inferred from it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Hints {
+    /// Sign before decimals in a text.
+    pub decimal: Option<Decimal>,
+    /// Treatment of rows with other numbers at the same time; if absent, they are refused.
+    pub duplicates: Option<Duplicates>,
+    /// Layout of a raw binary file.
+    pub binary: Option<Binary>,
+}
+
+/// The treatment of rows that have the time of the row before, but other numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Duplicates {
+    /// Only the first of them is a sample.
+    First,
+    /// Only the last of them is a sample.
+    Last,
+    /// Each is a sample, because the stamps are coarser than the sampling step, which must be given.
+    Keep,
 }
 
 /// The times of the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Timing {
-    /// A constant step, s.
+    /// A constant step, s. All rows are one series without gaps.
     Step(f64),
     /// The times in a column.
     Stamps {
-        /// Name of the column, or its number from 1.
-        column: String,
-        /// Unit of the times, such as `ms`; if absent, that in the header.
+        /// The sampling step, s: the stamps then only show where samples are missing. If absent, it follows from the stamps.
+        step_s: Option<f64>,
+        /// Name of the column, or its number from 1; if absent, a column that is called like a time. With a sampling step the
+        /// file may have none.
+        column: Option<String>,
+        /// Unit of the times, such as `ms`; if absent, that in the header, or that of times since 1970.
         unit: Option<String>,
     },
 }
@@ -50,66 +79,95 @@ pub enum Timing {
 impl Log {
     /// Reads the columns of the log at `path` that `request` selects.
     ///
-    /// Text may be CSV, TSV, separated by semicolons or in columns with blanks between, with or without a header, and
-    /// with comments after `#`, `%` or `;`; a Stable32 .DAT is one such file. Empty cells and NaN are missing samples,
-    /// and so are those skipped by a step of several sampling steps. The sampling step is the median step, and all
-    /// steps must be within 10 % of whole multiples of it.
+    /// Text may be CSV, TSV, separated by semicolons or in columns with blanks between, with or without a header, with
+    /// comments after `#`, `%` or `;`, and with decimal points or commas; a Stable32 .DAT is one such file. Arrays may be in
+    /// NumPy, MATLAB and HDF5 files, messages of an IMU in MCAP files and ROS bags. Empty cells and NaN are missing samples,
+    /// and so are those skipped by a step of several sampling steps. What was inferred is in [`Log::notes`].
+    ///
+    /// Without a given sampling step, it is the median step of the stamps, and all steps must be within 10 % of whole
+    /// multiples of it. With one, stamps may be late by several steps.
     ///
     /// # Errors
-    /// The first fault found, with its place if the file has lines.
+    /// All faults that were found, each with its place if the file has lines, and with what settles it.
     ///
     /// # Example
     /// ```
-    /// # use sagnac::record::log::{channel::Log, measure::Data, read::{Request, Timing}};
+    /// # use sagnac::record::log::{channel::Log, measure::Data, read::{Hints, Request, Timing}};
     /// # let folder = tempfile::tempdir()?;
     /// # let path = &folder.path().join("gyro.csv");
     /// std::fs::write(path, "time [ms],gz [deg/h]\n0,8.1\n10,8.3\n30,8.2\n")?;
-    /// let timing = Timing::Stamps { column: "time".to_owned(), unit: None };
-    /// let request = Request { columns: vec!["gz".to_owned()], timing, data: Data::Rate, unit: None };
+    /// let timing = Timing::Stamps { step_s: None, column: Some("time".to_owned()), unit: None };
+    /// let columns = vec!["gz".to_owned()];
+    /// let request = Request { columns, timing, data: Data::Rate, unit: None, hints: Hints::default() };
     /// let log = Log::read(path, &request)?;
     /// assert_eq!((log.step_s, log.samples()), (0.01, 4));
     /// assert!(log.channels[0].samples[2].is_nan());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(path: &Path, request: &Request) -> Result<Log, RecordError> {
-        let mut file = Recording::open(path.display().to_string(), Origin::Path(path))?;
-        // The sampling step, s; or for time stamps their column and its unit, s.
-        let (mut step_s, time) = match &request.timing {
-            Timing::Step(step_s) => (*step_s, None),
-            Timing::Stamps { column: word, unit } => {
-                let column = file.find(word, None)?;
-                let what = format!("the time column `{word}`");
-                let help = "give its unit as in `time_unit = ms`; accepted: s, ms, us, ns, min, h";
-                let unit_s = file.unit_size(column, unit.as_deref(), Dimension::Time, &what, help)?;
-                (unit_s, Some(column))
-            }
-        };
-        let wanted = wanted(&file, &request.columns, time)?;
-        let channels = wanted.iter().map(|&column| channel(&file, column, request));
-        let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
-        let all: Vec<usize> = time.into_iter().chain(wanted).collect();
-        if (1..all.len()).any(|i| all[..i].contains(&all[i])) {
+        let mut file = Recording::open(path.display().to_string(), Origin::Path(path), &request.hints)?;
+        let (mut faults, mut notes) = (Faults::default(), file.inferred());
+        let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
+        let time = found(&file, &request.timing, &request.columns, &mut notes);
+        let (time, is_sure) = faults.take(time).unwrap_or_default();
+        let columns = faults.take(wanted(&file, &request.columns, &named, time.map(|time| time.column)));
+        // Without a choice of columns, the times are still examined by those that may be meant.
+        let columns = columns.unwrap_or_else(|| measuring(&file, request.data));
+        let channels = columns.iter().map(|&column| channel(&file, column, request));
+        let channels: Vec<Option<Channel>> = channels.map(|channel| faults.take(channel)).collect();
+        if (1..columns.len()).any(|i| columns[..i].contains(&columns[i])) {
             let message = "a column is requested twice";
-            return Err(file.refuse(None, message, "these are the columns", "name each column once"));
+            faults.add(file.refuse(None, message, "these are the columns", "name each column once"));
+            return Err(faults.into_error(&file.file));
         }
-        let mut columns = file.read(&all, &RULES)?;
-        if let Some(time) = time {
-            let stamps = columns.remove(0);
-            let grid = grid(&stamps, step_s, &RULES)
-                .map_err(|fault| file.refuse_row(fault.row, time, fault.words))?;
-            columns = columns.into_iter().map(|values| grid.spread(values)).collect();
-            step_s *= grid.step;
+        // The stamps may be requested as samples too.
+        let all: Vec<usize> = time.iter().map(|time| time.column).chain(columns.iter().copied()).collect();
+        if time.is_some_and(|time| columns.contains(&time.column)) {
+            let message = "the column of the time is requested as samples too";
+            faults.add(file.refuse(
+                time.map(|time| time.column),
+                message,
+                "this column",
+                "name another column",
+            ));
+            return Err(faults.into_error(&file.file));
         }
-        file.check_step(step_s, time)?;
-        channels.iter_mut().zip(columns).for_each(|(channel, samples)| channel.samples = samples);
-        Ok(Log { file: file.file, step_s, data: request.data, start_s: 0.0, channels })
+        let Some(mut samples) = faults.take(file.read(&all, &RULES)) else {
+            return Err(faults.into_error(&file.file));
+        };
+        let stamps = time.map(|_| samples.remove(0));
+        let clock = Clock {
+            step_s: request.timing.step_s(&file),
+            time,
+            is_sure,
+            duplicates: request.hints.duplicates,
+        };
+        let spread = spread(&file, &clock, stamps, samples, &mut notes, &mut faults);
+        let (step_s, samples) = spread.unwrap_or_default();
+        if faults.is_empty() {
+            faults.take(file.check_step(step_s, time.map(|time| time.column)));
+        }
+        if !faults.is_empty() {
+            return Err(faults.into_error(&file.file));
+        }
+        let channels = channels.into_iter().flatten().zip(samples);
+        let channels = channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
+        Ok(Log { file: file.file, step_s, data: request.data, start_s: 0.0, channels, notes })
     }
 }
 
-/// The columns of samples that `words` select, or the only one.
-fn wanted(file: &Recording, words: &[String], time: Option<usize>) -> Result<Vec<usize>, RecordError> {
+/// The columns of samples that `words` select, or those `named` by a layout, or the only one.
+fn wanted(
+    file: &Recording,
+    words: &[String],
+    named: &[usize],
+    time: Option<usize>,
+) -> Result<Vec<usize>, RecordError> {
     if !words.is_empty() {
         return words.iter().map(|word| file.find(word, None)).collect();
+    }
+    if !named.is_empty() {
+        return Ok(named.to_vec());
     }
     let others: Vec<usize> = (0..file.columns()).filter(|column| Some(*column) != time).collect();
     match others[..] {
@@ -120,10 +178,16 @@ fn wanted(file: &Recording, words: &[String], time: Option<usize>) -> Result<Vec
         }
         _ => {
             let message = format!("the file has {} columns: select some of them", file.columns());
-            let help = format!("name one or several as in `column = 2,3`: {}", file.listed());
+            let help = format!("name one or several of them, as in `column = 2,3`: {}", file.listed());
             Err(file.refuse(None, &message, "these are the columns", &help))
         }
     }
+}
+
+/// The columns whose units are those of such data.
+fn measuring(file: &Recording, data: Data) -> Vec<usize> {
+    let unit = |name: &Name| name.unit.as_ref().is_some_and(|unit| Unit::parse(unit, data).is_ok());
+    (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
 }
 
 /// A channel for a column, without its samples.
@@ -135,9 +199,7 @@ fn channel(file: &Recording, column: usize, request: &Request) -> Result<Channel
         (None, Some(text)) => Unit::parse(text, request.data)
             .map_err(|wrong| file.refuse(Some(column), &wrong.message, "no such unit", &wrong.help))?,
         (None, None) => {
-            let what =
-                name.map_or_else(|| format!("column {}", column + 1), |name| format!("`{}`", name.whole));
-            let message = format!("the unit of {what} is missing");
+            let message = format!("the unit of {} is missing", file.title(column));
             return Err(file.refuse(Some(column), &message, "no unit", &expected(request.data)));
         }
     };

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::allan::{Angles, Trend};
-use crate::record::log::check::{LEAST_SAMPLES, UnitCheck};
+use crate::record::log::check::LEAST_SAMPLES;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
 
@@ -20,14 +20,13 @@ const NEVER_AT_REST: f64 = 72_000.0;
 ///
 /// ```
 /// use sagnac::allan::trend::Trend;
-/// use sagnac::record::log::check::UnitCheck;
 /// use sagnac::record::log::measure::{Data, Unit};
 /// use sagnac::record::log::samples::Samples;
 ///
 /// let rates: Vec<f64> = (0..100).map(|i| f64::from(i * 37 % 100)).collect();
 /// let unit = Unit::parse("deg/h", Data::Rate)?;
 /// let samples = Samples { data: Data::Rate, unit: &unit, step_s: 0.01, values: &rates };
-/// assert_eq!((samples.fault(UnitCheck::On), samples.mean_rate()), (None, Some(49.5)));
+/// assert_eq!((samples.fault(), samples.mean_rate()), (None, Some(49.5)));
 /// assert_eq!(samples.angles(Trend::None).len(), 101);
 /// # Ok::<(), sagnac::record::log::measure::UnitMismatch>(())
 /// ```
@@ -43,7 +42,7 @@ pub struct Samples<'a> {
     pub values: &'a [f64],
 }
 
-/// Why samples are unusable or suspicious.
+/// Why samples are unusable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
     /// There are only so many samples that are not missing, fewer than [`LEAST_SAMPLES`].
@@ -55,6 +54,11 @@ pub enum Fault {
         /// Their value.
         value: f64,
     },
+}
+
+/// Why the unit of samples is doubtful.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Doubt {
     /// The samples are rates in rad whose mean is above the Earth's rotation plus 1 °/h of bias, but would not be in
     /// degrees; with the magnitude of the mean rate, ″/s.
     DegreesAsRadians(f64),
@@ -120,27 +124,26 @@ impl<'a> Samples<'a> {
         mean.is_finite().then_some(mean * self.unit.factor)
     }
 
-    /// Why these samples are refused, if they are: they are too few, all equal, or with [`UnitCheck::On`] have a mean
-    /// rate that no gyro at rest has in this unit. Only the mean is examined for the latter, which no deviation depends
-    /// on.
-    pub fn fault(&self, unit: UnitCheck) -> Option<Fault> {
+    /// Why these samples are refused, if they are: they are too few, or all equal.
+    pub fn fault(&self) -> Option<Fault> {
         let mut known = self.values.iter().copied().filter(|sample| !sample.is_nan());
         let there = known.clone().count();
         if there < LEAST_SAMPLES {
             return Some(Fault::TooFew(there));
         }
         let value = known.next().unwrap_or(0.0);
-        if known.all(|sample| sample == value) {
-            return Some(Fault::Constant { there, value });
-        }
-        if unit == UnitCheck::Off || !self.unit.is_angular {
-            return None;
-        }
-        match self.mean_rate()?.abs() {
+        known.all(|sample| sample == value).then_some(Fault::Constant { there, value })
+    }
+
+    /// Why the unit of these samples is doubtful, if it is: their mean rate is above 20 °/s; or they are in rad, and their
+    /// mean rate is above the Earth's rotation plus 1 °/h of bias, but would not be in degrees. Only the mean is examined,
+    /// which no deviation depends on.
+    pub fn doubt(&self) -> Option<Doubt> {
+        match self.mean_rate().filter(|_| self.unit.is_angular)?.abs() {
             mean if self.unit.text.contains("rad") && mean > AT_REST && mean <= AT_REST * DEGREES => {
-                Some(Fault::DegreesAsRadians(mean))
+                Some(Doubt::DegreesAsRadians(mean))
             }
-            mean if mean > NEVER_AT_REST => Some(Fault::NeverAtRest(mean)),
+            mean if mean > NEVER_AT_REST => Some(Doubt::NeverAtRest(mean)),
             _ => None,
         }
     }

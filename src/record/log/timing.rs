@@ -1,0 +1,326 @@
+//! The times of the rows of a log: which column has them, in which unit, and which samples they show as missing.
+
+use crate::quantity::number::significant;
+use crate::quantity::units::Dimension;
+use crate::record::error::{Faults, RecordError};
+use crate::record::log::read::{Duplicates, RULES, Timing};
+use crate::record::recording::Recording;
+use crate::record::spelling::unit_of;
+use crate::record::stamps::{
+    Doubled, doubled, epoch_unit, faults as faults_of, late_grid, step_in_stamps, unroll,
+};
+use crate::record::time::{TimeFault, grid, median_step};
+
+/// Names of columns of times, without signs between words.
+const TIMES: [&str; 10] =
+    ["time", "t", "timestamp", "timestamps", "stamp", "stamps", "epoch", "times", "timetag", "systemtime"];
+
+/// Names of columns that number the samples.
+const COUNTERS: [&str; 7] = ["counter", "count", "sample", "index", "seq", "sequence", "n"];
+
+/// The unit of stamps that are numbers of samples, or whose unit does not matter.
+const ANY: f64 = 1.0;
+
+/// A column of stamps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Time {
+    pub column: usize,
+    /// The unit, s, where it is known.
+    unit_s: Option<f64>,
+}
+
+/// How the times of the rows are found.
+pub(crate) struct Clock {
+    /// The sampling step, where it is given, s.
+    pub step_s: Option<f64>,
+    pub time: Option<Time>,
+    /// Whether the column has times. If not, it is ignored where they are not in order.
+    pub is_sure: bool,
+    pub duplicates: Option<Duplicates>,
+}
+
+impl Timing {
+    /// The sampling step that is given, or else the one that the file states, s.
+    pub(crate) fn step_s(&self, file: &Recording) -> Option<f64> {
+        match self {
+            Timing::Step(step_s) => Some(*step_s),
+            Timing::Stamps { step_s, .. } => step_s.or(file.step_s()),
+        }
+    }
+}
+
+/// Whether a column with this name has times.
+pub(crate) fn is_time(name: &str) -> bool {
+    is_called(name, &TIMES)
+}
+
+/// Whether the last part of `imu/time.stamp_ns` is one of the names.
+fn is_called(name: &str, names: &[&str]) -> bool {
+    let last = name.rsplit(['/', '.']).next().unwrap_or(name);
+    let letters: String = last.chars().filter(|c| c.is_alphanumeric()).collect();
+    // T is a temperature.
+    letters != "T" && names.iter().any(|known| letters.eq_ignore_ascii_case(known))
+}
+
+/// The column of stamps, if there is one, and whether its name says so.
+pub(crate) fn found(
+    file: &Recording,
+    timing: &Timing,
+    wanted: &[String],
+    notes: &mut Vec<String>,
+) -> Result<(Option<Time>, bool), RecordError> {
+    let Timing::Stamps { step_s, column, unit } = timing else { return Ok((None, true)) };
+    let time = |column: usize| {
+        let unit_s = unit_s(file, column, unit.as_deref(), &time_column(file, column))?;
+        Ok((Some(Time { column, unit_s }), true))
+    };
+    if let Some(word) = column {
+        return time(file.find(word, None)?);
+    }
+    let wanted: Vec<usize> = wanted.iter().filter_map(|word| file.find(word, None).ok()).collect();
+    let candidates = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
+        (0..file.columns().min(file.names().len()))
+            .filter(|column| !wanted.contains(column) && is(*column))
+            .collect()
+    };
+    let bare = |column: usize| file.names()[column].bare.as_str();
+    let is_of_time = |column: usize| {
+        let unit = file.names()[column].unit.as_deref();
+        is_time(bare(column)) && unit.is_none_or(|unit| unit_of(unit, &[Dimension::Time]).is_ok())
+    };
+    let mut times = candidates(&is_of_time);
+    if let Some(&column) = times.iter().find(|column| file.sample(**column).is_none()) {
+        notes.push(format!("{} holds no numbers and is not used", time_column(file, column)));
+        times.retain(|column| file.sample(*column).is_some());
+    }
+    if let Some(column) = nearest(file, times, wanted.first()) {
+        notes.push(format!("times are taken from {}", time_column(file, column)));
+        return time(column);
+    }
+    if let (None, Some(step_s)) = (step_s, file.step_s()) {
+        let step = significant(step_s, 9);
+        notes.push(format!("the sampling step of {step} s is taken from the header"));
+    }
+    let is_counter = |column: usize| is_called(bare(column), &COUNTERS) && file.sample(column).is_some();
+    let counter = candidates(&is_counter).first().copied();
+    // The first column often has times under another name. It must not be missed among samples that are not named.
+    let has_step = step_s.or(file.step_s()).is_some();
+    let is_time = |sample| file.names().is_empty() || epoch_unit(sample).is_some();
+    let may_be_first = file.columns() > 1 && !wanted.contains(&0) && file.sample(0).is_some_and(is_time);
+    let first = (may_be_first && !(has_step && wanted.is_empty())).then_some(0);
+    let column = if has_step { counter.or(first) } else { first };
+    if column.is_none() && !has_step {
+        return Err(without_times(file));
+    }
+    Ok((column.map(|column| Time { column, unit_s: None }), false))
+}
+
+/// The error for a file without times.
+fn without_times(file: &Recording) -> RecordError {
+    let help = "give `rate = 100Hz`, or `time = COLUMN` for a column of time stamps, or both: the stamps then only show where \
+                samples are missing";
+    file.refuse(None, "the times of the samples are not given", "no column called time", help)
+}
+
+/// A column of times in a sentence.
+fn time_column(file: &Recording, column: usize) -> String {
+    let name = file.names().get(column).map(|name| name.bare.clone());
+    format!("the time column `{}`", name.unwrap_or_else(|| (column + 1).to_string()))
+}
+
+/// Of several columns the only one whose path begins most like that of the `wanted` column.
+fn nearest(file: &Recording, columns: Vec<usize>, wanted: Option<&usize>) -> Option<usize> {
+    let alike = |column: usize| {
+        let name = |column: usize| file.names()[column].whole.as_bytes();
+        let pairs =
+            wanted.filter(|at| **at < file.names().len()).map(|&at| name(column).iter().zip(name(at)));
+        pairs.map_or(0, |pairs| pairs.take_while(|(a, b)| a == b).filter(|(a, _)| b"/.".contains(a)).count())
+    };
+    let best = columns.iter().map(|&column| alike(column)).max()?;
+    let mut equal = columns.into_iter().filter(|&column| alike(column) == best);
+    equal.next().filter(|_| equal.next().is_none())
+}
+
+/// The unit of a column of stamps: the one given, or that of its header, if there is one.
+fn unit_s(
+    file: &Recording,
+    column: usize,
+    given: Option<&str>,
+    what: &str,
+) -> Result<Option<f64>, RecordError> {
+    if given.is_none() && file.names().get(column).is_none_or(|name| name.unit.is_none()) {
+        return Ok(None);
+    }
+    let help = "give its unit as in `time_unit = ms`; accepted: s, ms, us, ns, min, h";
+    file.unit_size(column, given, Dimension::Time, what, help).map(Some)
+}
+
+/// The sampling step, s, and the samples of all columns on an even grid, with NaN where one is missing.
+pub(crate) fn spread(
+    file: &Recording,
+    clock: &Clock,
+    stamps: Option<Vec<f64>>,
+    mut samples: Vec<Vec<f64>>,
+    notes: &mut Vec<String>,
+    faults: &mut Faults,
+) -> Option<(f64, Vec<Vec<f64>>)> {
+    let (Some(time), Some(mut stamps)) = (clock.time, stamps) else {
+        return clock.step_s.map(|step_s| (step_s, samples));
+    };
+    let title = time_column(file, time.column);
+    // Stamps that may be none need no decision.
+    let has_step = clock.step_s.is_some();
+    let duplicates = clock.duplicates.or((!clock.is_sure && has_step).then_some(Duplicates::Keep));
+    let doubled = doubled(&stamps, &samples, duplicates);
+    if let Some(Doubled { kept, .. }) = &doubled {
+        stamps = kept.iter().map(|&row| stamps[row]).collect();
+    }
+    let rolled = unroll(&mut stamps);
+    let name = file.names().get(time.column);
+    let may_number = has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS));
+    if !clock.is_sure && !are_times(&stamps, may_number) {
+        if !has_step {
+            faults.add(without_times(file));
+        }
+        return clock.step_s.map(|step_s| (step_s, samples));
+    }
+    if let Some((limit, times)) = rolled {
+        let times = if times == 1 { "once".to_owned() } else { format!("{times} times") };
+        notes.push(format!("{title} is a counter that rolls over at {limit} ({times})"));
+    }
+    let row_of = |row: usize| doubled.as_ref().map_or(row, |doubled| doubled.kept[row]);
+    let refuse = |fault: TimeFault| file.refuse_row(row_of(fault.row), time.column, fault.words);
+    if let Some(found) = &doubled {
+        if found.repeated > 0 {
+            let rows = if found.repeated == 1 { "row that repeats" } else { "rows that repeat" };
+            notes.push(format!("left out: {} {rows} the row before", found.repeated));
+        }
+        match (found.first, duplicates) {
+            (None, _) => {}
+            (Some(row), None) => {
+                let message =
+                    format!("{} the time of the row before, but other numbers", have(found.differing));
+                let help = "give `duplicates = first` or `duplicates = last` to use one of them, or `duplicates = keep` with \
+                            `rate = 100Hz` if each is a sample and the stamps are coarse";
+                faults.add(file.refuse_row(
+                    row,
+                    time.column,
+                    [message, "the first one".to_owned(), help.to_owned()],
+                ));
+            }
+            (Some(row), Some(Duplicates::Keep)) if clock.step_s.is_none() => {
+                let message = format!("{} the time of the row before", have(found.differing));
+                let help = "`duplicates = keep` needs the sampling rate, as in `rate = 100Hz`";
+                faults.add(file.refuse_row(
+                    row,
+                    time.column,
+                    [message, "the first one".to_owned(), help.to_owned()],
+                ));
+            }
+            (Some(_), Some(duplicates)) => {
+                let fate = match duplicates {
+                    Duplicates::First => "the first is used",
+                    Duplicates::Last => "the last is used",
+                    Duplicates::Keep => "each is a sample",
+                };
+                notes.push(format!("{} the time of the row before: {fate}", have(found.differing)));
+            }
+        }
+        for column in &mut samples {
+            *column = found.kept.iter().map(|&row| column[row]).collect();
+        }
+    }
+    let unit_s = unit_of_stamps(file, clock, time, &stamps, notes, faults);
+    let jitter = clock.step_s.is_none().then_some(RULES.jitter);
+    let found = faults_of(&stamps, unit_s.unwrap_or(ANY), jitter);
+    if !found.is_empty() || !faults.is_empty() {
+        found.into_iter().for_each(|fault| faults.add(refuse(fault)));
+        return None;
+    }
+    let (step_s, grid) = match clock.step_s {
+        None => {
+            let grid = faults.take(grid(&stamps, unit_s?, &RULES).map_err(refuse))?;
+            (unit_s? * grid.step, grid)
+        }
+        Some(step_s) => {
+            let step = step_in_stamps(&stamps, step_s, unit_s);
+            let step = faults.take(step.map_err(|apart_s| {
+                let (apart, rate) = (significant(apart_s, 4), significant(1.0 / apart_s, 4));
+                let message = format!(
+                    "the stamps are {apart} s apart, the given rate says {} s",
+                    significant(step_s, 4)
+                );
+                let help = format!(
+                    "correct the rate, as in `rate = {rate}Hz`, or ignore the stamps with `time = none`"
+                );
+                file.refuse(Some(time.column), &message, "these stamps", &help)
+            }))?;
+            let grid = faults.take(late_grid(&stamps, step).map_err(refuse))?;
+            tell(&title, &stamps, step, grid.samples, notes);
+            (step_s, grid)
+        }
+    };
+    Some((step_s, samples.into_iter().map(|values| grid.spread(values)).collect()))
+}
+
+/// Whether numbers increase like times since 1970, of which some may be equal, or evenly like times and numbers of samples.
+fn are_times(numbers: &[f64], may_number: bool) -> bool {
+    let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
+    let are_since_1970 = numbers.first().is_some_and(|first| epoch_unit(*first).is_some());
+    let is_even = || {
+        let median = median_step(numbers);
+        let near = steps().filter(|step| (0.5 * median..=1.5 * median).contains(step)).count();
+        median > 0.0 && 4 * near >= 3 * (numbers.len() - 1)
+    };
+    numbers.len() > 1 && steps().all(|step| step >= 0.0) && (are_since_1970 || may_number && is_even())
+}
+
+/// The unit of the stamps; they may be times since 1970.
+fn unit_of_stamps(
+    file: &Recording,
+    clock: &Clock,
+    time: Time,
+    stamps: &[f64],
+    notes: &mut Vec<String>,
+    faults: &mut Faults,
+) -> Option<f64> {
+    let epoch = stamps.first().and_then(|first| epoch_unit(*first));
+    let title = time_column(file, time.column);
+    match (time.unit_s, epoch) {
+        (Some(unit_s), Some((unit, of_epoch))) if unit_s > of_epoch && clock.step_s.is_none() => {
+            let message = format!("{title} is too large for its unit, but fits {unit} since 1970");
+            let help = format!("give `time_unit = {unit}`");
+            faults.add(file.refuse(Some(time.column), &message, "this unit", &help));
+            None
+        }
+        (None, Some((unit, unit_s))) => {
+            notes.push(format!("{title} is taken for {unit} since 1970"));
+            Some(unit_s)
+        }
+        (None, None) if clock.step_s.is_none() => {
+            let message = format!("{title} has no unit");
+            let help = "give its unit as in `time_unit = ms`; accepted: s, ms, us, ns, min, h";
+            faults.add(file.refuse(Some(time.column), &message, "its unit is missing", help));
+            None
+        }
+        (unit_s, _) => unit_s,
+    }
+}
+
+/// Notes what the stamps were used for, and where they contradict the given rate.
+fn tell(title: &str, stamps: &[f64], step: f64, samples: usize, notes: &mut Vec<String>) {
+    let missing = samples.saturating_sub(stamps.len());
+    notes.push(format!(
+        "the given rate is the sampling rate; {title} only shows which samples are missing ({missing})"
+    ));
+    let [first, .., last] = *stamps else { return };
+    let ratio = (last - first) / step / (samples.max(2) - 1) as f64;
+    if (ratio - 1.0).abs() > 0.01 {
+        let percent = significant(100.0 / ratio, 4);
+        notes.push(format!("by the stamps the rate is {percent} % of the given one: is it right?"));
+    }
+}
+
+fn have(rows: usize) -> String {
+    if rows == 1 { "1 row has".to_owned() } else { format!("{rows} rows have") }
+}

@@ -1,0 +1,135 @@
+"""Writes the same 36 samples of an IMU in each format, by the tools that users have.
+
+    python -m venv env && env/bin/pip install numpy scipy h5py mcap-ros2-support rosbags
+    env/bin/python tests/data/formats/make.py
+"""
+
+import struct
+from pathlib import Path
+
+import h5py
+import numpy as np
+import scipy.io
+from mcap_ros2.writer import Writer as Mcap
+from rosbags.rosbag1 import Writer as Bag
+from rosbags.typesys import Stores, get_typestore
+
+FOLDER = Path(__file__).parent
+COUNT = 36
+STEP_NS = 5_000_000
+START_NS = 1_700_000_000_000_000_000
+IMU = """std_msgs/Header header
+geometry_msgs/Quaternion orientation
+float64[9] orientation_covariance
+geometry_msgs/Vector3 angular_velocity
+float64[9] angular_velocity_covariance
+geometry_msgs/Vector3 linear_acceleration
+float64[9] linear_acceleration_covariance
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+================================================================================
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+"""
+
+# Rows 15 to 21 are missing.
+row = np.array([i for i in range(COUNT + 7) if not 15 <= i < 22])
+stamps = START_NS + STEP_NS * row
+rates = np.random.default_rng(1).normal(0.01, 0.003, (COUNT, 3))
+forces = np.random.default_rng(2).normal(0.0, 0.1, (COUNT, 3))
+# Binary formats have floating-point times, in s from the start.
+times = STEP_NS * row / 1e9
+
+
+def write_text():
+    names = ["time [ns]", *(f"g{axis} [rad/s]" for axis in "xyz"), *(f"a{axis} [m/s^2]" for axis in "xyz")]
+    rows = (f"{t},{','.join(repr(float(x)) for x in (*g, *a))}" for t, g, a in zip(stamps, rates, forces))
+    (FOLDER / "imu.csv").write_text("\n".join([",".join(names), *rows]) + "\n")
+
+
+def write_arrays():
+    np.save(FOLDER / "imu.npy", np.column_stack([times, rates]))
+    np.savez(FOLDER / "imu.npz", time_s=times, gyro=rates)
+    np.savez_compressed(FOLDER / "imu_packed.npz", time_s=times, gyro=rates)
+    variables = {"time_s": times, "gyro": rates, "fs": 200.0, "about": "an IMU"}
+    scipy.io.savemat(FOLDER / "imu.mat", {"imu": variables})
+    scipy.io.savemat(FOLDER / "imu_packed.mat", variables, do_compression=True)
+    np.column_stack([times, rates]).astype("<f8").tofile(FOLDER / "imu.bin")
+
+
+def write_hdf5():
+    with h5py.File(FOLDER / "imu.h5", "w") as file:
+        file["imu/time_s"], file["imu/gyro"], file["fs"] = times, rates, 200.0
+    with h5py.File(FOLDER / "imu_packed.h5", "w", libver="latest") as file:
+        packed = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+        file.create_dataset("time_s", data=times, chunks=(16,), **packed)
+        file.create_dataset("gyro", data=rates, chunks=(16, 2), **packed)
+    # As MATLAB writes version 7.3: a block of text, and transposed matrices.
+    with h5py.File(FOLDER / "imu_v73.mat", "w", userblock_size=512) as file:
+        file.create_dataset("time_s", data=times[np.newaxis], chunks=(1, 16), compression="gzip")
+        file.create_dataset("gyro", data=rates.T, chunks=(2, 16), compression="gzip")
+    header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + struct.pack("<H", 0x0200) + b"IM"
+    with open(FOLDER / "imu_v73.mat", "r+b") as file:
+        file.write(header)
+
+
+def write_mcap(name, **options):
+    def vector(values):
+        return dict(zip("xyz", map(float, values)))
+
+    with open(FOLDER / name, "wb") as file:
+        writer = Mcap(file, **options)
+        schema = writer.register_msgdef("sensor_msgs/msg/Imu", IMU)
+        for stamp, rate, force in zip(stamps.tolist(), rates, forces):
+            time = {"sec": stamp // 10**9, "nanosec": stamp % 10**9}
+            message = {
+                "header": {"stamp": time, "frame_id": "imu"},
+                "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+                "orientation_covariance": [-1.0] + [0.0] * 8,
+                "angular_velocity": vector(rate),
+                "angular_velocity_covariance": [0.0] * 9,
+                "linear_acceleration": vector(force),
+                "linear_acceleration_covariance": [0.0] * 9,
+            }
+            writer.write_message("/imu/data", schema, message, log_time=stamp, publish_time=stamp)
+        writer.finish()
+
+
+def write_bag(name, compression):
+    store = get_typestore(Stores.ROS1_NOETIC)
+    types = store.types
+    vector, covariance = types["geometry_msgs/msg/Vector3"], np.zeros(9)
+    (FOLDER / name).unlink(missing_ok=True)
+    bag = Bag(FOLDER / name)
+    if compression:
+        bag.set_compression(compression)
+    with bag:
+        connection = bag.add_connection("/imu/data", "sensor_msgs/msg/Imu", typestore=store)
+        for at, (stamp, rate, force) in enumerate(zip(stamps.tolist(), rates, forces)):
+            time = types["builtin_interfaces/msg/Time"](stamp // 10**9, stamp % 10**9)
+            header = types["std_msgs/msg/Header"](at, time, "imu")
+            quaternion = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
+            parts = (quaternion, covariance, vector(*rate), covariance, vector(*force), covariance)
+            message = types["sensor_msgs/msg/Imu"](header, *parts)
+            bag.write(connection, stamp, store.serialize_ros1(message, "sensor_msgs/msg/Imu"))
+
+
+write_text()
+write_arrays()
+write_hdf5()
+write_mcap("imu.mcap")
+write_bag("imu.bag", Bag.CompressionFormat.LZ4)

@@ -1,0 +1,164 @@
+//! Logs as loggers write them: what is inferred is said, what is doubtful is refused at once, and gaps stay gaps.
+
+use std::process::Command;
+
+use crate::desk::{Desk, PROGRAM};
+use crate::logs::{desk_with, noise};
+use serde_json::Value;
+
+/// Samples of 10 ms with the loss of 77 from number 200 on, as row number and value.
+fn lossy() -> impl Iterator<Item = (usize, f64)> {
+    noise(600).enumerate().filter(|(i, _)| !(200..277).contains(i))
+}
+
+fn log(header: &str, row: impl Fn(usize, f64) -> String) -> String {
+    lossy().fold(format!("{header}\n"), |text, (i, y)| text + &row(i, y) + "\n")
+}
+
+/// The number of missing samples and of all, from the JSON of the first column.
+fn missing(desk: &Desk, words: &str) -> (u64, u64, f64) {
+    let ended = desk.done(&format!("allan {words} --json"));
+    let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let of = |value: &Value| value.as_u64().unwrap();
+    (of(&document["columns"][0]["missing"]), of(&document["samples"]), document["step_s"].as_f64().unwrap())
+}
+
+#[test]
+fn gaps_stay_gaps_however_the_times_are_given() {
+    let late = |i: usize| if i.is_multiple_of(5) { 0.004 } else { 0.0 };
+    let files = [
+        (
+            "t.csv",
+            log("time [s],gz [deg/s]", |i, y| format!("{},{y}", 0.01 * i as f64)),
+            vec!["", "--rate 100Hz"],
+        ),
+        (
+            "late.csv",
+            log("time [s],gz [deg/s]", |i, y| format!("{:.4},{y}", 0.01 * i as f64 + late(i))),
+            vec!["--rate 100Hz"],
+        ),
+        ("bare.csv", log("", |i, y| format!("{},{y}", 10 * i)), vec!["--rate 100Hz --unit deg/s --column 2"]),
+        (
+            "n.csv",
+            log("counter;gz [dps]", |i, y| format!("{i};{y}").replace('.', ",")),
+            vec!["--rate 100Hz --column gz"],
+        ),
+        (
+            "us.csv",
+            log("micros_us;gz [deg/sec]", |i, y| format!("{};{y}", (4_290_000_000 + 10_000 * i) % (1 << 32))),
+            vec!["--time micros", "--time micros --rate 100Hz"],
+        ),
+        (
+            "ns.csv",
+            log("stamp gz(°/s)", |i, y| format!("{} {y}", 1_700_000_000_000_000_000 + 10_000_000 * i)),
+            vec!["", "--rate 100Hz"],
+        ),
+        (
+            "zeit.csv",
+            log("Zeit gz(°/s)", |i, y| format!("{} {y}", 1_700_000_000_000_000_000 + 10_000_000 * i)),
+            vec!["", "--rate 100Hz --column gz"],
+        ),
+    ];
+    for (name, text, options) in files {
+        let desk = desk_with(name, text);
+        for words in options {
+            let (missing, samples, step_s) = missing(&desk, &format!("{name} --data rate {words}"));
+            assert_eq!((missing, samples), (77, 600), "{name} {words}");
+            assert!((step_s / 0.01 - 1.0).abs() < 1e-6, "{name} {words}: {step_s} s");
+        }
+        let spliced = "--data rate --rate 100Hz --time none --unit deg/s --column 2";
+        assert_eq!(missing(&desk, &format!("{name} {spliced}")).0, 0, "{name} without its stamps");
+    }
+}
+
+#[test]
+fn all_problems_are_told_at_once_with_what_settles_them() {
+    let late = |i: usize| if i.is_multiple_of(5) { 4_000_000 } else { 0 };
+    let text = log("ticks;gx;gz", |i, y| {
+        let time = 1_700_000_000_000_000_000_u64 + 10_000_000 * i as u64 + late(i);
+        let doubled = if i == 300 { format!("\n{time};{y};0.5") } else { String::new() };
+        format!("{time};{y};{}{doubled}", 2.0 * y).replace('.', ",")
+    });
+    let desk = desk_with("log.csv", text);
+    let pieces = [
+        "log.csv has 3 problems",
+        "the unit of `gz` is missing",
+        "--unit deg/h",
+        "1 row has the time of the row before",
+        "--duplicates first",
+        "not evenly spaced",
+        "--rate 100Hz",
+    ];
+    desk.fails("allan log.csv --data rate --column gz --time ticks", 3, &pieces);
+    desk.fails("allan log.csv --data rate --column gz", 3, &pieces);
+    let settled = "log.csv --data rate --column gz --time ticks --unit dps --duplicates first --rate 100Hz";
+    assert_eq!(missing(&desk, settled), (77, 600, 0.01));
+    let said = desk.done(&format!("allan {settled}")).stderr;
+    for piece in
+        ["commas are decimals", "ns since 1970", "missing (77)", "1 row has the time of the row before"]
+    {
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+}
+
+#[test]
+fn a_column_of_dates_or_temperatures_is_not_taken_for_times() {
+    let text = log("time,T [K],t [°C],gz [deg/s]", |i, y| {
+        format!("2026-11-23 10:{:02},{},20,{y}", i / 60, 300 - i % 3)
+    });
+    let desk = desk_with("log.csv", text);
+    assert_eq!(missing(&desk, "log.csv --data rate --column gz --rate 100Hz"), (0, 523, 0.01));
+    let said = desk.done("allan log.csv --data rate --column gz --rate 100Hz").stderr;
+    desk.write("warm.csv", &log("temp,gz [deg/s]", |i, y| format!("{},{y}", 300.0 + 1e-6 * (i * i) as f64)));
+    assert_eq!(missing(&desk, "warm.csv --data rate --column gz --rate 100Hz"), (0, 523, 0.01));
+    assert!(said.contains("the time column `time` holds no numbers and is not used"), "{said}");
+}
+
+#[test]
+fn rows_that_repeat_are_left_out_and_outliers_that_are_removed_count_as_missing() {
+    let text = log("time [s],gz [deg/s]", |i, y| {
+        let row = format!("{},{}", 0.01 * i as f64, if i == 400 { 99.0 } else { y });
+        if i == 50 { format!("{row}\n{row}") } else { row }
+    });
+    let desk = desk_with("log.csv", text);
+    assert_eq!(missing(&desk, "log.csv --data rate").0, 77);
+    assert_eq!(missing(&desk, "log.csv --data rate --remove-outliers").0, 78);
+    let said = desk.done("allan log.csv --data rate").stderr;
+    assert!(said.contains("left out: 1 row that repeats the row before"), "{said}");
+}
+
+#[test]
+fn a_doubtful_unit_is_noted_and_the_note_can_be_silenced() {
+    let text: String = noise(200).map(|y| format!("{}\n", 0.0042 + 1e-4 * y)).collect();
+    let desk = desk_with("log.csv", text);
+    let words = "allan log.csv --data rate --unit rad/s --rate 1Hz";
+    let said = desk.done(words).stderr;
+    for piece in ["may be in degrees, not in radians", "give --unit deg/s"] {
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+    assert!(!desk.done(&format!("{words} --unit-check off")).stderr.contains("degrees"));
+}
+
+#[test]
+fn a_header_of_stable32_gives_the_sampling_step() {
+    let rows: String = noise(200).map(|y| format!("{:e}\n", 1e-9 * y)).collect();
+    let header = "File: PHASE.DAT\nDate: 11/23/26 10:00:00\nType: Phase\nTau: 1.0000000e-01\n# Header End\n";
+    let desk = desk_with("PHASE.DAT", format!("{header}{rows}"));
+    assert_eq!(missing(&desk, "PHASE.DAT --data angle --unit none"), (0, 200, 0.1));
+}
+
+#[test]
+fn a_raw_binary_file_is_refused_without_its_bytes_and_read_by_its_layout() {
+    let rows: Vec<(usize, f64)> = lossy().collect();
+    let bytes: Vec<u8> =
+        rows.iter().flat_map(|(i, y)| [0.01 * *i as f64, 7.0, *y].map(f64::to_be_bytes)).flatten().collect();
+    let desk = desk_with("imu.bin", bytes);
+    desk.fails("allan imu.bin --data rate --unit deg/s --rate 100Hz", 3, &["imu.bin is binary", "--binary"]);
+    let mut program = Command::new(PROGRAM);
+    program
+        .current_dir(desk.path(""))
+        .args("allan imu.bin --data rate --unit deg/s --time-unit s --binary".split(' '));
+    let ended = program.arg("f64 x3, big, time 1, rate 3").output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert!(said.contains("77 of 600 samples are missing"), "{said}");
+}
