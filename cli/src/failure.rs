@@ -112,13 +112,16 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 14] = [
+const OPTIONS: [&str; 17] = [
     "at",
     "bootstrap",
     "column",
     "data",
     "device",
     "filler",
+    "fit_from",
+    "fit_to",
+    "force",
     "out",
     "rate",
     "salvage",
@@ -168,7 +171,9 @@ impl From<KalibrError> for Failure {
     fn from(error: KalibrError) -> Failure {
         match error {
             KalibrError::Plain(_) => Failure::Usage(in_options(&error)),
-            KalibrError::NoCoefficients { .. } => Failure::Record(error.to_string()),
+            KalibrError::NoCoefficients { .. } | KalibrError::NotDescribed(_) => {
+                Failure::Record(in_options(&error))
+            }
         }
     }
 }

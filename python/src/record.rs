@@ -254,7 +254,7 @@ pub fn fit<'py>(
         };
         let record = reading.record(values)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
-        let sheet = DataSheet::of(&record.angles, &terms, record.unit, simulated)
+        let sheet = DataSheet::of(&record.angles, &terms.into(), record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&record.angles)
             .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;

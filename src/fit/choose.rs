@@ -57,6 +57,15 @@ impl Terms {
         terms
     }
 
+    /// These terms and one more.
+    pub(crate) fn with(&self, term: Term) -> Terms {
+        let more = |terms: &[Term]| [terms, &[term]].concat();
+        match self {
+            Terms::Given(terms) => Terms::Given(more(terms)),
+            Terms::Auto(terms) => Terms::Auto(more(terms)),
+        }
+    }
+
     /// Least number of parameters of the fit.
     pub fn fewest_parameters(&self) -> usize {
         match self {

@@ -44,6 +44,7 @@ pub mod fitter;
 pub(crate) mod interval;
 pub(crate) mod nnls;
 pub mod quantity;
+pub mod range;
 pub mod record;
 pub(crate) mod search;
 
@@ -55,5 +56,6 @@ pub use crate::fit::curve::{Curve, FitError};
 pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use crate::fit::nnls::nnls;
 pub use crate::fit::quantity::Quantity;
+pub use crate::fit::range::{Described, Fitting, describe};
 pub use crate::fit::record::curve_of;
 pub use crate::theory::allan::terms::Term;
