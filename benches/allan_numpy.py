@@ -116,6 +116,7 @@ B = 1 / np.sqrt(2 * np.log(2) / np.pi * 30)
 
 
 def filters():
+    yield "none", [1.0], [1.0]
     yield "two samples", [0.5, 0.5], [1.0]
     for corner in (10, 40, 100):
         a = np.exp(-2 * np.pi * corner / RATE)
@@ -134,9 +135,9 @@ OF_RECORD = ["--rate", f"{RATE}Hz", "--unit", "none"]
 
 def coefficients(records):
     print(f"{records} records of {LENGTH} samples at {RATE} Hz")
+    rng = np.random.default_rng(22)
     for name, forward, back in filters():
         for b in (0, B):
-            rng = np.random.default_rng(22)
             found = list(columns(records, lambda: filtered(rng, b, forward, back), *OF_RECORD, "--bootstrap", "0", *EXTRA))
             line = f"{name:16} B {b:.3f}:"
             starts = [RATE * column["fit"]["from_s"] for column in found]
@@ -165,9 +166,9 @@ def coefficients(records):
 
 def compare(pairs):
     print(f"{pairs} pairs of records of {LENGTH} samples at {RATE} Hz: p of the test of Kolmogorov and Smirnov")
+    rng = np.random.default_rng(7)
     for name, forward, back in filters():
         for b in (0, B):
-            rng = np.random.default_rng(7)
             p = {"noise": [], "N": [], "B": []}
             for _ in range(pairs):
                 files = [filtered(rng, b, forward, back) for _ in range(2)]

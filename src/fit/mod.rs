@@ -49,7 +49,7 @@ pub mod record;
 pub(crate) mod search;
 
 pub use crate::fit::chi_squared::survival;
-pub use crate::fit::choose::{LIKELY, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
+pub use crate::fit::choose::{LIKELY, PENALTY, PENALTY_OF_LIMIT, PENALTY_OF_SHAPE, RIVAL, Terms};
 pub use crate::fit::coefficient::{Coefficient, Fit, Shape, Verdict};
 pub use crate::fit::covariance::Covariance;
 pub use crate::fit::curve::{Curve, FitError};

@@ -4,19 +4,23 @@
 //! it: a filter of two samples makes a bias instability out of white noise. The shortest τ of the fit is therefore part of
 //! the estimate:
 //!
-//! 1. The terms are fitted to all octaves. If their χ² is not improbable, this is the result.
-//! 2. Otherwise the [band limit](Term::BandLimit) joins the terms. It is exact for any filter at τ beyond its memory, so
-//!    nothing of the filter remains in the other terms there. The fit starts at the first octave from which its χ² is not
-//!    improbable.
-//! 3. If there is none, every coefficient is [not described](Verdict::NotDescribed).
+//! 1. The [band limit](Term::BandLimit) joins the terms that a fit may choose from. It is exact for any filter at τ beyond its
+//!    memory, so nothing of the filter remains in the other terms there.
+//! 2. A fit to all octaves without a band limit is the result, unless its χ² is improbable.
+//! 3. Otherwise the fit starts at the second of two successive octaves from which its χ² is not improbable. The first of them
+//!    guards against a rest of the filter that χ² does not show, but that is worth a standard error of N.
+//! 4. If there is none, every coefficient is [not described](Verdict::NotDescribed).
+//!
+//! Terms that are given are first fitted without a band limit.
 
 use crate::allan::{Angles, Deviation};
 use crate::fit::record::{curve_at, factors};
 use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Terms, Verdict};
 use crate::theory::allan::Term;
 
-/// Probability of the residuals below which a fit does not describe its curve.
-pub const LEAST_P: f64 = 0.01;
+/// Probability of the residuals below which a fit does not describe its curve. It leaves room for the scatter of single records
+/// at long τ, which is wider than that of a χ².
+pub const LEAST_P: f64 = 1e-3;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
 
@@ -86,25 +90,35 @@ pub struct Described {
 /// # Errors
 /// It fails where [`fit_record`](crate::fit::fit_record) does over all octaves.
 pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
-    let fitter = Fitter::new(curve, &asked.terms)?;
-    let fit = fitter.fit_record(curve.variances())?;
-    if is_likely(&fit) {
-        return Ok(Described { fitter, fit, is_described: true });
-    }
     let filtered = Fitter::new(curve, &asked.terms.with(Term::BandLimit))?;
+    let whole = match &asked.terms {
+        Terms::Auto(_) => filtered.from(0),
+        Terms::Given(_) => Fitter::new(curve, &asked.terms)?,
+    };
+    let fit = whole.fit_record(curve.variances())?;
+    if is_likely(&fit) && !is_limited(&fit) {
+        return Ok(Described { fitter: whole, fit, is_described: true });
+    }
     let last = match asked.from_s {
         None => curve.ms().len().saturating_sub(FEWEST),
         Some(_) => 0,
     };
+    let mut was_likely = last == 0;
     for start in 0..=last {
         let fitter = filtered.from(start);
         // A covariance that is not definite belongs to a model that does not hold there.
-        match fitter.fit_record(fitter.curve().variances()) {
-            Ok(fit) if is_likely(&fit) => return Ok(Described { fitter, fit, is_described: true }),
-            _ => {}
+        let fit = fitter.fit_record(fitter.curve().variances()).ok().filter(is_likely);
+        match fit {
+            Some(fit) if was_likely => return Ok(Described { fitter, fit, is_described: true }),
+            fit => was_likely = fit.is_some(),
         }
     }
-    Ok(Described { fitter, fit, is_described: false })
+    Ok(Described { fitter: whole, fit, is_described: false })
+}
+
+/// Whether a fit contains a band limit.
+fn is_limited(fit: &Fit) -> bool {
+    fit.process.parts.iter().any(|part| part.term == Term::BandLimit)
 }
 
 fn is_likely(fit: &Fit) -> bool {
@@ -112,10 +126,13 @@ fn is_likely(fit: &Fit) -> bool {
 }
 
 impl Described {
-    /// Marks the coefficients of a fit over this range, or takes their values, if it does not describe the curve.
+    /// Leaves out a band limit that is not identified. If the fit does not describe the curve, marks its coefficients and, unless
+    /// `is_forced`, takes their values.
     pub fn judged(&self, fit: Fit, is_forced: bool) -> Fit {
+        let is_shown =
+            |found: &Coefficient| found.term != Term::BandLimit || found.verdict == Verdict::Identified;
         if self.is_described {
-            return fit;
+            return Fit { coefficients: fit.coefficients.into_iter().filter(is_shown).collect(), ..fit };
         }
         let of = |found: Coefficient| match is_forced {
             true => Coefficient { verdict: Verdict::NotDescribed, ..found },
