@@ -138,7 +138,8 @@ def coefficients(records):
     rng = np.random.default_rng(22)
     for name, forward, back in filters():
         for b in (0, B):
-            found = list(columns(records, lambda: filtered(rng, b, forward, back), *OF_RECORD, "--bootstrap", "0", *EXTRA))
+            options = [*OF_RECORD, *(EXTRA or ["--bootstrap", "0"])]
+            found = list(columns(records, lambda: filtered(rng, b, forward, back), *options))
             line = f"{name:16} B {b:.3f}:"
             starts = [RATE * column["fit"]["from_s"] for column in found]
             line += f" from {np.median(starts):3.0f} ({min(starts):.0f} … {max(starts):.0f}) samples;"

@@ -9,7 +9,8 @@
 //! 2. A fit to all octaves without a band limit is the result, unless its χ² is improbable.
 //! 3. Otherwise the fit starts at the second of two successive octaves from which its χ² is not improbable. The first of them
 //!    guards against a rest of the filter that χ² does not show, but that is worth a standard error of N.
-//! 4. If there is none, every coefficient is [not described](Verdict::NotDescribed).
+//! 4. If that costs four octaves or more, a fit of all octaves with a sine takes precedence if it describes them.
+//! 5. If there is none, every coefficient is [not described](Verdict::NotDescribed).
 //!
 //! Terms that are given are first fitted without a band limit.
 
@@ -23,6 +24,9 @@ use crate::theory::allan::Term;
 pub const LEAST_P: f64 = 1e-3;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
+
+/// Octaves lost from which on a sine is tried instead.
+const LOST: usize = 4;
 
 /// What is asked of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,16 +108,36 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
         Some(_) => 0,
     };
     let mut was_likely = last == 0;
+    let mut found = None;
     for start in 0..=last {
         let fitter = filtered.from(start);
         // A covariance that is not definite belongs to a model that does not hold there.
         let fit = fitter.fit_record(fitter.curve().variances()).ok().filter(is_likely);
         match fit {
-            Some(fit) if was_likely => return Ok(Described { fitter, fit, is_described: true }),
+            Some(fit) if was_likely => {
+                found = Some((start, Described { fitter, fit, is_described: true }));
+                break;
+            }
             fit => was_likely = fit.is_some(),
         }
     }
-    Ok(Described { fitter: whole, fit, is_described: false })
+    match found {
+        Some((start, described)) if start < LOST => Ok(described),
+        found => {
+            let other = with_sine(curve, &asked.terms)?.or(found.map(|(_, described)| described));
+            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described: false }))
+        }
+    }
+}
+
+/// The fit of chosen terms with a sine to the whole curve, if that describes it.
+fn with_sine(curve: &Curve, terms: &Terms) -> Result<Option<Described>, FitError> {
+    if matches!(terms, Terms::Given(_)) {
+        return Ok(None);
+    }
+    let fitter = Fitter::new(curve, &terms.with(Term::Sine))?;
+    let fit = fitter.fit_record(curve.variances()).ok().filter(is_likely);
+    Ok(fit.map(|fit| Described { fitter, fit, is_described: true }))
 }
 
 /// Whether a fit contains a band limit.
@@ -134,6 +158,7 @@ impl Described {
         if self.is_described {
             return Fit { coefficients: fit.coefficients.into_iter().filter(is_shown).collect(), ..fit };
         }
+        let is_asked = |found: &Coefficient| found.term != Term::BandLimit;
         let of = |found: Coefficient| match is_forced {
             true => Coefficient { verdict: Verdict::NotDescribed, ..found },
             false => Coefficient {
@@ -146,6 +171,6 @@ impl Described {
                 evidence: None,
             },
         };
-        Fit { coefficients: fit.coefficients.into_iter().map(of).collect(), ..fit }
+        Fit { coefficients: fit.coefficients.into_iter().filter(is_asked).map(of).collect(), ..fit }
     }
 }

@@ -66,13 +66,13 @@ impl Fits {
         let shows = |term: &Term| {
             chosen.iter().any(|one| one.fit.coefficient(*term).is_some_and(|found| found.value.is_some()))
         };
-        let limit = Some(Term::BandLimit).filter(is_used);
+        let used: Vec<Term> = Term::EVERY.into_iter().filter(is_used).collect();
         let (terms, shown): (Vec<Term>, Vec<Term>) = match &asked.terms {
-            Terms::Given(given) => (given.iter().copied().chain(limit).collect(), given.clone()),
-            Terms::Auto(candidates) => {
-                let used: Vec<Term> = candidates.iter().copied().chain(limit).filter(is_used).collect();
-                (used.clone(), used.into_iter().filter(shows).collect())
+            Terms::Given(given) => {
+                let limit = used.into_iter().filter(|term| *term == Term::BandLimit);
+                (given.iter().copied().chain(limit).collect(), given.clone())
             }
+            Terms::Auto(_) => (used.clone(), used.into_iter().filter(shows).collect()),
         };
         let from_s = chosen.iter().map(|one| one.fit.tau_range[0]).fold(0.0, f64::max);
         let over_both = |i: usize| {
