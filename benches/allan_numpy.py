@@ -13,6 +13,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -171,9 +172,12 @@ def compare(pairs):
     for name, forward, back in filters():
         for b in (0, B):
             p = {"noise": [], "N": [], "B": []}
-            for _ in range(pairs):
-                files = [filtered(rng, b, forward, back) for _ in range(2)]
-                found = program("compare", files, *OF_RECORD, *EXTRA)
+
+            def of_pair(files):
+                return program("compare", files, *OF_RECORD, *EXTRA)
+
+            made = ([filtered(rng, b, forward, back) for _ in range(2)] for _ in range(pairs))
+            for found in POOL.map(of_pair, made):
                 p["noise"].append(found["same_noise"]["p"])
                 for row in found["coefficients"]:
                     if row["coefficient"] in p and row["p"] is not None:
@@ -189,4 +193,5 @@ def compare(pairs):
 
 if __name__ == "__main__":
     EXTRA = sys.argv[3:]
+    POOL = ThreadPoolExecutor(os.cpu_count())
     globals()[sys.argv[1]](int(sys.argv[2]) if len(sys.argv) > 2 else 200)

@@ -10,7 +10,8 @@
 //! 3. Otherwise the fit starts at the second of two successive octaves from which its χ² is not improbable. The first of them
 //!    guards against a rest of the filter that χ² does not show, but that is worth a standard error of N.
 //! 4. If that costs four octaves or more, a fit of all octaves with a sine takes precedence if it describes them.
-//! 5. If there is none, every coefficient is [not described](Verdict::NotDescribed).
+//! 5. If there is none, the fit of all octaves is the result unless its χ² is impossible. Then every coefficient is
+//!    [not described](Verdict::NotDescribed).
 //!
 //! Terms that are given are first fitted without a band limit.
 
@@ -22,6 +23,9 @@ use crate::theory::allan::Term;
 /// Probability of the residuals below which a fit does not describe its curve. It leaves room for the scatter of single records
 /// at long τ, which is wider than that of a χ².
 pub const LEAST_P: f64 = 1e-3;
+/// The same for a fit of all octaves if nothing describes a part of them better: a single estimate at long τ that is
+/// far off spoils every range.
+pub const IMPOSSIBLE_P: f64 = 1e-9;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
 
@@ -125,7 +129,8 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
         Some((start, described)) if start < LOST => Ok(described),
         found => {
             let other = with_sine(curve, &asked.terms)?.or(found.map(|(_, described)| described));
-            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described: false }))
+            let is_described = fit.p_value().is_some_and(|p| p > IMPOSSIBLE_P);
+            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described }))
         }
     }
 }

@@ -29,8 +29,7 @@ fn filtered([a, b]: [f64; 2], seed: u64) -> Angles {
         before = x;
         y
     };
-    (0..100).for_each(|_| drop(next()));
-    let rates: Vec<f64> = (0..SAMPLES).map(|_| next()).collect();
+    let rates: Vec<f64> = (0..SAMPLES + 100).map(|_| next()).skip(100).collect();
     Angles::from_increments(&rates, 1.0, 1.0, Trend::None)
 }
 
