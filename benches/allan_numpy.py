@@ -60,7 +60,8 @@ KINDS = {
     "walk": (0, 0, 1, 0),
     "white and flicker": (1, 0.3, 0, 0),
     "white and walk": (1, 0, 0.03, 0),
-    "white and ramp": (1, 0, 0, 3e-4),
+    "white and ramp": (1, 0, 0, 3e-3),
+    "weak ramp": (1, 0, 0, 3e-4),
 }
 DEVIATIONS = ["adev", "oadev", "mdev", "hdev", "ohdev"]
 SAMPLES = 4096
