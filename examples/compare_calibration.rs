@@ -80,7 +80,7 @@ fn comparisons(truth: Truth, samplings: [Sampling; 2], terms: &Terms) -> Vec<Com
             let process = Process { sample_s, parts: parts.clone() };
             Angles::from_angles(&noise::record(&process, samples, &mut rng), 1.0, sample_s, Trend::None)
         });
-        compare(&a, &b, Some(terms))
+        compare(&a, &b, Some(&terms.clone().into()))
     };
     (0..PAIRS).into_par_iter().filter_map(|seed| pair(seed).ok()).collect()
 }

@@ -112,7 +112,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 18] = [
+const OPTIONS: [&str; 21] = [
     "at",
     "binary",
     "bootstrap",
@@ -122,6 +122,9 @@ const OPTIONS: [&str; 18] = [
     "device",
     "duplicates",
     "filler",
+    "fit_from",
+    "fit_to",
+    "force",
     "out",
     "rate",
     "salvage",
@@ -172,7 +175,9 @@ impl From<KalibrError> for Failure {
     fn from(error: KalibrError) -> Failure {
         match error {
             KalibrError::Plain(_) => Failure::Usage(in_options(&error)),
-            KalibrError::NoCoefficients { .. } => Failure::Record(error.to_string()),
+            KalibrError::NoCoefficients { .. } | KalibrError::NotDescribed(_) => {
+                Failure::Record(in_options(&error))
+            }
         }
     }
 }

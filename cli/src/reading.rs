@@ -5,6 +5,7 @@ use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::fit::choose::Terms;
+use sagnac::fit::range::Fitting;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
@@ -67,6 +68,15 @@ pub struct Reading {
     /// markov, sine
     #[arg(help_heading = "Reading the log", long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
     fit: Fitted,
+    /// Shortest averaging time of the fit, as in "0.5 s" [default: the shortest from which the terms describe the curve]
+    #[arg(help_heading = "Reading the log", long, value_name = "TIME", value_parser = seconds)]
+    fit_from: Option<f64>,
+    /// Longest averaging time of the fit [default: an eighth of the record]
+    #[arg(help_heading = "Reading the log", long, value_name = "TIME", value_parser = seconds)]
+    fit_to: Option<f64>,
+    /// Take the coefficients of the best fit even where it does not describe the curve
+    #[arg(help_heading = "Reading the log", long)]
+    force: bool,
 }
 
 /// Value of `--fit`.
@@ -113,13 +123,14 @@ fn fit_terms(text: &str) -> Result<Fitted, String> {
 }
 
 impl Reading {
-    /// The terms to fit, if any. A removed trend includes the ramp.
-    pub fn terms(&self) -> Option<Terms> {
-        match &self.fit {
-            Fitted::None => None,
-            Fitted::Given(terms) => Some(Terms::Given(terms.clone())),
-            Fitted::Auto => Some(Terms::of_model(self.detrend)),
-        }
+    /// The fit, if any. A removed trend includes the ramp.
+    pub fn fitting(&self) -> Option<Fitting> {
+        let terms = match &self.fit {
+            Fitted::None => return None,
+            Fitted::Given(terms) => Terms::Given(terms.clone()),
+            Fitted::Auto => Terms::of_model(self.detrend),
+        };
+        Some(Fitting { terms, from_s: self.fit_from, to_s: self.fit_to, is_forced: self.force })
     }
 
     /// The names of the columns, as they were given.

@@ -221,8 +221,8 @@ def allan(
     Notes
     -----
     Definitions are those of NIST SP 1065 and IEEE Std 952; a rate in °/h is the same number in ″/s. The noise is identified by its
-    lag-1 autocorrelation; intervals are those of χ² with the degrees of freedom of Greenhall and Riley. Terms that touch a
-    gap are omitted.
+    lag-1 autocorrelation. Intervals are those of χ² with the degrees of freedom of the noise of the record as a whole. Terms that
+    touch a gap are omitted.
 
     Raises
     ------

@@ -7,12 +7,12 @@ use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::Angles;
-use sagnac::allan::curve::{Point, curve, minimum};
+use sagnac::allan::curve::{Point, curve, minimum, suppose};
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
-use sagnac::analysis::log::{Treatment, slope};
+use sagnac::analysis::log::{Treatment, model, slope};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::record::curve_of;
@@ -205,10 +205,14 @@ pub fn curves<'py>(
     let (record, curves) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
         let record = reading.record(values)?;
+        let model = model(&record.angles, reading.trend());
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
             let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
-            Ok((deviation, curve(&record.angles, deviation, &factors, confidence)))
+            let mut points = curve(&record.angles, deviation, &factors, confidence);
+            let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
+            suppose(&mut points, &record.angles, deviation, confidence, model);
+            Ok((deviation, points))
         };
         let curves = deviations.iter().map(of).collect::<Result<Vec<_>, Failure>>()?;
         Ok((record, curves))
@@ -270,7 +274,7 @@ pub fn fit<'py>(
         };
         let record = reading.record(values)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
-        let sheet = DataSheet::of(&record.angles, &terms, record.unit, simulated)
+        let sheet = DataSheet::of(&record.angles, &terms.into(), record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&record.angles)
             .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;

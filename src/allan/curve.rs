@@ -2,10 +2,13 @@
 
 use rayon::prelude::*;
 
+use crate::allan::differences;
 use crate::allan::edf::edf;
 use crate::allan::noise::noise;
 use crate::allan::sums::sums;
 use crate::allan::{Angles, Deviation, Noise, chi_squared};
+use crate::theory::allan::Process;
+use crate::theory::allan::gaussian::freedom;
 
 /// A deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,12 +22,36 @@ pub struct Point {
     /// The deviation, in the unit of the angle per second, or for [`Deviation::Tdev`] in that of the angle. Absent
     /// without terms.
     pub value: Option<f64>,
-    /// Identified noise; absent where the record is too short.
+    /// Noise identified by the lag-1 autocorrelation; absent where the record is too short.
     pub noise: Option<Noise>,
-    /// Equivalent degrees of freedom of the variance.
+    /// The noise that the interval supposes.
+    pub supposes: Supposed,
+    /// Equivalent degrees of freedom of the variance for that noise.
     pub edf: Option<f64>,
     /// Lower and upper end of the interval.
     pub interval: Option<(f64, f64)>,
+}
+
+/// The noise that the interval of a deviation supposes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Supposed {
+    /// The power law of the lag-1 autocorrelation at that τ, as in Stable32.
+    PowerLaw,
+    /// A noise model of the whole record.
+    Model,
+    /// The autocorrelation of the differences themselves.
+    Differences,
+}
+
+impl Supposed {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Supposed::PowerLaw => "alpha",
+            Supposed::Model => "model",
+            Supposed::Differences => "differences",
+        }
+    }
 }
 
 /// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence` p, 0 < p <
@@ -38,7 +65,8 @@ pub struct Point {
 ///
 /// # Limits
 /// Exact intervals need noise of one power law; where two meet, intervals are as good as those of the nearer one. Noise
-/// for which the deviation does not converge is treated as the steepest for which it does.
+/// for which the deviation does not converge is treated as the steepest for which it does. With few groups the noise is
+/// often identified wrongly; [`suppose`] takes it from the record as a whole.
 ///
 /// # Example
 /// ```
@@ -63,9 +91,38 @@ pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidenc
         let left = sum.terms as f64 / deviation.terms(angles.len(), m).max(1) as f64;
         let edf = noise.and_then(|noise| edf(deviation, noise.alpha, angles.len(), m)).map(|edf| edf * left);
         let interval = value.zip(edf).and_then(|(value, edf)| interval(value, edf, confidence));
-        Point { m, tau_s, terms: sum.terms, value, noise, edf, interval }
+        Point { m, tau_s, terms: sum.terms, value, noise, supposes: Supposed::PowerLaw, edf, interval }
     });
     points.collect()
+}
+
+/// Replaces degrees of freedom and intervals of a curve of `angles` by those of `model`, the noise of the whole record, from
+/// τ = `from_s` on, and at shorter τ by those of the autocorrelation of the differences.
+///
+/// A point for which neither gives them keeps its own. Gaps count as in [`curve`].
+pub fn suppose(
+    points: &mut [Point],
+    angles: &Angles,
+    deviation: Deviation,
+    confidence: f64,
+    model: Option<(&Process, f64)>,
+) {
+    let samples = angles.len().saturating_sub(1) as u64;
+    points.par_iter_mut().for_each(|point| {
+        let m = point.m;
+        let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * from_s).and_then(|(process, _)| {
+            freedom(process, deviation.estimator(), deviation.is_modified(), samples, m as u64)
+        });
+        let found = match by_model {
+            Some(edf) => Some((edf, Supposed::Model)),
+            None => differences::freedom(angles, deviation, m).map(|edf| (edf, Supposed::Differences)),
+        };
+        let Some((edf, supposes)) = found else { return };
+        let left = point.terms as f64 / deviation.terms(angles.len(), m).max(1) as f64;
+        let edf = edf * left;
+        let interval = point.value.and_then(|value| interval(value, edf, confidence));
+        *point = Point { supposes, edf: Some(edf), interval, ..*point };
+    });
 }
 
 /// The interval of a deviation `value` whose square has `edf` degrees of freedom. `None` for 0, where nothing was

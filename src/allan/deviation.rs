@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::key::holds::names;
+use crate::theory::allan::{Difference, Estimator, Stride};
 
 names! {
     /// A deviation of a record of angles, which determines differences and averages. Their order is that of
@@ -55,6 +56,14 @@ impl Deviation {
     /// Whether it is in the unit of the angle instead of the rate.
     pub fn is_of_angle(self) -> bool {
         self == Deviation::Tdev
+    }
+
+    /// The differences of angles and their distance; a modified deviation averages the angles too.
+    pub fn estimator(self) -> Estimator {
+        Estimator {
+            difference: if self.differences() == 2 { Difference::Second } else { Difference::Third },
+            stride: if self.overlaps() { Stride::Sample } else { Stride::Cluster },
+        }
     }
 
     /// Number of angles spanned by one term at the averaging factor `m`.

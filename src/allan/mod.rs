@@ -14,6 +14,7 @@ pub mod angles;
 pub(crate) mod chi_squared;
 pub mod curve;
 pub mod deviation;
+pub(crate) mod differences;
 pub(crate) mod edf;
 pub mod noise;
 pub(crate) mod sums;
@@ -24,7 +25,7 @@ pub mod trend;
 pub mod unit;
 
 pub use crate::allan::angles::Angles;
-pub use crate::allan::curve::{Minimum, Point, curve, minimum};
+pub use crate::allan::curve::{Minimum, Point, Supposed, curve, minimum, suppose};
 pub use crate::allan::deviation::{Deviation, UnknownDeviation};
 pub use crate::allan::noise::{LEAST_GROUPS, Noise};
 pub use crate::allan::tau::{MOST_FOR_ALL, TauError, Taus};

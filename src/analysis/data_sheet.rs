@@ -3,7 +3,7 @@
 
 use crate::allan::{Angles, Unit};
 use crate::device::cpu::Cpu;
-use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Quantity, Terms, Verdict, curve_of};
+use crate::fit::{Coefficient, Described, Fit, FitError, Fitting, Quantity, Verdict, describe};
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
 
@@ -15,7 +15,7 @@ pub const MOST_SIMULATED: usize = 2_000_000;
 /// The result for one coefficient, in the unit of data sheets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Name: Q, N, B, K, R, `markov`, `markov_time`, `sine` or `sine_frequency`.
+    /// Name: Q, N, B, K, R, `markov`, `markov_time`, `sine`, `sine_frequency` or L.
     pub name: &'static str,
     /// Unit in files.
     pub unit: &'static str,
@@ -83,9 +83,10 @@ impl Intervals {
 }
 
 impl DataSheet {
-    /// The noise of a record whose curves are in `unit`: the fit of [`Terms`] to its overlapping Allan variances at the
-    /// octaves of τ up to an eighth of the record, with the intervals of [`Fitter::fit_realised`] where records are
-    /// simulated. The same record gives the same bits for any number of threads.
+    /// The noise of a record whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
+    /// octaves of τ that they [describe](crate::fit::range), with the intervals of
+    /// [`Fitter::fit_realised`](crate::fit::Fitter::fit_realised) where records are simulated. The same record gives the same
+    /// bits for any number of threads.
     ///
     /// # Errors
     /// A sentence that says why the noise of this record cannot be determined.
@@ -99,32 +100,36 @@ impl DataSheet {
     /// let rates: Vec<f64> = (0_u64..4096).map(|i| (i * i * 48_271 % 65_537) as f64 / 65_537.0).collect();
     /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
     /// let closed = Intervals { records: 0, without: None };
-    /// let sheet = DataSheet::of(&angles, &Terms::of_model(Trend::None), Unit::Angular, closed)?;
+    /// let sheet = DataSheet::of(&angles, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
     /// # Ok::<(), String>(())
     /// ```
-    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, intervals: Intervals) -> Result<DataSheet, String> {
+    pub fn of(
+        angles: &Angles,
+        asked: &Fitting,
+        unit: Unit,
+        intervals: Intervals,
+    ) -> Result<DataSheet, String> {
         let said = |error: FitError| error.to_string();
-        let curve = curve_of(angles).map_err(said)?;
-        let fitter = Fitter::new(&curve, terms).map_err(said)?;
-        let first = fitter.fit_record(curve.variances()).map_err(said)?;
+        let described = describe(&asked.curve(angles).map_err(said)?, asked).map_err(said)?;
         let realised = match intervals.records {
-            0 => Ok(first.clone()),
-            records => realised(&fitter, &curve, &first, records),
+            0 => Ok(described.fit.clone()),
+            records => realised(&described, records),
         };
         let (fit, intervals) = realised.map(|fit| (fit, intervals)).unwrap_or_else(|why| {
             let without = Some(format!("the fit cannot be simulated: {why}"));
-            (first, Intervals { records: 0, without })
+            (described.fit.clone(), Intervals { records: 0, without })
         });
+        let fit = described.judged(fit, asked.is_forced);
         Ok(DataSheet { rows: rows(&fit, unit), fit, intervals })
     }
 }
 
 /// Repeats the fit with intervals from simulated records of the first fit.
-fn realised(fitter: &Fitter, curve: &Curve, first: &Fit, count: usize) -> Result<Fit, String> {
-    let cpu = Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?;
-    let rows = realisations(&cpu, curve, first, count, &|_| {}).map_err(|error| error.to_string())?;
-    fitter.fit_realised(curve.variances(), first, &rows).map_err(|error| error.to_string())
+fn realised(Described { fitter, fit, .. }: &Described, count: usize) -> Result<Fit, String> {
+    let (cpu, curve) = (Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?, fitter.curve());
+    let rows = realisations(&cpu, curve, fit, count, &|_| {}).map_err(|error| error.to_string())?;
+    fitter.fit_realised(curve.variances(), fit, &rows).map_err(|error| error.to_string())
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
@@ -153,5 +158,6 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
         Verdict::AtBoundary { .. } => "none found, at most the upper end",
         Verdict::NotIdentifiable { below: Some(_) } => "not identifiable, at most the upper end",
         Verdict::NotIdentifiable { below: None } => "not identifiable",
+        Verdict::NotDescribed => "not described",
     }
 }

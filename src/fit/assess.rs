@@ -56,6 +56,7 @@ impl<'a> Judge<'a> {
             process: self.system.curve().process(&model),
             chi_squared: dot(&self.residual, &self.residual),
             degrees_of_freedom,
+            tau_range: self.system.curve().tau_range(),
         })
     }
 

@@ -19,6 +19,10 @@ pub const PENALTY: f64 = 4.0;
 /// (`tests/library/allan_fit_records.rs`).
 pub const PENALTY_OF_SHAPE: f64 = 10.0;
 
+/// The penalty for the band limit. It is that of [`LIKELY`], so that the interval of N covers a band limit wherever the curve
+/// leaves room for one: every sensor has a filter, and one that does not show may be worth a standard error of N.
+pub const PENALTY_OF_LIMIT: f64 = LIKELY;
+
 /// Increase of the penalised χ² without a term that is required for the term to be identified.
 ///
 /// Below it, another term would fit almost equally well, such as a ramp instead of a rate random walk, and the choice
@@ -55,6 +59,15 @@ impl Terms {
     pub fn all(&self) -> &[Term] {
         let (Terms::Given(terms) | Terms::Auto(terms)) = self;
         terms
+    }
+
+    /// These terms and one more.
+    pub(crate) fn with(&self, term: Term) -> Terms {
+        let more = |terms: &[Term]| [terms, &[term]].concat();
+        match self {
+            Terms::Given(terms) => Terms::Given(more(terms)),
+            Terms::Auto(terms) => Terms::Auto(more(terms)),
+        }
     }
 
     /// Least number of parameters of the fit.
@@ -146,7 +159,11 @@ fn used(solution: &Solution) -> Vec<Term> {
 
 /// χ² with the penalties of the terms in use.
 fn score(solution: &Solution) -> f64 {
-    let penalty = |term: Term| if term.has_shape() { PENALTY_OF_SHAPE } else { PENALTY };
+    let penalty = |term: Term| match term {
+        Term::BandLimit => PENALTY_OF_LIMIT,
+        _ if term.has_shape() => PENALTY_OF_SHAPE,
+        _ => PENALTY,
+    };
     let used = solution.terms.iter().filter(|fitted| fitted.square > 0.0);
     solution.chi_squared + used.map(|fitted| penalty(fitted.term)).sum::<f64>()
 }

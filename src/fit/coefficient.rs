@@ -22,6 +22,8 @@ pub enum Verdict {
         /// Upper end of the 95 % interval; absent where the curve gives no bound.
         below: Option<f64>,
     },
+    /// The fitted terms describe the curve over no range of τ, so their coefficients mean nothing.
+    NotDescribed,
 }
 
 /// Correlation time, s, or frequency, Hz, with its 95 % interval.
@@ -66,12 +68,19 @@ pub struct Fit {
     pub chi_squared: f64,
     /// Number of points less the number of fitted parameters.
     pub degrees_of_freedom: usize,
+    /// Shortest and longest τ of the fitted points, s.
+    pub tau_range: [f64; 2],
 }
 
 impl Fit {
     /// The coefficient of a term; `None` where the term was not tried.
     pub fn coefficient(&self, term: Term) -> Option<&Coefficient> {
         self.coefficients.iter().find(|coefficient| coefficient.term == term)
+    }
+
+    /// Whether the fitted terms describe the curve; see [`crate::fit::range`].
+    pub fn is_described(&self) -> bool {
+        self.coefficients.iter().all(|found| found.verdict != Verdict::NotDescribed)
     }
 
     /// Probability of residuals at least as large if the model holds; `None` without degrees of freedom.

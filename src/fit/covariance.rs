@@ -134,6 +134,11 @@ impl Growth {
         Growth { terms: terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect(), components }
     }
 
+    /// The growth for the averaging factors from the position `start` on.
+    pub(crate) fn from(&self, start: usize) -> Growth {
+        Growth { terms: self.terms.clone(), components: self.components.from(start) }
+    }
+
     /// Whether it belongs to these terms and shapes.
     pub(crate) fn is_of(&self, terms: &[Fitted]) -> bool {
         self.terms.iter().copied().eq(terms.iter().map(|fitted| (fitted.term, fitted.shape)))

@@ -64,6 +64,12 @@ pub enum FitError {
     /// Rounding has corrupted the covariance, as it does where points are too close to each other.
     #[error("the covariance of the estimates is not positive definite")]
     NotDefinite,
+    /// The terms describe no range of τ of the curve.
+    #[error(
+        "not described: the fitted terms describe the curve over no range of τ\nfit other terms, or set the range, \
+         as in `fit_from = 1s`"
+    )]
+    NotDescribed,
     /// This number of simulated records gives no covariance.
     #[error("{0} realisations give no covariance: at least two with one estimate for every averaging factor")]
     Realisations(usize),
@@ -102,6 +108,11 @@ impl Curve {
     pub fn with(&self, variances: &[f64]) -> Result<Curve, FitError> {
         check(&self.ms, variances)?;
         Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), ..*self })
+    }
+
+    /// The curve from the position `start` of its averaging factors on.
+    pub(crate) fn from(&self, start: usize) -> Curve {
+        Curve { ms: self.ms[start..].to_vec(), variances: self.variances[start..].to_vec(), ..*self }
     }
 
     /// Time from one sample to the next, s.

@@ -89,6 +89,24 @@ impl Fitter {
         Ok(Fitter { geometry, terms, candidates, basis, growth: OnceLock::new() })
     }
 
+    /// The curve of the geometry, whose variances it was made with.
+    pub fn curve(&self) -> &Curve {
+        &self.geometry
+    }
+
+    /// The fitter for the averaging factors from the position `start` on, which takes over all that is the same for it.
+    pub(crate) fn from(&self, start: usize) -> Fitter {
+        let has_shapes = self.candidates.iter().any(|term| term.has_shape());
+        let growth = (!has_shapes).then(|| self.growth(&self.complete(&[]), None).from(start));
+        Fitter {
+            geometry: self.geometry.from(start),
+            terms: self.terms.clone(),
+            candidates: self.candidates.clone(),
+            basis: self.basis.map(|column| column[start..].to_vec()),
+            growth: growth.map(|growth| Arc::new(growth).into()).unwrap_or_default(),
+        }
+    }
+
     /// Fits the curve with these variances, (″/s)², like [`fit`].
     ///
     /// # Errors

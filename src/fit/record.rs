@@ -13,8 +13,13 @@ const LONGEST: usize = 8;
 /// # Errors
 /// The variance of the record is 0, or the record is too long for the flicker model.
 pub fn curve_of(angles: &Angles) -> Result<Curve, FitError> {
+    curve_at(angles, &factors(angles.len().saturating_sub(1)))
+}
+
+/// The same at other averaging factors.
+pub(crate) fn curve_at(angles: &Angles, factors: &[usize]) -> Result<Curve, FitError> {
     let samples = angles.len().saturating_sub(1);
-    let points = curve(angles, Deviation::Oadev, &factors(samples), 0.95);
+    let points = curve(angles, Deviation::Oadev, factors, 0.95);
     let known: Vec<(u64, f64)> =
         points.iter().filter_map(|point| Some((point.m as u64, point.value? * point.value?))).collect();
     let (ms, variances) = known.into_iter().unzip();

@@ -73,6 +73,7 @@ pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64>
         }
         Term::RateRamp => (0..=samples).map(|k| 0.5 * size * (t0 * k as f64).powi(2)).collect(),
         Term::WarmUp => (0..=samples).map(|k| -size * shape * (-t0 * k as f64 / shape).exp_m1()).collect(),
+        Term::BandLimit => panic!("a band limit takes from other noise and has no samples of its own"),
     }
 }
 

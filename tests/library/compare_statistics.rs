@@ -39,7 +39,7 @@ fn comparisons(two: [(&Process, usize); 2], pairs: u64, seed: u64, terms: &Terms
             let angles = crate::noise::record(process, samples, &mut rng);
             Angles::from_angles(&angles, 1.0, process.sample_s, Trend::None)
         });
-        compare(&a, &b, Some(terms)).unwrap()
+        compare(&a, &b, Some(&terms.clone().into())).unwrap()
     };
     (0..pairs).into_par_iter().map(pair).collect()
 }

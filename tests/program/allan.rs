@@ -20,7 +20,8 @@ fn curve(desk: &Desk, folder: &str) -> Vec<BTreeMap<String, String>> {
 #[test]
 fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     let desk = desk_with("PHASE.DAT", PHASE);
-    let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683";
+    let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683 \
+                 --intervals stable32";
     let ended = done(&desk, words);
     for piece in ["1001 samples at 1 Hz", "0.10570", "68.3 % intervals", "time deviation", "in-run stability"]
     {
@@ -54,7 +55,8 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
 fn the_header_of_the_csv_is_the_documented_one() {
     let desk = desk_with("log.csv", log());
     done(&desk, "log.csv --data rate --time time --column gz --out out");
-    let header = "column,deviation,m,tau_s,terms,alpha,lower,value,upper,unit,alpha_from,treatment";
+    let header =
+        "column,deviation,m,tau_s,terms,alpha,lower,value,upper,unit,alpha_from,treatment,edf,edf_from";
     assert_eq!(desk.read("out/curve.csv").lines().next(), Some(header));
 }
 
@@ -179,4 +181,24 @@ fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
         2,
         &["`Z` is not a term", "auto, none, or some of Q,N,B,K,R,markov,sine"],
     );
+}
+
+#[test]
+fn intervals_suppose_the_noise_of_the_record_or_that_of_stable32() {
+    let text: String = noise(4096).map(|y| format!("{y}\n")).collect();
+    let desk = desk_with("rest.csv", text);
+    let rows_of = |words: &str| {
+        done(&desk, &format!("rest.csv --data rate --unit deg/h --rate 1Hz --out out {words}"));
+        curve(&desk, "out")
+    };
+    let edf = |row: &BTreeMap<String, String>| row["edf"].parse::<f64>().unwrap();
+    let (record, stable32) = (rows_of(""), rows_of("--intervals stable32"));
+    assert!(record.iter().all(|row| row["edf_from"] == "model"));
+    assert!(stable32.iter().all(|row| row["edf_from"] == "alpha"));
+    // Exact for white noise at m = 1, where Greenhall's are 17 % more: (2N/3)(1 + …/N).
+    assert!((edf(&record[0]) / (2.0 * 4096.0 / 3.0) - 1.0).abs() < 1e-3, "{:?}", record[0]);
+    assert!(edf(&stable32[0]) / edf(&record[0]) > 1.1, "{:?}", stable32[0]);
+    for (a, b) in record.iter().zip(&stable32) {
+        assert_eq!((&a["value"], &a["alpha"]), (&b["value"], &b["alpha"]));
+    }
 }

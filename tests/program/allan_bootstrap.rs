@@ -109,7 +109,8 @@ fn every_output_says_where_the_intervals_come_from() {
     let (report, csv) = outputs(&desk, "");
     assert!(report.contains("95 % intervals from 1000 simulated records of the fit"), "{report}");
     assert!(
-        csv.lines().any(|line| line.starts_with("1,N,") && line.ends_with("identified,bootstrap of 1000")),
+        csv.lines()
+            .any(|line| line.starts_with("1,N,") && line.ends_with("identified,bootstrap of 1000,1,2048")),
         "{csv}"
     );
     assert!(desk.read("out/noise.toml").contains("# 95 % intervals from 1000 simulated records of the fit."));
@@ -117,7 +118,11 @@ fn every_output_says_where_the_intervals_come_from() {
 
     let (report, closed) = outputs(&desk, "--bootstrap 0");
     assert!(report.contains("95 % intervals in closed form"), "{report}");
-    assert!(closed.lines().any(|line| line.starts_with("1,N,") && line.ends_with("identified,closed form")));
+    assert!(
+        closed
+            .lines()
+            .any(|line| line.starts_with("1,N,") && line.ends_with("identified,closed form,1,2048"))
+    );
     assert_ne!(closed.replace("closed form", "bootstrap of 1000"), csv);
 
     let json = |words: &str| -> serde_json::Value {

@@ -55,6 +55,14 @@ fn coefficients(desk: &Desk) -> BTreeMap<(String, String), (String, String, Stri
         .collect()
 }
 
+/// Value and verdict of a coefficient.
+fn verdict(desk: &Desk, name: &str) -> (String, String) {
+    let text = desk.read("out/coefficients.csv");
+    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize::<BTreeMap<String, String>>();
+    let row = rows.map(Result::unwrap).find(|row| row["coefficient"] == name).unwrap();
+    (row["value"].clone(), row["verdict"].clone())
+}
+
 /// The number in front of a unit.
 fn number(quantity: &Value, unit: &str) -> f64 {
     let text = quantity.as_str().unwrap();
@@ -264,4 +272,67 @@ fn what_cannot_be_in_an_imu_yaml_is_refused() {
         6,
         &["no/where"],
     );
+}
+
+/// White noise with two slow sines, which Q, N, B, K, R and one sine describe over no range.
+fn undescribed() -> Vec<f64> {
+    let mut rng = StdRng::seed_from_u64(3);
+    let sine = |i: usize, hz: f64| 10.0 * (core::f64::consts::TAU * hz * i as f64).sin();
+    (0..16_384).map(|i| crate::noise::normal(&mut rng) + sine(i, 0.003) + sine(i, 0.0011)).collect()
+}
+
+#[test]
+fn a_curve_that_is_not_described_gives_no_coefficient_to_any_output_unless_forced() {
+    let desk = desk_with("gyro.csv", log("gz [deg/h]", &[undescribed()]));
+    let ended = allan(&desk, "gyro.csv --bootstrap 0");
+    let said = crate::desk::unwrapped(&ended.stderr);
+    assert!(said.contains("over no range of τ") && said.contains("--fit-from 1s"), "{said}");
+    assert_eq!(ended.stdout.matches("not described").count(), 5, "{}", ended.stdout);
+    for name in ["Q", "N", "B", "K", "R"] {
+        assert_eq!(verdict(&desk, name), (String::new(), "not described".to_owned()), "{name}");
+    }
+    assert!(!desk.path("out/noise.toml").exists());
+    let json: serde_json::Value =
+        serde_json::from_str(&allan(&desk, "gyro.csv --bootstrap 0 --json").stdout).unwrap();
+    let column = &json["columns"][0];
+    assert_eq!(column["fit"]["described"], false);
+    for row in column["coefficients"].as_array().unwrap() {
+        assert!(row["value"].is_null() && row["upper"].is_null(), "{row}");
+        assert_eq!(row["verdict"], "not described");
+    }
+    desk.fails(
+        "allan gyro.csv --data rate --rate 1Hz --bootstrap 0 --kalibr imu.yaml",
+        3,
+        &["gz: not described", "--fit-from 1s", "--force"],
+    );
+    assert!(!desk.path("imu.yaml").exists());
+    desk.write("other.csv", &log("gz [deg/h]", &[undescribed().iter().map(|x| 2.0 * x).collect()]));
+    let compared = desk.done("compare gyro.csv other.csv --data rate --rate 1Hz");
+    assert!(compared.stderr.contains("no coefficients: not described"), "{}", compared.stderr);
+
+    allan(&desk, "gyro.csv --bootstrap 0 --kalibr imu.yaml --force");
+    assert!(desk.read("imu.yaml").contains(": not described"), "{}", desk.read("imu.yaml"));
+    assert!(desk.read("out/noise.toml").contains("# Not described"), "{}", desk.read("out/noise.toml"));
+    let forced = verdict(&desk, "N");
+    assert!(!forced.0.is_empty() && forced.1 == "not described", "{forced:?}");
+
+    let ended = allan(&desk, "gyro.csv --bootstrap 0 --fit-to 8s");
+    assert!(ended.stdout.contains("from τ = 1 s to 8 s"), "{}", ended.stdout);
+    assert_eq!(verdict(&desk, "N").1, "identified");
+}
+
+#[test]
+fn the_filter_of_a_sensor_is_said_and_stays_out_of_noise_toml() {
+    let white = rates(&[Part::angle_random_walk(0.6)], 32_401, 21);
+    let halves: Vec<f64> = white.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let desk = desk_with("gyro.csv", log("gz [deg/h]", &[halves]));
+    let ended = allan(&desk, "gyro.csv");
+    let said = crate::desk::unwrapped(&ended.stderr);
+    assert!(said.contains("the sensor filters its rate") && said.contains("from 2 s on"), "{said}");
+    assert_eq!((verdict(&desk, "L").1.as_str(), verdict(&desk, "B").0.as_str()), ("identified", ""));
+    // 0.6 ″/√s in °/√h.
+    let (n, found) = verdict(&desk, "N");
+    assert!(found == "identified" && (n.parse::<f64>().unwrap() / 0.01 - 1.0).abs() < 0.05, "{n}: {found}");
+    let table: Table = desk.read("out/noise.toml").parse().unwrap();
+    assert_eq!(table.keys().collect::<Vec<_>>(), ["angle_random_walk"]);
 }

@@ -3,14 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
-use sagnac::analysis::log::Asked;
+use sagnac::analysis::log::{Asked, Suppose};
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
 use sagnac::record::log::read::Request;
 
 use crate::failure::Failure;
 use crate::reading::Reading;
+use crate::words::one_of;
 
 /// Examples, shown after the options.
 pub const EXAMPLES: &str = "\
@@ -47,6 +49,9 @@ pub struct Options {
     /// Probability of the confidence intervals of deviations
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     pub confidence: f64,
+    /// Noise that these intervals suppose: that of the whole record, or that of each averaging time as in Stable32
+    #[arg(long, value_name = "NOISE", default_value = "record", value_parser = suppose())]
+    pub intervals: Suppose,
     /// Results folder [default: results/<name of the file>]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -71,7 +76,8 @@ impl Options {
             taus: self.tau.clone(),
             deviations: self.deviation.clone(),
             confidence: self.confidence,
-            terms: self.reading.terms(),
+            intervals: self.intervals,
+            fitting: self.reading.fitting(),
             simulated: self.bootstrap,
         }
     }
@@ -92,13 +98,17 @@ impl Options {
             Some(_) if self.files.len() > 1 => wrong(
                 "names one file, but there are several logs\ngive them one by one, each with its --kalibr FILE",
             ),
-            Some(_) if self.reading.terms().is_none() => wrong("needs coefficients\nleave out --fit none"),
+            Some(_) if self.reading.fitting().is_none() => wrong("needs coefficients\nleave out --fit none"),
             Some(_) if request.unit.as_ref().is_some_and(|unit| !unit.is_angular) => {
                 wrong("needs rates or angles, not plain numbers\ngive their --unit, as in deg/s")
             }
             Some(_) => Ok(()),
         }
     }
+}
+
+fn suppose() -> impl TypedValueParser<Value = Suppose> {
+    one_of([("record", Suppose::Record), ("stable32", Suppose::Stable32)])
 }
 
 fn probability(text: &str) -> Result<f64, String> {

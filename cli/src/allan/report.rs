@@ -7,6 +7,7 @@ use sagnac::allan::unit::Unit;
 use sagnac::analysis::data_sheet::Row;
 use sagnac::analysis::log::notes::heading;
 use sagnac::analysis::log::{Analysis, Column, Curve};
+use sagnac::fit::coefficient::Fit;
 use sagnac::quantity::number::significant;
 
 use crate::terminal::{headed, number};
@@ -60,11 +61,18 @@ fn coefficients(column: &Column) -> String {
     };
     let heading = ["", "value", "lower", "upper", "", ""];
     format!(
-        "{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals {}\n{}",
+        "{}: coefficients of the overlapping Allan curve {}, with 95 % intervals {}\n{}",
         column.name,
+        range(&noise.fit),
         noise.intervals.words(),
         headed(heading, noise.rows.iter().map(line))
     )
+}
+
+/// The τ of a fit in words.
+fn range(fit: &Fit) -> String {
+    let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 6));
+    format!("from τ = {from} s to {to} s")
 }
 
 /// The slope that was removed.

@@ -82,7 +82,7 @@ fn analysis(options: &Options) -> Result<Analysis, Failure> {
     };
     let (a, b) = (log(&options.a, columns.first())?, log(&options.b, columns.last())?);
     let logs = [(options.a.as_path(), &a), (options.b.as_path(), &b)];
-    Analysis::of(logs, &treatment, reading.terms().as_ref()).map_err(|error| match &error {
+    Analysis::of(logs, &treatment, reading.fitting().as_ref()).map_err(|error| match &error {
         CompareError::Units { .. } => Failure::Record(format!("{error} with --unit")),
         CompareError::NoCommonTime(_) => Failure::Record(error.to_string()),
     })

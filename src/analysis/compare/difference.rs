@@ -1,10 +1,10 @@
 //! Coefficients of two records, term by term.
 
-use crate::analysis::compare::Length;
 use crate::analysis::compare::estimate::{Estimate, Two};
 use crate::analysis::compare::length;
+use crate::analysis::compare::{Length, NEAREST};
 use crate::fit::interval::WITHIN_95;
-use crate::fit::{Curve, Fit, FitError, Quantity, Terms, fit_record};
+use crate::fit::{Curve, Described, Fit, FitError, Fitting, Quantity, Terms, describe, fit_record};
 use crate::theory::allan::Term;
 
 /// Significance level: differences with a smaller p are significant.
@@ -36,39 +36,55 @@ pub struct Difference {
     pub p: Option<f64>,
 }
 
-/// Two fits with the same terms.
+/// Two fits with the same terms over the τ at which both are described.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fits {
     pub fits: [Fit; 2],
+    /// The fitted curves.
+    pub curves: [Curve; 2],
     pub terms: Vec<Term>,
     /// Terms that at least one record shows if its fit may choose.
     shown: Vec<Term>,
 }
 
 impl Fits {
-    /// The fits of two curves. With [`Terms::Auto`] the terms are those used by the best fit of either record.
-    pub(crate) fn of(curves: [&Curve; 2], terms: &Terms) -> Result<Fits, FitError> {
-        let both = |terms: &Terms| -> Result<[Fit; 2], FitError> {
-            let (a, b) = rayon::join(|| fit_record(curves[0], terms), || fit_record(curves[1], terms));
-            Ok([a?, b?])
-        };
-        let candidates = match terms {
-            Terms::Given(given) => {
-                return Ok(Fits { fits: both(terms)?, terms: given.clone(), shown: given.clone() });
-            }
-            Terms::Auto(candidates) => candidates,
-        };
-        let chosen = both(terms)?;
+    /// The fits of two curves. With [`Terms::Auto`] the terms are those used by the best fit of either record. A band limit that
+    /// either needs is fitted to both.
+    ///
+    /// # Errors
+    /// A curve cannot be fitted, or is described over no range of τ.
+    pub(crate) fn of(curves: [&Curve; 2], asked: &Fitting) -> Result<Fits, FitError> {
+        let (a, b) = rayon::join(|| describe(curves[0], asked), || describe(curves[1], asked));
+        let chosen = [a?, b?];
+        if !asked.is_forced && chosen.iter().any(|one| !one.is_described) {
+            return Err(FitError::NotDescribed);
+        }
         let is_used = |term: &Term| {
-            let mut parts = chosen.iter().flat_map(|fit| &fit.process.parts);
+            let mut parts = chosen.iter().flat_map(|one| &one.fit.process.parts);
             parts.any(|part| part.term == *term)
         };
         let shows = |term: &Term| {
-            chosen.iter().any(|fit| fit.coefficient(*term).is_some_and(|found| found.value.is_some()))
+            chosen.iter().any(|one| one.fit.coefficient(*term).is_some_and(|found| found.value.is_some()))
         };
-        let used: Vec<Term> = candidates.iter().copied().filter(is_used).collect();
-        let shown = used.iter().copied().filter(shows).collect();
-        Ok(Fits { fits: both(&Terms::Given(used.clone()))?, terms: used, shown })
+        let used: Vec<Term> = Term::EVERY.into_iter().filter(is_used).collect();
+        let (terms, shown): (Vec<Term>, Vec<Term>) = match &asked.terms {
+            Terms::Given(given) => {
+                let limit = used.into_iter().filter(|term| *term == Term::BandLimit);
+                (given.iter().copied().chain(limit).collect(), given.clone())
+            }
+            Terms::Auto(_) => (used.clone(), used.into_iter().filter(shows).collect()),
+        };
+        let from_s = chosen.iter().map(|one| one.fit.tau_range[0]).fold(0.0, f64::max);
+        let over_both = |i: usize| {
+            let Described { fitter, .. } = &chosen[i];
+            let is_short = |m: &u64| (*m as f64) * curves[i].sample_s() < from_s * (1.0 - NEAREST);
+            let start = fitter.curve().ms().partition_point(is_short);
+            fitter.curve().from(start)
+        };
+        let curves = [over_both(0), over_both(1)];
+        let given = Terms::Given(terms.clone());
+        let (a, b) = rayon::join(|| fit_record(&curves[0], &given), || fit_record(&curves[1], &given));
+        Ok(Fits { fits: [a?, b?], curves, terms, shown })
     }
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.
@@ -90,7 +106,9 @@ impl Fits {
         };
         let open: Vec<Quantity> = differences.iter().filter(is_open).map(|found| found.quantity).collect();
         let [a, b] = &self.fits;
-        let mut found = length::needed([&a.process, &b.process], steps, &self.terms, &open).into_iter();
+        let from_s = self.curves[0].tau_range()[0].max(self.curves[1].tau_range()[0]);
+        let mut found =
+            length::needed([&a.process, &b.process], steps, from_s, &self.terms, &open).into_iter();
         let of = |difference| match is_open(&difference) {
             true => found.next().unwrap_or(Length::Unknown),
             false => Length::Unknown,

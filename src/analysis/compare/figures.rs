@@ -8,7 +8,7 @@ use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPo
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, probability, times};
-use crate::analysis::log::figures::line;
+use crate::analysis::log::figures::{described, line};
 
 /// Relative difference below which averaging times are the same.
 const SAME: f64 = 1e-4;
@@ -78,9 +78,9 @@ type Line = Vec<(f64, f64)>;
 
 /// The expected curves of the fits of both records.
 fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
-    let models = analysis.comparison.models()?;
-    let points = &analysis.comparison.curves;
-    Some([0, 1].map(|i| line(models[i], Deviation::Oadev, &points[i], analysis.sides[i].samples)))
+    let fits = analysis.comparison.fits()?;
+    let points = [0, 1].map(|i| described(&fits[i], &analysis.comparison.curves[i]));
+    Some([0, 1].map(|i| line(&fits[i].process, Deviation::Oadev, points[i], analysis.sides[i].samples)))
 }
 
 /// The second line over the first, at the times of the first that the second contains or spans.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::difference::two;
 use crate::fit::record::factors;
 use crate::fit::{Curve, Fit, Quantity, Terms, fit_record};
@@ -28,7 +29,7 @@ pub enum Length {
 }
 
 /// The lengths for each of `quantities`, for records of two `processes` sampled in these `steps`, s, and fitted with
-/// `terms`.
+/// `terms` from τ = `from_s` on.
 ///
 /// The closed-form curve of each process is fitted with the covariance of the estimates of a record of that length, up
 /// to an eighth of it. The fit is then the process itself, with the uncertainty of such a record. The uncertainty falls
@@ -36,10 +37,11 @@ pub enum Length {
 pub(crate) fn needed(
     processes: [&Process; 2],
     steps: [f64; 2],
+    from_s: f64,
     terms: &[Term],
     quantities: &[Quantity],
 ) -> Vec<Length> {
-    let mut search = Search { processes, steps, terms, fits: BTreeMap::new() };
+    let mut search = Search { processes, steps, from_s, terms, fits: BTreeMap::new() };
     let mut open: Vec<usize> = (0..quantities.len()).collect();
     let mut lengths = vec![Length::Beyond(search.length(LONGEST * STEPS)); quantities.len()];
     for octave in SHORTEST..=LONGEST {
@@ -61,6 +63,7 @@ pub(crate) fn needed(
 struct Search<'a> {
     processes: [&'a Process; 2],
     steps: [f64; 2],
+    from_s: f64,
     terms: &'a [Term],
     /// Fits by the logarithm of the length.
     fits: BTreeMap<u32, Option<[Fit; 2]>>,
@@ -74,9 +77,9 @@ impl Search<'_> {
     /// The distance between the expected estimates of a quantity.
     fn distance(&mut self, at: u32, quantity: Quantity) -> Option<f64> {
         let length = self.length(at);
-        let (processes, steps, terms) = (self.processes, self.steps, self.terms);
+        let (processes, steps, from_s, terms) = (self.processes, self.steps, self.from_s, self.terms);
         let fits = self.fits.entry(at).or_insert_with(|| {
-            let fit = |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, terms);
+            let fit = |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, from_s, terms);
             let (a, b) = rayon::join(|| fit(0), || fit(1));
             Some([a?, b?])
         });
@@ -98,13 +101,14 @@ impl Search<'_> {
     }
 }
 
-/// The fit of the expected curve of records of `samples` samples.
-fn expected(process: &Process, samples: u64, terms: &[Term]) -> Option<Fit> {
+/// The fit of the expected curve of records of `samples` samples from τ = `from_s` on.
+fn expected(process: &Process, samples: u64, from_s: f64, terms: &[Term]) -> Option<Fit> {
     let octaves = holds::octaves(samples)?;
     let of_length = |part: &Part| Part { octaves, ..*part };
     let process =
         Process { sample_s: process.sample_s, parts: process.parts.iter().map(of_length).collect() };
-    let ms: Vec<u64> = factors(samples as usize).into_iter().map(|m| m as u64).collect();
+    let is_short = |m: &u64| (*m as f64) * process.sample_s < from_s * (1.0 - NEAREST);
+    let ms: Vec<u64> = factors(samples as usize).into_iter().map(|m| m as u64).skip_while(is_short).collect();
     let variances: Option<Vec<f64>> =
         ms.iter().map(|&m| process.expected(Estimator::OVERLAPPING, samples, m)).collect();
     let curve = Curve::new(process.sample_s, samples, Difference::Second, ms, variances?).ok()?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::allan::{Angles, Unit};
 use crate::analysis::compare::{Comparison, NoCommonTime, compare};
-use crate::fit::Terms;
+use crate::fit::Fitting;
 use crate::record::log::channel::Log;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
@@ -103,15 +103,15 @@ impl Side {
 }
 
 impl Analysis {
-    /// Compares the first columns of two logs, which were read from these paths with this treatment. Without `terms`,
-    /// only the curves are compared.
+    /// Compares the first columns of two logs, which were read from these paths with this treatment. Without a
+    /// `fitting`, only the curves are compared.
     ///
     /// # Errors
     /// The logs have nothing in common to compare.
     pub fn of(
         logs: [(&Path, &Log); 2],
         treatment: &Treatment,
-        terms: Option<&Terms>,
+        fitting: Option<&Fitting>,
     ) -> Result<Analysis, CompareError> {
         let [mut a, mut b] = logs.map(|log| Side::of(log, treatment));
         if a.unit != b.unit {
@@ -119,7 +119,7 @@ impl Analysis {
             return Err(CompareError::Units { plain: plain.path, angular: angular.path });
         }
         [a.label, b.label] = labels(&a, &b);
-        let comparison = compare(&a.angles, &b.angles, terms)?;
+        let comparison = compare(&a.angles, &b.angles, fitting)?;
         let rows = rows(&comparison, a.unit);
         Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
     }

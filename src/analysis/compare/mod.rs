@@ -15,7 +15,7 @@
 //! let rates: Vec<f64> = (0..4096_u64).map(|i| (i * 2_654_435_761 % 4096) as f64 - 2047.5).collect();
 //! let [a, b] = [1.0, 0.5].map(|scale| Angles::from_increments(&rates, scale, 1.0, Trend::None));
 //!
-//! let compared = compare(&a, &b, Some(&Terms::Given(vec![Term::AngleRandomWalk])))?;
+//! let compared = compare(&a, &b, Some(&Terms::Given(vec![Term::AngleRandomWalk]).into()))?;
 //! assert_eq!(compared.ratios[3].value, Some(0.5));
 //! let n = &compared.differences.unwrap()[0];
 //! assert_eq!(n.quantity, Quantity::Coefficient(Term::AngleRandomWalk));
@@ -26,8 +26,8 @@
 //! The records are taken as independent. Common noise, such as the motion of a table on which both gyros stood, makes
 //! ratios closer to 1 than stated here.
 //!
-//! **Ratios.** The ratio of two variances of Gaussian noise has the F distribution with the degrees of freedom of
-//! Greenhall and Riley. Each interval is correct by itself; [`Same`] judges all of them together.
+//! **Ratios.** The ratio of two variances of Gaussian noise has the F distribution with their degrees of freedom, those of the
+//! noise of each record as a whole. Each interval is correct by itself; [`Same`] judges all of them together.
 //!
 //! **Coefficients.** Both curves are fitted with the same terms. An estimate of a square is a shifted and scaled χ²
 //! whose variance depends on the true value. The distance between two estimates is that from the common value for which
@@ -52,11 +52,11 @@ pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
 pub use crate::analysis::compare::same::Same;
 
-use crate::allan::curve::curve;
-use crate::allan::{Angles, Deviation, Point, Taus};
+use crate::allan::curve::{curve, suppose};
+use crate::allan::{Angles, Deviation, Point, Taus, Trend};
 use crate::analysis::compare::difference::Fits;
-use crate::fit::{FitError, Terms, curve_of};
-use crate::theory::allan::Process;
+use crate::analysis::log::model;
+use crate::fit::{Fit, FitError, Fitting};
 
 /// The comparison of two records, the first of which has index 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,10 +75,9 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The best fits of both records as noise models.
-    pub fn models(&self) -> Option<[&Process; 2]> {
-        let [a, b] = &self.fits.as_ref()?.fits;
-        Some([&a.process, &b.process])
+    /// The fits of both records with the same terms.
+    pub fn fits(&self) -> Option<&[Fit; 2]> {
+        Some(&self.fits.as_ref()?.fits)
     }
 
     /// The record length required for each of the differences; takes a second or two.
@@ -103,11 +102,11 @@ pub struct NoCommonTime {
     pub longest: [f64; 2],
 }
 
-/// Compares two records whose angles are in the same unit. Without `terms`, only the curves are compared.
+/// Compares two records whose angles are in the same unit. Without a `fitting`, only the curves are compared.
 ///
 /// # Errors
 /// The records have no averaging time in common.
-pub fn compare(a: &Angles, b: &Angles, terms: Option<&Terms>) -> Result<Comparison, NoCommonTime> {
+pub fn compare(a: &Angles, b: &Angles, fitting: Option<&Fitting>) -> Result<Comparison, NoCommonTime> {
     let records = [a, b];
     let sampling = records.map(|angles| (angles.step_s, angles.len().saturating_sub(1)));
     let common = Common::of(sampling[0], sampling[1]);
@@ -120,7 +119,7 @@ pub fn compare(a: &Angles, b: &Angles, terms: Option<&Terms>) -> Result<Comparis
     let ((curve_a, points_a), (curve_b, points_b)) =
         rayon::join(|| points(a, &factors(0)), || points(b, &factors(1)));
     let ratios: Vec<Ratio> = points_a.into_iter().zip(points_b).map(|(a, b)| Ratio::of(a, b)).collect();
-    let found = terms.map(|terms| of_fits(records, terms, &ratios)).transpose();
+    let found = fitting.map(|asked| of_fits(records, asked, &ratios)).transpose();
     let (differences, by_fits, fits) = match found {
         Ok(None) => (Ok(vec![]), None, None),
         Ok(Some((differences, same, fits))) => (Ok(differences), same, Some(fits)),
@@ -136,7 +135,10 @@ fn points(angles: &Angles, common: &[usize]) -> (Vec<Point>, Vec<Point>) {
     let mut all = [&octaves, common].concat();
     all.sort_unstable();
     all.dedup();
-    let points = curve(angles, Deviation::Oadev, &all, 0.95);
+    let mut points = curve(angles, Deviation::Oadev, &all, 0.95);
+    let model = model(angles, Trend::None);
+    let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
+    suppose(&mut points, angles, Deviation::Oadev, 0.95, model);
     let of = |factors: &[usize]| {
         points.iter().filter(|point| factors.contains(&point.m)).copied().collect::<Vec<Point>>()
     };
@@ -145,11 +147,10 @@ fn points(angles: &Angles, common: &[usize]) -> (Vec<Point>, Vec<Point>) {
 
 fn of_fits(
     records: [&Angles; 2],
-    terms: &Terms,
+    asked: &Fitting,
     ratios: &[Ratio],
 ) -> Result<(Vec<Difference>, Option<Same>, Fits), FitError> {
-    let curves = [&curve_of(records[0])?, &curve_of(records[1])?];
-    let fits = Fits::of(curves, terms)?;
+    let fits = Fits::of([&asked.curve(records[0])?, &asked.curve(records[1])?], asked)?;
     // A gap costs as much information as the samples missing in it.
     let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));
     let differences = fits.differences(widening);
@@ -158,6 +159,6 @@ fn of_fits(
     };
     let left = |ratio: &Ratio| [0, 1].map(|i| left(&ratio.points[i], records[i]));
     let left: Vec<[f64; 2]> = ratios.iter().map(left).collect();
-    let same = crate::analysis::compare::same::by_fits(ratios, &left, curves, &fits, widening)?;
+    let same = crate::analysis::compare::same::by_fits(ratios, &left, &fits, widening)?;
     Ok((differences, same, fits))
 }

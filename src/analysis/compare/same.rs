@@ -2,9 +2,9 @@
 
 use statrs::function::gamma::digamma;
 
+use crate::allan::Point;
 use crate::analysis::compare::difference::Fits;
-use crate::analysis::compare::{LEAST_P, Ratio};
-use crate::fit::record::factors;
+use crate::analysis::compare::{LEAST_P, NEAREST, Ratio};
 use crate::fit::{Covariance, Curve, FitError, survival};
 use crate::theory::allan::{Difference, Estimator, Term, gaussian};
 
@@ -15,6 +15,8 @@ pub struct Same {
     pub p: f64,
     /// Number of averaging times in the test.
     pub times: usize,
+    /// Shortest of these times, s.
+    pub shortest_s: f64,
     /// Longest of these times, s.
     pub longest_s: f64,
     /// χ² of the logarithms of all ratios, with the covariance between them and as many degrees of freedom as times.
@@ -22,7 +24,7 @@ pub struct Same {
     pub chi_squared: Option<f64>,
 }
 
-/// Tests by χ² of the logarithms of the ratios up to an eighth of the shorter record.
+/// Tests by χ² of the logarithms of the ratios at the τ of both fits.
 ///
 /// Under the hypothesis both records have one process, with the squares from which both have the least distance. Its
 /// closed form gives the expected logarithms, even where the samplings differ, and their covariance: that of the
@@ -32,14 +34,15 @@ pub struct Same {
 pub(crate) fn by_fits(
     ratios: &[Ratio],
     left: &[[f64; 2]],
-    curves: [&Curve; 2],
     fits: &Fits,
     widening: [f64; 2],
 ) -> Result<Option<Same>, FitError> {
-    let longest = curves.map(|curve| factors(curve.samples() as usize).last().copied().unwrap_or(0));
-    let is_used = |ratio: &Ratio| {
-        ratio.value.is_some() && ratio.points.iter().zip(longest).all(|(point, most)| point.m <= most)
+    let curves = &fits.curves;
+    let is_within = |(point, curve): (&Point, &Curve)| {
+        let [from_s, to_s] = curve.tau_range();
+        (1.0 - NEAREST) * from_s <= point.tau_s && point.tau_s <= (1.0 + 1e-9) * to_s
     };
+    let is_used = |ratio: &Ratio| ratio.value.is_some() && ratio.points.iter().zip(curves).all(is_within);
     let (used, left): (Vec<&Ratio>, Vec<[f64; 2]>) =
         ratios.iter().zip(left).filter(|(ratio, _)| is_used(ratio)).unzip();
     let Some(last) = used.last() else { return Ok(None) };
@@ -81,6 +84,7 @@ pub(crate) fn by_fits(
     Ok(Some(Same {
         p: survival(chi_squared, used.len()).max(LEAST_P),
         times: used.len(),
+        shortest_s: used[0].tau_s(),
         longest_s: last.tau_s(),
         chi_squared: Some(chi_squared),
     }))
@@ -90,9 +94,9 @@ pub(crate) fn by_fits(
 pub(crate) fn by_least_p(ratios: &[Ratio]) -> Option<Same> {
     let known: Vec<(&Ratio, f64)> = ratios.iter().filter_map(|ratio| Some((ratio, ratio.p?))).collect();
     let least = known.iter().map(|(_, p)| *p).fold(1.0, f64::min);
-    let last = known.last()?.0;
-    let times = known.len();
-    Some(Same { p: (times as f64 * least).min(1.0), times, longest_s: last.tau_s(), chi_squared: None })
+    let ([first, ..], last) = (&known[..], known.last()?) else { return None };
+    let (shortest_s, longest_s, times) = (first.0.tau_s(), last.0.tau_s(), known.len());
+    Some(Same { p: (times as f64 * least).min(1.0), times, shortest_s, longest_s, chi_squared: None })
 }
 
 /// A term with the square and the shape from which both records have the least distance.

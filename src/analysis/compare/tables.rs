@@ -61,7 +61,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
     type Of<'a> = ColumnOf<&'a Row>;
     vec![
         Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.name))
-            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`."),
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
             .is(Role::Note, "Unit of `a`, `b` and `difference`."),
         Of::new("a", Unit::NONE, "a", |row| row.found.values[0].into())
@@ -125,7 +125,7 @@ pub fn document(analysis: &Analysis) -> Value {
     let [a, b] = &analysis.sides;
     let same = comparison.same.map(|same| {
         let by = if same.chi_squared.is_some() { "chi_squared" } else { "least_p" };
-        json!({ "p": same.p, "times": same.times, "longest_s": same.longest_s, "by": by, "chi_squared": same.chi_squared })
+        json!({ "p": same.p, "times": same.times, "shortest_s": same.shortest_s, "longest_s": same.longest_s, "by": by, "chi_squared": same.chi_squared })
     });
     json!({
         "a": of_side(a, &comparison.curves[0]),

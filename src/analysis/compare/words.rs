@@ -52,7 +52,12 @@ pub fn length(length: Length) -> String {
 /// Whether the noise is the same over all averaging times together.
 fn same(analysis: &Analysis) -> Option<String> {
     let same = analysis.comparison.same?;
-    let times = format!("{} averaging times up to {} s", same.times, significant(same.longest_s, 6));
+    let first = analysis.comparison.ratios.first().map_or(0.0, |ratio| ratio.tau_s());
+    let from = match same.shortest_s > first {
+        true => format!(" from {}", significant(same.shortest_s, 6)),
+        false => String::new(),
+    };
+    let times = format!("{} averaging times{from} up to {} s", same.times, significant(same.longest_s, 6));
     let how = match same.chi_squared {
         Some(value) => {
             format!("χ² = {} over {times}, with the covariance between them", significant(value, 4))

@@ -1,10 +1,10 @@
 //! The charts of `sagnac allan`.
 
 use crate::allan::{Deviation, Point};
-use crate::fit::{Coefficient, Quantity};
+use crate::fit::{Coefficient, Fit, Quantity};
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Shape;
-use crate::theory::allan::{Difference, Estimator, Process, Stride, Term, holds};
+use crate::theory::allan::{Process, Term, holds};
 use crate::view::chart::figure::{Axis, Figure, Grouping, Part, Parts, Series, SeriesPoint};
 
 use crate::analysis::log::notes::heading;
@@ -75,10 +75,17 @@ fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (
         .points
         .iter()
         .filter_map(|point| Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval }));
-    let law = column
-        .noise()
-        .map(|noise| line(&noise.fit.process, curve.deviation, &curve.points, analysis.samples));
+    let law = column.noise().map(|noise| {
+        let points = described(&noise.fit, &curve.points);
+        line(&noise.fit.process, curve.deviation, points, analysis.samples)
+    });
     Series { colour, dash, points: points.collect(), law: law.unwrap_or_default() }
+}
+
+/// The points of a curve from the shortest τ that the fit describes on; none where it describes none.
+pub fn described<'a>(fit: &Fit, points: &'a [Point]) -> &'a [Point] {
+    let first = points.partition_point(|point| point.tau_s < 0.99 * fit.tau_range[0]);
+    if fit.is_described() { &points[first..] } else { &[] }
 }
 
 /// The expected deviation of a process over the times of a curve; empty where there is no closed form.
@@ -86,10 +93,6 @@ pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: 
     if deviation.is_modified() {
         return vec![];
     }
-    let estimator = Estimator {
-        difference: if deviation.differences() == 2 { Difference::Second } else { Difference::Third },
-        stride: if deviation.overlaps() { Stride::Sample } else { Stride::Cluster },
-    };
     let shown: Vec<f64> =
         points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
     let [Some(&first), Some(&last)] = [shown.first(), shown.last()] else { return vec![] };
@@ -100,7 +103,7 @@ pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: 
     let mut ms: Vec<u64> = (0..=count).map(place).collect();
     ms.dedup();
     let at = |m: u64| {
-        let variance = process.expected(estimator, samples as u64, m)?;
+        let variance = process.expected(deviation.estimator(), samples as u64, m)?;
         Some((process.sample_s * m as f64, libm::sqrt(variance)))
     };
     ms.into_iter().filter_map(at).collect()
@@ -116,10 +119,13 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
     let octaves = holds::octaves(analysis.samples as u64).unwrap_or(holds::OCTAVES);
     let part = |coefficient: &Coefficient| {
         let (term, value) = (coefficient.term, coefficient.value?);
+        // Its contribution is negative.
+        (term != Term::BandLimit).then_some(())?;
         let shape = coefficient.shape.map_or(1.0, |shape| shape.value);
         let part = term.part(value * value, shape, octaves);
         let process = Process { sample_s: analysis.step_s, parts: vec![part] };
-        let mut points = line(&process, curve.deviation, &curve.points, analysis.samples);
+        let points = described(&noise.fit, &curve.points);
+        let mut points = line(&process, curve.deviation, points, analysis.samples);
         if term == Term::Sine {
             points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
         }

@@ -8,6 +8,7 @@ use crate::fit::Fit;
 use crate::quantity::number::significant;
 use crate::theory::allan::Term;
 
+use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::notes::{heading, one_line};
 use crate::analysis::log::{Analysis, Column};
 /// Size of 1 ″ in rad.
@@ -28,7 +29,7 @@ const KEYS: [Key; 2] = [
 /// The value of one key, from the column where it is largest.
 enum Found<'a> {
     /// A value with its column, and the largest bound of the other columns where that is larger.
-    Value { value: f64, column: &'a str, others: Option<f64> },
+    Value { value: f64, verdict: &'static str, column: &'a str, others: Option<f64> },
     /// No column identifies it; the largest of the bounds, where every column has one.
     Below(Option<f64>),
     /// The fit does not include the term.
@@ -49,6 +50,12 @@ pub enum KalibrError {
         /// Reason why it has none.
         why: String,
     },
+    /// The coefficients of a column do not describe its curve.
+    #[error(
+        "there is nothing to write: {0}: not described: the terms of the fit describe the curve over no range of τ\n\
+         give the range of the fit, as in `fit_from = 1s`, or `force = true` to write the best fit all the same"
+    )]
+    NotDescribed(String),
 }
 
 /// The text of the file.
@@ -74,12 +81,12 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
     let several = analysis.columns.len() > 1;
     for Key { name, term, unit } in KEYS {
         text += &match (found(term, analysis)?, term.symbol()) {
-            (Found::Value { value, column, others }, symbol) => {
+            (Found::Value { value, verdict, column, others }, symbol) => {
                 let of = if several { format!(" of {}", one_line(column)) } else { String::new() };
                 let others = others.map_or_else(String::new, |most| {
                     format!("; not identified in others, at most {}", number(most))
                 });
-                format!("{name}: {}  # {unit}, {symbol}{of}{others}\n", number(value))
+                format!("{name}: {}  # {unit}, {symbol}{of}: {verdict}{others}\n", number(value))
             }
             (Found::Below(most), symbol) => {
                 let most = most.map_or_else(String::new, |most| format!(", and at most {}", number(most)));
@@ -113,13 +120,13 @@ pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
 }
 
 fn found(term: Term, analysis: &Analysis) -> Result<Found<'_>, KalibrError> {
-    let mut largest: Option<(f64, &str)> = None;
+    let mut largest: Option<(f64, &Column)> = None;
     let mut bounds: Vec<Option<f64>> = Vec::new();
     for column in &analysis.columns {
         let Some(coefficient) = fit(column)?.coefficient(term) else { return Ok(Found::NotFitted) };
         match coefficient.value.map(|value| RADIANS * value) {
             Some(value) if largest.is_none_or(|(most, _)| most < value) => {
-                largest = Some((value, &column.name));
+                largest = Some((value, column));
             }
             Some(_) => {}
             None => bounds.push(coefficient.interval.map(|[_, most]| RADIANS * most)),
@@ -127,15 +134,23 @@ fn found(term: Term, analysis: &Analysis) -> Result<Found<'_>, KalibrError> {
     }
     let most = bounds.iter().flatten().copied().reduce(f64::max);
     Ok(match largest {
-        Some((value, column)) => Found::Value { value, column, others: most.filter(|most| *most > value) },
+        Some((value, column)) => Found::Value {
+            value,
+            verdict: if fit(column)?.is_described() { "identified" } else { "not described" },
+            column: &column.name,
+            others: most.filter(|most| *most > value),
+        },
         None => Found::Below(most.filter(|_| bounds.iter().all(Option::is_some))),
     })
 }
 
 fn fit(column: &Column) -> Result<&Fit, KalibrError> {
     let name = &column.name;
+    let is_refused =
+        |noise: &DataSheet| !noise.fit.is_described() && noise.rows.iter().all(|row| row.value.is_none());
     let why = match (&column.noise, column.unit) {
         (_, Unit::Plain) => return Err(KalibrError::Plain(name.clone())),
+        (Ok(Some(noise)), _) if is_refused(noise) => return Err(KalibrError::NotDescribed(name.clone())),
         (Ok(Some(noise)), _) => return Ok(&noise.fit),
         (Ok(None), _) => "none were requested",
         (Err(why), _) => why,

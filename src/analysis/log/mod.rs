@@ -15,10 +15,10 @@ pub mod tables;
 
 use std::path::{Path, PathBuf};
 
-use crate::allan::curve::curve;
+use crate::allan::curve::{curve, suppose};
 use crate::allan::{Angles, Deviation, Line, Minimum, Point, TauError, Taus, Trend, Unit, minimum};
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
-use crate::fit::Terms;
+use crate::fit::{Fitting, Terms, describe};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::record::error::RecordError;
@@ -28,6 +28,7 @@ use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
 use crate::record::log::read::Request;
 use crate::record::log::samples::Samples;
+use crate::theory::allan::Process;
 
 /// Number of simulated samples from which on the simulation is announced.
 const LONG: usize = 1_000_000_000;
@@ -41,11 +42,22 @@ pub struct Asked {
     pub deviations: Vec<Deviation>,
     /// Probability of the intervals of deviations.
     pub confidence: f64,
-    /// Terms to fit, if any.
-    pub terms: Option<Terms>,
+    /// Noise that the intervals of deviations suppose.
+    pub intervals: Suppose,
+    /// The fit, if any.
+    pub fitting: Option<Fitting>,
     /// Number of simulated records for the intervals of coefficients, 0 for intervals in closed form; by default as
     /// many as take a few seconds.
     pub simulated: Option<usize>,
+}
+
+/// The noise that the intervals of deviations suppose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Suppose {
+    /// That of the record as a whole: the terms that describe its curve, and at shorter τ its autocorrelation.
+    Record,
+    /// The power law identified at each τ, as in Stable32.
+    Stable32,
 }
 
 /// The result for one file.
@@ -248,9 +260,14 @@ fn column(
     let (data, step_s) = (log.data, log.step_s);
     let samples = channel.view(data, step_s);
     let (angles, outliers) = treatment.angles(&samples);
+    let model = (asked.intervals == Suppose::Record).then(|| model(&angles, treatment.trend));
     let curves = asked.deviations.iter().map(|&deviation| {
         let factors = asked.taus.factors(angles.len(), step_s, deviation)?;
-        let points = curve(&angles, deviation, &factors, asked.confidence);
+        let mut points = curve(&angles, deviation, &factors, asked.confidence);
+        if let Some(model) = &model {
+            let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
+            suppose(&mut points, &angles, deviation, asked.confidence, model);
+        }
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
     let curves = curves.collect::<Result<_, TauError>>()?;
@@ -258,14 +275,15 @@ fn column(
     let count = angles.len().saturating_sub(1);
     let simulated = Intervals::simulated(asked.simulated, count);
     let records = simulated.records;
-    if asked.terms.is_some() && count.saturating_mul(records) > LONG {
+    if asked.fitting.is_some() && count.saturating_mul(records) > LONG {
         progress.note(&format!(
             "{}: simulating {records} records of {count} samples for the intervals of coefficients; in closed form they take no \
              time",
             channel.name
         ));
     }
-    let noise = asked.terms.as_ref().map(|terms| DataSheet::of(&angles, terms, unit, simulated)).transpose();
+    let noise =
+        asked.fitting.as_ref().map(|asked| DataSheet::of(&angles, asked, unit, simulated)).transpose();
     Ok(Column {
         name: channel.name.clone(),
         unit,
@@ -277,6 +295,13 @@ fn column(
         outliers,
         noise,
     })
+}
+
+/// The noise that describes the curve of a record, with the shortest τ from which it does; `None` where none does.
+pub fn model(angles: &Angles, trend: Trend) -> Option<(Process, f64)> {
+    let asked = Fitting::from(Terms::of_model(trend));
+    let described = describe(&asked.curve(angles).ok()?, &asked).ok()?;
+    described.is_described.then(|| (described.fit.process, described.fit.tau_range[0]))
 }
 
 /// The slope removed from some samples, in the unit of the curve per s.

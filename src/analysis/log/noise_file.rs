@@ -6,6 +6,7 @@ use crate::quantity::number::significant;
 use crate::theory::allan::Term;
 use crate::theory::allan::terms::Shape;
 
+use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};
 
@@ -13,7 +14,8 @@ use crate::analysis::log::{Analysis, Column};
 const START: &str = "# Noise of column ";
 const FITTED: &str = ", fitted by sagnac allan";
 
-/// Name and text of a file for each column with coefficients.
+/// Name and text of a file for each column whose curve is described by its coefficients, or whose coefficients were taken all the
+/// same.
 pub fn files(analysis: &Analysis) -> Vec<(String, String)> {
     let named = analysis.columns.iter().zip(names(&analysis.columns));
     named.filter_map(|(column, name)| Some((name, text(analysis, column)?))).collect()
@@ -38,13 +40,18 @@ fn names(columns: &[Column]) -> Vec<String> {
 
 /// The text for a column; `None` without coefficients, or for plain numbers.
 fn text(analysis: &Analysis, column: &Column) -> Option<String> {
-    let noise = column.noise().filter(|_| column.unit == Unit::Angular)?;
+    let is_taken =
+        |noise: &&DataSheet| noise.fit.is_described() || noise.rows.iter().any(|row| row.value.is_some());
+    let noise = column.noise().filter(|_| column.unit == Unit::Angular).filter(is_taken)?;
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     let (name, file) = (one_line(&column.name), one_line(&file));
     let (samples, step) = (analysis.samples, significant(analysis.step_s, 9));
     let treatment = analysis.treatment.summary();
     let mut text = format!("{START}{name} of {file}: {samples} samples of {step} s{FITTED}; {treatment}.\n");
     text += &format!("# 95 % intervals {}.\n", noise.intervals.words());
+    if !noise.fit.is_described() {
+        text += "# Not described: no range of the curve follows these coefficients, which were forced.\n";
+    }
     let coefficients = &noise.fit.coefficients;
     for line in coefficients.iter().flat_map(intervals) {
         text += &format!("# 95 % interval of {line}\n");
@@ -86,6 +93,9 @@ fn bound(coefficient: &Coefficient) -> String {
 /// The line of an identified coefficient.
 fn entry(coefficient: &Coefficient) -> Option<String> {
     let value = quantity(coefficient.term, coefficient.value?);
+    if coefficient.term == Term::BandLimit {
+        return Some(format!("# Band limit of the sensor, which no study has: {value}"));
+    }
     let key = coefficient.term.row().key.trim_start_matches("noise.");
     Some(match coefficient.shape.zip(coefficient.term.shape()) {
         Some((found, Shape { key: shape, unit, .. })) => {

@@ -2,13 +2,11 @@
 
 use crate::allan::Unit;
 use crate::analysis::log::{Analysis, Column};
+use crate::fit::Fit;
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
-
-/// Probability of the residuals of a fit below which it does not describe its curve. It leaves room for the scatter of
-/// single records at long τ, which is wider than that of a χ².
-const UNLIKELY: f64 = 1e-9;
+use crate::theory::allan::Term;
 
 /// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
@@ -20,16 +18,17 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     reading.chain(analysis.columns.iter().flat_map(of_column)).collect()
 }
 
-fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
     let noise = column.noise();
-    let misfit = noise.filter(|noise| noise.fit.p_value().is_some_and(|p| p < UNLIKELY)).map(|noise| {
+    let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
         format!(
-            "the fit does not describe the curve, χ² = {} of {} degrees of freedom: other terms are needed, and the \
-             coefficients mean little",
+            "the terms of the fit describe the curve over no range of τ, χ² = {} of {} degrees of freedom: fit other terms, \
+             or set the range, as in `fit_from = 1s` and `fit_to = 100s`",
             significant(noise.fit.chi_squared, 3),
             noise.fit.degrees_of_freedom
         )
     });
+    let limit = noise.and_then(|noise| band_limit(&noise.fit));
     let closed = noise.and_then(|noise| noise.intervals.without.as_ref());
     let (is_plain, has_gaps) = (column.unit == Unit::Plain, column.missing > 0);
     let said = |when: bool, what: &str| when.then(|| what.to_owned());
@@ -39,10 +38,24 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
         said(is_plain && noise.is_some(), "no noise.toml: plain numbers are not the noise of a gyro"),
         closed.map(|why| format!("intervals of coefficients are in closed form: {why}")),
         misfit,
+        limit,
         said(has_gaps && noise.is_some(), "intervals of coefficients are those of a record without gaps"),
         has_gaps.then(|| missing(column.missing, analysis.samples)),
         outliers(column, analysis),
     ]
+}
+
+/// What the fit says of the filter of the sensor, and where it starts because of that.
+fn band_limit(fit: &Fit) -> Option<String> {
+    let square = |term: Term| Some(fit.process.parts.iter().find(|part| part.term == term)?.square());
+    let of_start = format!("the coefficients are those of τ from {} s on", significant(fit.tau_range[0], 4));
+    let limit = square(Term::BandLimit).filter(|_| fit.is_described())?;
+    let time_s = 2.0 * limit / square(Term::AngleRandomWalk)?;
+    Some(format!(
+        "the sensor filters its rate like a first-order low-pass of {} s ({} Hz) would: {of_start}",
+        significant(time_s, 3),
+        significant(1.0 / (2.0 * core::f64::consts::PI * time_s), 3)
+    ))
 }
 
 fn missing(missing: usize, samples: usize) -> String {

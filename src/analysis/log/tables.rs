@@ -34,7 +34,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
         Of::new("alpha", Unit::NONE, "alpha", |row| {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
         })
-            .is(Role::Estimate, "α of the noise that the interval supposes, from a spectral density of the rate as f^α: 2 \
+            .is(Role::Estimate, "α of the noise that the lag-1 autocorrelation shows, from a spectral density of the rate as f^α: 2 \
                 quantisation, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
                 walk."),
         Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
@@ -49,6 +49,11 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
             .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, for example where there are fewer than 30 groups."),
         Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
             .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed."),
+        Of::new("edf", Unit::NONE, "edf", |row| row.point.edf.into())
+            .is(Role::Estimate, "Equivalent degrees of freedom of the interval."),
+        Of::new("edf_from", Unit::NONE, "edf_from", |row| text(row.point.edf.map_or("", |_| row.point.supposes.name())))
+            .is(Role::Note, "The noise that `edf` supposes: `model`, the fitted noise of the record; `differences`, the \
+                autocorrelation of the differences at that τ; `alpha`, the noise of `alpha`."),
     ]
 }
 
@@ -74,14 +79,17 @@ pub(crate) struct Line<'a> {
     column: &'a str,
     row: Row,
     intervals: String,
+    range: Option<[f64; 2]>,
 }
 
 /// The coefficients of a column and the minimum of its curve.
 fn lines(column: &log::Column) -> Vec<Line<'_>> {
     let name = column.noise().map_or_else(String::new, |noise| noise.intervals.name());
-    let found = column.coefficients().iter().cloned().map(|row| (row, name.clone()));
-    let stability = stability(column).into_iter().map(|row| (row, "of the curve".to_owned()));
-    found.chain(stability).map(|(row, intervals)| Line { column: &column.name, row, intervals }).collect()
+    let range = column.noise().map(|noise| noise.fit.tau_range);
+    let found = column.coefficients().iter().cloned().map(|row| (row, name.clone(), range));
+    let stability = stability(column).into_iter().map(|row| (row, "of the curve".to_owned(), None));
+    let line = |(row, intervals, range)| Line { column: &column.name, row, intervals, range };
+    found.chain(stability).map(line).collect()
 }
 
 /// The columns of `coefficients.csv`, in the order of the file.
@@ -106,6 +114,10 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
             .is(Role::Note, "Whether the record identifies the coefficient, in words."),
         Of::new("intervals", Unit::NONE, "intervals", |line| text(&line.intervals))
             .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; for the minimum, those of the curve."),
+        Of::new("fit_from", Unit::S, "fit_from", |line| line.range.map(|range| range[0]).into())
+            .is(Role::Coordinate, "Shortest τ of the fit, s: the shortest from which its terms describe the curve."),
+        Of::new("fit_to", Unit::S, "fit_to", |line| line.range.map(|range| range[1]).into())
+            .is(Role::Coordinate, "Longest τ of the fit, s."),
     ]
 }
 
@@ -188,6 +200,14 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
         "coefficients": column.coefficients().iter().map(document_of).collect::<Vec<_>>(),
         "coefficients_missing": column.noise.as_ref().err(),
+        "fit": column.noise().map(|noise| json!({
+            "from_s": noise.fit.tau_range[0],
+            "to_s": noise.fit.tau_range[1],
+            "described": noise.fit.is_described(),
+            "chi_squared": noise.fit.chi_squared,
+            "degrees_of_freedom": noise.fit.degrees_of_freedom,
+            "p": noise.fit.p_value(),
+        })),
         "coefficient_intervals": column.noise().map(|noise| json!({
             "from": noise.intervals.name(),
             "simulated_records": noise.intervals.records,
@@ -219,6 +239,7 @@ fn of_point(point: &Point) -> Value {
         "alpha": point.noise.map(|noise| noise.alpha),
         "alpha_carried": point.noise.map(|noise| noise.carried),
         "edf": point.edf,
+        "edf_from": point.edf.map(|_| point.supposes.name()),
         "lower": point.interval.map(|ends| ends.0),
         "value": point.value,
         "upper": point.interval.map(|ends| ends.1),

@@ -7,7 +7,9 @@ use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Estimator, Stride};
+use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms::Term;
 
 /// Least number of realisations with usable 2.5 % quantiles: the fifth value from each end.
 pub const LEAST_REALISATIONS: usize = 200;
@@ -35,7 +37,7 @@ pub fn realisations(
     count: usize,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<Vec<f64>>, Refusal> {
-    let process = seen(&fit.process, curve);
+    let process = seen(&without_band_limit(&fit.process), curve);
     let records = Records::new(&Asked {
         process: &process,
         readout_lsb: 0.0,
@@ -48,6 +50,27 @@ pub fn realisations(
     })?;
     let sums = cpu.sums(records.recipe(), 0, count, progress);
     Ok(sums.chunks_exact(records.recipe().places()).map(|sums| records.variances(sums)).collect())
+}
+
+/// The process with its angle random walk N and band limit L as Markov noise, which is white noise through a first-order
+/// low-pass: r_k = a·r_{k−1} + … of the same density at rest and, beyond its memory, the same variance.
+///
+/// The sum of its rates lacks 2a/(1 − a²) samples of N²t0, where white noise and L lack e = 2L²/N²t0.
+fn without_band_limit(process: &Process) -> Process {
+    let square = |term: Term| process.parts.iter().find(|part| part.term == term).map(Part::square);
+    let known = square(Term::BandLimit).zip(square(Term::AngleRandomWalk));
+    let mut parts: Vec<Part> =
+        process.parts.iter().filter(|part| part.term != Term::BandLimit).copied().collect();
+    if let Some((limit, white)) = known {
+        let t0 = process.sample_s;
+        let e = 2.0 * limit / (white * t0);
+        let a = (libm::sqrt(1.0 + e * e) - 1.0) / e;
+        let time_s = -t0 / libm::log(a);
+        let sigma = libm::sqrt(white / t0 * (1.0 - a) / (1.0 + a));
+        parts.retain(|part| part.term != Term::AngleRandomWalk);
+        parts.push(Part::markov(sigma * libm::sqrt(2.0 / time_s), time_s));
+    }
+    Process { sample_s: process.sample_s, parts }
 }
 
 /// The parts of a process that have a visible effect on a curve.

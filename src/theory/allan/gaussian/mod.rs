@@ -6,12 +6,15 @@
 //! of the other, and by quadrature in between, where c is smooth. It is accurate to 1e-4 of √(C_ii·C_jj), or 2e-3 with
 //! a sine, at a cost that does not grow with the record.
 
+mod freedom;
 #[cfg(test)]
 mod tests;
 
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::process::Process;
 use crate::theory::allan::terms::{Apart, Kernel};
+
+pub use crate::theory::allan::gaussian::freedom::freedom;
 
 /// Lags beyond the meeting of the differences up to which the sum extends, relative to their length; the covariance of
 /// flicker has then fallen as the square of the lag.
@@ -60,6 +63,12 @@ impl Components {
         let cell = |i: usize, j: usize| total(&self.points[i.max(j)][i.min(j)]);
         let count = self.points.len();
         (0..count).map(|i| (0..count).map(|j| cell(i, j)).collect()).collect()
+    }
+
+    /// The components for the averaging factors from the position `start` on.
+    pub fn from(&self, start: usize) -> Components {
+        let points = self.points.iter().skip(start).map(|row| row[start..].to_vec()).collect();
+        Components { parts: self.parts, points }
     }
 
     /// The contribution of each pair of parts to the variance of Σ `weights` · estimates.

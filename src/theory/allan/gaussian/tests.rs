@@ -164,3 +164,81 @@ fn components_are_a_quadratic_form_of_the_variances() {
         .sum();
     assert!((found / variance - 1.0).abs() < 1e-9, "{found}, not {variance}");
 }
+
+/// Degrees of freedom by the double sum over terms, each given by its weights of the angles.
+fn freedom_by_definition(process: &Process, terms: &[Vec<f64>]) -> f64 {
+    let samples = terms[0].len() - 1;
+    let (steady, noise): (Vec<Part>, Vec<Part>) =
+        process.parts.iter().partition(|part| matches!(part.term, Term::Sine | Term::RateRamp));
+    let table = |parts: &[Part]| -> Vec<Vec<f64>> {
+        let cell = |i, j| parts.iter().map(|part| increments(part, process.sample_s, i, j)).sum();
+        (0..samples).map(|i| (0..samples).map(|j| cell(i, j)).collect()).collect()
+    };
+    let tables = [table(&noise), table(&steady)];
+    let q = |part: &Part| if part.term == Term::Quantisation { part.size * part.size } else { 0.0 };
+    let white: f64 = process.parts.iter().map(q).sum();
+    let of_increments =
+        |weights: &Vec<f64>| (0..samples).map(|i| weights[i + 1..].iter().sum()).collect::<Vec<f64>>();
+    let increments: Vec<Vec<f64>> = terms.iter().map(of_increments).collect();
+    let product = |k: usize, l: usize| {
+        let (a, b) = (&increments[k], &increments[l]);
+        let row = |row: &[f64]| row.iter().zip(b).map(|(x, b)| x * b).sum::<f64>();
+        let met: f64 = terms[k].iter().zip(&terms[l]).map(|(u, v)| u * v).sum();
+        let [c, p] = [&tables[0], &tables[1]].map(|table| {
+            a.iter().zip(table).filter(|(a, _)| **a != 0.0).map(|(a, x)| a * row(x)).sum::<f64>()
+        });
+        [c + white * met, p]
+    };
+    let (mut mean, mut variance) = (0.0, 0.0);
+    for k in 0..terms.len() {
+        for l in 0..=k {
+            let [c, p] = product(k, l);
+            mean += if k == l { c + p } else { 0.0 };
+            variance += if k == l { 1.0 } else { 2.0 } * (2.0 * c * c + 4.0 * c * p);
+        }
+    }
+    2.0 * mean * mean / variance
+}
+
+#[test]
+fn degrees_of_freedom_are_those_of_the_double_sum_over_terms() {
+    use crate::theory::allan::estimator::{Estimator, Stride};
+    let all = all_parts();
+    let alone = all.parts[..4].iter().map(|&part| vec![part]);
+    for parts in alone.chain([all.parts.clone()]) {
+        let process = Process { parts, ..all };
+        for (difference, stride, is_modified) in [
+            (Difference::Second, Stride::Sample, false),
+            (Difference::Second, Stride::Cluster, false),
+            (Difference::Third, Stride::Cluster, false),
+            (Difference::Second, Stride::Sample, true),
+        ] {
+            for (samples, m, bound) in [(30, 1, 1e-2), (30, 2, 1e-2), (36, 6, 2e-2), (125, 40, 5e-2)] {
+                let step = if stride == Stride::Sample { 1 } else { m };
+                let averaged = if is_modified { m } else { 1 };
+                let spans = difference.spans() as usize;
+                let weights = |start: usize| {
+                    let mut weights = vec![0.0; samples + 1];
+                    for i in 0..averaged {
+                        for (k, c) in difference.coefficients().iter().enumerate() {
+                            weights[start + i + k * m] += c / averaged as f64;
+                        }
+                    }
+                    weights
+                };
+                let last = samples + 1 - spans * m - averaged;
+                let terms: Vec<Vec<f64>> = (0..=last).step_by(step).map(weights).collect();
+                let expected = freedom_by_definition(&process, &terms);
+                let estimator = Estimator { difference, stride };
+                let found = freedom(&process, estimator, is_modified, samples as u64, m as u64).unwrap();
+                assert!(
+                    (found / expected - 1.0).abs() < bound,
+                    "{:?}, {difference:?}, {stride:?}, {is_modified}, m = {m}: {found}, not {expected}",
+                    process.parts
+                );
+            }
+        }
+    }
+    let none = Process { sample_s: 1.0, parts: vec![] };
+    assert_eq!(freedom(&none, Estimator::OVERLAPPING, false, 30, 1), None);
+}

@@ -1,6 +1,7 @@
 //! The terms of noise models; each has a file with all its properties, and this is the list of them.
 
 mod angle_random_walk;
+mod band_limit;
 mod bias_instability;
 mod markov;
 mod quantisation;
@@ -12,7 +13,7 @@ mod warm_up;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::{Part, Trend};
 
-/// Declares the terms, those that can be fitted before the warm-up, which cannot. Each has a module with its row and,
+/// Declares the terms, those of studies that can be fitted before the two others. Each has a module with its row and,
 /// if arguments are given here, a function of that name that makes a part.
 macro_rules! terms {
     ($($(#[$doc:meta])* $Term:ident = $term:ident $(($($args:ident),+))?,)+) => {
@@ -58,6 +59,9 @@ terms! {
     Markov = markov(q_c, time_s),
     /// Sine of the rate with a random phase: its amplitude Ω_0, ″/s, and frequency f, Hz.
     Sine = sine(amplitude, frequency_hz),
+    /// What the filter of the sensor takes off the variance of the angles at averaging times beyond its memory: L, ″. Fits
+    /// of logs add it by themselves, and no generator draws it.
+    BandLimit = band_limit(l),
     /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e,
     /// s.
     WarmUp = warm_up(amplitude, time_s),
@@ -217,12 +221,12 @@ pub(crate) struct Apart {
     pub(crate) width: f64,
 }
 
-// `Term::ALL` leaves out the last term.
-const _: () = assert!(matches!(Term::EVERY[Term::ALL.len()], Term::WarmUp));
+// `Term::ALL` leaves out the last two terms, of which this is the first.
+const _: () = assert!(matches!(Term::EVERY[Term::ALL.len()], Term::BandLimit));
 
 impl Term {
-    /// Every term that can be fitted: all but the warm-up, the last one.
-    pub const ALL: [Term; Term::EVERY.len() - 1] = *Term::EVERY.first_chunk().unwrap();
+    /// Every term of a study that can be fitted: all but the band limit, which none has, and the warm-up.
+    pub const ALL: [Term; Term::EVERY.len() - 2] = *Term::EVERY.first_chunk().unwrap();
 
     /// The five terms of A(4).
     pub const MODEL: [Term; 5] = [

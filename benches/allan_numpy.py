@@ -1,0 +1,198 @@
+"""Coverage of the intervals of `sagnac allan` and `sagnac compare` on records made by NumPy.
+
+    cargo build --release -p sagnac-cli
+    python benches/allan_numpy.py deviations [RECORDS]    # intervals of deviations, by kind of noise and averaging time
+    python benches/allan_numpy.py coefficients [RECORDS]  # N and B behind the filter of a sensor
+    python benches/allan_numpy.py compare [PAIRS]         # p of two records of equal noise behind such a filter
+
+Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+from scipy import signal, stats
+
+PROGRAM = os.environ.get("SAGNAC", str(Path(__file__).parent.parent / "target/release/sagnac"))
+# Columns of a file, which the program analyses in one call.
+COLUMNS = 50
+
+
+def half_integral(taps):
+    """Impulse response of flicker noise: white noise integrated to the order 1/2 (Kasdin 1995)."""
+    k = np.arange(1, taps)
+    return np.concatenate([[1.0], np.cumprod((k - 0.5) / k)])
+
+
+def flicker(rng, count):
+    taps = 2 * count
+    return signal.fftconvolve(rng.standard_normal(taps + count), half_integral(taps))[taps : taps + count]
+
+
+def program(command, files, *options):
+    with tempfile.TemporaryDirectory() as folder:
+        names = []
+        for i, rates in enumerate(files):
+            names.append(str(Path(folder) / f"{i}.npy"))
+            np.save(names[-1], rates)
+        call = [PROGRAM, command, *names, "--data", "rate", "--json", "--out", str(Path(folder) / "out"), *options]
+        return json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)
+
+
+def columns(records, make, *options):
+    """The results for records, each a column of some file."""
+    for first in range(0, records, COLUMNS):
+        rates = np.stack([make() for _ in range(min(COLUMNS, records - first))], axis=1)
+        names = ",".join(str(i + 1) for i in range(rates.shape[1]))
+        yield from program("allan", [rates], "--column", names, *options)["columns"]
+
+
+# Coefficients of white noise, flicker, random walk and ramp. B of half_integral is 1.
+KINDS = {
+    "white": (1, 0, 0, 0),
+    "flicker": (0, 1, 0, 0),
+    "walk": (0, 0, 1, 0),
+    "white and flicker": (1, 0.3, 0, 0),
+    "white and walk": (1, 0, 0.03, 0),
+    "white and ramp": (1, 0, 0, 3e-3),
+    "weak ramp": (1, 0, 0, 3e-4),
+}
+DEVIATIONS = ["adev", "oadev", "mdev", "hdev", "ohdev"]
+SAMPLES = 4096
+
+
+def expected(deviation, m, kind):
+    """The expected deviation: the mean square of a difference of the rates, from the impulse responses."""
+    white, of_flicker, walk, ramp = KINDS[kind]
+    order = 3 if deviation.endswith("hdev") else 2
+    step = np.repeat([-1.0, 1.0] if order == 2 else [1.0, -2.0, 1.0], m) / m
+    if deviation == "mdev":
+        step = np.convolve(step, np.ones(m) / m)
+    response = half_integral(2 * SAMPLES)
+    square = (
+        white**2 * np.sum(step**2)
+        + of_flicker**2 * np.sum(signal.fftconvolve(step, response) ** 2)
+        + walk**2 * np.sum(np.cumsum(step) ** 2)
+        + (ramp * m if order == 2 else 0) ** 2
+    )
+    return np.sqrt(square / (2 if order == 2 else 6))
+
+
+def deviations(records):
+    rng = np.random.default_rng(22)
+    print(f"coverage of 95 % intervals in percent, {records} records of {SAMPLES} samples")
+    for kind, (white, of_flicker, walk, ramp) in KINDS.items():
+
+        def make():
+            return (
+                white * rng.standard_normal(SAMPLES)
+                + (of_flicker * flicker(rng, SAMPLES) if of_flicker else 0)
+                + walk * np.cumsum(rng.standard_normal(SAMPLES))
+                + ramp * np.arange(SAMPLES)
+            )
+
+        options = ["--rate", "1Hz", "--unit", "none", "--fit", "none", "--deviation", ",".join(DEVIATIONS)]
+        covered = {}
+        for column in columns(records, make, *options, *EXTRA):
+            for curve in column["curves"]:
+                for point in curve["points"]:
+                    if 4 * point["m"] <= SAMPLES:
+                        at = (curve["deviation"], point["m"])
+                        truth = covered.setdefault(at, [expected(*at, kind)])[0]
+                        covered[at].append(point["lower"] is not None and point["lower"] <= truth <= point["upper"])
+        for deviation in DEVIATIONS:
+            row = [100 * np.mean(found[1:]) for (name, _), found in covered.items() if name == deviation]
+            print(f"{kind:18} {deviation:6}", " ".join(f"{cell:5.1f}" for cell in row), flush=True)
+
+
+RATE = 100
+LENGTH = 2**17
+# White noise of 1 per √Hz, and a flicker that meets it at 30 s.
+B = 1 / np.sqrt(2 * np.log(2) / np.pi * 30)
+
+
+def filters():
+    yield "none", [1.0], [1.0]
+    yield "two samples", [0.5, 0.5], [1.0]
+    for corner in (10, 40, 100):
+        a = np.exp(-2 * np.pi * corner / RATE)
+        yield f"low-pass {corner} Hz", [1 - a], [1.0, -a]
+
+
+def filtered(rng, b, forward, back):
+    past = 1000
+    white = np.sqrt(RATE) * rng.standard_normal(LENGTH + past)
+    rates = white + (b * flicker(rng, LENGTH + past) if b else 0)
+    return signal.lfilter(forward, back, rates)[past:]
+
+
+OF_RECORD = ["--rate", f"{RATE}Hz", "--unit", "none"]
+
+
+def coefficients(records):
+    print(f"{records} records of {LENGTH} samples at {RATE} Hz")
+    rng = np.random.default_rng(22)
+    for name, forward, back in filters():
+        for b in (0, B):
+            options = [*OF_RECORD, *(EXTRA or ["--bootstrap", "0"])]
+            found = list(columns(records, lambda: filtered(rng, b, forward, back), *options))
+            line = f"{name:16} B {b:.3f}:"
+            starts = [RATE * column["fit"]["from_s"] for column in found]
+            line += f" from {np.median(starts):3.0f} ({min(starts):.0f} … {max(starts):.0f}) samples;"
+            described = [column for column in found if column["fit"]["described"]]
+            line += f" not described {100 * (1 - len(described) / records):.1f} %;"
+            for coefficient, truth in (("N", 1.0), ("B", b)):
+                rows = [row for column in found for row in column["coefficients"] if row["coefficient"] == coefficient]
+                identified = [row for row in rows if row["verdict"] == "identified"]
+                bounded = [row for row in rows if row["upper"] is not None]
+                line += f" {coefficient} identified {100 * len(identified) / records:.1f} %"
+                for which in (identified, bounded):
+                    inside = [row["lower"] <= truth <= row["upper"] for row in which]
+                    line += f", covered {100 * np.mean(inside):.1f}" if inside else ""
+                if identified:
+                    sides = [row["lower"] > truth for row in identified]
+                    line += f" (above {100 * np.mean(sides):.1f})"
+                    line += f" median {np.median([row['value'] for row in identified]):.4f}"
+            others = {}
+            for column in found:
+                for row in column["coefficients"]:
+                    if row["verdict"] == "identified" and row["coefficient"] not in "NB":
+                        others[row["coefficient"]] = others.get(row["coefficient"], 0) + 1
+            print(line, others, flush=True)
+
+
+def compare(pairs):
+    print(f"{pairs} pairs of records of {LENGTH} samples at {RATE} Hz: p of the test of Kolmogorov and Smirnov")
+    rng = np.random.default_rng(7)
+    for name, forward, back in filters():
+        for b in (0, B):
+            p = {"noise": [], "N": [], "B": []}
+
+            def of_pair(files):
+                return program("compare", files, *OF_RECORD, *EXTRA)
+
+            made = ([filtered(rng, b, forward, back) for _ in range(2)] for _ in range(pairs))
+            for found in POOL.map(of_pair, made):
+                p["noise"].append(found["same_noise"]["p"])
+                for row in found["coefficients"]:
+                    if row["coefficient"] in p and row["p"] is not None:
+                        p[row["coefficient"]].append(row["p"])
+            line = f"{name:16} B {b:.3f}:"
+            for key, values in p.items():
+                if values:
+                    test = stats.kstest(values, "uniform").pvalue
+                    share = 100 * np.mean(np.array(values) < 0.05)
+                    line += f" {key} {test:.3f} ({len(values)}, p < 5 %: {share:.1f} %)"
+            print(line, flush=True)
+
+
+if __name__ == "__main__":
+    EXTRA = sys.argv[3:]
+    POOL = ThreadPoolExecutor(os.cpu_count())
+    globals()[sys.argv[1]](int(sys.argv[2]) if len(sys.argv) > 2 else 200)

@@ -1,0 +1,80 @@
+//! Degrees of freedom of a deviation from the autocorrelation of its own differences, which needs no noise model.
+
+use std::ops::Range;
+
+use crate::allan::{Angles, Deviation};
+
+/// Most angles used, from the middle of the longest stretch.
+const MOST_ANGLES: usize = 1 << 16;
+/// Fewest differences per lag, so that the scatter of the autocorrelation adds little.
+const LEAST_PER_LAG: usize = 16;
+
+/// Equivalent degrees of freedom at the averaging factor `m` for a record without gaps: M/Σ(1 − |l|/M)ρ(l)² over the lags l
+/// at which two of the M differences share angles. `None` where the record is too short to show ρ.
+pub(crate) fn freedom(angles: &Angles, deviation: Deviation, m: usize) -> Option<f64> {
+    let run = angles.solid_runs().into_iter().max_by_key(Range::len)?;
+    let kept = run.len().min(MOST_ANGLES);
+    let first = run.start + (run.len() - kept) / 2;
+    let d = of_every_sample(&angles.values()[first..first + kept], deviation, m);
+    let (stride, terms) = (if deviation.overlaps() { 1 } else { m }, deviation.terms(angles.len(), m) as f64);
+    let lags = deviation.span(m) / stride;
+    if d.len() < LEAST_PER_LAG * lags * stride {
+        return None;
+    }
+    let product = |lag: usize| {
+        let sum: f64 = d.iter().zip(&d[lag * stride..]).map(|(a, b)| a * b).sum();
+        sum / (d.len() - lag * stride) as f64
+    };
+    let own = product(0);
+    let square =
+        |lag: usize| (product(lag) / own) * (product(lag) / own) * (1.0 - lag as f64 / terms).max(0.0);
+    let sum = 1.0 + 2.0 * (1..=lags).map(square).sum::<f64>();
+    // The squares of the scatter of each ρ, whose variance is nearly that of the mean square itself.
+    let scatter = 1.0 + 2.0 * (lags * stride) as f64 / d.len() as f64;
+    Some(terms * scatter / sum).filter(|freedom| freedom.is_finite() && *freedom > 0.0)
+}
+
+/// The differences of a deviation that start at every sample, up to a factor.
+fn of_every_sample(x: &[f64], deviation: Deviation, m: usize) -> Vec<f64> {
+    let differenced = |x: &[f64]| -> Vec<f64> { x.iter().zip(&x[m..]).map(|(a, b)| b - a).collect() };
+    if x.len() <= deviation.span(m) {
+        return Vec::new();
+    }
+    let mut d = x.to_vec();
+    for _ in 0..deviation.differences() {
+        d = differenced(&d);
+    }
+    if !deviation.is_modified() {
+        return d;
+    }
+    let mut sum: f64 = d[..m].iter().sum();
+    let mut averages = vec![sum];
+    for (old, new) in d.iter().zip(&d[m..]) {
+        sum += new - old;
+        averages.push(sum);
+    }
+    averages
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::allan::Trend;
+
+    #[test]
+    fn white_noise_has_the_degrees_of_freedom_of_its_closed_form() {
+        let numbers = std::iter::successors(Some(1_234_567_890_u64), |n| Some(16807 * n % 2_147_483_647));
+        let rates: Vec<f64> = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5).take(40_000).collect();
+        let angles = Angles::from_increments(&rates, 1.0, 1.0, Trend::None);
+        // At m = 1 the correlations of second differences of the angle are −1/2, those of third ones −2/3 and 1/6.
+        for (deviation, squares) in [
+            (Deviation::Adev, 1.0 + 2.0 * 0.25),
+            (Deviation::Oadev, 1.0 + 2.0 * 0.25),
+            (Deviation::Ohdev, 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0)),
+        ] {
+            let found = freedom(&angles, deviation, 1).unwrap() / 40_000.0;
+            assert!((found * squares - 1.0).abs() < 0.02, "{deviation}: {found}, not {}", 1.0 / squares);
+        }
+        assert_eq!(freedom(&angles, Deviation::Oadev, 4000), None);
+    }
+}

@@ -1,0 +1,181 @@
+//! The range of τ over which noise terms describe the curve of a record.
+//!
+//! A sensor filters its rate, and an Allan curve shows that as a fall below the noise terms at short τ. Terms fitted there would absorb
+//! it: a filter of two samples makes a bias instability out of white noise. The shortest τ of the fit is therefore part of
+//! the estimate:
+//!
+//! 1. The [band limit](Term::BandLimit) joins the terms that a fit may choose from. It is exact for any filter at τ beyond its
+//!    memory, so nothing of the filter remains in the other terms there.
+//! 2. A fit to all octaves without a band limit is the result, unless its χ² is improbable.
+//! 3. Otherwise the fit starts at the second of two successive octaves from which its χ² is not improbable. The first of them
+//!    guards against a rest of the filter that χ² does not show, but that is worth a standard error of N.
+//! 4. If that costs four octaves or more, a fit of all octaves with a sine takes precedence if it describes them.
+//! 5. If there is none, the fit of all octaves is the result unless its χ² is impossible. Then every coefficient is
+//!    [not described](Verdict::NotDescribed).
+//!
+//! Terms that are given are first fitted without a band limit.
+
+use crate::allan::{Angles, Deviation};
+use crate::fit::record::{curve_at, factors};
+use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Terms, Verdict};
+use crate::theory::allan::Term;
+
+/// Probability of the residuals below which a fit does not describe its curve. It leaves room for the scatter of single records
+/// at long τ, which is wider than that of a χ².
+pub const LEAST_P: f64 = 1e-3;
+/// The same for a fit of all octaves if nothing describes a part of them better: a single estimate at long τ that is
+/// far off spoils every range.
+pub const IMPOSSIBLE_P: f64 = 1e-9;
+/// Fewest octaves that show whether a model describes them; any model describes two or three.
+pub const FEWEST: usize = 5;
+
+/// Octaves lost from which on a sine is tried instead.
+const LOST: usize = 4;
+
+/// What is asked of the fit to a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitting {
+    /// Terms to fit.
+    pub terms: Terms,
+    /// Shortest τ of the fit, s; searched for if absent.
+    pub from_s: Option<f64>,
+    /// Longest τ of the fit, s; an eighth of the record if absent.
+    pub to_s: Option<f64>,
+    /// Whether coefficients keep their values if the terms do not describe the curve.
+    pub is_forced: bool,
+}
+
+impl From<Terms> for Fitting {
+    fn from(terms: Terms) -> Fitting {
+        Fitting { terms, from_s: None, to_s: None, is_forced: false }
+    }
+}
+
+impl Fitting {
+    /// The overlapping Allan variances of a record at the octaves within the range.
+    ///
+    /// # Errors
+    /// It fails where [`curve_of`](crate::fit::curve_of) does, and where fewer octaves than terms are within the range.
+    pub fn curve(&self, angles: &Angles) -> Result<Curve, FitError> {
+        let samples = angles.len().saturating_sub(1);
+        let longest = Deviation::Oadev.largest_factor(angles.len());
+        let octaves: Vec<usize> = match self.to_s {
+            None => factors(samples),
+            Some(_) => (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|&m| m <= longest).collect(),
+        };
+        let is_within = |m: &usize| {
+            let tau_s = *m as f64 * angles.step_s;
+            self.from_s.is_none_or(|from_s| is_at_least(tau_s, from_s))
+                && self.to_s.is_none_or(|to_s| is_at_least(to_s, tau_s))
+        };
+        let within: Vec<usize> = octaves.into_iter().filter(is_within).collect();
+        let parameters = self.terms.fewest_parameters();
+        if within.len() < parameters {
+            return Err(FitError::TooFewPoints { points: within.len(), parameters });
+        }
+        curve_at(angles, &within)
+    }
+}
+
+/// Whether a τ is at least another one, up to rounding.
+pub(crate) fn is_at_least(tau_s: f64, other_s: f64) -> bool {
+    tau_s > other_s * (1.0 - 1e-9)
+}
+
+/// A fit with the fitter of its range.
+#[derive(Debug)]
+pub struct Described {
+    /// Fitter of the curve over the range.
+    pub fitter: Fitter,
+    /// Its fit. If [`Described::is_described`] does not hold, that of all octaves.
+    pub fit: Fit,
+    /// Whether the fit describes the curve.
+    pub is_described: bool,
+}
+
+/// Fits the terms over the range of `curve` that they describe.
+///
+/// # Errors
+/// It fails where [`fit_record`](crate::fit::fit_record) does over all octaves.
+pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
+    let filtered = Fitter::new(curve, &asked.terms.with(Term::BandLimit))?;
+    let whole = match &asked.terms {
+        Terms::Auto(_) => filtered.from(0),
+        Terms::Given(_) => Fitter::new(curve, &asked.terms)?,
+    };
+    let fit = whole.fit_record(curve.variances())?;
+    if is_likely(&fit) && !is_limited(&fit) {
+        return Ok(Described { fitter: whole, fit, is_described: true });
+    }
+    let last = match asked.from_s {
+        None => curve.ms().len().saturating_sub(FEWEST),
+        Some(_) => 0,
+    };
+    let mut was_likely = last == 0;
+    let mut found = None;
+    for start in 0..=last {
+        let fitter = filtered.from(start);
+        // A covariance that is not definite belongs to a model that does not hold there.
+        let fit = fitter.fit_record(fitter.curve().variances()).ok().filter(is_likely);
+        match fit {
+            Some(fit) if was_likely => {
+                found = Some((start, Described { fitter, fit, is_described: true }));
+                break;
+            }
+            fit => was_likely = fit.is_some(),
+        }
+    }
+    match found {
+        Some((start, described)) if start < LOST => Ok(described),
+        found => {
+            let other = with_sine(curve, &asked.terms)?.or(found.map(|(_, described)| described));
+            let is_described = fit.p_value().is_some_and(|p| p > IMPOSSIBLE_P);
+            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described }))
+        }
+    }
+}
+
+/// The fit of chosen terms with a sine to the whole curve, if that describes it.
+fn with_sine(curve: &Curve, terms: &Terms) -> Result<Option<Described>, FitError> {
+    if matches!(terms, Terms::Given(_)) {
+        return Ok(None);
+    }
+    let fitter = Fitter::new(curve, &terms.with(Term::Sine))?;
+    let fit = fitter.fit_record(curve.variances()).ok().filter(is_likely);
+    Ok(fit.map(|fit| Described { fitter, fit, is_described: true }))
+}
+
+/// Whether a fit contains a band limit.
+fn is_limited(fit: &Fit) -> bool {
+    fit.process.parts.iter().any(|part| part.term == Term::BandLimit)
+}
+
+fn is_likely(fit: &Fit) -> bool {
+    fit.p_value().is_none_or(|p| p > LEAST_P)
+}
+
+impl Described {
+    /// Leaves out a band limit that is not identified. If the fit does not describe the curve, marks its coefficients and, unless
+    /// `is_forced`, takes their values.
+    pub fn judged(&self, fit: Fit, is_forced: bool) -> Fit {
+        let is_shown =
+            |found: &Coefficient| found.term != Term::BandLimit || found.verdict == Verdict::Identified;
+        if self.is_described {
+            return Fit { coefficients: fit.coefficients.into_iter().filter(is_shown).collect(), ..fit };
+        }
+        let is_asked = |found: &Coefficient| found.term != Term::BandLimit;
+        let of = |found: Coefficient| match is_forced {
+            true => Coefficient { verdict: Verdict::NotDescribed, ..found },
+            false => Coefficient {
+                term: found.term,
+                value: None,
+                standard_error: None,
+                interval: None,
+                shape: None,
+                verdict: Verdict::NotDescribed,
+                evidence: None,
+            },
+        };
+        Fit { coefficients: fit.coefficients.into_iter().filter(is_asked).map(of).collect(), ..fit }
+    }
+}
