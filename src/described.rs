@@ -1,6 +1,6 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
-use crate::analysis::{compare, design, firmware, log};
+use crate::analysis::{compare, design, firmware, log, spectrum};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::quantity::unit::bare;
@@ -44,6 +44,9 @@ pub fn files() -> Vec<File> {
             command("design.csv", "sagnac design", abouts(&design::report::columns(&design::Measure::ALL))),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
+            command("psd.csv", "sagnac psd", abouts(&spectrum::tables::density_columns())),
+            command("lines.csv", "sagnac psd", abouts(&spectrum::tables::line_columns())),
+            command("white_noise.csv", "sagnac psd", abouts(&spectrum::tables::white_columns())),
             command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
             command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),

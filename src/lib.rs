@@ -56,6 +56,7 @@
 //! | [`Report`](view::report::Report), [`Figure`](view::chart::figure::Figure), [`pictures`](view::picture::pictures) | the page of a study, and charts |
 //! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |
 //! | [`curve`](allan::curve::curve), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
+//! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
 //! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | the best switching interval and filler, and fillers for firmware |
 //! | [`theory`] | closed forms |
@@ -72,6 +73,7 @@ pub mod fit;
 pub mod progress;
 pub mod record;
 pub mod run;
+pub mod spectrum;
 pub mod store;
 pub mod study;
 pub mod table;

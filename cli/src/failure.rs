@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
+use sagnac::analysis::spectrum::NoSpectrum;
 use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::error::RecordError;
@@ -112,7 +113,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 21] = [
+const OPTIONS: [&str; 22] = [
     "at",
     "binary",
     "bootstrap",
@@ -129,6 +130,7 @@ const OPTIONS: [&str; 21] = [
     "rate",
     "salvage",
     "scale",
+    "segment",
     "tau",
     "time",
     "time_unit",
@@ -168,6 +170,12 @@ impl From<TauError> for Failure {
             TauError::NoTime(_) => Failure::Usage(in_options(&error)),
             _ => Failure::Record(in_options(&error)),
         }
+    }
+}
+
+impl From<NoSpectrum> for Failure {
+    fn from(error: NoSpectrum) -> Failure {
+        Failure::Record(in_options(&error))
     }
 }
 

@@ -9,8 +9,9 @@ use sagnac::study::Study;
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 6] = [
+const WRITTEN: [(&str, &str); 7] = [
     ("curve.csv", "allan"),
+    ("psd.csv", "psd"),
     ("compare.csv", "compare"),
     ("design/design.json", "design"),
     ("design.json", "design"),

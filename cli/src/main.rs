@@ -31,6 +31,7 @@ mod optima;
 mod output;
 mod program;
 mod progress;
+mod psd;
 mod reading;
 mod report;
 mod results;

@@ -31,6 +31,7 @@ Examples:
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
+  sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
   sagnac new gap-fill first.toml
   sagnac explain motion.amplitude
@@ -79,6 +80,8 @@ commands! {
     Filler(crate::filler::Options) = crate::filler::filler;
     /// Compute deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
     Allan(crate::allan::Options) = crate::allan::allan;
+    /// Compute the power spectral density of a recorded log, with its lines and the white noise beside the Allan fit
+    Psd(crate::psd::Options) = crate::psd::psd;
     /// Compare the noise of two recorded logs: coefficients, significance, and the record length needed
     Compare(crate::compare::Options) = crate::compare::compare;
     /// List the devices that kernels can run on

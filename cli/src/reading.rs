@@ -193,7 +193,7 @@ fn step(rate: &str) -> Result<f64, Failure> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let quantity = parse_quantity(text, &[Dimension::Time])
         .map_err(|error| format!("{error}; write as in \"30 min\""))?;
     if quantity.value >= 0.0 {

@@ -28,13 +28,14 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<_, fn() -> String, 9>([
+    one_of::<_, fn() -> String, 10>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),
         ("design", shipped!("design")),
         ("filler", shipped!("filler")),
         ("allan", shipped!("allan")),
+        ("psd", shipped!("psd")),
         ("compare", shipped!("compare")),
         ("bench", shipped!("bench")),
         ("devices", shipped!("devices")),

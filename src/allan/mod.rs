@@ -16,6 +16,7 @@ pub mod curve;
 pub mod deviation;
 pub(crate) mod differences;
 pub(crate) mod edf;
+pub(crate) mod fisher;
 pub mod noise;
 pub(crate) mod sums;
 pub mod tau;

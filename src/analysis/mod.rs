@@ -1,7 +1,8 @@
-//! Analyses beyond studies: noise of logs, comparison of logs, switching interval, firmware.
+//! Analyses beyond studies: noise of logs, spectra of logs, comparison of logs, switching interval, firmware.
 
 pub mod compare;
 pub mod data_sheet;
 pub mod design;
 pub mod firmware;
 pub mod log;
+pub mod spectrum;

@@ -19,6 +19,7 @@ const ORDER: &[&str] = &[
     "allan",
     "record",
     "fit",
+    "spectrum",
     "noise",
     "motion",
     "filler",

@@ -38,6 +38,7 @@ mod record_oracles;
 mod record_switching;
 mod records;
 mod relock;
+mod spectrum;
 mod switched_run;
 mod twins;
 

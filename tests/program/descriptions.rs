@@ -69,6 +69,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     let log = format!("{studies}/data/gyro_at_rest.csv");
     let read = "--data rate --rate 1Hz";
     desk.done(&format!("allan {log} {read} --bootstrap 0 --out allan"));
+    desk.done(&format!("psd {log} {read} --bootstrap 0 --out psd"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
     let by = ["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"];
@@ -85,6 +86,9 @@ fn written_by_commands() -> Vec<(File, String)> {
     let files = [
         ("allan", "curve.csv", "allan"),
         ("allan", "coefficients.csv", "allan"),
+        ("psd", "psd.csv", "psd"),
+        ("psd", "lines.csv", "psd"),
+        ("psd", "white_noise.csv", "psd"),
         ("compare", "compare.csv", "compare"),
         ("compare", "coefficients.csv", "compare"),
         ("filler", "weights.csv", "filler"),

@@ -44,6 +44,7 @@ mod help;
 mod identity;
 mod kills;
 mod messy_logs;
+mod psd;
 mod report;
 mod resumed;
 mod shaders;

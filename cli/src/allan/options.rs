@@ -111,12 +111,12 @@ fn suppose() -> impl TypedValueParser<Value = Suppose> {
     one_of([("record", Suppose::Record), ("stable32", Suppose::Stable32)])
 }
 
-fn probability(text: &str) -> Result<f64, String> {
+pub(crate) fn probability(text: &str) -> Result<f64, String> {
     let inside = |p: &f64| *p > 0.0 && *p < 1.0;
     text.parse().ok().filter(inside).ok_or_else(|| "not between 0 and 1; write as in 0.95".to_owned())
 }
 
-fn simulated(text: &str) -> Result<usize, String> {
+pub(crate) fn simulated(text: &str) -> Result<usize, String> {
     let count = text.parse().ok().filter(|&count| count == 0 || count >= LEAST_REALISATIONS);
     count.ok_or_else(|| {
         format!("give 0, or at least {LEAST_REALISATIONS}: fewer do not resolve the 2.5 % quantiles")

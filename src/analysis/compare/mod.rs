@@ -38,7 +38,6 @@
 pub mod difference;
 pub(crate) mod estimate;
 pub mod figures;
-pub(crate) mod fisher;
 pub mod length;
 pub mod logs;
 pub mod ratio;

@@ -1,7 +1,7 @@
 //! Two curves at their common averaging times, and their ratio.
 
-use crate::allan::{Deviation, Point};
-use crate::analysis::compare::{LEAST_P, fisher};
+use crate::allan::{Deviation, Point, fisher};
+use crate::analysis::compare::LEAST_P;
 
 /// Largest relative difference between two averaging times that count as one.
 pub const NEAREST: f64 = 0.02;

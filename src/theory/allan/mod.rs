@@ -62,6 +62,7 @@ pub(crate) mod markov;
 pub mod part;
 pub mod process;
 pub mod quantiser;
+pub mod spectrum;
 pub mod switching;
 pub mod terms;
 

@@ -12,6 +12,7 @@ pub(super) static ROW: Row = Row {
     // Σc² of the coefficients of the increments.
     variance: |part, difference, t0, m| part.size * part.size * (t0 * m as f64) * difference.divisor(),
     continuous: |part, tau| Some(part.size * part.size / tau),
+    density: |part, _, _| Some(2.0 * part.size * part.size),
     // G = −|n|/2.
     kernel: |part, t0| {
         let scale = part.size * part.size * t0;

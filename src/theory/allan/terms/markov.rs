@@ -2,7 +2,7 @@
 
 use crate::theory::allan::exponential::beyond_square;
 use crate::theory::allan::markov;
-use crate::theory::allan::part::Part;
+use crate::theory::allan::part::{Part, sine_of_turns};
 use crate::theory::allan::terms::{Increment, Row, Shape, Source};
 
 pub(super) static ROW: Row = Row {
@@ -33,6 +33,13 @@ pub(super) static ROW: Row = Row {
             false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),
         };
         Some(q_c * q_c * time_s * time_s / tau * bracket / (2.0 * z))
+    },
+    // 2t0·σ²(1 − a²)/(1 − 2a cos 2πft0 + a²), whose differences are of small numbers where t0 is short.
+    density: |part, t0, f| {
+        let (decay, step) = (t0 / part.shape, 2.0 * sine_of_turns(0.5 * f * t0));
+        let fallen = -libm::expm1(-decay);
+        let response = fallen * fallen + libm::exp(-decay) * step * step;
+        Some(part.size * part.size * part.shape * t0 * -libm::expm1(-2.0 * decay) / response)
     },
     kernel: |part, t0| {
         let (variance, decay) = (scale(part, t0), t0 / part.shape);

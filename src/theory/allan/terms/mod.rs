@@ -94,6 +94,8 @@ pub(crate) struct Row {
     pub(crate) largest: fn(&Part, Difference, f64, u64) -> f64,
     /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
     pub(crate) continuous: fn(&Part, f64) -> Option<f64>,
+    /// See [`density`](crate::theory::allan::spectrum::density).
+    pub(crate) density: fn(&Part, f64, f64) -> Option<f64>,
     /// The covariance of two differences of noise, for a sampling time; `None` if samples are independent.
     pub(crate) kernel: fn(&Part, f64) -> Option<Kernel>,
     /// Covariance of two differences of noise without a kernel, from the product of the coefficients of angles that meet.
@@ -147,6 +149,7 @@ impl Row {
             part.trend(difference, t0, m).map_or(0.0, |trend| trend.first.abs())
         },
         continuous: |_, _| None,
+        density: |_, _, _| None,
         kernel: |_, _| None,
         covariance: |_, _| 0.0,
         // A trend that decays is left out, because it is not stationary.

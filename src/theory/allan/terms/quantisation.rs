@@ -1,6 +1,7 @@
 //! White error of the angles.
 
 use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::part::sine_of_turns;
 use crate::theory::allan::terms::{Increment, Row, Source};
 
 pub(super) static ROW: Row = Row {
@@ -15,6 +16,11 @@ pub(super) static ROW: Row = Row {
         part.size * part.size * if difference == Difference::Second { 6.0 } else { 20.0 }
     },
     continuous: |part, tau| Some(3.0 * part.size * part.size / (tau * tau)),
+    // The difference of two errors over t0.
+    density: |part, t0, f| {
+        let step = 2.0 * part.size * sine_of_turns(0.5 * f * t0);
+        Some(2.0 * step * step / t0)
+    },
     covariance: |part, met| met * part.size * part.size,
     increment: |part, _, _| Increment::Normal(2.0 * part.size * part.size),
     sources: |part, _, _| vec![Source::Errors(part.size)],

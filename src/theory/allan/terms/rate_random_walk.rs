@@ -2,6 +2,7 @@
 
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::generalised::cubic;
+use crate::theory::allan::part::sine_of_turns;
 use crate::theory::allan::terms::{Row, Source};
 
 pub(super) static ROW: Row = Row {
@@ -22,6 +23,11 @@ pub(super) static ROW: Row = Row {
         part.size * part.size * t0 * t0 * t0 * sum
     },
     continuous: |part, tau| Some(part.size * part.size * tau / 3.0),
+    // Steps of variance K²t0, divided by the response of a difference.
+    density: |part, t0, f| {
+        let walk = part.size * t0 / (2.0 * sine_of_turns(0.5 * f * t0));
+        Some(2.0 * walk * walk)
+    },
     // G = (|n|³ − |n|)/12.
     kernel: |part, t0| {
         let scale = part.size * part.size * t0 * t0 * t0;

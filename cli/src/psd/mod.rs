@@ -1,0 +1,122 @@
+//! `sagnac psd`.
+
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::TypedValueParser;
+use sagnac::allan::tau::Taus;
+use sagnac::allan::trend::Trend;
+use sagnac::analysis::log::{self, Asked, Suppose};
+use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
+use sagnac::progress::{Progress, Silent};
+use sagnac::spectrum::Welch;
+use sagnac::view::chart::picture::Picture;
+
+use crate::allan::options::{probability, simulated};
+use crate::charts::write_pictures;
+use crate::failure::{Failure, in_options};
+use crate::look;
+use crate::output::{print, print_json, write_table};
+use crate::progress::{How, Shown};
+use crate::reading::{Reading, seconds};
+use crate::words::one_of;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
+  sagnac psd log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
+  sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --segment \"2 s\" --fit N,B
+
+The log is read as by `sagnac allan`, and no segment crosses a gap. Densities are one-sided: white
+noise of the angle random walk N has 2N². The noise model of the Allan fit is drawn over them.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Recorded log
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+    /// Length of the segments, as in "100 s": longer ones resolve lower frequencies, shorter ones narrow the intervals
+    /// [default: an eighth of the record, at most 16384 samples]
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    segment: Option<f64>,
+    /// What to remove from each segment: its mean (constant), or its straight line (linear)
+    #[arg(long, value_name = "TREND", default_value = "constant", value_parser = trend())]
+    segment_detrend: Trend,
+    /// Number of simulated records from which the interval of the N of the fit is found; 0 uses closed forms [default:
+    /// 1000, or 0 for more than 2 million samples]
+    #[arg(long, value_name = "N", value_parser = simulated)]
+    bootstrap: Option<usize>,
+    /// Probability of the confidence intervals of densities and of the floor
+    #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
+    confidence: f64,
+    /// Results folder [default: results/<name of the file>]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the results as JSON
+    #[arg(help_heading = "Output", long)]
+    json: bool,
+    /// Also draw the chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+fn trend() -> impl TypedValueParser<Value = Trend> {
+    one_of([("constant", Trend::None), ("linear", Trend::Linear)])
+}
+
+/// Computes the spectra of a log.
+pub fn psd(options: &Options) -> Result<(), Failure> {
+    let analysis = analysis(options)?;
+    let default = || Path::new("results").join(options.file.file_stem().unwrap_or_default());
+    let folder: PathBuf = options.out.clone().unwrap_or_else(default);
+    let figure = figures::figure(&analysis).map(Picture::Curves);
+    write_table(&folder.join("psd.csv"), &tables::table(&analysis))?;
+    write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
+    write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
+    figure.iter().try_for_each(|figure| write_pictures(&folder, "psd", figure))?;
+    if options.json {
+        return print_json(&tables::document(&analysis));
+    }
+    if !options.quiet {
+        notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
+        if let Some(figure) = figure.filter(|_| options.plot) {
+            print(&format!("{}\n", figure.text(look::of_output())))?;
+        }
+        print(&report::report(&analysis))?;
+        say!("results are in {}", folder.display());
+    }
+    Ok(())
+}
+
+/// Reads and analyses the log. The densities come first, because they are quick and may fail.
+fn analysis(options: &Options) -> Result<Analysis, Failure> {
+    let treatment = options.reading.treatment();
+    let log = treatment.read(&options.file, &options.reading.request()?)?;
+    let welch = Welch {
+        segment: options.segment.map(|length_s| libm::round(length_s / log.step_s) as usize),
+        trend: options.segment_detrend,
+        confidence: options.confidence,
+    };
+    let densities = densities(&log, &treatment, &welch)?;
+    // Of the curve only the fit is shown.
+    let asked = Asked {
+        taus: Taus::Octave,
+        deviations: vec![],
+        confidence: options.confidence,
+        intervals: Suppose::Stable32,
+        fitting: options.reading.fitting(),
+        simulated: options.bootstrap,
+    };
+    let is_silent = options.quiet || options.json;
+    let progress: &dyn Progress = if is_silent { &Silent } else { &Shown::new(How::Plain) };
+    let noise = log::Analysis::of(&log, &options.file, &treatment, &asked, progress)?;
+    Ok(Analysis::of(noise, densities))
+}

@@ -1,0 +1,97 @@
+//! Output of `sagnac psd` for people.
+
+use sagnac::allan::deviation::Deviation;
+use sagnac::analysis::data_sheet::Row;
+use sagnac::analysis::log::Column;
+use sagnac::analysis::log::notes::heading;
+use sagnac::analysis::spectrum::notes::{method, symbol};
+use sagnac::analysis::spectrum::{Analysis, Spectrum, White};
+use sagnac::quantity::number::significant;
+use sagnac::spectrum::lines::{FALSE_ALARM, Line};
+
+use crate::terminal::{headed, number};
+
+/// Lines of a density per octave.
+const PER_OCTAVE: f64 = 2.0;
+
+/// The spectra of all columns, with the treatment of the data.
+pub fn report(analysis: &Analysis) -> String {
+    let noise = &analysis.noise;
+    let mut text = format!("{}{}\n", heading(noise), noise.treatment.left_out());
+    for (column, spectrum) in analysis.columns() {
+        text += &format!("\n{}: density, {}\n", column.name, method(spectrum));
+        text += &density(analysis, column, spectrum);
+        text += &lines(column, spectrum);
+        text += &white(column, &spectrum.white);
+    }
+    text
+}
+
+/// Means of the density beside the fitted model.
+fn density(analysis: &Analysis, column: &Column, spectrum: &Spectrum) -> String {
+    let line = |point: sagnac::spectrum::Point| {
+        let ends = point.interval;
+        vec![
+            significant(point.frequency_hz, 5),
+            significant(point.value, 4),
+            number(ends.map(|ends| ends.0), 4),
+            number(ends.map(|ends| ends.1), 4),
+            number(spectrum.model_at(point.frequency_hz), 4),
+        ]
+    };
+    let unit = symbol(column.unit);
+    let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
+    let table = headed(
+        ["f, Hz", "density", "lower", "upper", "fit"],
+        spectrum.means(PER_OCTAVE).into_iter().map(line),
+    );
+    format!(
+        "  means over half an octave{unit}, with {} intervals; psd.csv has all {} frequencies\n{table}",
+        analysis.noise.percent(),
+        spectrum.density.points.len()
+    )
+}
+
+/// The lines that were found.
+fn lines(column: &Column, spectrum: &Spectrum) -> String {
+    let percent = significant(100.0 * FALSE_ALARM, 2);
+    if spectrum.lines.is_empty() {
+        return format!("  no line; noise alone shows one in {percent} % of records\n");
+    }
+    let line = |line: &Line| {
+        vec![
+            significant(line.frequency_hz, 6),
+            significant(line.amplitude, 4),
+            significant(line.over_floor, 3),
+            significant(line.p, 2),
+        ]
+    };
+    let unit = column.unit.symbol(Deviation::Oadev);
+    let amplitude = if unit.is_empty() { "amplitude".to_owned() } else { format!("amplitude, {unit}") };
+    let heading = ["f, Hz", &amplitude, "over floor", "p"];
+    format!(
+        "  lines; noise alone shows one in {percent} % of records\n{}",
+        headed(heading, spectrum.lines.iter().map(line))
+    )
+}
+
+/// N by the floor beside N by the fit.
+fn white(column: &Column, white: &White) -> String {
+    let line = |(from, row): (&str, &Row)| {
+        let [value, lower, upper] =
+            [row.value, row.interval.map(|ends| ends[0]), row.interval.map(|ends| ends[1])]
+                .map(|end| number(end, 4));
+        vec![from.to_owned(), value, lower, upper, row.symbol.to_owned(), row.verdict.to_owned()]
+    };
+    let rows = [("N of the floor", &white.from_floor), ("N of the fit", &white.from_fit)];
+    let rows = rows.into_iter().filter_map(|(from, row)| Some((from, row.as_ref()?)));
+    let range = white.floor.as_ref().map_or_else(String::new, |floor| {
+        let [from, to] = floor.range_hz.map(|end| significant(end, 3));
+        format!(" from {from} to {to} Hz")
+    });
+    let others = white.model.map_or_else(String::new, |[_, others]| {
+        format!("; {} % of the fitted density there is of other terms", significant(100.0 * others, 2))
+    });
+    let table = headed(["", "value", "lower", "upper", "", ""], rows.map(line));
+    format!("{}: white noise{range}: {}{others}\n{table}", column.name, white.verdict())
+}

@@ -1,0 +1,80 @@
+//! The chart of `sagnac psd`.
+
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log::Column;
+use crate::analysis::log::notes::heading;
+use crate::analysis::spectrum::notes::symbol;
+use crate::analysis::spectrum::{Analysis, Spectrum};
+use crate::quantity::number::significant;
+use crate::spectrum::Point;
+use crate::theory::allan::spectrum::density;
+use crate::theory::allan::{Part, Term};
+use crate::view::chart::figure::{self, Axis, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};
+
+/// Points per octave.
+const PER_OCTAVE: f64 = 12.0;
+
+/// The densities of all columns with the fitted models over them; `None` without columns.
+pub fn figure(analysis: &Analysis) -> Option<Figure> {
+    let (first, spectrum) = analysis.columns().next()?;
+    let several = analysis.spectra.len() > 1;
+    let names = analysis.noise.columns.iter().map(|column| column.name.clone());
+    let series: Vec<Series> =
+        (0..).zip(&analysis.spectra).map(|(colour, spectrum)| series(colour, spectrum)).collect();
+    let full = (0..).zip(&analysis.spectra).map(|(colour, spectrum)| LawLine {
+        colours: vec![colour],
+        points: spectrum.density.points.iter().map(|point| (point.frequency_hz, point.value)).collect(),
+    });
+    Some(Figure {
+        title: "One-sided power spectral density of the rate".to_owned(),
+        subtitle: Some(format!(
+            "{}; {} segments of {} s; {}",
+            heading(&analysis.noise),
+            spectrum.density.segments,
+            significant(spectrum.density.segment as f64 * spectrum.density.step_s, 6),
+            analysis.noise.treatment.summary()
+        )),
+        x: Axis::new("frequency", "Hz"),
+        y: Axis::new("density", symbol(first.unit)),
+        colours: Grouping::of(if several { "columns" } else { "column" }, names),
+        points: "mean over 1/12 octave".to_owned(),
+        bands: format!("{} intervals", analysis.noise.percent()),
+        lines: "fit of the Allan curve".to_owned(),
+        series,
+        laws: vec![Law { label: "each frequency".to_owned(), lines: full.collect() }],
+        parts: if several { Parts::default() } else { parts(first, spectrum) },
+        ..Figure::default()
+    })
+}
+
+fn series(colour: usize, spectrum: &Spectrum) -> Series {
+    let means = spectrum.means(PER_OCTAVE);
+    let point = |point: &Point| SeriesPoint { x: point.frequency_hz, y: point.value, band: point.interval };
+    let law =
+        means.iter().filter_map(|point| Some((point.frequency_hz, spectrum.model_at(point.frequency_hz)?)));
+    Series { colour, dash: 0, law: law.collect(), points: means.iter().map(point).collect() }
+}
+
+/// The terms of the fitted model that have a density and an identified coefficient.
+fn parts(column: &Column, spectrum: &Spectrum) -> Parts {
+    let line = |part: &Part| {
+        let row = column.coefficients().iter().find(|row| row.name == part.term.symbol())?;
+        let at = |point: Point| {
+            let to_hz = spectrum.model.as_ref()?.to_hz;
+            let density = density(part, spectrum.density.step_s, point.frequency_hz)?;
+            (point.frequency_hz <= to_hz).then_some((point.frequency_hz, density))
+        };
+        let points: Vec<(f64, f64)> = spectrum.means(PER_OCTAVE).into_iter().filter_map(at).collect();
+        // The first colour is that of the density.
+        let colour = 1 + Term::ALL.iter().position(|term| *term == part.term)?;
+        (!points.is_empty()).then_some(figure::Part { label: label(row)?, colour, points })
+    };
+    let lines = spectrum.model.iter().flat_map(|model| &model.process.parts).filter_map(line).collect();
+    Parts { title: "parts of the fit".to_owned(), lines }
+}
+
+/// A label such as `N = 0.003 °/√h`, with no-break spaces that keep the value with its unit.
+fn label(row: &Row) -> Option<String> {
+    let label = format!("{} = {} {}", row.name, significant(row.value?, 3), row.symbol);
+    Some(label.trim_end().replace(' ', "\u{a0}"))
+}

@@ -1,0 +1,197 @@
+//! The spectrum of a recorded log beside its Allan fit: density, lines, and the white noise by both.
+//!
+//! ```text
+//! Log, Welch ─ densities ─┬─ of ─▶ Analysis ─┬─ tables ─▶ psd.csv, lines.csv, white_noise.csv, JSON
+//! log::Analysis ───────────┘                 └─ figures ─▶ chart
+//! ```
+
+pub mod figures;
+pub mod notes;
+pub mod tables;
+
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log::{self, Column, Treatment};
+use crate::fit::Quantity;
+use crate::record::log::channel::{Channel, Log};
+use crate::spectrum::{Density, Floor, Line, Point, SpectrumError, Welch, lines};
+use crate::theory::allan::{Part, Process, Term};
+
+/// Standard errors of a 95 % interval on each side.
+const SIDE: f64 = 1.959_963_984_540_054;
+
+/// The spectra of a log.
+#[derive(Debug)]
+pub struct Analysis {
+    /// The log, its treatment, and for each column the Allan fit.
+    pub noise: log::Analysis,
+    /// The spectrum of each column, in the order of those of `noise`.
+    pub spectra: Vec<Spectrum>,
+}
+
+/// The spectrum of a column.
+#[derive(Debug)]
+pub struct Spectrum {
+    /// Density of the rate.
+    pub density: Density,
+    /// Lines by rising frequency.
+    pub lines: Vec<Line>,
+    /// The noise model of the Allan fit, where there is one that describes its curve.
+    pub model: Option<Model>,
+    /// White noise of the density beside that of the fit.
+    pub white: White,
+}
+
+/// A fitted noise model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// The noise.
+    pub process: Process,
+    /// Highest frequency of which the fit says something: half the inverse of its shortest τ. A filter of the sensor, for
+    /// which the fit starts later, shows above it.
+    pub to_hz: f64,
+}
+
+/// The angle random walk N from the floor of a density and from the Allan fit, both of the same samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct White {
+    /// Flat range of the density; absent where no octave of it is flat.
+    pub floor: Option<Floor>,
+    /// N of the floor, as the root of half its density, in the unit of data sheets.
+    pub from_floor: Option<Row>,
+    /// N of the Allan fit.
+    pub from_fit: Option<Row>,
+    /// Mean density of the fitted model over the range of the floor, as far as the model reaches, (″/s)²/Hz, and the part
+    /// of it that is not of N.
+    pub model: Option<[f64; 2]>,
+}
+
+/// Why a column has no spectrum.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("column {column}: {why}")]
+pub struct NoSpectrum {
+    /// Name of the column.
+    pub column: String,
+    /// The reason.
+    pub why: SpectrumError,
+}
+
+/// The densities of all columns of a log after this treatment.
+///
+/// # Errors
+/// A column is too short, or for the requested segment.
+pub fn densities(log: &Log, treatment: &Treatment, welch: &Welch) -> Result<Vec<Density>, NoSpectrum> {
+    let density = |channel: &Channel| {
+        let (angles, _) = treatment.angles(&channel.view(log.data, log.step_s));
+        Density::of(&angles, welch).map_err(|why| NoSpectrum { column: channel.name.clone(), why })
+    };
+    log.channels.iter().map(density).collect()
+}
+
+impl Analysis {
+    /// Puts the densities of a log beside the fits of its analysis, which have the same columns.
+    pub fn of(noise: log::Analysis, densities: Vec<Density>) -> Analysis {
+        let columns = noise.columns.iter().zip(densities);
+        Analysis { spectra: columns.map(|(column, density)| Spectrum::of(column, density)).collect(), noise }
+    }
+
+    /// The columns of the log with their spectra.
+    pub fn columns(&self) -> impl Iterator<Item = (&Column, &Spectrum)> {
+        self.noise.columns.iter().zip(&self.spectra)
+    }
+}
+
+impl Spectrum {
+    fn of(column: &Column, density: Density) -> Spectrum {
+        let lines = lines(&density);
+        let fit = column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described());
+        let model = fit.map(|fit| Model {
+            process: fit.process.clone(),
+            // The last frequency is the same up to rounding.
+            to_hz: 0.5 / fit.tau_range[0] * (1.0 + 1e-9),
+        });
+        let white = White::of(column, &density, &lines, model.as_ref());
+        Spectrum { density, lines, model, white }
+    }
+
+    /// The density of the fitted model at a frequency, (″/s)²/Hz; absent without a fit, above its frequencies, or if it
+    /// has no noise.
+    pub fn model_at(&self, frequency_hz: f64) -> Option<f64> {
+        let model = self.model.as_ref().filter(|model| frequency_hz <= model.to_hz)?;
+        model.process.density(frequency_hz)
+    }
+
+    /// Means of the density over steps of log f, `per_octave` of them per octave. The points of lines stay as they are.
+    pub fn means(&self, per_octave: f64) -> Vec<Point> {
+        let count = self.density.points.len();
+        let is_line = |place: usize| self.lines.iter().any(|line| line.places.contains(&place));
+        let mut means = Vec::new();
+        let mut start = 0;
+        while start < count {
+            let step = ((start + 1) as f64 * (libm::exp2(1.0 / per_octave) - 1.0)) as usize;
+            let most = (start + step.max(1)).min(count);
+            let end = match is_line(start) {
+                true => start + 1,
+                false => (start + 1..most).find(|&place| is_line(place)).unwrap_or(most),
+            };
+            means.extend(self.density.mean(start..end));
+            start = end;
+        }
+        means
+    }
+}
+
+impl White {
+    fn of(column: &Column, density: &Density, lines: &[Line], model: Option<&Model>) -> White {
+        let floor = Floor::of(density, lines);
+        let (factor, unit, symbol) = Quantity::Coefficient(Term::AngleRandomWalk).unit(column.unit);
+        let n = |density: f64| factor * libm::sqrt(0.5 * density);
+        let from_floor = floor.as_ref().map(|floor| Row {
+            name: Term::AngleRandomWalk.symbol(),
+            unit,
+            symbol,
+            value: Some(n(floor.density)),
+            interval: Some([n(floor.interval.0), n(floor.interval.1)]),
+            verdict: "",
+        });
+        let from_fit =
+            column.coefficients().iter().find(|row| row.name == Term::AngleRandomWalk.symbol()).cloned();
+        let model = floor.as_ref().zip(model).and_then(|(floor, model)| {
+            let points = density.points[floor.places.clone()].iter();
+            let within: Vec<f64> =
+                points.map(|point| point.frequency_hz).take_while(|f| *f <= model.to_hz).collect();
+            let mean = |is_meant: fn(&Part) -> bool| -> f64 {
+                let parts = model.process.parts.iter().copied().filter(is_meant).collect();
+                let meant = Process { parts, ..model.process };
+                within.iter().filter_map(|&f| meant.density(f)).sum::<f64>() / within.len() as f64
+            };
+            let all = mean(|_| true);
+            (all > 0.0).then(|| [all, mean(|part| part.term != Term::AngleRandomWalk) / all])
+        });
+        White { floor, from_floor, from_fit, model }
+    }
+
+    /// Whether the floor differs from the density that the fitted model has over the same range, at a level of 5 %;
+    /// absent without a floor or without an identified N.
+    ///
+    /// The variances of the two are added, although both are of the same samples. They differ less than that by chance.
+    pub fn is_told_apart(&self) -> Option<bool> {
+        let (floor, [model, _]) = (self.floor.as_ref()?, self.model?);
+        let fit = self.from_fit.as_ref()?;
+        let [low, high] = fit.value.and(fit.interval).filter(|[low, _]| *low > 0.0)?;
+        // Of the logarithm of N², whose interval is twice that of the logarithm of N.
+        let of_fit = libm::log(high / low) / SIDE;
+        let scatter = libm::sqrt(2.0 / floor.freedom + of_fit * of_fit);
+        Some(libm::log(floor.density / model).abs() > SIDE * scatter)
+    }
+
+    /// The result in words.
+    pub fn verdict(&self) -> &'static str {
+        match (self.is_told_apart(), &self.floor, &self.from_fit) {
+            (Some(true), ..) => "told apart",
+            (Some(false), ..) => "not told apart",
+            (None, None, _) => "no octave of the density is flat",
+            (None, _, None) => "no fit",
+            (None, ..) => "the fit has no N to compare with",
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Notes and phrases on the spectra of a log.
+
+use crate::allan::Unit;
+use crate::analysis::log::{self, Column};
+use crate::analysis::spectrum::{Analysis, Spectrum};
+use crate::quantity::number::significant;
+use crate::theory::allan::Term;
+
+/// Part of the samples that may be unused without a note.
+const FEW: f64 = 0.05;
+/// Number of segments below which a note says that intervals are wide.
+const SEVERAL: usize = 4;
+
+/// All notes on the results, after those on the log and its fit.
+pub fn notes(analysis: &Analysis) -> Vec<String> {
+    let of_column = |(column, spectrum): (&Column, &Spectrum)| {
+        let notes = of_spectrum(spectrum, analysis.noise.samples).into_iter().flatten();
+        notes.map(|note| format!("{}: {note}", column.name)).collect::<Vec<_>>()
+    };
+    log::notes::notes(&analysis.noise).into_iter().chain(analysis.columns().flat_map(of_column)).collect()
+}
+
+fn of_spectrum(spectrum: &Spectrum, samples: usize) -> [Option<String>; 4] {
+    let density = &spectrum.density;
+    let has = |term: Term| {
+        spectrum.model.as_ref().is_some_and(|model| model.process.parts.iter().any(|part| part.term == term))
+    };
+    let unused = density.unused as f64 > FEW * samples as f64;
+    [
+        unused.then(|| {
+            format!(
+                "{} of {samples} samples are in no segment of the density: a shorter segment takes more of the stretches \
+                 between gaps",
+                density.unused
+            )
+        }),
+        (density.segments < SEVERAL).then(|| {
+            format!("the density is from {} segments only: a shorter segment has narrower intervals", density.segments)
+        }),
+        has(Term::Sine).then(|| "the sine of the fit is a line, and not part of the density of the model".to_owned()),
+        (spectrum.white.is_told_apart() == Some(true)).then(|| {
+            "the floor of the density and the fit are told apart: the fit does not describe the noise at these frequencies"
+                .to_owned()
+        }),
+    ]
+}
+
+/// How the densities were estimated, in a few words.
+pub fn method(spectrum: &Spectrum) -> String {
+    let density = &spectrum.density;
+    format!(
+        "one-sided, Hann window, {} segments of {} s that overlap by half, {} degrees of freedom",
+        density.segments,
+        significant(density.segment as f64 * density.step_s, 6),
+        significant(density.freedom, 3)
+    )
+}
+
+/// Unit of densities for the user; plain numbers have none that is known.
+pub fn symbol(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Angular => "(°/h)²/Hz",
+        Unit::Plain => "",
+    }
+}

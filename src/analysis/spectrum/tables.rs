@@ -1,0 +1,222 @@
+//! The results of `sagnac psd` as tables and as JSON.
+
+use serde_json::{Value, json};
+
+use crate::allan::{Deviation, Trend, Unit as Curves};
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log;
+use crate::analysis::log::tables::text;
+use crate::analysis::spectrum::{Analysis, Spectrum, White};
+use crate::spectrum::{FALSE_ALARM, Line, Point};
+use crate::table::column::columns_of;
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+
+/// Unit of densities in files.
+fn in_files(unit: Curves) -> &'static str {
+    match unit {
+        Curves::Angular => "deg2/h2/Hz",
+        Curves::Plain => "",
+    }
+}
+
+/// A row of `psd.csv`.
+pub(crate) struct DensityRow<'a> {
+    column: &'a log::Column,
+    spectrum: &'a Spectrum,
+    point: &'a Point,
+    treatment: &'a str,
+}
+
+/// The columns of `psd.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn density_columns<'a>() -> Vec<ColumnOf<DensityRow<'a>>> {
+    type Of<'a> = ColumnOf<DensityRow<'a>>;
+    vec![
+        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
+            .is(Role::Key, "Column of the log to which the row belongs."),
+        Of::new("f", Unit::HZ, "frequency", |row| Cell::Number(row.point.frequency_hz))
+            .is(Role::Coordinate, "Frequency, Hz."),
+        Of::new("density", Unit::NONE, "density", |row| Cell::Number(row.point.value))
+            .is(Role::Error, "One-sided power spectral density of the rate, in `unit`."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
+            .is_of("density", Role::Lower, "Lower end of the interval of `density`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.point.interval.map(|ends| ends.1).into())
+            .is_of("density", Role::Upper, "Upper end of the interval of `density`."),
+        Of::new("model", Unit::NONE, "model", |row| row.spectrum.model_at(row.point.frequency_hz).into())
+            .is_of("density", Role::Oracle, "Density of the noise model that was fitted to the Allan curve, in `unit`; blank without a fit and above its frequencies."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(in_files(row.column.unit)))
+            .is(Role::Note, "Unit of `density`, `lower`, `upper` and `model`."),
+        Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
+            .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed."),
+    ]
+}
+
+/// The densities of all columns: `psd.csv`.
+pub fn table(analysis: &Analysis) -> Table {
+    let treatment = &analysis.noise.treatment.summary();
+    let rows: Vec<DensityRow> = analysis
+        .columns()
+        .flat_map(|(column, spectrum)| {
+            spectrum.density.points.iter().map(move |point| DensityRow { column, spectrum, point, treatment })
+        })
+        .collect();
+    Table { columns: columns_of(&density_columns(), &rows) }
+}
+
+/// A row of `lines.csv`.
+pub(crate) struct LineRow<'a> {
+    column: &'a log::Column,
+    line: &'a Line,
+}
+
+/// The columns of `lines.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn line_columns<'a>() -> Vec<ColumnOf<LineRow<'a>>> {
+    type Of<'a> = ColumnOf<LineRow<'a>>;
+    vec![
+        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
+            .is(Role::Key, "Column of the log to which the row belongs."),
+        Of::new("f", Unit::HZ, "frequency", |row| Cell::Number(row.line.frequency_hz))
+            .is(Role::Coordinate, "Frequency of the line, interpolated, Hz."),
+        Of::new("amplitude", Unit::NONE, "amplitude", |row| Cell::Number(row.line.amplitude))
+            .is(Role::Estimate, "Amplitude of the sine of the rate, in `unit`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(Deviation::Oadev)))
+            .is(Role::Note, "Unit of `amplitude`."),
+        Of::new("over_floor", Unit::NONE, "over floor", |row| Cell::Number(row.line.over_floor))
+            .is(Role::Estimate, "Highest density of the line over that of the noise around it."),
+        Of::new("p", Unit::NONE, "p", |row| Cell::Number(row.line.p))
+            .is(Role::Estimate, "Probability that noise alone has such a density anywhere in the record; a line has at most 0.01."),
+    ]
+}
+
+/// The lines of all columns: `lines.csv`.
+pub fn lines(analysis: &Analysis) -> Table {
+    let lines = analysis
+        .columns()
+        .flat_map(|(column, spectrum)| spectrum.lines.iter().map(move |line| LineRow { column, line }));
+    let rows: Vec<LineRow> = lines.collect();
+    Table { columns: columns_of(&line_columns(), &rows) }
+}
+
+/// A row of `white_noise.csv`.
+pub(crate) struct WhiteRow<'a> {
+    column: &'a log::Column,
+    white: &'a White,
+    from: &'static str,
+    row: &'a Row,
+}
+
+/// The columns of `white_noise.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
+    type Of<'a> = ColumnOf<WhiteRow<'a>>;
+    vec![
+        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
+            .is(Role::Key, "Column of the log to which the row belongs."),
+        Of::new("from", Unit::NONE, "from", |row| text(row.from))
+            .is(Role::Key, "`floor` for N from the flat range of the density, `fit` for N from the Allan curve."),
+        Of::new("n", Unit::NONE, "N", |row| row.row.value.into())
+            .is(Role::Estimate, "Angle random walk N, in `unit`; blank where the fit does not identify it."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.row.interval.map(|ends| ends[0]).into())
+            .is_of("n", Role::Lower, "Lower end of the interval of `n`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.row.interval.map(|ends| ends[1]).into())
+            .is_of("n", Role::Upper, "Upper end of the interval of `n`; if `n` is blank, an upper bound."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.row.unit))
+            .is(Role::Note, "Unit of `n`, `lower` and `upper`."),
+        Of::new("from_f", Unit::HZ, "from", |row| range(row.white).map(|ends| ends[0]).into())
+            .is(Role::Estimate, "Lowest frequency of the flat range, Hz."),
+        Of::new("to_f", Unit::HZ, "to", |row| range(row.white).map(|ends| ends[1]).into())
+            .is(Role::Estimate, "Highest frequency of the flat range, Hz."),
+        Of::new("others", Unit::NONE, "others", |row| row.white.model.map(|[_, others]| others).into())
+            .is(Role::Estimate, "Part of the fitted density over the flat range that is of other terms than N."),
+        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.white.verdict()))
+            .is(Role::Note, "Whether the floor is told apart from the fitted density over the flat range, all terms included."),
+    ]
+}
+
+/// Ends of the flat range, Hz.
+fn range(white: &White) -> Option<[f64; 2]> {
+    white.floor.as_ref().map(|floor| floor.range_hz)
+}
+
+/// N of all columns from floor and fit: `white_noise.csv`.
+pub fn white_noise(analysis: &Analysis) -> Table {
+    let rows = analysis.columns().flat_map(|(column, Spectrum { white, .. })| {
+        let found = [("floor", &white.from_floor), ("fit", &white.from_fit)];
+        found
+            .into_iter()
+            .filter_map(move |(from, row)| Some(WhiteRow { column, white, from, row: row.as_ref()? }))
+    });
+    let rows: Vec<WhiteRow> = rows.collect();
+    Table { columns: columns_of(&white_columns(), &rows) }
+}
+
+/// The complete analysis as JSON. Everything about the log is as in that of `sagnac allan`.
+pub fn document(analysis: &Analysis) -> Value {
+    let mut document = log::tables::document(&analysis.noise);
+    document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });
+    if let Value::Array(columns) = &mut document["columns"] {
+        for (column, (own, spectrum)) in columns.iter_mut().zip(analysis.columns()) {
+            let kept = [
+                "column",
+                "missing",
+                "mean_rate",
+                "mean_rate_unit",
+                "coefficients",
+                "coefficients_missing",
+                "fit",
+            ];
+            let kept = kept.map(|key| (key.to_owned(), column[key].take()));
+            *column = of_column(own, spectrum);
+            kept.into_iter().for_each(|(key, value)| column[key] = value);
+        }
+    }
+    document
+}
+
+fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
+    let density = &spectrum.density;
+    let white = &spectrum.white;
+    let ends = |row: &Row| {
+        json!({
+            "n": row.value,
+            "lower": row.interval.map(|ends| ends[0]),
+            "upper": row.interval.map(|ends| ends[1]),
+            "unit": row.unit,
+        })
+    };
+    json!({
+        "segment_samples": density.segment,
+        "segment_detrend": match density.trend { Trend::None => "constant", Trend::Linear => "linear" },
+        "segments": density.segments,
+        "unused_samples": density.unused,
+        "degrees_of_freedom": density.freedom,
+        "density_unit": in_files(column.unit),
+        "points": density.points.iter().map(|point| of_point(spectrum, point)).collect::<Vec<_>>(),
+        "lines": spectrum.lines.iter().map(|line| json!({
+            "f_hz": line.frequency_hz,
+            "amplitude": line.amplitude,
+            "unit": column.unit.in_files(Deviation::Oadev),
+            "over_floor": line.over_floor,
+            "p": line.p,
+        })).collect::<Vec<_>>(),
+        "white_noise": {
+            "floor": white.from_floor.as_ref().map(ends),
+            "fit": white.from_fit.as_ref().map(ends),
+            "range_hz": range(white),
+            "others": white.model.map(|[_, others]| others),
+            "told_apart": white.is_told_apart(),
+            "verdict": white.verdict(),
+        },
+    })
+}
+
+fn of_point(spectrum: &Spectrum, point: &Point) -> Value {
+    json!({
+        "f_hz": point.frequency_hz,
+        "density": point.value,
+        "lower": point.interval.map(|ends| ends.0),
+        "upper": point.interval.map(|ends| ends.1),
+        "model": spectrum.model_at(point.frequency_hz),
+    })
+}
