@@ -8,6 +8,9 @@ use crate::record::time::{Grid, LONG_GAP, SPARSEST, TimeFault, median_step};
 /// far, so the unit follows from the size.
 const EPOCH_S: std::ops::Range<f64> = 1e9..4e9;
 
+/// Longest sampling step of a log whose stamps have no unit, s.
+const LONGEST_STEP_S: f64 = 100.0;
+
 /// Units of time, s.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 
@@ -32,6 +35,12 @@ const AHEAD: usize = 8;
 /// The unit of stamps since the epoch, of which the first is `stamp`.
 pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
     UNITS.into_iter().find(|(_, unit_s)| EPOCH_S.contains(&(stamp * unit_s)))
+}
+
+/// The same for all stamps of a log. Stamps since a device started may have the size of those since the epoch in a coarser unit, in
+/// which their steps are too long.
+pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
+    epoch_unit(*stamps.first()?).filter(|(_, unit_s)| median_step(stamps) * unit_s <= LONGEST_STEP_S)
 }
 
 /// The stamps of a counter in a row: wherever it has rolled over, its limit is added. Returns that limit and how many times
@@ -208,6 +217,18 @@ pub(crate) fn step_in_stamps(stamps: &[f64], step_s: f64, unit_s: Option<f64>) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn stamps_since_a_start_are_not_taken_for_those_since_the_epoch() {
+        let stamps =
+            |first: f64, step: f64| (0..100).map(|i| first + step * f64::from(i)).collect::<Vec<_>>();
+        // 100 Hz in µs 20 minutes after a start, and 200 Hz in ns.
+        for stamps in [stamps(1.2e9, 1e4), stamps(1.2e12, 5e6)] {
+            assert_eq!(epoch_unit_of(&stamps), None);
+        }
+        assert_eq!(epoch_unit_of(&stamps(1.7e9, 60.0)), Some(("s", 1.0)));
+        assert_eq!(epoch_unit_of(&stamps(1.7e18, 1e7)), Some(("ns", 1e-9)));
+    }
 
     #[test]
     fn stamps_since_the_epoch_tell_their_unit() {

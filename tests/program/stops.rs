@@ -161,13 +161,13 @@ fn a_closed_or_full_error_stream_changes_neither_results_nor_exit_codes() {
 
 #[test]
 fn a_run_that_stops_at_a_precision_goes_on_from_what_it_said_is_kept() {
-    let desk = Desk::with(&long().replace("kind =", "precision = \"0.02 %\"\nkind ="));
-    let run = "run study.toml --device cpu --threads 1 --trials 100000000 --out out --time-limit";
+    let desk = Desk::with(&long().replace("kind =", "precision = \"0.005 %\"\nkind ="));
+    let run = "run study.toml --device cpu --threads 1 --trials 400000000 --out out --time-limit";
     let first = desk.sagnac(&format!("{run} 1s"));
     assert_eq!(first.code, 4, "{}", first.stderr);
     let line = |text: &str, end: &str| text.lines().find(|line| line.contains(end)).map(str::to_owned);
     let stopped = line(&first.stderr, "are kept").unwrap_or_else(|| panic!("{}", first.stderr));
-    let second = desk.sagnac(&format!("{run} 20s"));
+    let second = desk.sagnac(&format!("{run} 4s"));
     let begins = line(&second.stderr, "trials done").unwrap_or_else(|| panic!("{}", second.stderr));
     let reached = begins.strip_suffix(" trials done").unwrap();
     assert!(!reached.starts_with("0 of") && stopped.contains(reached), "{stopped}\n{begins}");

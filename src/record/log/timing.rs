@@ -7,7 +7,7 @@ use crate::record::log::read::{Duplicates, RULES, Timing};
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
-    Doubled, doubled, epoch_unit, faults as faults_of, late_grid, step_in_stamps, unroll,
+    Doubled, doubled, epoch_unit, epoch_unit_of, faults as faults_of, late_grid, step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -284,7 +284,7 @@ fn unit_of_stamps(
     notes: &mut Vec<String>,
     faults: &mut Faults,
 ) -> Option<f64> {
-    let epoch = stamps.first().and_then(|first| epoch_unit(*first));
+    let epoch = epoch_unit_of(stamps);
     let title = time_column(file, time.column);
     match (time.unit_s, epoch) {
         (Some(unit_s), Some((unit, of_epoch))) if unit_s > of_epoch && clock.step_s.is_none() => {
