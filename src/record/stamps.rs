@@ -40,7 +40,8 @@ pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
 /// The same for all stamps of a log. Stamps since a device started may have the size of those since the epoch in a coarser unit, in
 /// which their steps are too long.
 pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
-    epoch_unit(*stamps.first()?).filter(|(_, unit_s)| median_step(stamps) * unit_s <= LONGEST_STEP_S)
+    let is_short = |unit_s: f64| stamps.len() < 2 || median_step(stamps) * unit_s <= LONGEST_STEP_S;
+    epoch_unit(*stamps.first()?).filter(|(_, unit_s)| is_short(*unit_s))
 }
 
 /// The stamps of a counter in a row: wherever it has rolled over, its limit is added. Returns that limit and how many times
@@ -226,6 +227,7 @@ mod tests {
         for stamps in [stamps(1.2e9, 1e4), stamps(1.2e12, 5e6)] {
             assert_eq!(epoch_unit_of(&stamps), None);
         }
+        assert_eq!(epoch_unit_of(&[1.7e9]), Some(("s", 1.0)));
         assert_eq!(epoch_unit_of(&stamps(1.7e9, 60.0)), Some(("s", 1.0)));
         assert_eq!(epoch_unit_of(&stamps(1.7e18, 1e7)), Some(("ns", 1e-9)));
     }
