@@ -12,7 +12,8 @@
 //! use sagnac::fit::{Quantity, Term, Terms};
 //!
 //! // Scattered rates, and the same at half the size.
-//! let rates: Vec<f64> = (0..4096_u64).map(|i| (i * 2_654_435_761 % 4096) as f64 - 2047.5).collect();
+//! let numbers = std::iter::successors(Some(1_u64), |n| Some(16_807 * n % 2_147_483_647));
+//! let rates: Vec<f64> = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5).take(4096).collect();
 //! let [a, b] = [1.0, 0.5].map(|scale| Angles::from_increments(&rates, scale, 1.0, Trend::None));
 //!
 //! let compared = compare(&a, &b, Some(&Terms::Given(vec![Term::AngleRandomWalk]).into()))?;
