@@ -74,7 +74,7 @@ pub struct Reading {
     /// Longest averaging time of the fit [default: an eighth of the record]
     #[arg(help_heading = "Reading the log", long, value_name = "TIME", value_parser = seconds)]
     fit_to: Option<f64>,
-    /// Take the coefficients of the best fit even where it does not describe the curve
+    /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *not described*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
 }

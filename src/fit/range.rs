@@ -23,8 +23,8 @@ use crate::theory::allan::Term;
 /// Probability of the residuals below which a fit does not describe its curve. It leaves room for the scatter of single records
 /// at long τ, which is wider than that of a χ².
 pub const LEAST_P: f64 = 1e-3;
-/// The same for a fit of all octaves if nothing describes a part of them better: a single estimate at long τ that is
-/// far off spoils every range.
+/// Probability of the residuals below which a fit of all octaves is not the result either. It applies where no fit of a part of
+/// them is likely, because a single estimate at long τ that is far off spoils every range.
 pub const IMPOSSIBLE_P: f64 = 1e-9;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
@@ -32,7 +32,7 @@ pub const FEWEST: usize = 5;
 /// Octaves lost from which on a sine is tried instead.
 const LOST: usize = 4;
 
-/// What is asked of the fit to a record.
+/// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitting {
     /// Terms to fit.

@@ -16,7 +16,10 @@ pub fn curve_of(angles: &Angles) -> Result<Curve, FitError> {
     curve_at(angles, &factors(angles.len().saturating_sub(1)))
 }
 
-/// The same at other averaging factors.
+/// The overlapping Allan variances of a record at these averaging factors.
+///
+/// # Errors
+/// It fails where [`curve_of`] does.
 pub(crate) fn curve_at(angles: &Angles, factors: &[usize]) -> Result<Curve, FitError> {
     let samples = angles.len().saturating_sub(1);
     let points = curve(angles, Deviation::Oadev, factors, 0.95);

@@ -63,7 +63,7 @@ pub(crate) fn sample(message: &[u8], encoding: Encoding) -> Option<[f64; 7]> {
         if big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) }
     };
     let mut sample = [f64::NAN; 7];
-    // One rounding, as of the same number in a text.
+    // Rounded once, as the same number in a text would be.
     sample[0] = (u64::from(seconds) * 1_000_000_000 + u64::from(nanoseconds)) as f64;
     for (part, (values, covariance)) in PARTS.into_iter().enumerate() {
         if number(covariance) != -1.0 {

@@ -37,8 +37,8 @@ pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
     UNITS.into_iter().find(|(_, unit_s)| EPOCH_S.contains(&(stamp * unit_s)))
 }
 
-/// The same for all stamps of a log. Stamps since a device started may have the size of those since the epoch in a coarser unit, in
-/// which their steps are too long.
+/// The unit of the stamps of a log if they count from the epoch. Stamps that count from the start of a device may have the size of
+/// those in a coarser unit, so a unit in which the steps are too long is not taken.
 pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
     let is_short = |unit_s: f64| stamps.len() < 2 || median_step(stamps) * unit_s <= LONGEST_STEP_S;
     epoch_unit(*stamps.first()?).filter(|(_, unit_s)| is_short(*unit_s))

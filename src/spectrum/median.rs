@@ -35,7 +35,7 @@ impl Median {
         2.0 * count as f64 / self.variance
     }
 
-    /// The mean of densities by their median, whatever few of them are.
+    /// The mean of densities by their median, which a few of them cannot change by much however large they are.
     pub(crate) fn mean(&self, mut values: Vec<f64>) -> Option<f64> {
         let middle = values.len() / 2;
         let is_even = values.len().is_multiple_of(2);

@@ -23,7 +23,7 @@ pub struct Welch {
     /// Number of samples in a segment; by default an eighth of the record, rounded down to a power of two and at most
     /// 16384, or less if most of the record is in shorter stretches between gaps.
     pub segment: Option<usize>,
-    /// What is removed from each segment: its mean, or with [`Trend::Linear`] its line of least squares.
+    /// The trend that is removed from each segment: with [`Trend::None`] its mean, with [`Trend::Linear`] its line of least squares.
     pub trend: Trend,
     /// Probability of the intervals.
     pub confidence: f64,

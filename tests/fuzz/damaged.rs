@@ -96,7 +96,7 @@ fn a_file_that_was_altered_is_refused_or_has_the_same_samples() {
             let is_copied = sample.file.ends_with(".bag");
             assert!(
                 is_copied || strangers <= MOST_ALTERED,
-                "{}: {strangers} numbers of nowhere in case {case}",
+                "{}: {strangers} numbers that the file does not hold in case {case}",
                 sample.file
             );
         }

@@ -67,7 +67,9 @@ fn a_record_without_a_filter_is_fitted_from_the_first_octave_on() {
     let fits: Vec<Fit> = (0..RECORDS).map(|seed| fitted(&filtered([0.0, 1.0], seed), &model())).collect();
     let whole = share(&fits, |fit| fit.tau_range == [1.0, 2048.0]);
     assert!(whole > 0.9, "{whole}");
-    assert!(fits.iter().all(|fit| fit.coefficient(Term::BandLimit).is_none_or(|l| l.value.is_some())));
+    let limited = share(&fits, |fit| fit.coefficient(Term::BandLimit).is_some());
+    // 5 % of 40, and three standard errors.
+    assert!(limited <= 0.15, "{limited} show a filter");
 }
 
 #[test]

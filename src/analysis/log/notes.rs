@@ -28,7 +28,7 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
             noise.fit.degrees_of_freedom
         )
     });
-    let limit = noise.and_then(|noise| band_limit(&noise.fit));
+    let limit = noise.and_then(|noise| band_limit(&noise.fit, analysis.step_s));
     let closed = noise.and_then(|noise| noise.intervals.without.as_ref());
     let (is_plain, has_gaps) = (column.unit == Unit::Plain, column.missing > 0);
     let said = |when: bool, what: &str| when.then(|| what.to_owned());
@@ -45,10 +45,14 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
     ]
 }
 
-/// What the fit says of the filter of the sensor, and where it starts because of that.
-fn band_limit(fit: &Fit) -> Option<String> {
-    let square = |term: Term| Some(fit.process.parts.iter().find(|part| part.term == term)?.square());
+/// Where a fit starts that leaves out the shortest τ, and what it says of the filter of the sensor if it shows one.
+fn band_limit(fit: &Fit, step_s: f64) -> Option<String> {
+    let is_cut = fit.is_described() && fit.tau_range[0] > 1.01 * step_s;
     let of_start = format!("the coefficients are those of τ from {} s on", significant(fit.tau_range[0], 4));
+    if fit.coefficient(Term::BandLimit).is_none() {
+        return is_cut.then(|| format!("{of_start}, where the terms describe the curve"));
+    }
+    let square = |term: Term| Some(fit.process.parts.iter().find(|part| part.term == term)?.square());
     let limit = square(Term::BandLimit).filter(|_| fit.is_described())?;
     let time_s = 2.0 * limit / square(Term::AngleRandomWalk)?;
     Some(format!(

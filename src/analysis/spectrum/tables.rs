@@ -151,7 +151,7 @@ pub fn white_noise(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&white_columns(), &rows) }
 }
 
-/// The complete analysis as JSON. Everything about the log is as in that of `sagnac allan`.
+/// The complete analysis as JSON. What it says of the log are keys of the JSON of `sagnac allan`.
 pub fn document(analysis: &Analysis) -> Value {
     let mut document = log::tables::document(&analysis.noise);
     document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });

@@ -23,7 +23,8 @@ pub fn on_wait(listener: fn(&str)) {
 /// The result of a call into the driver of `name`, if it returns within the limit. `is_stuck` is for tests: the call
 /// never returns, and the limit is a thousandth.
 ///
-/// Such a call cannot be cancelled. A thread makes it, which is left behind where the driver does not return.
+/// A call into a driver cannot be cancelled. A thread of its own makes it, and if the driver does not return, that thread stays
+/// behind.
 pub(crate) fn within_limit<T: Send + 'static>(
     name: &str,
     is_stuck: bool,

@@ -33,11 +33,11 @@ pub struct Request {
     pub data: Data,
     /// Unit; if absent, that in each column's header.
     pub unit: Option<Unit>,
-    /// What is known of the file.
+    /// Properties of the file that the user states.
     pub hints: Hints,
 }
 
-/// What is known of a file, instead of what would be inferred from it.
+/// Properties of a file that the user states, each in place of the one that would be inferred.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Hints {
     /// Sign before decimals in a text.

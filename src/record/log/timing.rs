@@ -128,7 +128,7 @@ fn time_column(file: &Recording, column: usize) -> String {
     format!("the time column `{}`", name.unwrap_or_else(|| (column + 1).to_string()))
 }
 
-/// Of several columns the only one whose path begins most like that of the `wanted` column.
+/// The column that shares the most leading groups of its path with the `wanted` column; `None` if several do.
 fn nearest(file: &Recording, columns: Vec<usize>, wanted: Option<&usize>) -> Option<usize> {
     let alike = |column: usize| {
         let name = |column: usize| file.names()[column].whole.as_bytes();

@@ -38,7 +38,7 @@ pub fn freedom(
     Some(found).filter(|freedom| freedom.is_finite() && *freedom > 0.0)
 }
 
-/// The same for a modified variance: differences of angles averaged over m samples.
+/// Equivalent degrees of freedom of a modified variance, whose differences are those of angles averaged over m samples.
 fn of_averages(process: &Process, estimator: Estimator, samples: u64, m: u64) -> Option<f64> {
     let span = (estimator.difference.spans() + 1) * m;
     let terms = (samples + 2).checked_sub(span).filter(|terms| *terms > 0)? as f64;
@@ -81,7 +81,7 @@ impl Own {
         Own((0..=most as u32).map(at).collect())
     }
 
-    /// The same for means of `parts` successive differences of the grid.
+    /// Autocovariance and products of means of `parts` successive differences of the grid.
     fn averaged(&self, parts: usize) -> Own {
         let reach = self.0.len().saturating_sub(parts).max(1);
         let square = (parts * parts) as f64;
