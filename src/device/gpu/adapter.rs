@@ -6,7 +6,7 @@ use crate::kernel::shader::Variant;
 pub(crate) struct Capacity {
     /// Workgroups that fill it, with some to spare.
     pub groups: u64,
-    /// Steps of trials of the first tile; timing changes those of the others.
+    /// Steps of trials of the first tile of a device whose speed is not known.
     pub first_tile: u64,
     /// Records that are made in parallel at least.
     pub records_at_once: u64,
@@ -55,6 +55,7 @@ pub(crate) const WORKGROUP: u32 = 64;
 #[derive(Clone)]
 pub struct Adapter {
     pub(crate) adapter: wgpu::Adapter,
+    name: String,
 }
 
 impl Adapter {
@@ -67,13 +68,17 @@ impl Adapter {
         }
         let instance = wgpu::Instance::new(descriptor);
         let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-        found.into_iter().map(|adapter| Adapter { adapter }).collect()
+        let named = |adapter: &wgpu::Adapter| {
+            let info = adapter.get_info();
+            (info.name, info.backend.to_string())
+        };
+        let names = numbered(found.iter().map(named).collect());
+        found.into_iter().zip(names).map(|(adapter, name)| Adapter { adapter, name }).collect()
     }
 
-    /// Name of the device, with the driver's interface.
+    /// Name of the device, with its number if there are several of that name, and with the driver's interface.
     pub fn name(&self) -> String {
-        let info = self.adapter.get_info();
-        format!("{} ({})", info.name, info.backend)
+        self.name.clone()
     }
 
     /// Address on the PCI bus, such as `0000:3b:00.0`, which distinguishes equal devices; empty where the driver does
@@ -145,5 +150,32 @@ impl Adapter {
     /// The fastest variant of the kernels for this adapter.
     pub fn variant(&self) -> Variant {
         Variant { int64: self.has_int64(), checked: false, workgroup: WORKGROUP }
+    }
+}
+
+/// Names of adapters from those of their devices and interfaces, such as `NVIDIA L4 #2 (Vulkan)` for the second of equal ones.
+fn numbered(adapters: Vec<(String, String)>) -> Vec<String> {
+    let equal =
+        |all: &[(String, String)], one: &(String, String)| all.iter().filter(|other| *other == one).count();
+    let name = |(at, one): (usize, &(String, String))| match equal(&adapters, one) {
+        1 => format!("{} ({})", one.0, one.1),
+        _ => format!("{} #{} ({})", one.0, equal(&adapters[..=at], one), one.1),
+    };
+    adapters.iter().enumerate().map(name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbered;
+
+    #[test]
+    fn equal_adapters_of_one_interface_are_numbered() {
+        let adapters =
+            [("NVIDIA L4", "Vulkan"), ("NVIDIA L4", "Vulkan"), ("NVIDIA L4", "Dx12"), ("llvmpipe", "Vulkan")];
+        let names = numbered(adapters.map(|(name, backend)| (name.to_owned(), backend.to_owned())).into());
+        assert_eq!(
+            names,
+            ["NVIDIA L4 #1 (Vulkan)", "NVIDIA L4 #2 (Vulkan)", "NVIDIA L4 (Dx12)", "llvmpipe (Vulkan)"]
+        );
     }
 }

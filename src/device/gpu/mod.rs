@@ -37,6 +37,10 @@ use crate::kernel::shader::Variant;
 
 /// Target duration of a tile: short enough for watchdogs, long enough to hide its preparation.
 const TILE_SECONDS: f64 = 0.075;
+/// Target duration of the first batch of a run.
+const FIRST_BATCH_SECONDS: f64 = 0.05;
+/// Tiles of the first batch.
+const FIRST_TILES: u64 = 4;
 
 /// Least and most steps of a tile. The most are what a few thousand workgroups can take.
 const TILES: (u64, u64) = (1 << 14, 1 << 36);
@@ -58,7 +62,8 @@ pub struct Gpu {
     free: Vec<wgpu::Buffer>,
     heard: Heard,
     clock: Option<Clock>,
-    /// Steps of the next tile, and the most steps of any tile.
+    /// Steps of the first tile, of the next tile, and the most steps of any tile.
+    first_tile: u64,
     tile: u64,
     most_tile: u64,
     /// Records of the last batch, and the most records of any batch.
@@ -118,6 +123,7 @@ impl Gpu {
             free: Vec::new(),
             heard,
             clock: None,
+            first_tile: adapter.capacity().first_tile,
             tile: adapter.capacity().first_tile,
             most_tile: TILES.1,
             lanes: 0,
@@ -135,7 +141,20 @@ impl Gpu {
         Gpu { self_test: Some(self_test), ..self }
     }
 
-    /// Opens the adapter again, with tiles as small as were found to fit.
+    /// Begins with tiles, and with a batch, for a device of `steps_per_second`.
+    pub(crate) fn paced(self, steps_per_second: f64) -> Gpu {
+        let first_tile = (steps_per_second * FIRST_BATCH_SECONDS) as u64 / FIRST_TILES;
+        self.beginning_with(first_tile)
+    }
+
+    fn beginning_with(mut self, first_tile: u64) -> Gpu {
+        self.first_tile = first_tile.clamp(TILES.0, self.most_tile);
+        self.tile = self.first_tile;
+        self
+    }
+
+    /// Opens the adapter again, with tiles as small as were found to fit. It begins with smaller ones than before, as a system
+    /// may take a device away from a tile that lasts seconds.
     ///
     /// # Errors
     /// The driver refuses, as it does when the device is gone.
@@ -145,10 +164,10 @@ impl Gpu {
         }
         let gpu = Gpu::open(&self.adapter, self.variant)?;
         let (most_tile, most_lanes) = (self.most_tile, self.most_lanes);
-        let tile = gpu.tile.min(most_tile);
         let (threads, losses, self_test, faults) =
             (self.threads, self.losses, self.self_test, self.faults.clone());
-        Ok(Gpu { tile, most_tile, most_lanes, threads, losses, self_test, faults, ..gpu })
+        let gpu = Gpu { most_tile, most_lanes, threads, losses, self_test, faults, ..gpu };
+        Ok(gpu.beginning_with(self.first_tile / 4))
     }
 
     /// Has the next start test its adapter again.
@@ -178,9 +197,9 @@ impl Gpu {
         self.adapter.capacity().records_at_once
     }
 
-    /// Steps of trials, or samples of records, with which a run begins: four tiles.
+    /// Steps of trials, or samples of records, with which a run begins.
     pub(crate) fn first_batch(&self) -> u64 {
-        4 * self.adapter.capacity().first_tile
+        FIRST_TILES * self.first_tile
     }
 
     /// Sets the length of every tile to `steps` steps of trials, until timing changes it.

@@ -1,4 +1,4 @@
-//! What is known of an adapter from an earlier start: that it passed its self-test, and its fastest variant.
+//! What is known of an adapter from an earlier start: that it passed its self-test, its fastest variant and its speed.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -26,11 +26,20 @@ const SECONDS: f64 = 0.3;
 struct Known {
     /// For people who read the file.
     adapter: String,
+    #[serde(flatten)]
+    speed: Speed,
+}
+
+/// The fastest variant of the kernels for an adapter: some drivers emulate 64-bit integers.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Speed {
     int64: bool,
+    /// Steps of trials per second, with which tiles begin; absent where no kernel was timed.
+    steps_per_second: Option<f64>,
 }
 
 /// Opens an adapter that passes its self-test, or that passed it before: on this host and place of the bus, with the same
-/// driver and the same shaders. Where it has 64-bit integers, the first start finds out whether they are faster.
+/// driver and the same shaders. The first start measures its speed and, where it has 64-bit integers, whether they are faster.
 ///
 /// # Errors
 /// It cannot be opened, computes other bits than the CPU, or fails.
@@ -39,17 +48,21 @@ pub(crate) fn open(adapter: &Adapter, threads: usize, self_test: SelfTest) -> Re
     let file = file(adapter);
     let known: Option<Known> =
         file.as_ref().and_then(|file| toml::from_str(&std::fs::read_to_string(file).ok()?).ok());
-    let variant = match &known {
-        Some(known) => Variant { int64: known.int64, ..adapter.variant() },
-        None => fastest(adapter, self_test).map_err(failed)?,
+    let speed = match &known {
+        Some(known) => known.speed,
+        None => measured(adapter, self_test).map_err(failed)?,
     };
+    let variant = Variant { int64: speed.int64, ..adapter.variant() };
     let mut gpu = Gpu::open(adapter, variant).map_err(failed)?;
     gpu.threads = threads;
+    if let Some(steps) = speed.steps_per_second {
+        gpu = gpu.paced(steps);
+    }
     if known.is_some() {
         return Ok(Device::Gpu(Box::new(gpu.with_self_test(self_test))));
     }
     let device = trusted(gpu, self_test)?;
-    let known = toml::to_string(&Known { adapter: adapter.name(), int64: variant.int64 });
+    let known = toml::to_string(&Known { adapter: adapter.name(), speed });
     // Where the file cannot be kept, the next start tests the adapter again.
     if let (Some(file), Ok(text)) = (file, known) {
         let _ = file.parent().map(std::fs::create_dir_all);
@@ -91,30 +104,34 @@ fn file_name(adapter: &str, host: &str) -> String {
     name + ".toml"
 }
 
-/// The variant that is fastest: some drivers emulate 64-bit integers.
-fn fastest(adapter: &Adapter, self_test: SelfTest) -> Result<Variant, GpuError> {
+/// The speed of an adapter, which runs its variants in turn so that none profits from a card that has warmed up.
+fn measured(adapter: &Adapter, self_test: SelfTest) -> Result<Speed, GpuError> {
     let wide = adapter.variant();
     let narrow = Variant { int64: false, ..wide };
-    let Some(launch) = wide.int64.then(self_test.timed).flatten() else { return Ok(wide) };
+    let Some(launch) = (self_test.timed)() else {
+        return Ok(Speed { int64: wide.int64, steps_per_second: None });
+    };
     let mut trials = 1 << 14;
     let opened = |variant| {
         let mut gpu = Gpu::open(adapter, variant)?;
         // The first run compiles the shader.
         seconds(&mut gpu, &launch, trials).map(|_| gpu)
     };
-    let Ok(of_wide) = opened(wide) else { return Ok(narrow) };
-    let mut gpus = [of_wide, opened(narrow)?];
-    while seconds(&mut gpus[1], &launch, trials)? < RUN_SECONDS {
+    let mut gpus = vec![opened(narrow)?];
+    // Where the wide variant does not compile, the narrow one is the fastest.
+    gpus.extend(wide.int64.then(|| opened(wide).ok()).flatten());
+    while seconds(&mut gpus[0], &launch, trials)? < RUN_SECONDS {
         trials *= 4;
     }
-    let (mut best, started) = ([f64::INFINITY; 2], Instant::now());
-    // In turn, so that neither profits from a card that has warmed up.
-    while started.elapsed().as_secs_f64() < SECONDS || best[1].is_infinite() {
+    let (mut best, started) = (vec![f64::INFINITY; gpus.len()], Instant::now());
+    while best[0].is_infinite() || gpus.len() > 1 && started.elapsed().as_secs_f64() < SECONDS {
         for (gpu, best) in gpus.iter_mut().zip(&mut best) {
             *best = best.min(seconds(gpu, &launch, trials)?);
         }
     }
-    Ok(if best[0] > best[1] { narrow } else { wide })
+    let int64 = best.get(1).is_some_and(|of_wide| *of_wide <= best[0]);
+    let shortest = best.into_iter().fold(f64::INFINITY, f64::min);
+    Ok(Speed { int64, steps_per_second: Some((trials * launch.steps()) as f64 / shortest) })
 }
 
 /// Duration of some trials.

@@ -81,8 +81,8 @@ list = ["0.001 deg/h", "0.01 deg/h"]
     parsed("records.toml", text)
 }
 
-/// Steps of the first tile of a device that was just opened.
-const FIRST_TILE: u64 = 1 << 18;
+/// Steps of the first tile of a software rasteriser that was opened again after a loss.
+const FIRST_TILE: u64 = 1 << 16;
 
 #[test]
 fn gap_fill_is_the_same_whatever_happens_to_the_device() {
