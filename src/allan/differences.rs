@@ -2,10 +2,15 @@
 
 use std::ops::Range;
 
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
 use crate::allan::{Angles, Deviation};
 
 /// Most angles used, from the middle of the longest stretch.
 const MOST_ANGLES: usize = 1 << 16;
+/// Most lags whose products are summed one by one.
+const MOST_DIRECT: usize = 64;
 /// Fewest differences per lag, so that the scatter of the autocorrelation adds little.
 const LEAST_PER_LAG: usize = 16;
 
@@ -21,10 +26,8 @@ pub(crate) fn freedom(angles: &Angles, deviation: Deviation, m: usize) -> Option
     if d.len() < LEAST_PER_LAG * lags * stride {
         return None;
     }
-    let product = |lag: usize| {
-        let sum: f64 = d.iter().zip(&d[lag * stride..]).map(|(a, b)| a * b).sum();
-        sum / (d.len() - lag * stride) as f64
-    };
+    let sums = products(&d, lags * stride);
+    let product = |lag: usize| sums[lag * stride] / (d.len() - lag * stride) as f64;
     let own = product(0);
     let square =
         |lag: usize| (product(lag) / own) * (product(lag) / own) * (1.0 - lag as f64 / terms).max(0.0);
@@ -32,6 +35,22 @@ pub(crate) fn freedom(angles: &Angles, deviation: Deviation, m: usize) -> Option
     // The squares of the scatter of each ρ, whose variance is nearly that of the mean square itself.
     let scatter = 1.0 + 2.0 * (lags * stride) as f64 / d.len() as f64;
     Some(terms * scatter / sum).filter(|freedom| freedom.is_finite() && *freedom > 0.0)
+}
+
+/// The sums of products of values 0 to `lags` places apart.
+fn products(d: &[f64], lags: usize) -> Vec<f64> {
+    if lags <= MOST_DIRECT {
+        return (0..=lags).map(|lag| d.iter().zip(&d[lag..]).map(|(a, b)| a * b).sum()).collect();
+    }
+    // The inverse transform of the power, with zeros behind the values so that ends do not meet.
+    let size = (d.len() + lags).next_power_of_two();
+    let mut padded: Vec<Complex<f64>> = d.iter().map(|&value| Complex::new(value, 0.0)).collect();
+    padded.resize(size, Complex::default());
+    let mut planner = FftPlanner::new();
+    planner.plan_fft_forward(size).process(&mut padded);
+    padded.iter_mut().for_each(|value| *value = Complex::new(value.norm_sqr(), 0.0));
+    planner.plan_fft_inverse(size).process(&mut padded);
+    padded[..=lags].iter().map(|value| value.re / size as f64).collect()
 }
 
 /// The differences of a deviation that start at every sample, up to a factor.
@@ -76,5 +95,17 @@ mod tests {
             assert!((found * squares - 1.0).abs() < 0.02, "{deviation}: {found}, not {}", 1.0 / squares);
         }
         assert_eq!(freedom(&angles, Deviation::Oadev, 4000), None);
+    }
+
+    #[test]
+    fn products_of_many_lags_are_those_of_each() {
+        let numbers = std::iter::successors(Some(987_654_321_u64), |n| Some(16807 * n % 2_147_483_647));
+        let d: Vec<f64> = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5).take(3000).collect();
+        let all = products(&d, 500);
+        let most = (0..=500).map(|lag| {
+            let one: f64 = d.iter().zip(&d[lag..]).map(|(a, b)| a * b).sum();
+            (one - all[lag]).abs()
+        });
+        assert!(most.fold(0.0, f64::max) < 1e-12 * all[0]);
     }
 }

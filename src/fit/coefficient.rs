@@ -83,6 +83,17 @@ impl Fit {
         self.coefficients.iter().all(|found| found.verdict != Verdict::NotDescribed)
     }
 
+    /// Time of the filter of the sensor that the record shows, s, as if it were a first-order low-pass: 2L²/N². `None` where the
+    /// fit does not describe the curve, or does not identify L and N.
+    pub fn filter_s(&self) -> Option<f64> {
+        let square = |term: Term| {
+            self.coefficient(term)?.value?;
+            Some(self.process.parts.iter().find(|part| part.term == term)?.square())
+        };
+        let limit = square(Term::BandLimit).filter(|_| self.is_described())?;
+        Some(2.0 * limit / square(Term::AngleRandomWalk)?)
+    }
+
     /// Probability of residuals at least as large if the model holds; `None` without degrees of freedom.
     ///
     /// It holds for Gaussian estimates; those of one record at long τ are not Gaussian, and their χ² scatters more.

@@ -24,9 +24,11 @@ const COMPRESSED: u32 = 15;
 /// Longest list of dimensions, and longest name, in bytes.
 const LONGEST: u32 = 4096;
 
-/// The flag of complex numbers, and the class of structs, which may be within each other up to this depth.
+/// The flag of complex numbers, and the classes of structs, which may be within each other up to this depth, and of objects such
+/// as strings and tables.
 const COMPLEX: u32 = 0x800;
 const STRUCT: u8 = 2;
+const OPAQUE: u8 = 17;
 const DEEPEST: usize = 8;
 
 /// The classes of arrays other than numbers.
@@ -37,7 +39,7 @@ const OTHERS: [(u8, &str); 7] = [
     (4, "the text"),
     (5, "the sparse matrix"),
     (16, "the function"),
-    (17, "the object"),
+    (OPAQUE, "the object"),
 ];
 
 /// The types of numbers in data elements.
@@ -205,20 +207,25 @@ impl Order {
         }
         let reader = &mut Read::take(reader, size.into());
         let flags = self.element(reader, 6)?;
-        let dims = self.element(reader, 5)?;
-        let name = self.element(reader, 1)?;
-        let name = if path.depth == 0 { String::from_utf8_lossy(&name).into_owned() } else { path.name };
-        if flags.len() != 8 || dims.len() % 4 != 0 {
+        if flags.len() != 8 {
             return Err(Wrong::Malformed("the header of a variable is damaged"));
         }
         let flags = self.number(&flags[..4]);
-        let dims: Vec<usize> = dims.chunks_exact(4).map(|raw| self.number(raw) as usize).collect();
         let class = (flags & 0xff) as u8;
+        // Strings, tables and times are objects without dimensions.
+        let dims = if class == OPAQUE { vec![] } else { self.element(reader, 5)? };
+        let name = self.element(reader, 1)?;
+        let name = if path.depth == 0 { String::from_utf8_lossy(&name).into_owned() } else { path.name };
+        if dims.len() % 4 != 0 {
+            return Err(Wrong::Malformed("the header of a variable is damaged"));
+        }
+        let dims: Vec<usize> = dims.chunks_exact(4).map(|raw| self.number(raw) as usize).collect();
         match OTHERS.iter().find(|(other, _)| *other == class) {
             Some((STRUCT, _)) if dims == [1, 1] && path.depth < DEEPEST => {
                 self.fields(reader, &Path { name, depth: path.depth + 1 }, visit)?;
             }
             Some((_, what)) => visit(reader, Err(format!("{what} `{name}`")))?,
+            None if name.is_empty() => visit(reader, Err("the contents of objects".to_owned()))?,
             None if !(6..=15).contains(&class) => {
                 return Err(Wrong::Malformed("a variable is of an unknown class"));
             }

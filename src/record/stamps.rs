@@ -55,7 +55,8 @@ pub(crate) fn unroll(stamps: &mut [f64]) -> Option<(f64, usize)> {
         return None;
     }
     let most = stamps.iter().copied().fold(0.0, f64::max);
-    let longest = LONG_GAP * median_step(stamps);
+    let step = if are_coarse(stamps) { step_of_distinct(stamps) } else { median_step(stamps) };
+    let longest = LONG_GAP * step;
     let fits =
         |limit: &f64| *limit > most && backwards.iter().all(|step| (0.0..=longest).contains(&(step + limit)));
     let limit = LIMITS.into_iter().find(fits)?;
@@ -132,8 +133,8 @@ pub(crate) fn faults(stamps: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<Ti
     let step = |row: usize| stamps[row] - stamps[row - 1];
     let backwards: Vec<usize> = (1..stamps.len()).filter(|&row| step(row) < 0.0).collect();
     tell(&backwards, &|row| {
-        let help =
-            "sort the rows by time; logs appended to each other are several records: cut the file there";
+        let help = "sort the rows by time; logs appended to each other are several records: cut the file there; if the column \
+                    has no times, name another with `time = COLUMN`, or give `rate = 100Hz` with `time = none`";
         let message = format!("the time does not increase: {} after {}", stamps[row], stamps[row - 1]);
         [message, "earlier than the row before".to_owned(), help.to_owned()]
     });
@@ -161,22 +162,67 @@ pub(crate) fn faults(stamps: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<Ti
     faults
 }
 
-/// The grid of rows that were sampled every `step`, in the unit of the stamps, and stamped late by up to several steps.
+/// The grid of rows that were sampled every `step`, in the unit of the stamps, and stamped late, or a little early, by up to
+/// several steps. It has at most `most` samples.
 ///
 /// The true time of a row is the least that it and the rows after it allow: a late stamp is followed by short steps, a gap is
-/// not.
-pub(crate) fn late_grid(stamps: &[f64], step: f64) -> Result<Grid, TimeFault> {
+/// not. Where that is too near to the row before, a stamp is early, unless more rows in a row are than look ahead.
+pub(crate) fn late_grid(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
     let time = |row: usize| {
         let ahead = row..stamps.len().min(row + AHEAD + 1);
         ahead.map(|later| stamps[later] - (later - row) as f64 * step).fold(f64::INFINITY, f64::min)
     };
-    let mut places: Vec<u32> = Vec::with_capacity(stamps.len());
-    let (mut place, mut before, mut is_gapless) = (0.0, f64::NAN, true);
-    let most = SPARSEST * stamps.len() as f64;
-    for row in 0..stamps.len() {
+    let (mut before, mut early) = (f64::NAN, 0);
+    let steps = |row: usize| {
         let now = time(row);
+        let is_early = row > 0 && now - before < 0.5 * step && early <= AHEAD;
+        let steps = libm::round((now - before) / step).max(1.0);
+        before = if is_early { before + step } else { now };
+        early = if is_early { early + 1 } else { 0 };
+        steps
+    };
+    placed(stamps.len(), step, most, steps)
+}
+
+/// The grid of rows that were sampled every `step`, in the unit of the stamps, of which several have each stamp.
+///
+/// The rows of a stamp are taken for successive samples. Samples are missing before a stamp, to within one, by as many as its
+/// rows and those of the stamps around it are too few.
+pub(crate) fn coarse_grid(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
+    let starts: Vec<usize> =
+        (0..stamps.len()).filter(|&row| row == 0 || stamps[row] != stamps[row - 1]).collect();
+    let lag = |&row: &usize| (stamps[row] - stamps[0]) / step - row as f64;
+    let mut next = 0;
+    let steps = |row: usize| {
+        if starts.get(next) != Some(&row) {
+            return 1.0;
+        }
+        next += 1;
+        // The record may begin within the first stamp.
+        if next < 3 {
+            return 1.0;
+        }
+        let (before, after) = starts.split_at(next - 1);
+        let before = before.iter().rev().take(AHEAD).map(lag).fold(f64::NEG_INFINITY, f64::max);
+        let after = after.iter().take(AHEAD).map(lag).fold(f64::INFINITY, f64::min);
+        1.0 + libm::round(after - before).max(0.0)
+    };
+    placed(stamps.len(), step, most, steps)
+}
+
+/// The grid of rows of which each is so many `steps` after the one before.
+fn placed(
+    rows: usize,
+    step: f64,
+    most: usize,
+    mut steps: impl FnMut(usize) -> f64,
+) -> Result<Grid, TimeFault> {
+    let mut places: Vec<u32> = Vec::with_capacity(rows);
+    let (mut place, mut is_gapless) = (0.0, true);
+    let most = (SPARSEST * rows as f64).min(most as f64);
+    for row in 0..rows {
+        let steps = steps(row);
         if row > 0 {
-            let steps = libm::round((now - before) / step).max(1.0);
             is_gapless &= steps == 1.0;
             place += steps;
             if place >= most {
@@ -188,10 +234,21 @@ pub(crate) fn late_grid(stamps: &[f64], step: f64) -> Result<Grid, TimeFault> {
             }
         }
         places.push(place as u32);
-        before = now;
     }
-    let samples = if stamps.is_empty() { 0 } else { place as usize + 1 };
+    let samples = if rows == 0 { 0 } else { place as usize + 1 };
     Ok(Grid { step, samples, places: (!is_gapless).then_some(places) })
+}
+
+/// The median step of stamps that differ from the one before.
+fn step_of_distinct(stamps: &[f64]) -> f64 {
+    let mut distinct = stamps.to_vec();
+    distinct.dedup();
+    if distinct.len() < 2 { 0.0 } else { median_step(&distinct) }
+}
+
+/// Whether most rows have the stamp of the row before.
+pub(crate) fn are_coarse(stamps: &[f64]) -> bool {
+    stamps.len() > 1 && median_step(stamps) == 0.0
 }
 
 /// The sampling step of `step_s` in the unit of the stamps: by `unit_s`, or else by the unit of time that gives it nearly the
@@ -203,7 +260,12 @@ pub(crate) fn step_in_stamps(stamps: &[f64], step_s: f64, unit_s: Option<f64>) -
     if stamps.len() < 2 {
         return Ok(step_s);
     }
-    let median = median_step(stamps);
+    let rows_per_stamp =
+        || stamps.len() as f64 / (1 + stamps.windows(2).filter(|pair| pair[0] != pair[1]).count()) as f64;
+    let median = match are_coarse(stamps) {
+        true => step_of_distinct(stamps) / rows_per_stamp(),
+        false => median_step(stamps),
+    };
     let is_near = |unit_s: f64| (0.5..=2.0).contains(&(median * unit_s / step_s));
     match unit_s {
         Some(unit_s) if is_near(unit_s) => Ok(step_s / unit_s),
@@ -267,9 +329,37 @@ mod tests {
         let kept: Vec<usize> = (0..500).filter(|i| !(100..177).contains(i) && *i != 300).collect();
         let mut stamps: Vec<f64> = kept.iter().map(|&i| 10.0 + i as f64 + late(i)).collect();
         (1..stamps.len()).for_each(|i| stamps[i] = stamps[i].max(stamps[i - 1] + 1e-3));
-        let grid = late_grid(&stamps, 1.0).unwrap();
+        let grid = late_grid(&stamps, 1.0, 10_000).unwrap();
         let places: Vec<usize> = grid.places.unwrap().iter().map(|place| *place as usize).collect();
         assert_eq!((grid.samples, places), (500, kept));
+        assert!(late_grid(&stamps, 1.0, 450).is_err(), "more samples than are allowed");
+    }
+
+    #[test]
+    fn an_early_stamp_is_no_gap() {
+        let kept: Vec<usize> = (0..500).filter(|i| !(300..305).contains(i)).collect();
+        let early = |i: usize| if i % 50 == 20 { 1.3 } else { 0.0 };
+        let stamps: Vec<f64> = kept.iter().map(|&i| 10.0 + i as f64 - early(i)).collect();
+        let grid = late_grid(&stamps, 1.0, 10_000).unwrap();
+        let places: Vec<usize> = grid.places.unwrap().iter().map(|place| *place as usize).collect();
+        assert_eq!((grid.samples, places), (500, kept));
+    }
+
+    #[test]
+    fn rows_of_a_coarse_stamp_are_successive_samples_and_losses_stay() {
+        // Stamps in whole seconds at 100 Hz and 33.3 Hz, which begin within a second; 20 samples are lost in the 20th.
+        for (step, per_second) in [(0.01, 100.0), (0.03, 100.0 / 3.0)] {
+            let count = libm::round(60.0 * per_second) as usize;
+            let lost = libm::round(20.1 * per_second) as usize;
+            let kept: Vec<usize> = (0..count).filter(|i| !(lost..lost + 20).contains(i)).collect();
+            let stamps: Vec<f64> = kept.iter().map(|&i| libm::floor(1.7e9 + 0.4 + i as f64 * step)).collect();
+            assert!(are_coarse(&stamps));
+            assert!((step_in_stamps(&stamps, step, Some(1.0)).unwrap() / step - 1.0).abs() < 1e-12);
+            let grid = coarse_grid(&stamps, step, 100_000).unwrap();
+            assert!(grid.samples.abs_diff(count) <= 1, "{} of {count} at {step}", grid.samples);
+            let whole: Vec<f64> = (0..count).map(|i| libm::floor(0.4 + i as f64 * step)).collect();
+            assert_eq!(coarse_grid(&whole, step, 100_000).unwrap().places, None);
+        }
     }
 
     #[test]

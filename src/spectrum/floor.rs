@@ -72,11 +72,22 @@ impl Floor {
         };
         let cells: Vec<Cell> = cells(FIRST..tested_end(density)).into_iter().filter_map(cell).collect();
         let bins = widest(&cells)?;
-        let values = values(bins.clone());
+        Floor::over(density, lines, bins.start - 1..bins.end - 1)
+    }
+
+    /// The level of a density over some of its points, without those of lines, as if it were flat there; `None` if there are
+    /// too few.
+    pub fn over(density: &Density, lines: &[Line], places: Range<usize>) -> Option<Floor> {
+        let median = Median::new(density.freedom)?;
+        let is_clear = |place: &usize| !lines.iter().any(|line| line.places.contains(place));
+        let values: Vec<f64> =
+            places.clone().filter(is_clear).map(|place| density.points[place].value).collect();
+        if values.len() < LEAST_IN_CELL {
+            return None;
+        }
         let freedom = median.freedom(values.len());
         let level = median.mean(values)?;
         let (low, high) = ends(freedom, density.confidence)?;
-        let places = bins.start - 1..bins.end - 1;
         let hz = |place: usize| density.points[place].frequency_hz;
         Some(Floor {
             range_hz: [hz(places.start), hz(places.end - 1)],

@@ -1,5 +1,9 @@
 //! Every format of recorded data gives the same samples, with the same gap.
 
+use sagnac::record::log::channel::Log;
+use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::read::{Hints, Request, Timing};
+
 use crate::formats::{BINARIES, TEXT, bits};
 
 #[test]
@@ -12,4 +16,46 @@ fn every_format_gives_the_bits_of_the_text() {
         assert_eq!(bits(&log), bits(&text), "{}", sample.file);
         assert!((log.step_s / 0.005 - 1.0).abs() < 1e-6, "{}: {} s", sample.file, log.step_s);
     }
+}
+
+/// An element of a MATLAB file, padded to eight bytes.
+fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+    let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+    bytes.extend(data);
+    bytes.resize(bytes.len().next_multiple_of(8), 0);
+    bytes
+}
+
+#[test]
+fn strings_and_tables_of_matlab_are_left_out_of_a_file() {
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+    let numbers = |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    // An object has a system and a class in place of dimensions; its contents are in a matrix without a name.
+    let matrix = |class: u32, size: [u32; 2], name: &str, data: Vec<u8>| {
+        let header =
+            [element(6, &words(&[class, 0])), element(5, &words(&size)), element(1, name.as_bytes())];
+        element(14, &[header.concat(), data].concat())
+    };
+    let reference = matrix(13, [6, 1], "", element(6, &words(&[0xdd00_0000, 2, 1, 1, 1, 1])));
+    let object = |name: &str| {
+        let names = [name, "MCOS", "string"].map(|name| element(1, name.as_bytes())).concat();
+        element(14, &[element(6, &words(&[17, 0])), names, reference.clone()].concat())
+    };
+    let mut file = vec![b' '; 124];
+    file.extend([0, 1, b'I', b'M']);
+    file.extend(object("note"));
+    file.extend(matrix(6, [4, 1], "gz", element(9, &numbers(&[1.0, 2.5, -3.0, 4.0]))));
+    file.extend(matrix(9, [8, 1], "", element(2, &[7; 8])));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mat");
+    std::fs::write(&path, file).unwrap();
+    let request = Request {
+        columns: vec![],
+        timing: Timing::Step(0.01),
+        data: Data::Rate,
+        unit: Some(Unit::parse("deg/h", Data::Rate).unwrap()),
+        hints: Hints::default(),
+    };
+    let log = Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
+    assert_eq!(log.channels[0].samples, [1.0, 2.5, -3.0, 4.0]);
 }

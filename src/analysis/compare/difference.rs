@@ -45,6 +45,8 @@ pub(crate) struct Fits {
     pub terms: Vec<Term>,
     /// Terms that at least one record shows if its fit may choose.
     shown: Vec<Term>,
+    /// Whether the terms describe the curve of each record; if not, the fit was forced.
+    pub described: [bool; 2],
 }
 
 impl Fits {
@@ -84,7 +86,8 @@ impl Fits {
         let curves = [over_both(0), over_both(1)];
         let given = Terms::Given(terms.clone());
         let (a, b) = rayon::join(|| fit_record(&curves[0], &given), || fit_record(&curves[1], &given));
-        Ok(Fits { fits: [a?, b?], curves, terms, shown })
+        let described = chosen.map(|one| one.is_described);
+        Ok(Fits { fits: [a?, b?], curves, terms, shown, described })
     }
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.

@@ -80,6 +80,11 @@ impl Comparison {
         Some(&self.fits.as_ref()?.fits)
     }
 
+    /// Whether the terms describe the curve of each record; where not, its coefficients were forced.
+    pub fn described(&self) -> [bool; 2] {
+        self.fits.as_ref().map_or([true; 2], |fits| fits.described)
+    }
+
     /// The record length required for each of the differences; takes a second or two.
     pub fn lengths(&self) -> Vec<Length> {
         let steps = self.ratios.first().map_or([0.0; 2], |ratio| ratio.points.map(|p| p.tau_s / p.m as f64));

@@ -16,6 +16,8 @@ pub struct Row {
     pub found: Difference,
     /// Record length required to distinguish the values.
     pub length: Length,
+    /// Whether the fit describes the curve of each log.
+    pub described: [bool; 2],
 }
 
 /// The verdict that follows from p.
@@ -64,10 +66,11 @@ impl Row {
 /// The rows of a comparison, or the reason why there are none.
 pub fn rows(comparison: &Comparison, unit: Unit) -> Result<Vec<Row>, String> {
     let differences = comparison.differences.as_ref().map_err(ToString::to_string)?;
-    Ok(differences.iter().zip(comparison.lengths()).map(|(found, length)| row(found, length, unit)).collect())
+    let row = |(found, length)| row(found, length, comparison.described(), unit);
+    Ok(differences.iter().zip(comparison.lengths()).map(row).collect())
 }
 
-fn row(found: &Difference, length: Length, unit: Unit) -> Row {
+fn row(found: &Difference, length: Length, described: [bool; 2], unit: Unit) -> Row {
     let (factor, unit, symbol) = found.quantity.unit(unit);
     let scaled = |value: Option<f64>| value.map(|value| factor * value);
     let found = Difference {
@@ -77,5 +80,5 @@ fn row(found: &Difference, length: Length, unit: Unit) -> Row {
         interval: found.interval.map(scaled),
         ..*found
     };
-    Row { name: found.quantity.name(), unit, symbol, found, length }
+    Row { name: found.quantity.name(), unit, symbol, found, length, described }
 }

@@ -92,6 +92,8 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
             .is(Role::Estimate, "Upper bound on the coefficient of B, if its record does not show it."),
         Of::new("length_beyond", Unit::S, "length_beyond", |row| beyond(row.length).into())
             .is(Role::Estimate, "Length of records, s, up to which none was found that would distinguish such values."),
+        Of::new("described", Unit::NONE, "described", |row| text(described(row.described)))
+            .is(Role::Note, "Whose curve the fit describes: `both`, `A`, `B` or `neither`; the coefficients of the others were forced."),
     ]
 }
 
@@ -107,6 +109,15 @@ fn verdict(ratio: &Ratio) -> &'static str {
         Some(false) => "B lower",
         None if ratio.interval.is_some() => "not told apart",
         None => "",
+    }
+}
+
+fn described(of: [bool; 2]) -> &'static str {
+    match of {
+        [true, true] => "both",
+        [true, false] => "A",
+        [false, true] => "B",
+        [false, false] => "neither",
     }
 }
 
@@ -139,6 +150,7 @@ pub fn document(analysis: &Analysis) -> Value {
         "same_noise": same,
         "coefficients": analysis.rows.iter().flatten().map(of_row).collect::<Vec<_>>(),
         "coefficients_missing": analysis.rows.as_ref().err(),
+        "described": described(comparison.described()),
         "sentences": sentences(analysis),
     })
 }

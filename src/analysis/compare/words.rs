@@ -19,7 +19,19 @@ pub fn sentences(analysis: &Analysis) -> Vec<String> {
     }
     let of_rows = analysis.rows.iter().flatten();
     let shorter_s = analysis.shorter_s();
-    same(analysis).into_iter().chain(of_rows.map(|row| of_row(row, a, b, shorter_s))).collect()
+    let sentences = of_rows.map(|row| of_row(row, a, b, shorter_s));
+    same(analysis).into_iter().chain(forced(analysis)).chain(sentences).collect()
+}
+
+/// Whose coefficients the fit does not describe.
+fn forced(analysis: &Analysis) -> Option<String> {
+    let labels = analysis.sides.iter().zip(analysis.comparison.described());
+    let forced: Vec<&str> =
+        labels.filter(|(_, is_described)| !is_described).map(|(side, _)| side.label.as_str()).collect();
+    let whose = forced.join(" and ");
+    (!forced.is_empty()).then(|| {
+        format!("The coefficients of {whose} were forced: they do not describe the curve, and neither do their differences.")
+    })
 }
 
 /// Formats a probability as `p = 0.03` or `p < 1e-12`.

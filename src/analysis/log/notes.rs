@@ -6,7 +6,6 @@ use crate::fit::Fit;
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
-use crate::theory::allan::Term;
 
 /// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
@@ -49,12 +48,9 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
 fn band_limit(fit: &Fit, step_s: f64) -> Option<String> {
     let is_cut = fit.is_described() && fit.tau_range[0] > 1.01 * step_s;
     let of_start = format!("the coefficients are those of τ from {} s on", significant(fit.tau_range[0], 4));
-    if fit.coefficient(Term::BandLimit).is_none() {
+    let Some(time_s) = fit.filter_s() else {
         return is_cut.then(|| format!("{of_start}, where the terms describe the curve"));
-    }
-    let square = |term: Term| Some(fit.process.parts.iter().find(|part| part.term == term)?.square());
-    let limit = square(Term::BandLimit).filter(|_| fit.is_described())?;
-    let time_s = 2.0 * limit / square(Term::AngleRandomWalk)?;
+    };
     Some(format!(
         "the sensor filters its rate like a first-order low-pass of {} s ({} Hz) would: {of_start}",
         significant(time_s, 3),

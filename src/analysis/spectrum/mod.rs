@@ -49,6 +49,17 @@ pub struct Model {
     /// Highest frequency of which the fit says something: half the inverse of its shortest τ. A filter of the sensor, for
     /// which the fit starts later, shows above it.
     pub to_hz: f64,
+    /// Time of the filter of the sensor that the fit shows, s, or 0.
+    pub filter_s: f64,
+}
+
+impl Model {
+    /// Density of some parts of the noise through the filter, which is taken for a first-order low-pass, (″/s)²/Hz.
+    fn density(&self, frequency_hz: f64, is_meant: fn(&Part) -> bool) -> Option<f64> {
+        let parts = self.process.parts.iter().copied().filter(is_meant).collect();
+        let turn = core::f64::consts::TAU * frequency_hz * self.filter_s;
+        Some(Process { parts, ..self.process }.density(frequency_hz)? / (1.0 + turn * turn))
+    }
 }
 
 /// The angle random walk N from the floor of a density and from the Allan fit, both of the same samples.
@@ -60,8 +71,9 @@ pub struct White {
     pub from_floor: Option<Row>,
     /// N of the Allan fit.
     pub from_fit: Option<Row>,
-    /// Mean density of the fitted model over the range of the floor, as far as the model reaches, (″/s)²/Hz, and the part
-    /// of it that is not of N.
+    /// What is compared with the fitted model: the level of the density over the range of the floor as far as the model reaches.
+    pub compared: Option<Floor>,
+    /// Mean density of the model over the same range, (″/s)²/Hz, and the part of it that is not of N.
     pub model: Option<[f64; 2]>,
 }
 
@@ -108,6 +120,7 @@ impl Spectrum {
             process: fit.process.clone(),
             // The last frequency is the same up to rounding.
             to_hz: 0.5 / fit.tau_range[0] * (1.0 + 1e-9),
+            filter_s: fit.filter_s().unwrap_or(0.0),
         });
         let white = White::of(column, &density, &lines, model.as_ref());
         Spectrum { density, lines, model, white }
@@ -117,7 +130,7 @@ impl Spectrum {
     /// has no noise.
     pub fn model_at(&self, frequency_hz: f64) -> Option<f64> {
         let model = self.model.as_ref().filter(|model| frequency_hz <= model.to_hz)?;
-        model.process.density(frequency_hz)
+        model.density(frequency_hz, |_| true)
     }
 
     /// Means of the density over steps of log f, `per_octave` of them per octave. The points of lines stay as they are.
@@ -155,33 +168,35 @@ impl White {
         });
         let from_fit =
             column.coefficients().iter().find(|row| row.name == Term::AngleRandomWalk.symbol()).cloned();
-        let model = floor.as_ref().zip(model).and_then(|(floor, model)| {
-            let points = density.points[floor.places.clone()].iter();
-            let within: Vec<f64> =
-                points.map(|point| point.frequency_hz).take_while(|f| *f <= model.to_hz).collect();
+        let compared = floor.as_ref().zip(model).and_then(|(floor, model)| {
+            let is_within = |place: &usize| density.points[*place].frequency_hz <= model.to_hz;
+            let within = floor.places.clone().take_while(is_within).count();
+            Floor::over(density, lines, floor.places.start..floor.places.start + within)
+        });
+        let model = compared.as_ref().zip(model).and_then(|(compared, model)| {
+            let points = &density.points[compared.places.clone()];
             let mean = |is_meant: fn(&Part) -> bool| -> f64 {
-                let parts = model.process.parts.iter().copied().filter(is_meant).collect();
-                let meant = Process { parts, ..model.process };
-                within.iter().filter_map(|&f| meant.density(f)).sum::<f64>() / within.len() as f64
+                let densities = points.iter().filter_map(|point| model.density(point.frequency_hz, is_meant));
+                densities.sum::<f64>() / points.len() as f64
             };
             let all = mean(|_| true);
             (all > 0.0).then(|| [all, mean(|part| part.term != Term::AngleRandomWalk) / all])
         });
-        White { floor, from_floor, from_fit, model }
+        White { floor, from_floor, from_fit, compared, model }
     }
 
-    /// Whether the floor differs from the density that the fitted model has over the same range, at a level of 5 %;
-    /// absent without a floor or without an identified N.
+    /// Whether the level of the density differs from that of the fitted model over the same range, at a level of 5 %; absent
+    /// without a floor, without an identified N, or where the model reaches too little of the floor.
     ///
     /// The variances of the two are added, although both are of the same samples. They differ less than that by chance.
     pub fn is_told_apart(&self) -> Option<bool> {
-        let (floor, [model, _]) = (self.floor.as_ref()?, self.model?);
+        let (compared, [model, _]) = (self.compared.as_ref()?, self.model?);
         let fit = self.from_fit.as_ref()?;
         let [low, high] = fit.value.and(fit.interval).filter(|[low, _]| *low > 0.0)?;
         // Of the logarithm of N², whose interval is twice that of the logarithm of N.
         let of_fit = libm::log(high / low) / SIDE;
-        let scatter = libm::sqrt(2.0 / floor.freedom + of_fit * of_fit);
-        Some(libm::log(floor.density / model).abs() > SIDE * scatter)
+        let scatter = libm::sqrt(2.0 / compared.freedom + of_fit * of_fit);
+        Some(libm::log(compared.density / model).abs() > SIDE * scatter)
     }
 
     /// The result in words.
@@ -191,6 +206,9 @@ impl White {
             (Some(false), ..) => "not told apart",
             (None, None, _) => "no octave of the density is flat",
             (None, _, None) => "no fit",
+            (None, ..) if self.compared.is_none() => {
+                "the fit says nothing about the frequencies of the floor"
+            }
             (None, ..) => "the fit has no N to compare with",
         }
     }

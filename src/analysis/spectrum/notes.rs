@@ -39,11 +39,8 @@ fn of_spectrum(spectrum: &Spectrum, samples: usize) -> [Option<String>; 4] {
         }),
         has(Term::Sine).then(|| "the sine of the fit is a line, and not part of the density of the model".to_owned()),
         (spectrum.white.is_told_apart() == Some(true)).then(|| {
-            let why = match has(Term::BandLimit) {
-                true => "the filter of the sensor lowers the floor, while the fit makes allowance for it",
-                false => "the fit does not describe the noise at these frequencies",
-            };
-            format!("the floor of the density and the fit are told apart: {why}")
+            "the floor of the density and the fit are told apart: the fit does not describe the noise at these frequencies"
+                .to_owned()
         }),
     ]
 }

@@ -130,7 +130,10 @@ pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
         Of::new("others", Unit::NONE, "others", |row| row.white.model.map(|[_, others]| others).into())
             .is(Role::Estimate, "Part of the fitted density over the flat range that is of other terms than N."),
         Of::new("verdict", Unit::NONE, "verdict", |row| text(row.white.verdict()))
-            .is(Role::Note, "Whether the floor is told apart from the fitted density over the flat range, all terms included."),
+            .is(Role::Note, "Whether the floor is told apart from the fitted density over the flat range, as far as the fit reaches, all \
+                terms included."),
+        Of::new("n_verdict", Unit::NONE, "n_verdict", |row| text(row.row.verdict))
+            .is(Role::Note, "Whether the fit identifies N, in words; blank for the floor."),
     ]
 }
 
@@ -151,24 +154,18 @@ pub fn white_noise(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&white_columns(), &rows) }
 }
 
-/// The complete analysis as JSON. What it says of the log are keys of the JSON of `sagnac allan`.
+/// The complete analysis as JSON: that of `sagnac allan`, with densities in place of its curves.
 pub fn document(analysis: &Analysis) -> Value {
     let mut document = log::tables::document(&analysis.noise);
     document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });
     if let Value::Array(columns) = &mut document["columns"] {
         for (column, (own, spectrum)) in columns.iter_mut().zip(analysis.columns()) {
-            let kept = [
-                "column",
-                "missing",
-                "mean_rate",
-                "mean_rate_unit",
-                "coefficients",
-                "coefficients_missing",
-                "fit",
-            ];
-            let kept = kept.map(|key| (key.to_owned(), column[key].take()));
-            *column = of_column(own, spectrum);
-            kept.into_iter().for_each(|(key, value)| column[key] = value);
+            let (Value::Object(column), Value::Object(of_density)) = (column, of_column(own, spectrum))
+            else {
+                continue;
+            };
+            column.remove("curves");
+            column.extend(of_density);
         }
     }
     document
@@ -183,6 +180,7 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "lower": row.interval.map(|ends| ends[0]),
             "upper": row.interval.map(|ends| ends[1]),
             "unit": row.unit,
+            "verdict": row.verdict,
         })
     };
     json!({

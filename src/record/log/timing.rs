@@ -7,7 +7,8 @@ use crate::record::log::read::{Duplicates, RULES, Timing};
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
-    Doubled, doubled, epoch_unit, epoch_unit_of, faults as faults_of, late_grid, step_in_stamps, unroll,
+    Doubled, are_coarse, coarse_grid, doubled, epoch_unit, epoch_unit_of, faults as faults_of, late_grid,
+    step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -70,12 +71,12 @@ pub(crate) fn found(
     notes: &mut Vec<String>,
 ) -> Result<(Option<Time>, bool), RecordError> {
     let Timing::Stamps { step_s, column, unit } = timing else { return Ok((None, true)) };
-    let time = |column: usize| {
+    let time = |column: usize, is_sure: bool| {
         let unit_s = unit_s(file, column, unit.as_deref(), &time_column(file, column))?;
-        Ok((Some(Time { column, unit_s }), true))
+        Ok((Some(Time { column, unit_s }), is_sure))
     };
     if let Some(word) = column {
-        return time(file.find(word, None)?);
+        return time(file.find(word, None)?, true);
     }
     let wanted: Vec<usize> = wanted.iter().filter_map(|word| file.find(word, None).ok()).collect();
     let candidates = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
@@ -94,8 +95,13 @@ pub(crate) fn found(
         times.retain(|column| file.sample(*column).is_some());
     }
     if let Some(column) = nearest(file, times, wanted.first()) {
-        notes.push(format!("times are taken from {}", time_column(file, column)));
-        return time(column);
+        // A column `t` without a unit may have temperatures.
+        let is_sure =
+            step_s.is_none() || file.names()[column].unit.is_some() || !is_called(bare(column), &["t"]);
+        if is_sure {
+            notes.push(format!("times are taken from {}", time_column(file, column)));
+        }
+        return time(column, is_sure);
     }
     if let (None, Some(step_s)) = (step_s, file.step_s()) {
         let step = significant(step_s, 9);
@@ -177,10 +183,16 @@ pub(crate) fn spread(
     }
     let rolled = unroll(&mut stamps);
     let name = file.names().get(time.column);
-    let may_number = has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS));
+    let may_number =
+        has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS) || is_time(&name.bare));
     if !clock.is_sure && !are_times(&stamps, may_number) {
         if !has_step {
             faults.add(without_times(file));
+        }
+        if name.is_some_and(|name| is_time(&name.bare)) {
+            notes.push(format!(
+                "{title} does not increase evenly, so it is not taken for times: `time = COLUMN` takes it"
+            ));
         }
         return clock.step_s.map(|step_s| (step_s, samples));
     }
@@ -255,7 +267,8 @@ pub(crate) fn spread(
                 );
                 file.refuse(Some(time.column), &message, "these stamps", &help)
             }))?;
-            let grid = faults.take(late_grid(&stamps, step).map_err(refuse))?;
+            let grid = if are_coarse(&stamps) { coarse_grid } else { late_grid };
+            let grid = faults.take(grid(&stamps, step, RULES.most).map_err(refuse))?;
             tell(&title, &stamps, step, grid.samples, notes);
             (step_s, grid)
         }
