@@ -64,6 +64,8 @@ class RawFit(RawRecord):
     rows: list[tuple[str, str, float | None, float | None, float | None, str]]
     intervals: str
     without_bootstrap: str | None
+    described: bool
+    range: tuple[float, float]
     chi_squared: float
     degrees_of_freedom: int
     p_value: float | None

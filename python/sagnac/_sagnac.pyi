@@ -94,9 +94,21 @@ def run(
     progress: Callable[[int, int, str], object] | None,
 ) -> RawResults: ...
 def curves(
-    data: _Numbers, reading: _Reading, deviations: Sequence[str], taus: str | list[float], confidence: float
+    data: _Numbers,
+    reading: _Reading,
+    deviations: Sequence[str],
+    taus: str | list[float],
+    confidence: float,
+    intervals: str,
 ) -> RawCurves: ...
-def fit(data: _Numbers, reading: _Reading, terms: list[str] | None, bootstrap: int | None) -> RawFit: ...
+def fit(
+    data: _Numbers,
+    reading: _Reading,
+    terms: list[str] | None,
+    range: tuple[float | None, float | None],
+    is_forced: bool,
+    bootstrap: int | None,
+) -> RawFit: ...
 def of_kinds(kinds: Sequence[str], made: _Made) -> RawFillers: ...
 def of_study(path: Path, at: Sequence[str], fillers: Sequence[str]) -> RawFillers: ...
 def polynomial(ticks: Sequence[int], order: int, gap_ticks: int) -> tuple[list[int], int]: ...

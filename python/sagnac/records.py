@@ -135,7 +135,12 @@ class Fit(Mapping[str, Coefficient]):
     """The coefficients of a record by their names: ``found["N"].value``."""
 
     coefficients: dict[str, Coefficient]
-    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested."""
+    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested; L if the record shows a filter."""
+    described: bool
+    """Whether the terms describe the curve."""
+    fit_from: float
+    fit_to: float
+    """Shortest and longest averaging time of the fit, s."""
     intervals: str
     """Method of the intervals, such as ``bootstrap of 1000`` or ``closed form``."""
     without_bootstrap: str | None
@@ -150,7 +155,8 @@ class Fit(Mapping[str, Coefficient]):
     deviation: Numbers
     """The overlapping Allan deviation at these times, °/h."""
     fitted: Numbers
-    """The deviation of the best fit at this sampling rate, including terms that are not identified."""
+    """The deviation of the best fit at this sampling rate, including terms that are not identified; NaN at averaging times that
+    the fit leaves out, and everywhere if it does not describe the curve."""
     missing: int
     mean_rate: float | None
     removed_slope_per_s: float
@@ -182,6 +188,7 @@ def allan(
     deviation: Deviation | Sequence[Deviation] = ("oadev",),
     taus: str | ArrayLike = "octave",
     confidence: float = 0.95,
+    intervals: Literal["record", "stable32"] = "record",
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -209,6 +216,8 @@ def allan(
         number of samples.
     confidence
         Probability of the intervals.
+    intervals
+        Noise that the intervals suppose: that of the record as a whole, or with ``stable32`` the power law of each averaging time.
     detrend
         Removes a straight line from the rate.
     remove_outliers
@@ -243,7 +252,7 @@ def allan(
     if not 0.0 < confidence < 1.0:
         raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
     times = taus if isinstance(taus, str) else [float(tau) for tau in np.atleast_1d(np.asarray(taus))]
-    found = _sagnac.curves(values, reading, names, times, confidence)
+    found = _sagnac.curves(values, reading, names, times, confidence, intervals)
     curves = {}
     for raw in found["curves"]:
         least = raw["minimum"]
@@ -278,6 +287,9 @@ def fit(
     unit: str,
     kind: Kind = "rate",
     terms: Literal["auto"] | Sequence[str] = "auto",
+    fit_from: float | None = None,
+    fit_to: float | None = None,
+    force: bool = False,
     bootstrap: int | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
@@ -292,6 +304,11 @@ def fit(
         As for :func:`allan`. ``detrend`` also removes the rate ramp R and makes K too low.
     terms
         ``auto`` for those of Q, N, B, K, R that the record supports, or a list of Q, N, B, K, R, ``markov``, ``sine``.
+    fit_from, fit_to
+        Shortest and longest averaging time of the fit, s. By default it starts at the shortest from which the terms describe the
+        curve, and ends at an eighth of the record.
+    force
+        Takes the coefficients of the best fit even where it does not describe the curve; their verdict stays ``not described``.
     bootstrap
         Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
         in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
@@ -299,7 +316,9 @@ def fit(
     Notes
     -----
     Least squares on the overlapping Allan variances at the octaves of τ up to an eighth of the record, with the
-    covariance between them; each term is that of sampled noise. A value is given only if it is identified, else a bound.
+    covariance between them; each term is that of sampled noise. The fit takes the octaves that the terms describe; if they
+    describe none, all coefficients are ``not described`` and have no value. Otherwise a value is given if it is identified, else a
+    bound.
     Intervals are those of a record without gaps.
 
     Ctrl-C takes effect when the fit is done, within some seconds unless a ``bootstrap`` simulates long records.
@@ -325,9 +344,14 @@ def fit(
         bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
     if isinstance(terms, str) and terms != "auto":
         raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
-    found = _sagnac.fit(values, reading, None if terms == "auto" else list(terms), bootstrap)
+    found = _sagnac.fit(
+        values, reading, None if terms == "auto" else list(terms), (fit_from, fit_to), force, bootstrap
+    )
     return Fit(
         coefficients={row[0]: Coefficient(*row) for row in found["rows"]},
+        described=found["described"],
+        fit_from=found["range"][0],
+        fit_to=found["range"][1],
         intervals=found["intervals"],
         without_bootstrap=found["without_bootstrap"],
         chi_squared=found["chi_squared"],

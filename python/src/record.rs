@@ -15,6 +15,7 @@ use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::{Treatment, model, slope};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
+use sagnac::fit::range::Fitting;
 use sagnac::fit::record::curve_of;
 use sagnac::quantity::number::significant;
 use sagnac::record::log::MOST_SAMPLES;
@@ -200,18 +201,29 @@ pub fn curves<'py>(
     deviations: Vec<String>,
     taus: Times,
     confidence: f64,
+    intervals: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
+    let is_of_record = match intervals {
+        "record" => true,
+        "stable32" => false,
+        other => {
+            let message = format!("intervals=\"{other}\" is not known\naccepted: \"record\", \"stable32\"");
+            return Err(Failure::Usage(message).into());
+        }
+    };
     let (record, curves) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
         let record = reading.record(values)?;
-        let model = model(&record.angles, reading.trend());
+        let model = is_of_record.then(|| model(&record.angles, reading.trend()));
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
             let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
             let mut points = curve(&record.angles, deviation, &factors, confidence);
-            let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
-            suppose(&mut points, &record.angles, deviation, confidence, model);
+            if let Some(model) = &model {
+                let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
+                suppose(&mut points, &record.angles, deviation, confidence, model);
+            }
             Ok((deviation, points))
         };
         let curves = deviations.iter().map(of).collect::<Result<Vec<_>, Failure>>()?;
@@ -264,6 +276,8 @@ pub fn fit<'py>(
     data: PyReadonlyArray1<'py, f64>,
     reading: Reading,
     terms: Option<Vec<String>>,
+    range: (Option<f64>, Option<f64>),
+    is_forced: bool,
     bootstrap: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
@@ -274,7 +288,8 @@ pub fn fit<'py>(
         };
         let record = reading.record(values)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
-        let sheet = DataSheet::of(&record.angles, &terms.into(), record.unit, simulated)
+        let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
+        let sheet = DataSheet::of(&record.angles, &fitting, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&record.angles)
             .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;
@@ -283,8 +298,10 @@ pub fn fit<'py>(
             .iter()
             .zip(curve.variances())
             .map(|(&m, variance)| {
+                let (tau_s, [from_s, to_s]) = (m as f64 * curve.sample_s(), sheet.fit.tau_range);
+                let is_fitted = sheet.fit.is_described() && (0.99 * from_s..=1.01 * to_s).contains(&tau_s);
                 let model = sheet.fit.process.expected(Estimator::OVERLAPPING, curve.samples(), m);
-                (m as f64 * curve.sample_s(), variance.sqrt(), model.map(f64::sqrt))
+                (tau_s, variance.sqrt(), model.filter(|_| is_fitted).map(f64::sqrt))
             })
             .collect();
         Ok((record, sheet, fitted))
@@ -298,6 +315,8 @@ pub fn fit<'py>(
     document.set_item("intervals", sheet.intervals.name())?;
     let why = sheet.intervals.without.as_deref().map(in_python);
     document.set_item("without_bootstrap", why)?;
+    document.set_item("described", sheet.fit.is_described())?;
+    document.set_item("range", sheet.fit.tau_range)?;
     document.set_item("chi_squared", sheet.fit.chi_squared)?;
     document.set_item("degrees_of_freedom", sheet.fit.degrees_of_freedom)?;
     document.set_item("p_value", sheet.fit.p_value())?;

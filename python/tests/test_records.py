@@ -111,6 +111,8 @@ def check_fit(found: sagnac.Fit, column: Any) -> None:
         assert (row.value, row.lower, row.upper) == (expected["value"], expected["lower"], expected["upper"])
         assert (row.unit, row.verdict) == (expected["unit"], expected["verdict"])
     assert found.intervals == column["coefficient_intervals"]["from"]
+    of_fit = column["fit"]
+    assert (found.described, found.fit_from, found.fit_to) == (of_fit["described"], of_fit["from_s"], of_fit["to_s"])
 
 
 def test_coefficients_are_those_of_the_program_with_and_without_bootstrap(program: Program, tmp_path: Path) -> None:
@@ -137,6 +139,33 @@ def test_terms_that_are_asked_for_are_fitted_and_a_trend_takes_the_ramp(program:
     found = sagnac.fit(data, 100.0, unit="deg/h", detrend=True, bootstrap=0)
     check_fit(found, expected)
     assert "R" not in found
+
+
+def test_a_range_is_that_of_the_program_and_a_curve_that_no_term_describes_has_no_values(
+    program: Program, tmp_path: Path
+) -> None:
+    data = record()
+    options = ["--data", "rate", "--unit", "deg/h", "--bootstrap", 0]
+    expected = analysed(program, tmp_path, data, *options, "--fit-from", "0.04 s", "--fit-to", "10 s")
+    found = sagnac.fit(data, 100.0, unit="deg/h", fit_from=0.04, fit_to=10.0, bootstrap=0)
+    check_fit(found, expected)
+    assert np.array_equal(np.isnan(found.fitted), (found.tau < 0.039) | (found.tau > 10.1))
+    regular = np.sin(0.3 * np.arange(20_000) ** 1.1)
+    for force in [False, True]:
+        expected = analysed(program, tmp_path, regular, *options, *(["--force"] if force else []))
+        found = sagnac.fit(regular, 100.0, unit="deg/h", force=force, bootstrap=0)
+        check_fit(found, expected)
+        assert not found.described and np.isnan(found.fitted).all()
+        assert {row.verdict for row in found.values()} == {"not described"}
+        assert any(row.value is not None for row in found.values()) == force
+
+
+def test_intervals_of_stable32_are_those_of_the_program(program: Program, tmp_path: Path) -> None:
+    data = record()
+    expected = analysed(
+        program, tmp_path, data, "--data", "rate", "--unit", "deg/h", "--intervals", "stable32", "--fit", "none"
+    )
+    check_curves(sagnac.allan(data, 100.0, unit="deg/h", intervals="stable32"), expected)
 
 
 def test_of_long_records_no_bootstrap_is_made_unless_it_is_asked_for() -> None:
