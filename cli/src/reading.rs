@@ -19,15 +19,23 @@ use crate::words::one_of;
 
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// Kind of the numbers: angular rate, angle turned in each sample, or angle (phase) since the start
+    /// Kind of the numbers: rate or acceleration, angle or velocity gained in each sample, or angle (phase) or velocity since
+    /// the start
     #[arg(help_heading = "Reading the log", long, value_name = "KIND", value_parser = data())]
     data: Data,
-    /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain numbers [default: that of the header]
-    #[arg(help_heading = "Reading the log", long, value_name = "UNIT", conflicts_with = "scale")]
-    unit: Option<String>,
-    /// Size of a pulse, if the numbers count pulses
-    #[arg(help_heading = "Reading the log", long, value_name = "SIZE/pulse")]
-    scale: Option<String>,
+    /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec, m/s^2, g, mg; none for plain numbers; one for all columns, or
+    /// one for each, separated by commas [default: that of the header]
+    #[arg(
+        help_heading = "Reading the log",
+        long,
+        value_name = "UNITS",
+        value_delimiter = ',',
+        conflicts_with = "scale"
+    )]
+    unit: Vec<String>,
+    /// Size of a pulse, if the numbers count pulses; one for all columns, or one for each
+    #[arg(help_heading = "Reading the log", long, value_name = "SIZES/pulse", value_delimiter = ',')]
+    scale: Vec<String>,
     /// Sampling rate, as in 100Hz; time stamps then only show where samples are missing, and may be late
     #[arg(help_heading = "Reading the log", long, value_name = "RATE")]
     rate: Option<String>,
@@ -46,7 +54,7 @@ pub struct Reading {
     /// Layout of a raw binary file, as in "f64 x7, little, time 1, rate 3": types of the columns, order of bytes, names
     #[arg(help_heading = "Reading the log", long, value_name = "LAYOUT", value_parser = Binary::parse)]
     binary: Option<Binary>,
-    /// Columns by name or number from 1, separated by commas [default: the only one]
+    /// Columns by name or number from 1, separated by commas [default: the only one, or all whose units fit --data]
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMNS", value_delimiter = ',')]
     column: Vec<String>,
     /// Omit the beginning, as in "30 min"
@@ -55,13 +63,13 @@ pub struct Reading {
     /// Omit everything later than this time after the start of the file
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     until: Option<f64>,
-    /// Remove a straight line from the rate; this also removes the rate ramp R and makes K too low
+    /// Remove a straight line from the rate or acceleration; this also removes the ramp R and makes K too low
     #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none", value_parser = trend())]
     detrend: Trend,
     /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
-    /// Whether to note rates that seem to be in another unit; see docs/reference.md
+    /// Whether to note rates and accelerations that seem to be in another unit; see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
     unit_check: UnitCheck,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
@@ -133,24 +141,18 @@ impl Reading {
         Some(Fitting { terms, from_s: self.fit_from, to_s: self.fit_to, is_forced: self.force })
     }
 
-    /// The names of the columns, as they were given.
-    pub fn columns(&self) -> &[String] {
-        &self.column
-    }
-
     /// The request for each file.
     ///
     /// # Errors
     /// A unit, scale or rate is invalid, or stamps are ignored without a rate.
     pub fn request(&self) -> Result<Request, Failure> {
         let data = self.data;
-        let unit = match (&self.unit, &self.scale) {
-            (Some(unit), _) => Some(Unit::parse(unit, data)),
-            (None, Some(scale)) => Some(Unit::parse_scale(scale, data)),
-            (None, None) => None,
-        };
-        let unit = unit
-            .transpose()
+        // Only one of the two lists can be given.
+        let units = self.unit.iter().map(|unit| Unit::parse(unit, data));
+        let scales = self.scale.iter().map(|scale| Unit::parse_scale(scale, data));
+        let units = units
+            .chain(scales)
+            .collect::<Result<Vec<Unit>, _>>()
             .map_err(|wrong| Failure::Usage(in_options(&format!("{}\n{}", wrong.message, wrong.help))))?;
         let step_s = self.rate.as_deref().map(step).transpose()?;
         let timing = match (step_s, self.time.as_deref()) {
@@ -165,7 +167,7 @@ impl Reading {
         };
         let (decimal, duplicates, binary) = (self.decimal, self.duplicates, self.binary.clone());
         let hints = Hints { decimal, duplicates, binary };
-        Ok(Request { columns: self.column.clone(), timing, data, unit, hints })
+        Ok(Request { columns: self.column.clone(), timing, data, units, hints })
     }
 
     /// The treatment of each log before its analysis.

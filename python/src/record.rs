@@ -20,9 +20,10 @@ use sagnac::fit::record::curve_of;
 use sagnac::quantity::number::significant;
 use sagnac::record::log::MOST_SAMPLES;
 use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
+use sagnac::record::log::doubt::Doubt;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
-use sagnac::record::log::samples::{Doubt, Fault, Samples};
+use sagnac::record::log::samples::{Fault, Samples};
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
 
@@ -93,8 +94,7 @@ impl Reading {
             "increment" => Data::Increment,
             "angle" => Data::Angle,
             other => {
-                let accepted =
-                    "accepted: \"rate\", \"increment\" (the angle turned in each sample), \"angle\"";
+                let accepted = "accepted: \"rate\", \"increment\" (the angle or velocity gained in each sample), \"angle\"";
                 return Err(Failure::Usage(format!("kind=\"{other}\" is not known\n{accepted}")));
             }
         };
@@ -131,10 +131,7 @@ impl Reading {
             mean_rate: samples.mean_rate(),
             slope: slope(&angles, &samples),
             outliers,
-            unit: match unit.is_angular {
-                true => sagnac::allan::unit::Unit::Angular,
-                false => sagnac::allan::unit::Unit::Plain,
-            },
+            unit: unit.curves,
             angles,
         })
     }
@@ -157,15 +154,26 @@ fn in_words(fault: Fault) -> String {
 fn warning(doubt: Doubt, unit: &Unit) -> String {
     let off = "if the unit is right, give unit_check=False";
     let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
+    let in_g = |mean: f64| format!("{} g", significant(1e-6 * mean, 3));
     match doubt {
         Doubt::DegreesAsRadians(mean) => format!(
             "the array looks like degrees taken for radians: its mean is {}\ngive the unit in deg; {off}",
             rate(mean)
         ),
-        Doubt::NeverAtRest(mean) => format!(
-            "the array has a mean rate of {}, which no gyro at rest has\nis {} its unit? is kind= right? {off}",
-            rate(mean),
-            unit.text
+        Doubt::NeverAtRest(mean) => {
+            let is_acceleration = unit.curves == sagnac::allan::unit::Unit::Acceleration;
+            let (mean, sensor) =
+                if is_acceleration { (in_g(mean), "accelerometer") } else { (rate(mean), "gyro") };
+            format!(
+                "the array has a mean {} of {mean}, which no {sensor} at rest has\nis {} its unit? is kind= right? {off}",
+                unit.curves.measured(),
+                unit.text
+            )
+        }
+        Doubt::Gravity { mean, other } => format!(
+            "the array looks like {other} taken for {}: its mean is {}, and would be that of gravity\ngive the unit; {off}",
+            unit.text,
+            in_g(mean)
         ),
     }
 }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::allan::{Angles, Deviation};
+use crate::allan::{Angles, Deviation, Unit};
 
 /// Fewest groups that the identification needs.
 pub const LEAST_GROUPS: usize = 30;
@@ -27,16 +27,18 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Name for the user.
-    pub fn name(self) -> &'static str {
+    /// Name for the user, in a curve of this unit.
+    pub fn name(self, unit: Unit) -> &'static str {
+        let is_acceleration = unit == Unit::Acceleration;
+        let of = |rotation, acceleration| if is_acceleration { acceleration } else { rotation };
         match self.alpha {
             2.. => "quantisation",
-            1 => "flicker of the angle",
-            0 => "angle random walk",
+            1 => of("flicker of the angle", "flicker of the velocity"),
+            0 => of("angle random walk", "velocity random walk"),
             -1 => "bias instability",
-            -2 => "rate random walk",
-            -3 => "flicker walk of the rate",
-            _ => "random run of the rate",
+            -2 => of("rate random walk", "acceleration random walk"),
+            -3 => of("flicker walk of the rate", "flicker walk of the acceleration"),
+            _ => of("random run of the rate", "random run of the acceleration"),
         }
     }
 }

@@ -38,20 +38,25 @@ impl Quantity {
         shape.map_or(term.symbol(), |shape| shape.symbol)
     }
 
-    /// Name for people.
-    pub(crate) fn title(self) -> &'static str {
+    /// Name for people, on the data sheet of a sensor whose curves have this unit.
+    pub(crate) fn title(self, unit: Unit) -> &'static str {
         let (term, shape) = self.parts();
-        shape.map_or(term.row().title, |shape| shape.title)
+        match (shape, unit) {
+            (Some(shape), _) => shape.title,
+            (None, Unit::Acceleration) => term.row().title_of_acceleration.unwrap_or(term.row().title),
+            (None, Unit::Angular | Unit::Plain) => term.row().title,
+        }
     }
 
-    /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol. Plain numbers keep their unit, times
-    /// a power of s.
+    /// Factor from ″ and s, or from µg and s, to the unit of data sheets, that unit in files, and its symbol. Plain numbers
+    /// keep their unit, times a power of s.
     pub fn unit(self, unit: Unit) -> (f64, &'static str, &'static str) {
         let (term, shape) = self.parts();
         let (in_files, symbol) = term.row().plain;
         match (shape, unit) {
             (Some(shape), _) => (1.0, shape.unit, shape.unit),
             (None, Unit::Angular) => term.row().unit,
+            (None, Unit::Acceleration) => term.row().unit_of_acceleration,
             (None, Unit::Plain) => (1.0, in_files, symbol),
         }
     }

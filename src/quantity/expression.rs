@@ -13,6 +13,12 @@ use crate::quantity::error::UnitError;
 /// Arcseconds in one radian: 180 · 3600 / π.
 const ARCSEC_PER_RAD: f64 = 206_264.806_247_096_36;
 
+/// Standard acceleration of free fall, m/s² in one g, exactly: CGPM 1901.
+pub(crate) const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// One metre in g·s².
+const METRE: f64 = 1.0 / STANDARD_GRAVITY;
+
 /// Longest expression read: far above any sensible unit, and a bound on the depth of the recursion.
 const LONGEST: usize = 64;
 
@@ -56,7 +62,7 @@ pub(crate) struct Size {
 }
 
 /// All symbols, each with its size in base units and the powers (in halves) of ″, s, g, pulse.
-const SYMBOLS: [(&[&str], f64, [i32; 4]); 17] = [
+const SYMBOLS: [(&[&str], f64, [i32; 4]); 26] = [
     (&["s"], 1.0, [0, 2, 0, 0]),
     (&["ms"], 1e-3, [0, 2, 0, 0]),
     (&["us", "µs", "μs"], 1e-6, [0, 2, 0, 0]),
@@ -73,6 +79,15 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 17] = [
     (&["mrad"], ARCSEC_PER_RAD * 1e-3, [2, 0, 0, 0]),
     (&["urad", "µrad", "μrad"], ARCSEC_PER_RAD * 1e-6, [2, 0, 0, 0]),
     (&["g"], 1.0, [0, 0, 2, 0]),
+    (&["mg"], 1e-3, [0, 0, 2, 0]),
+    (&["ug", "µg", "μg"], 1e-6, [0, 0, 2, 0]),
+    (&["m"], METRE, [0, 4, 2, 0]),
+    (&["cm"], METRE * 1e-2, [0, 4, 2, 0]),
+    (&["mm"], METRE * 1e-3, [0, 4, 2, 0]),
+    (&["ft"], METRE * 0.3048, [0, 4, 2, 0]),
+    (&["Gal"], METRE * 1e-2, [0, 0, 2, 0]),
+    (&["mGal"], METRE * 1e-5, [0, 0, 2, 0]),
+    (&["uGal", "µGal", "μGal"], METRE * 1e-8, [0, 0, 2, 0]),
     (&["pulse", "pulses"], 1.0, [0, 0, 0, 2]),
 ];
 

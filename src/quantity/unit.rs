@@ -32,6 +32,10 @@ impl Unit {
     pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
     /// Accelerations.
     pub const G: Unit = Unit { suffix: "g", symbol: "g" };
+    /// Velocities, as the integral of an acceleration.
+    pub const G_S: Unit = Unit { suffix: "g_s", symbol: "g·s" };
+    /// Lengths, as the second integral of an acceleration.
+    pub const G_S2: Unit = Unit { suffix: "g_s2", symbol: "g·s²" };
     /// Densities of acceleration, one-sided.
     pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
     /// Phases.

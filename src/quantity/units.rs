@@ -74,7 +74,11 @@ dimensions! {
     RateDensity: [4, -2, 0], "a density of the rate",
         "(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", r#""0.1 (deg/s)^2/Hz""#, ARCSEC2_PER_S2_PER_HZ;
     /// A linear acceleration, in g.
-    Acceleration: [0, 0, 2], "an acceleration", "g", r#""1 g""#, G;
+    Acceleration: [0, 0, 2], "an acceleration", "g, mg, µg (ug), m/s^2", r#""1 g""#, G;
+    /// A velocity, in g·s.
+    Velocity: [0, 2, 2], "a velocity", "m/s, mm/s, ft/s, g·s", r#""0.1 mm/s""#, G_S;
+    /// A length, in g·s².
+    Length: [0, 4, 2], "a length", "m, cm, mm, ft", r#""1 m""#, G_S2;
     /// Power spectral density of an acceleration, one-sided.
     AccelerationDensity: [0, 2, 4], "a density of the acceleration", "g^2/Hz", r#""0.01 g^2/Hz""#, G2_PER_HZ;
     /// Rate per linear acceleration, of a suspension.

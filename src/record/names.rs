@@ -6,8 +6,9 @@ use crate::record::spelling::unit_of;
 /// Longest unit after an underscore, in bytes including it.
 const LONGEST_UNIT: usize = 64;
 
-/// What a unit without brackets may measure.
-const MEASURED: [Dimension; 3] = [Dimension::Rate, Dimension::Angle, Dimension::Time];
+/// What a unit without brackets may measure. Of the first three, an underscore may stand for a division.
+const MEASURED: [Dimension; 5] =
+    [Dimension::Rate, Dimension::Acceleration, Dimension::Velocity, Dimension::Angle, Dimension::Time];
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,7 +22,7 @@ pub(crate) struct Name {
 
 impl Name {
     /// Reads `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s`, `gz_deg_s` and `gz dps` where the end is a unit of a rate, an
-    /// angle or a time.
+    /// acceleration, a velocity, an angle or a time.
     pub(crate) fn read(cell: &str) -> Name {
         let whole = cell.trim();
         let with = |bare: &str, unit: &str| Name {
@@ -40,7 +41,7 @@ impl Name {
         for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
             let unit = whole[at + 1..].replace("_per_", "/");
             let quotient = unit.replace('_', "/");
-            let found = [(&unit, &MEASURED[..]), (&quotient, &MEASURED[..1])];
+            let found = [(&unit, &MEASURED[..]), (&quotient, &MEASURED[..3])];
             if let Some((unit, _)) = found.into_iter().find(|(unit, wanted)| unit_of(unit, wanted).is_ok()) {
                 return with(&whole[..at], unit);
             }
@@ -83,6 +84,12 @@ mod tests {
             ("gyro_z_rad_s", "gyro_z", "rad/s"),
             ("Gyro Z deg/sec", "Gyro Z", "deg/sec"),
             ("gyro z", "gyro z", ""),
+            ("ax_m_s2", "ax", "m/s2"),
+            ("ax_m_per_s2", "ax", "m/s2"),
+            ("acc_x_g", "acc_x", "g"),
+            ("Accel X m/s²", "Accel X", "m/s²"),
+            ("dv_mm_s", "dv", "mm/s"),
+            ("mag_x_G", "mag_x_G", ""),
             ("gz {°/s}", "gz", "°/s"),
             (&"_".repeat(1 << 20), &"_".repeat(1 << 20), ""),
             ("[s]", "[s]", ""),

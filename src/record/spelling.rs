@@ -1,10 +1,10 @@
-//! Units as loggers spell them: `dps`, `deg/sec`, `°/s`, `rad s^-1`.
+//! Units as loggers spell them: `dps`, `deg/sec`, `°/s`, `rad s^-1`, `m/s²`, `mps2`.
 
 use crate::quantity::error::UnitError;
 use crate::quantity::units::{Dimension, parse_unit};
 
 /// Words of loggers in lower case, with the same in the units of studies.
-const WORDS: [(&[&str], &str); 18] = [
+const WORDS: [(&[&str], &str); 23] = [
     (&["dps"], "deg/s"),
     (&["mdps"], "mdeg/s"),
     (&["dph"], "deg/h"),
@@ -22,8 +22,17 @@ const WORDS: [(&[&str], &str); 18] = [
     (&["urad", "µrad", "μrad"], "urad"),
     (&["arcsec", "arcsecs", "arcsecond", "arcseconds", "asec"], "arcsec"),
     (&["arcmin", "arcmins", "arcminute", "arcminutes"], "arcmin"),
+    (&["m", "meter", "meters", "metre", "metres"], "m"),
+    (&["mps"], "m/s"),
+    (&["ft", "foot", "feet"], "ft"),
+    (&["gal", "gals"], "Gal"),
+    (&["mgal", "mgals"], "mGal"),
     (&["per"], "/"),
 ];
+
+/// Powers after a word without a sign between, with the same as studies write them.
+const POWERS: [(&str, &str); 6] =
+    [("-1", "^-1"), ("⁻¹", "^-1"), ("-2", "^-2"), ("⁻²", "^-2"), ("2", "^2"), ("²", "^2")];
 
 /// Reads a unit as [`parse_unit`] does, also where it is spelled otherwise.
 ///
@@ -40,7 +49,7 @@ pub(crate) fn unit_of(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimensio
     })
 }
 
-/// The unit in the words of studies. Units with a blank between them are a product, and `s-1` is a power.
+/// The unit in the words of studies. Units with a blank between them are a product, and `s-1` and `s2` are powers.
 fn respelled(unit: &str) -> String {
     let (mut text, mut rest) = (String::new(), unit.trim());
     while let Some(first) = rest.chars().next() {
@@ -54,11 +63,14 @@ fn respelled(unit: &str) -> String {
         };
         let known = WORDS.iter().find(|(words, _)| words.contains(&word.to_lowercase().as_str()));
         text += known.map_or(word, |(_, known)| known);
-        let power = ["-1", "⁻¹"].iter().find_map(|power| after.strip_prefix(power)).filter(|_| letters > 0);
-        if power.is_some() {
-            text += "^-1";
-        }
-        rest = power.unwrap_or(after);
+        let power = POWERS.iter().find_map(|(sign, power)| Some((power, after.strip_prefix(sign)?)));
+        rest = match power.filter(|_| letters > 0) {
+            Some((power, after)) => {
+                text += power;
+                after
+            }
+            None => after,
+        };
         let next = rest.trim_start();
         let is_between = rest.len() > next.len() && text.ends_with(|c: char| c.is_alphanumeric() || c == '°');
         if is_between && next.starts_with(char::is_alphabetic) && !next.to_lowercase().starts_with("per ") {
@@ -97,6 +109,23 @@ mod tests {
                 assert_eq!(unit_of(text, wanted).map(|unit| unit.0), Ok(size), "{text}");
             }
         }
+    }
+
+    #[test]
+    fn accelerations_are_read_as_loggers_spell_them() {
+        let size = |unit: &str| unit_of(unit, &[Dimension::Acceleration]).map(|unit| unit.0);
+        let metre = size("m/s^2").unwrap();
+        for text in ["m/s²", "m/s2", "m s-2", "m s⁻²", "m·s^-2", "m/s/s", "mps2", "meters/second^2", "m/sec2"]
+        {
+            assert_eq!(size(text), Ok(metre), "{text}");
+        }
+        assert!((metre * 9.80665 - 1.0).abs() < 1e-15, "{metre}");
+        for (text, expected) in [("mg", 1e-3), ("ug", 1e-6), ("µg", 1e-6), ("mGal", metre * 1e-5)] {
+            assert_eq!(size(text), Ok(expected), "{text}");
+        }
+        assert!((size("ft/s²").unwrap() / metre - 0.3048).abs() < 1e-15);
+        // Gauss, and not g.
+        assert!(size("G").is_err() && size("mG").is_err());
     }
 
     #[test]

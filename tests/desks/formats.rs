@@ -61,8 +61,8 @@ impl Sample {
         let hints =
             Hints { binary: self.binary.map(|text| Binary::parse(text).unwrap()), ..Hints::default() };
         let columns = self.columns.map(str::to_owned).to_vec();
-        let unit = Some(Unit::parse("rad/s", Data::Rate).unwrap());
-        Log::read(path, &Request { columns, timing, data: Data::Rate, unit, hints })
+        let units = vec![Unit::parse("rad/s", Data::Rate).unwrap()];
+        Log::read(path, &Request { columns, timing, data: Data::Rate, units, hints })
     }
 }
 

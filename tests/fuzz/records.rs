@@ -109,7 +109,7 @@ fn requests() -> Vec<Request> {
         columns: columns.iter().map(|&column| column.to_owned()).collect(),
         timing,
         data,
-        unit: unit.map(|unit| Unit::parse(unit, data).unwrap()),
+        units: unit.iter().map(|unit| Unit::parse(unit, data).unwrap()).collect(),
         hints: Hints::default(),
     };
     let stamps = |column: &str, unit: Option<&str>| Timing::Stamps {

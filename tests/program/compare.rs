@@ -266,7 +266,7 @@ fn logs_that_cannot_be_compared_are_refused_with_what_to_do() {
         &desk,
         "a.csv b.csv --data rate --rate 1Hz",
         3,
-        &["b.csv has plain numbers, a.csv has angular rates", "--unit"],
+        &["a.csv has angular rates, b.csv has plain numbers", "--unit"],
     );
 }
 

@@ -36,7 +36,8 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             documents.push(tables::document(&analysis));
         } else if !options.quiet {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
-            let notes = notes::notes(&analysis).into_iter().chain(about_kalibr);
+            let about_files = noise_file::notes(&analysis).into_iter().chain(about_kalibr);
+            let notes = notes::notes(&analysis).into_iter().chain(about_files);
             notes.for_each(|note| say!("note: {}", in_options(&note)));
             let mut figures = figures::figures(&analysis).into_iter().filter(|_| options.plot);
             if let Some((_, Some(figure))) = figures.next() {

@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
+use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
 use sagnac::record::log::read::Request;
@@ -99,9 +100,9 @@ impl Options {
                 "names one file, but there are several logs\ngive them one by one, each with its --kalibr FILE",
             ),
             Some(_) if self.reading.fitting().is_none() => wrong("needs coefficients\nleave out --fit none"),
-            Some(_) if request.unit.as_ref().is_some_and(|unit| !unit.is_angular) => {
-                wrong("needs rates or angles, not plain numbers\ngive their --unit, as in deg/s")
-            }
+            Some(_) if request.units.iter().any(|unit| unit.curves == Unit::Plain) => wrong(
+                "needs rates, angles or accelerations, not plain numbers\ngive their --unit, as in deg/s",
+            ),
             Some(_) => Ok(()),
         }
     }

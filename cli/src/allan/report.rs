@@ -40,7 +40,10 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
     text += &trend(analysis, column);
     let heading = ["τ, s", "terms", curve.deviation.name(), "lower", "upper", "α", "noise"];
     let step = curve.points.len().div_ceil(MOST_LINES).max(1);
-    text += &format!("\n{}", headed(heading, curve.points.iter().step_by(step).map(line)));
+    text += &format!(
+        "\n{}",
+        headed(heading, curve.points.iter().step_by(step).map(|point| line(point, column.unit)))
+    );
     if step > 1 {
         text += &format!("  one in {step} of the {} times; curve.csv has all of them\n", curve.points.len());
     }
@@ -81,6 +84,9 @@ fn trend(analysis: &Analysis, column: &Column) -> String {
         (Trend::Linear, Unit::Angular) => {
             format!("; a trend of {} °/h per h was removed", significant(3600.0 * column.slope, 4))
         }
+        (Trend::Linear, Unit::Acceleration) => {
+            format!("; a trend of {} µg per h was removed", significant(3600.0 * column.slope, 4))
+        }
         (Trend::Linear, Unit::Plain) => {
             format!("; a trend of {} per s was removed", significant(column.slope, 4))
         }
@@ -88,10 +94,10 @@ fn trend(analysis: &Analysis, column: &Column) -> String {
     }
 }
 
-fn line(point: &Point) -> Vec<String> {
+fn line(point: &Point, unit: Unit) -> Vec<String> {
     let (alpha, name) = point.noise.map_or_else(Default::default, |noise| {
         let mark = if noise.carried { "*" } else { "" };
-        (format!("{}{mark}", noise.alpha), noise.name().to_owned())
+        (format!("{}{mark}", noise.alpha), noise.name(unit).to_owned())
     });
     vec![
         significant(point.tau_s, 7),

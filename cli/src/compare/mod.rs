@@ -12,7 +12,7 @@ use sagnac::record::log::read::Request;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
-use crate::failure::Failure;
+use crate::failure::{Failure, in_options};
 use crate::output::{print, print_json, write_table};
 use crate::reading::Reading;
 
@@ -24,7 +24,7 @@ Examples:
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
 
 Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
-columns, the first is read from A and the second from B. If the logs have time stamps, their
+columns, the first is read from A and the second from B, and so it is with units. If the logs have time stamps, their
 sampling rates may differ; the curves are compared at the averaging times that both have.";
 
 #[derive(Debug, Args)]
@@ -71,19 +71,25 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
 /// Reads and compares the logs.
 fn analysis(options: &Options) -> Result<Analysis, Failure> {
     let reading = &options.reading;
-    let (request, treatment, columns) = (reading.request()?, reading.treatment(), reading.columns());
-    if columns.len() > 2 {
-        let message = "--column names more than two columns\ngive one for each log, as in --column gx,gy";
-        return Err(Failure::Usage(message.to_owned()));
+    let (request, treatment) = (reading.request()?, reading.treatment());
+    if request.columns.len() > 2 || request.units.len() > 2 {
+        let list = if request.columns.len() > 2 {
+            "--column names more than two columns"
+        } else {
+            "there are more than two units"
+        };
+        return Err(Failure::Usage(format!("{list}\ngive one for each log, as in --column gx,gy")));
     }
-    let log = |path: &Path, column: Option<&String>| -> Result<Log, Failure> {
-        let request = Request { columns: column.cloned().into_iter().collect(), ..request.clone() };
-        Ok(treatment.read(path, &request)?)
+    let log = |path: &Path, [column, unit]: [usize; 2]| -> Result<Log, Failure> {
+        let columns = request.columns.get(column).cloned().into_iter().collect();
+        let units = request.units.get(unit).cloned().into_iter().collect();
+        Ok(treatment.read(path, &Request { columns, units, ..request.clone() })?)
     };
-    let (a, b) = (log(&options.a, columns.first())?, log(&options.b, columns.last())?);
+    let last = [request.columns.len(), request.units.len()].map(|count| count.saturating_sub(1));
+    let (a, b) = (log(&options.a, [0; 2])?, log(&options.b, last)?);
     let logs = [(options.a.as_path(), &a), (options.b.as_path(), &b)];
     Analysis::of(logs, &treatment, reading.fitting().as_ref()).map_err(|error| match &error {
-        CompareError::Units { .. } => Failure::Record(format!("{error} with --unit")),
+        CompareError::Units { .. } | CompareError::Columns { .. } => Failure::Record(in_options(&error)),
         CompareError::NoCommonTime(_) => Failure::Record(error.to_string()),
     })
 }

@@ -15,16 +15,27 @@ use crate::analysis::log::Treatment;
 /// Why two logs cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// Only one of the logs is in a unit of angle.
+    /// The logs measure different things.
     #[error(
-        "{} has plain numbers, {} has angular rates: they cannot be compared\ngive the unit of both",
-        plain.display(), angular.display()
+        "{} has {}, {} has {}: they cannot be compared\nselect columns of one kind with `column = NAME`, and give their units \
+         with `unit = UNIT`",
+        paths[0].display(), units[0].content(), paths[1].display(), units[1].content()
     )]
     Units {
-        /// Log of plain numbers.
-        plain: PathBuf,
-        /// Log with a unit of angle.
-        angular: PathBuf,
+        /// The logs.
+        paths: [PathBuf; 2],
+        /// Their units.
+        units: [Unit; 2],
+    },
+    /// A log has several columns, of which none was selected.
+    #[error("{} has several columns of samples: {columns}\nselect one of them, as in `column = {first}`", path.display())]
+    Columns {
+        /// The log.
+        path: PathBuf,
+        /// Names of its columns.
+        columns: String,
+        /// The first of them.
+        first: String,
     },
     /// The logs have no averaging time in common.
     #[error(transparent)]
@@ -80,11 +91,15 @@ impl Side {
         self.samples as f64 * self.step_s
     }
 
-    fn of((path, log): (&Path, &Log), treatment: &Treatment) -> Side {
-        let channel = &log.channels[0];
+    fn of((path, log): (&Path, &Log), treatment: &Treatment) -> Result<Side, CompareError> {
+        let [channel] = &log.channels[..] else {
+            let names: Vec<&str> = log.channels.iter().map(|channel| channel.name.as_str()).collect();
+            let first = names.first().copied().unwrap_or_default().to_owned();
+            return Err(CompareError::Columns { path: path.to_owned(), columns: names.join(", "), first });
+        };
         let samples = channel.view(log.data, log.step_s);
         let (angles, outliers) = treatment.angles(&samples);
-        Side {
+        Ok(Side {
             path: path.to_owned(),
             column: channel.name.clone(),
             label: String::new(),
@@ -95,15 +110,15 @@ impl Side {
             missing: treatment.missing(&samples, &outliers),
             outliers,
             overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
-            unit: if channel.unit.is_angular { Unit::Angular } else { Unit::Plain },
+            unit: channel.unit.curves,
             treatment: Treatment { skip_s: log.start_s, ..*treatment },
             angles,
-        }
+        })
     }
 }
 
 impl Analysis {
-    /// Compares the first columns of two logs, which were read from these paths with this treatment. Without a
+    /// Compares the columns of two logs, which were read from these paths with this treatment. Without a
     /// `fitting`, only the curves are compared.
     ///
     /// # Errors
@@ -113,10 +128,9 @@ impl Analysis {
         treatment: &Treatment,
         fitting: Option<&Fitting>,
     ) -> Result<Analysis, CompareError> {
-        let [mut a, mut b] = logs.map(|log| Side::of(log, treatment));
+        let [mut a, mut b] = [Side::of(logs[0], treatment)?, Side::of(logs[1], treatment)?];
         if a.unit != b.unit {
-            let (plain, angular) = if a.unit == Unit::Plain { (a, b) } else { (b, a) };
-            return Err(CompareError::Units { plain: plain.path, angular: angular.path });
+            return Err(CompareError::Units { units: [a.unit, b.unit], paths: [a.path, b.path] });
         }
         [a.label, b.label] = labels(&a, &b);
         let comparison = compare(&a.angles, &b.angles, fitting)?;

@@ -1,5 +1,6 @@
 //! A comparison as sentences.
 
+use crate::allan::Unit;
 use crate::analysis::compare::Length;
 use crate::quantity::number::significant;
 
@@ -19,7 +20,7 @@ pub fn sentences(analysis: &Analysis) -> Vec<String> {
     }
     let of_rows = analysis.rows.iter().flatten();
     let shorter_s = analysis.shorter_s();
-    let sentences = of_rows.map(|row| of_row(row, a, b, shorter_s));
+    let sentences = of_rows.map(|row| of_row(row, analysis.unit, [a, b], shorter_s));
     same(analysis).into_iter().chain(forced(analysis)).chain(sentences).collect()
 }
 
@@ -80,8 +81,8 @@ fn same(analysis: &Analysis) -> Option<String> {
     Some(format!("{said}: {} for equal noise ({how}).", probability(same.p)))
 }
 
-fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
-    let name = row.found.quantity.title();
+fn of_row(row: &Row, unit: Unit, [a, b]: [&str; 2], shorter_s: f64) -> String {
+    let name = row.found.quantity.title(unit);
     let found = &row.found;
     let p = found.p.map(probability).unwrap_or_default();
     let ratio = found.ratio.map(|ratio| times(ratio, 3)).unwrap_or_default();

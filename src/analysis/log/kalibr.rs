@@ -1,18 +1,28 @@
-//! The gyroscope part of an `imu.yaml` for Kalibr and other visual-inertial tools.
+//! An `imu.yaml` for Kalibr and other visual-inertial tools: the gyroscope part, the accelerometer part, or both.
 //!
-//! Kalibr's model is a white rate noise and a random walk of the bias, both given by the square root of their two-sided
-//! density per Hz: N in rad/√s and K in rad/s^1.5. It has no other terms.
+//! Kalibr's model is a white noise of rate or acceleration and a random walk of the bias, both given by the square root of
+//! their two-sided density per Hz: N in rad/√s and m/s^1.5, K in rad/s^1.5 and m/s^2.5. It has no other terms.
 
 use crate::allan::Unit;
 use crate::fit::Fit;
+use crate::quantity::expression::STANDARD_GRAVITY;
 use crate::quantity::number::significant;
 use crate::theory::allan::Term;
 
 use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::notes::{heading, one_line};
 use crate::analysis::log::{Analysis, Column};
-/// Size of 1 ″ in rad.
-const RADIANS: f64 = core::f64::consts::PI / 648_000.0;
+
+/// A part of the file.
+struct Sensor {
+    /// Unit of the curves of its columns.
+    unit: Unit,
+    /// Its name in comments.
+    name: &'static str,
+    /// Size of ″ in rad, or of µg·s in m/s.
+    size: f64,
+    keys: [Key; 2],
+}
 
 /// A key of the file with its coefficient and unit.
 struct Key {
@@ -21,9 +31,26 @@ struct Key {
     unit: &'static str,
 }
 
-const KEYS: [Key; 2] = [
-    Key { name: "gyroscope_noise_density", term: Term::AngleRandomWalk, unit: "rad/s/sqrt(Hz)" },
-    Key { name: "gyroscope_random_walk", term: Term::RateRandomWalk, unit: "rad/s^2/sqrt(Hz)" },
+/// The parts in their order.
+const SENSORS: [Sensor; 2] = [
+    Sensor {
+        unit: Unit::Acceleration,
+        name: "accelerometer",
+        size: STANDARD_GRAVITY * 1e-6,
+        keys: [
+            Key { name: "accelerometer_noise_density", term: Term::AngleRandomWalk, unit: "m/s^2/sqrt(Hz)" },
+            Key { name: "accelerometer_random_walk", term: Term::RateRandomWalk, unit: "m/s^3/sqrt(Hz)" },
+        ],
+    },
+    Sensor {
+        unit: Unit::Angular,
+        name: "gyroscope",
+        size: core::f64::consts::PI / 648_000.0,
+        keys: [
+            Key { name: "gyroscope_noise_density", term: Term::AngleRandomWalk, unit: "rad/s/sqrt(Hz)" },
+            Key { name: "gyroscope_random_walk", term: Term::RateRandomWalk, unit: "rad/s^2/sqrt(Hz)" },
+        ],
+    },
 ];
 
 /// The value of one key, from the column where it is largest.
@@ -39,8 +66,10 @@ enum Found<'a> {
 /// Why the file cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KalibrError {
-    /// A column has no unit of angle.
-    #[error("an imu.yaml needs rates or angles: {0} is plain numbers\ngive their unit, as in deg/s")]
+    /// A column has no unit.
+    #[error(
+        "an imu.yaml needs rates, angles or accelerations: {0} is plain numbers\ngive their unit, as in deg/s"
+    )]
     Plain(String),
     /// A column has no noise coefficients.
     #[error("there is nothing to write: {column}: no coefficients: {why}")]
@@ -63,24 +92,34 @@ pub enum KalibrError {
 /// # Errors
 /// A column has plain numbers, or its noise cannot be determined.
 pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
+    if let Some(plain) = analysis.columns.iter().find(|column| column.unit == Unit::Plain) {
+        return Err(KalibrError::Plain(plain.name.clone()));
+    }
     let mut text = format!(
-        "# Gyroscope noise from sagnac allan, {}; {}.\n",
+        "# Noise from sagnac allan, {}; {}.\n",
         one_line(&heading(analysis)),
         analysis.treatment.summary()
     );
-    if let [first, _, ..] = &analysis.columns[..] {
-        let others = analysis.columns[1..].iter().map(|column| format!(", {}", one_line(&column.name)));
-        text += &format!(
-            "# Each value is the largest of the columns {}{}.\n",
-            one_line(&first.name),
-            others.collect::<String>()
-        );
+    for sensor in &SENSORS {
+        text += &format!("\n{}", part(sensor, analysis)?);
     }
-    text += "\n# A gyroscope log says nothing of accelerometers; Kalibr needs their keys too.\n\
-             #accelerometer_noise_density:  # m/s^2/sqrt(Hz)\n#accelerometer_random_walk:    # m/s^3/sqrt(Hz)\n\n";
-    let several = analysis.columns.len() > 1;
-    for Key { name, term, unit } in KEYS {
-        text += &match (found(term, analysis)?, term.symbol()) {
+    text += &format!("\nrostopic: /imu0\nupdate_rate: {}  # Hz\n", plain_number(1.0 / analysis.step_s));
+    Ok(text)
+}
+
+/// The lines of a sensor; its keys are comments if the log has none.
+fn part(sensor: &Sensor, analysis: &Analysis) -> Result<String, KalibrError> {
+    let columns = sensor.columns(analysis);
+    let several = columns.len() > 1;
+    let names: Vec<String> = columns.iter().map(|column| one_line(&column.name)).collect();
+    let mut text = match &names[..] {
+        [] => format!("# This log says nothing of {}s; Kalibr needs their keys too.\n", sensor.name),
+        [_] => String::new(),
+        _ => format!("# Each value is the largest of the columns {}.\n", names.join(", ")),
+    };
+    for &Key { name, term, unit } in &sensor.keys {
+        text += &match (found(sensor, term, &columns)?, term.symbol()) {
+            _ if columns.is_empty() => format!("#{name}:  # {unit}\n"),
             (Found::Value { value, verdict, column, others }, symbol) => {
                 let of = if several { format!(" of {}", one_line(column)) } else { String::new() };
                 let others = others.map_or_else(String::new, |most| {
@@ -95,7 +134,6 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
             (Found::NotFitted, symbol) => format!("#{name}:  # {unit}; {symbol} was not fitted\n"),
         };
     }
-    text += &format!("\nrostopic: /imu0\nupdate_rate: {}  # Hz\n", plain_number(1.0 / analysis.step_s));
     Ok(text)
 }
 
@@ -105,31 +143,40 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
 /// It fails where [`text`] does.
 pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
-    for Key { name, term, unit } in KEYS {
-        let why = match (found(term, analysis)?, term.symbol()) {
-            (Found::Value { .. }, _) => continue,
-            (Found::Below(None), symbol) => format!("{symbol} is not identified"),
-            (Found::Below(Some(most)), symbol) => {
-                format!("{symbol} is not identified, and at most {} {unit}", significant(most, 4))
-            }
-            (Found::NotFitted, symbol) => format!("the fit has no {symbol}"),
-        };
-        notes.push(format!("{name} is left out: {why}"));
+    for sensor in SENSORS.iter().filter(|sensor| !sensor.columns(analysis).is_empty()) {
+        for &Key { name, term, unit } in &sensor.keys {
+            let why = match (found(sensor, term, &sensor.columns(analysis))?, term.symbol()) {
+                (Found::Value { .. }, _) => continue,
+                (Found::Below(None), symbol) => format!("{symbol} is not identified"),
+                (Found::Below(Some(most)), symbol) => {
+                    format!("{symbol} is not identified, and at most {} {unit}", significant(most, 4))
+                }
+                (Found::NotFitted, symbol) => format!("the fit has no {symbol}"),
+            };
+            notes.push(format!("{name} is left out: {why}"));
+        }
     }
     Ok(notes)
 }
 
-fn found(term: Term, analysis: &Analysis) -> Result<Found<'_>, KalibrError> {
+impl Sensor {
+    /// Its columns of the log.
+    fn columns<'a>(&self, analysis: &'a Analysis) -> Vec<&'a Column> {
+        analysis.columns.iter().filter(|column| column.unit == self.unit).collect()
+    }
+}
+
+fn found<'a>(sensor: &Sensor, term: Term, columns: &[&'a Column]) -> Result<Found<'a>, KalibrError> {
     let mut largest: Option<(f64, &Column)> = None;
     let mut bounds: Vec<Option<f64>> = Vec::new();
-    for column in &analysis.columns {
+    for &column in columns {
         let Some(coefficient) = fit(column)?.coefficient(term) else { return Ok(Found::NotFitted) };
-        match coefficient.value.map(|value| RADIANS * value) {
+        match coefficient.value.map(|value| sensor.size * value) {
             Some(value) if largest.is_none_or(|(most, _)| most < value) => {
                 largest = Some((value, column));
             }
             Some(_) => {}
-            None => bounds.push(coefficient.interval.map(|[_, most]| RADIANS * most)),
+            None => bounds.push(coefficient.interval.map(|[_, most]| sensor.size * most)),
         }
     }
     let most = bounds.iter().flatten().copied().reduce(f64::max);
@@ -148,12 +195,11 @@ fn fit(column: &Column) -> Result<&Fit, KalibrError> {
     let name = &column.name;
     let is_refused =
         |noise: &DataSheet| !noise.fit.is_described() && noise.rows.iter().all(|row| row.value.is_none());
-    let why = match (&column.noise, column.unit) {
-        (_, Unit::Plain) => return Err(KalibrError::Plain(name.clone())),
-        (Ok(Some(noise)), _) if is_refused(noise) => return Err(KalibrError::NotDescribed(name.clone())),
-        (Ok(Some(noise)), _) => return Ok(&noise.fit),
-        (Ok(None), _) => "none were requested",
-        (Err(why), _) => why,
+    let why = match &column.noise {
+        Ok(Some(noise)) if is_refused(noise) => return Err(KalibrError::NotDescribed(name.clone())),
+        Ok(Some(noise)) => return Ok(&noise.fit),
+        Ok(None) => "none were requested",
+        Err(why) => why,
     };
     Err(KalibrError::NoCoefficients { column: name.clone(), why: why.to_owned() })
 }

@@ -94,7 +94,7 @@ pub struct Column {
     pub missing: usize,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
-    /// Mean rate in the unit of the curve; absent for plain numbers that are not rates.
+    /// Mean rate or acceleration in the unit of the curve; absent for plain numbers that are not rates.
     pub mean_rate: Option<f64>,
     /// Removed slope, in the unit of the curve per s.
     pub slope: f64,
@@ -134,11 +134,11 @@ pub struct Treatment {
     pub skip_s: f64,
     /// End of the part that is used, from the start of the file, s.
     pub until_s: Option<f64>,
-    /// Trend removed from the rate.
+    /// Trend removed from the rate or acceleration.
     pub trend: Trend,
     /// Whether outliers are treated as gaps.
     pub outliers_removed: bool,
-    /// Whether rates that appear to be in a wrong unit are noted.
+    /// Whether rates and accelerations that appear to be in a wrong unit are noted.
     pub unit_check: UnitCheck,
 }
 
@@ -196,12 +196,11 @@ impl Treatment {
     pub fn effect(&self, length_s: f64) -> String {
         match self.trend {
             Trend::None => {
-                "no trend was removed: a rate ramp R and a rate random walk K show as they were recorded"
-                    .to_owned()
+                "no trend was removed: a ramp R and a random walk K show as they were recorded".to_owned()
             }
             Trend::Linear => format!(
-                "a linear trend was removed: the rate ramp R is gone with it, and above τ = {} s, a tenth of the record, \
-                 the curve and with it the rate random walk K come out too low",
+                "a linear trend was removed: the ramp R is gone with it, and above τ = {} s, a tenth of the record, the curve \
+                 and with it the random walk K come out too low",
                 significant(0.1 * length_s, 6)
             ),
         }
@@ -271,7 +270,7 @@ fn column(
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
     let curves = curves.collect::<Result<_, TauError>>()?;
-    let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
+    let unit = channel.unit.curves;
     let count = angles.len().saturating_sub(1);
     let simulated = Intervals::simulated(asked.simulated, count);
     let records = simulated.records;

@@ -21,6 +21,20 @@ pub fn files(analysis: &Analysis) -> Vec<(String, String)> {
     named.filter_map(|(column, name)| Some((name, text(analysis, column)?))).collect()
 }
 
+/// Notes on columns whose noise no study can take, for the user.
+pub fn notes(analysis: &Analysis) -> Vec<String> {
+    let without = |(unit, why): (Unit, &str)| {
+        let fitted = analysis.columns.iter().filter(|column| column.unit == unit && column.noise().is_some());
+        let names: Vec<&str> = fitted.map(|column| column.name.as_str()).collect();
+        (!names.is_empty()).then(|| format!("{}: no noise.toml: {why}", names.join(", ")))
+    };
+    let units = [
+        (Unit::Acceleration, "studies are of gyros"),
+        (Unit::Plain, "plain numbers are not the noise of a gyro"),
+    ];
+    units.into_iter().filter_map(without).collect()
+}
+
 /// `noise.toml`, or with several columns `noise_<column>.toml`.
 fn names(columns: &[Column]) -> Vec<String> {
     if let [_] = columns {
@@ -38,7 +52,7 @@ fn names(columns: &[Column]) -> Vec<String> {
     names
 }
 
-/// The text for a column; `None` without coefficients, or for plain numbers.
+/// The text for a column; `None` without coefficients, or if it is not of rotation.
 fn text(analysis: &Analysis, column: &Column) -> Option<String> {
     let is_taken =
         |noise: &&DataSheet| noise.fit.is_described() || noise.rows.iter().any(|row| row.value.is_some());

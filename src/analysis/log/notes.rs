@@ -17,7 +17,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     reading.chain(analysis.columns.iter().flat_map(of_column)).collect()
 }
 
-fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
     let noise = column.noise();
     let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
         format!(
@@ -27,14 +27,13 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
             noise.fit.degrees_of_freedom
         )
     });
-    let limit = noise.and_then(|noise| band_limit(&noise.fit, analysis.step_s));
+    let limit = noise.and_then(|noise| band_limit(&noise.fit, column.unit, analysis.step_s));
     let closed = noise.and_then(|noise| noise.intervals.without.as_ref());
-    let (is_plain, has_gaps) = (column.unit == Unit::Plain, column.missing > 0);
+    let has_gaps = column.missing > 0;
     let said = |when: bool, what: &str| when.then(|| what.to_owned());
     [
         column.overruled.as_ref().map(|unit| format!("the header says {unit}, but the given unit was used")),
         column.noise.as_ref().err().map(|why| format!("no coefficients: {why}")),
-        said(is_plain && noise.is_some(), "no noise.toml: plain numbers are not the noise of a gyro"),
         closed.map(|why| format!("intervals of coefficients are in closed form: {why}")),
         misfit,
         limit,
@@ -45,14 +44,15 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
 }
 
 /// Where a fit starts that leaves out the shortest τ, and what it says of the filter of the sensor if it shows one.
-fn band_limit(fit: &Fit, step_s: f64) -> Option<String> {
+fn band_limit(fit: &Fit, unit: Unit, step_s: f64) -> Option<String> {
     let is_cut = fit.is_described() && fit.tau_range[0] > 1.01 * step_s;
     let of_start = format!("the coefficients are those of τ from {} s on", significant(fit.tau_range[0], 4));
     let Some(time_s) = fit.filter_s() else {
         return is_cut.then(|| format!("{of_start}, where the terms describe the curve"));
     };
     Some(format!(
-        "the sensor filters its rate like a first-order low-pass of {} s ({} Hz) would: {of_start}",
+        "the sensor filters its {} like a first-order low-pass of {} s ({} Hz) would: {of_start}",
+        unit.measured(),
         significant(time_s, 3),
         significant(1.0 / (2.0 * core::f64::consts::PI * time_s), 3)
     ))

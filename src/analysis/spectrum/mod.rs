@@ -31,7 +31,7 @@ pub struct Analysis {
 /// The spectrum of a column.
 #[derive(Debug)]
 pub struct Spectrum {
-    /// Density of the rate.
+    /// Density of the rate or acceleration.
     pub density: Density,
     /// Lines by rising frequency.
     pub lines: Vec<Line>,
@@ -62,7 +62,7 @@ impl Model {
     }
 }
 
-/// The angle random walk N from the floor of a density and from the Allan fit, both of the same samples.
+/// The angle or velocity random walk N from the floor of a density and from the Allan fit, both of the same samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct White {
     /// Flat range of the density; absent where no octave of it is flat.

@@ -60,6 +60,7 @@ pub fn method(spectrum: &Spectrum) -> String {
 pub fn symbol(unit: Unit) -> &'static str {
     match unit {
         Unit::Angular => "(°/h)²/Hz",
+        Unit::Acceleration => "µg²/Hz",
         Unit::Plain => "",
     }
 }

@@ -15,6 +15,7 @@ use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 fn in_files(unit: Curves) -> &'static str {
     match unit {
         Curves::Angular => "deg2/h2/Hz",
+        Curves::Acceleration => "ug2/Hz",
         Curves::Plain => "",
     }
 }
@@ -37,7 +38,7 @@ pub(crate) fn density_columns<'a>() -> Vec<ColumnOf<DensityRow<'a>>> {
         Of::new("f", Unit::HZ, "frequency", |row| Cell::Number(row.point.frequency_hz))
             .is(Role::Coordinate, "Frequency, Hz."),
         Of::new("density", Unit::NONE, "density", |row| Cell::Number(row.point.value))
-            .is(Role::Error, "One-sided power spectral density of the rate, in `unit`."),
+            .is(Role::Error, "One-sided power spectral density of the rate or acceleration, in `unit`."),
         Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
             .is_of("density", Role::Lower, "Lower end of the interval of `density`."),
         Of::new("upper", Unit::NONE, "upper", |row| row.point.interval.map(|ends| ends.1).into())
@@ -79,7 +80,7 @@ pub(crate) fn line_columns<'a>() -> Vec<ColumnOf<LineRow<'a>>> {
         Of::new("f", Unit::HZ, "frequency", |row| Cell::Number(row.line.frequency_hz))
             .is(Role::Coordinate, "Frequency of the line, interpolated, Hz."),
         Of::new("amplitude", Unit::NONE, "amplitude", |row| Cell::Number(row.line.amplitude))
-            .is(Role::Estimate, "Amplitude of the sine of the rate, in `unit`."),
+            .is(Role::Estimate, "Amplitude of the sine of the rate or acceleration, in `unit`."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of `amplitude`."),
         Of::new("over_floor", Unit::NONE, "over floor", |row| Cell::Number(row.line.over_floor))
@@ -116,7 +117,7 @@ pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
         Of::new("from", Unit::NONE, "from", |row| text(row.from))
             .is(Role::Key, "`floor` for N from the flat range of the density, `fit` for N from the Allan curve."),
         Of::new("n", Unit::NONE, "N", |row| row.row.value.into())
-            .is(Role::Estimate, "Angle random walk N, in `unit`; blank where the fit does not identify it."),
+            .is(Role::Estimate, "Angle or velocity random walk N, in `unit`; blank where the fit does not identify it."),
         Of::new("lower", Unit::NONE, "lower", |row| row.row.interval.map(|ends| ends[0]).into())
             .is_of("n", Role::Lower, "Lower end of the interval of `n`."),
         Of::new("upper", Unit::NONE, "upper", |row| row.row.interval.map(|ends| ends[1]).into())

@@ -2,15 +2,20 @@
 
 use crate::quantity::number::significant;
 
+use crate::allan::Unit as Curves;
 use crate::record::error::RecordError;
 use crate::record::log::channel::{Channel, Log};
+use crate::record::log::doubt::{DEGREES, Doubt};
 use crate::record::log::measure::Data;
-use crate::record::log::samples::{DEGREES, Doubt, Fault};
+use crate::record::log::samples::Fault;
 
 /// Fewest samples for an analysis.
 pub const LEAST_SAMPLES: usize = 16;
 
-/// Whether rates that appear to be in a wrong unit are noted.
+/// Axes of a sensor.
+const AXES: usize = 3;
+
+/// Whether rates and accelerations that appear to be in a wrong unit are noted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitCheck {
     /// They are noted, with a suggestion.
@@ -23,9 +28,9 @@ impl Log {
     /// Refuses channels that carry no information, by [`Samples::fault`](crate::record::log::samples::Samples::fault):
     /// those with fewer than [`LEAST_SAMPLES`] samples, or with all samples equal.
     ///
-    /// With [`UnitCheck::On`] it notes channels whose mean rate looks like that of another unit, by
-    /// [`Samples::doubt`](crate::record::log::samples::Samples::doubt). Only the mean is examined, which no deviation depends
-    /// on.
+    /// With [`UnitCheck::On`] it notes channels whose mean looks like that of another unit, by
+    /// [`Doubt`](crate::record::log::doubt::Doubt). Only the mean is examined, which no deviation depends on. Gravity is sought
+    /// in up to three accelerometers of one unit together.
     ///
     /// # Errors
     /// The first such fault, with its column.
@@ -37,14 +42,35 @@ impl Log {
             }
         }
         if unit == UnitCheck::On {
-            let doubts = self.channels.iter().filter_map(|channel| {
-                let doubt = channel.view(self.data, self.step_s).doubt()?;
-                Some(self.noted(channel, doubt))
-            });
-            let doubts: Vec<String> = doubts.collect();
+            let doubts: Vec<String> = self.sensors().iter().filter_map(|axes| self.doubt(axes)).collect();
             self.notes.extend(doubts);
         }
         Ok(())
+    }
+
+    /// The channels whose means belong together: each gyro by itself, and the axes of accelerometers.
+    fn sensors(&self) -> Vec<Vec<&Channel>> {
+        let mut sensors: Vec<Vec<&Channel>> = Vec::new();
+        for channel in &self.channels {
+            let is_of = |axes: &&mut Vec<&Channel>| {
+                channel.unit.curves == Curves::Acceleration
+                    && axes[0].unit == channel.unit
+                    && axes.len() < AXES
+            };
+            match sensors.iter_mut().find(is_of) {
+                Some(axes) => axes.push(channel),
+                None => sensors.push(vec![channel]),
+            }
+        }
+        sensors
+    }
+
+    /// The note on the unit of some axes, if it is doubtful.
+    fn doubt(&self, axes: &[&Channel]) -> Option<String> {
+        let means = axes.iter().map(|channel| channel.view(self.data, self.step_s).mean_rate());
+        let means: Vec<f64> = means.collect::<Option<_>>()?;
+        let doubt = Doubt::of(means.into_iter().fold(0.0, libm::hypot), &axes[0].unit, self.data)?;
+        Some(self.noted(axes, doubt))
     }
 
     /// The message and the help for a fault of a column.
@@ -65,8 +91,9 @@ impl Log {
         (format!("{column} {message}"), help.to_owned())
     }
 
-    /// The note on a doubtful unit of a column.
-    fn noted(&self, channel: &Channel, doubt: Doubt) -> String {
+    /// The note on a doubtful unit of some axes.
+    fn noted(&self, axes: &[&Channel], doubt: Doubt) -> String {
+        let (unit, data) = (&axes[0].unit, self.data.name());
         let note = match doubt {
             Doubt::DegreesAsRadians(mean) => {
                 let other = if self.data == Data::Rate { "`unit = deg/s`" } else { "`unit = deg`" };
@@ -78,15 +105,29 @@ impl Log {
                 )
             }
             Doubt::NeverAtRest(mean) => {
-                let (unit, data) = (&channel.unit.text, self.data.name());
+                let (text, other) = (&unit.text, unit.curves == Curves::Acceleration);
+                let (mean, sensor) = if other { (in_g(mean), "accelerometer") } else { (rate(mean), "gyro") };
                 format!(
-                    "has a mean rate of {}, which no gyro at rest has: is {unit} its unit, and `data = {data}` right?",
-                    rate(mean)
+                    "has a mean {} of {mean}, which no {sensor} at rest has: is {text} its unit, and `data = {data}` right?",
+                    unit.curves.measured()
                 )
             }
+            Doubt::Gravity { mean, other } => format!(
+                "may be in {other}, not in {}: its mean is {}, in {other} it would be 1 g, as an accelerometer at rest shows of \
+                 gravity; if so, give `unit = {other}`",
+                unit.text,
+                in_g(mean)
+            ),
         };
-        format!("column {} {note}", channel.name)
+        let names: Vec<&str> = axes.iter().map(|channel| channel.name.as_str()).collect();
+        let columns = if names.len() == 1 { "column" } else { "the vector of columns" };
+        format!("{columns} {} {note}", names.join(", "))
     }
+}
+
+/// An acceleration in µg, formatted for the user.
+fn in_g(mean: f64) -> String {
+    format!("{} g", significant(1e-6 * mean, 3))
 }
 
 /// A rate in ″/s, formatted for the user.

@@ -6,6 +6,7 @@
 
 pub mod channel;
 pub mod check;
+pub mod doubt;
 pub mod measure;
 pub mod outliers;
 pub mod read;

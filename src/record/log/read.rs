@@ -25,14 +25,15 @@ pub(crate) const RULES: Rules = Rules {
 /// The columns of a log to read, and their interpretation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Column names or numbers from 1. If there are none, the file must have only one column besides the time.
+    /// Column names or numbers from 1. If there are none, those of a binary layout, or the only column besides the time, or
+    /// all columns whose units in the header are those of such data.
     pub columns: Vec<String>,
     /// Spacing of the samples.
     pub timing: Timing,
     /// Quantity of the samples.
     pub data: Data,
-    /// Unit; if absent, that in each column's header.
-    pub unit: Option<Unit>,
+    /// One unit for all columns, or one for each; if there are none, that in each column's header.
+    pub units: Vec<Unit>,
     /// Properties of the file that the user states.
     pub hints: Hints,
 }
@@ -98,7 +99,7 @@ impl Log {
     /// std::fs::write(path, "time [ms],gz [deg/h]\n0,8.1\n10,8.3\n30,8.2\n")?;
     /// let timing = Timing::Stamps { step_s: None, column: Some("time".to_owned()), unit: None };
     /// let columns = vec!["gz".to_owned()];
-    /// let request = Request { columns, timing, data: Data::Rate, unit: None, hints: Hints::default() };
+    /// let request = Request { columns, timing, data: Data::Rate, units: vec![], hints: Hints::default() };
     /// let log = Log::read(path, &request)?;
     /// assert_eq!((log.step_s, log.samples()), (0.01, 4));
     /// assert!(log.channels[0].samples[2].is_nan());
@@ -110,10 +111,15 @@ impl Log {
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
         let time = found(&file, &request.timing, &request.columns, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
-        let columns = faults.take(wanted(&file, &request.columns, &named, time.map(|time| time.column)));
+        let columns = wanted(&file, request, &named, time.map(|time| time.column), &mut notes)
+            .and_then(|columns| Ok((given(&file, &request.units, &columns)?, columns)));
         // Without a choice of columns, the times are still examined by those that may be meant.
-        let columns = columns.unwrap_or_else(|| measuring(&file, request.data));
-        let channels = columns.iter().map(|&column| channel(&file, column, request));
+        let (units, columns) =
+            faults.take(columns).unwrap_or_else(|| (vec![], measuring(&file, request.data)));
+        let channels = columns
+            .iter()
+            .enumerate()
+            .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data));
         let channels: Vec<Option<Channel>> = channels.map(|channel| faults.take(channel)).collect();
         if (1..columns.len()).any(|i| columns[..i].contains(&columns[i])) {
             let message = "a column is requested twice";
@@ -151,30 +157,48 @@ impl Log {
             return Err(faults.into_error(&file.file));
         }
         let channels = channels.into_iter().flatten().zip(samples);
-        let channels = channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
+        let mut channels: Vec<Channel> =
+            channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
+        // Of columns that nobody named, those of a part that was not measured are not missed.
+        if request.columns.is_empty() {
+            notes.extend(without_samples(&mut channels));
+        }
         Ok(Log { file: file.file, step_s, data: request.data, start_s: 0.0, channels, notes })
     }
 }
 
-/// The columns of samples that `words` select, or those `named` by a layout, or the only one.
+/// The columns of samples that are requested, or those `named` by a layout, or the only one, or those whose units are those of
+/// such data.
 fn wanted(
     file: &Recording,
-    words: &[String],
+    request: &Request,
     named: &[usize],
     time: Option<usize>,
+    notes: &mut Vec<String>,
 ) -> Result<Vec<usize>, RecordError> {
-    if !words.is_empty() {
-        return words.iter().map(|word| file.find(word, None)).collect();
+    if !request.columns.is_empty() {
+        return request.columns.iter().map(|word| file.find(word, None)).collect();
     }
     if !named.is_empty() {
         return Ok(named.to_vec());
     }
     let others: Vec<usize> = (0..file.columns()).filter(|column| Some(*column) != time).collect();
+    let measuring = if request.units.is_empty() { measuring(file, request.data) } else { vec![] };
     match others[..] {
         [_] => Ok(others),
         [] => {
             let help = "add a column of samples, or give `rate = 100Hz` instead of a time column";
             Err(file.refuse(None, "there is no column besides the time", "the only one", help))
+        }
+        _ if !measuring.is_empty() => {
+            let names: Vec<&str> =
+                measuring.iter().map(|&column| file.names()[column].bare.as_str()).collect();
+            let names = names.join(", ");
+            notes.push(format!(
+                "all columns whose units fit `data = {}` are read: {names}",
+                request.data.name()
+            ));
+            Ok(measuring)
         }
         _ => {
             let message = format!("the file has {} columns: select some of them", file.columns());
@@ -190,17 +214,56 @@ fn measuring(file: &Recording, data: Data) -> Vec<usize> {
     (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
 }
 
-/// A channel for a column, without its samples.
-fn channel(file: &Recording, column: usize, request: &Request) -> Result<Channel, RecordError> {
+/// The given unit of each column, where units are given.
+fn given<'a>(
+    file: &Recording,
+    units: &'a [Unit],
+    columns: &[usize],
+) -> Result<Vec<Option<&'a Unit>>, RecordError> {
+    match units {
+        [] => Ok(vec![None; columns.len()]),
+        [unit] => Ok(vec![Some(unit); columns.len()]),
+        _ if units.len() == columns.len() => Ok(units.iter().map(Some).collect()),
+        _ => {
+            let message = format!("there are {} units for {} columns", units.len(), columns.len());
+            let help = "give one unit for all columns, or one for each in the order of the columns";
+            Err(file.refuse(None, &message, "these are the columns", help))
+        }
+    }
+}
+
+/// Removes channels without samples, unless no others remain, and says which they are.
+fn without_samples(channels: &mut Vec<Channel>) -> Option<String> {
+    let has_samples = |channel: &Channel| channel.samples.iter().any(|sample| !sample.is_nan());
+    let empty: Vec<&str> = channels
+        .iter()
+        .filter(|channel| !has_samples(channel))
+        .map(|channel| channel.name.as_str())
+        .collect();
+    let note = format!("columns without samples are left out: {}", empty.join(", "));
+    let is_some = !empty.is_empty() && empty.len() < channels.len();
+    if is_some {
+        channels.retain(has_samples);
+    }
+    is_some.then_some(note)
+}
+
+/// A channel for a column, with the `given` unit or that of its header, without its samples.
+fn channel(
+    file: &Recording,
+    column: usize,
+    given: Option<&Unit>,
+    data: Data,
+) -> Result<Channel, RecordError> {
     let name = file.names().get(column);
     let unit_in_header = name.and_then(|name| name.unit.clone());
-    let unit = match (&request.unit, &unit_in_header) {
+    let unit = match (given, &unit_in_header) {
         (Some(unit), _) => unit.clone(),
-        (None, Some(text)) => Unit::parse(text, request.data)
+        (None, Some(text)) => Unit::parse(text, data)
             .map_err(|wrong| file.refuse(Some(column), &wrong.message, "no such unit", &wrong.help))?,
         (None, None) => {
             let message = format!("the unit of {} is missing", file.title(column));
-            return Err(file.refuse(Some(column), &message, "no unit", &expected(request.data)));
+            return Err(file.refuse(Some(column), &message, "no unit", &expected(data)));
         }
     };
     let shown = name.map(|name| name.bare.clone()).filter(|name| !name.is_empty());

@@ -4,17 +4,9 @@ use std::borrow::Cow;
 
 use crate::allan::{Angles, Trend};
 use crate::record::log::check::LEAST_SAMPLES;
+use crate::record::log::doubt::Doubt;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
-
-/// Largest mean rate of a good gyro at rest, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
-const AT_REST: f64 = 16.041_067;
-
-/// One rad in °.
-pub(crate) const DEGREES: f64 = 57.295_779_513_082_32;
-
-/// Mean rate, ″/s, above which no gyro is at rest; 20 °/s is the bias of the worst.
-const NEVER_AT_REST: f64 = 72_000.0;
 
 /// Evenly spaced samples of one axis. Nothing is copied until angles are computed from them.
 ///
@@ -56,16 +48,6 @@ pub enum Fault {
     },
 }
 
-/// Why the unit of samples is doubtful.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Doubt {
-    /// The samples are rates in rad whose mean is above the Earth's rotation plus 1 °/h of bias, but would not be in
-    /// degrees; with the magnitude of the mean rate, ″/s.
-    DegreesAsRadians(f64),
-    /// The mean rate is above 20 °/s, unlike that of any gyro at rest; with its magnitude, ″/s.
-    NeverAtRest(f64),
-}
-
 impl<'a> Samples<'a> {
     /// Number of missing samples.
     pub fn missing(&self) -> usize {
@@ -80,7 +62,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The angles, in ″; for plain numbers in their unit, or for plain rates in their unit times s.
+    /// The angles, in ″, or the velocities, in µg·s; for plain numbers in their unit, or for plain rates in their unit times s.
     pub fn angles(&self, trend: Trend) -> Angles {
         match self.data {
             Data::Angle => Angles::from_angles(self.values, self.scale(), self.step_s, trend),
@@ -98,7 +80,7 @@ impl<'a> Samples<'a> {
         Angles::from_increments(&increments, self.scale(), self.step_s, trend)
     }
 
-    /// Factor from a sample, or from the difference of two angles, to ″.
+    /// Factor from a sample, or from the difference of two angles, to ″ or µg·s.
     fn scale(&self) -> f64 {
         if self.data == Data::Rate { self.unit.factor * self.step_s } else { self.unit.factor }
     }
@@ -108,7 +90,7 @@ impl<'a> Samples<'a> {
         outliers(&self.increments())
     }
 
-    /// The mean rate, in ″/s; for plain numbers in their unit, or per s where they are not rates.
+    /// The mean rate, in ″/s, or acceleration, in µg; for plain numbers in their unit, or per s where they are not rates.
     pub fn mean_rate(&self) -> Option<f64> {
         let known = || self.values.iter().copied().enumerate().filter(|(_, sample)| sample.is_finite());
         let mean = match self.data {
@@ -135,16 +117,8 @@ impl<'a> Samples<'a> {
         known.all(|sample| sample == value).then_some(Fault::Constant { there, value })
     }
 
-    /// Why the unit of these samples is doubtful, if it is: their mean rate is above 20 °/s; or they are in rad, and their
-    /// mean rate is above the Earth's rotation plus 1 °/h of bias, but would not be in degrees. Only the mean is examined,
-    /// which no deviation depends on.
+    /// Why the unit of these samples is doubtful, if it is. Only the mean is examined, which no deviation depends on.
     pub fn doubt(&self) -> Option<Doubt> {
-        match self.mean_rate().filter(|_| self.unit.is_angular)?.abs() {
-            mean if self.unit.text.contains("rad") && mean > AT_REST && mean <= AT_REST * DEGREES => {
-                Some(Doubt::DegreesAsRadians(mean))
-            }
-            mean if mean > NEVER_AT_REST => Some(Doubt::NeverAtRest(mean)),
-            _ => None,
-        }
+        Doubt::of(self.mean_rate()?.abs(), self.unit, self.data)
     }
 }

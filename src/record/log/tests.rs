@@ -18,8 +18,8 @@ fn sample(i: usize) -> f64 {
 
 fn request(columns: &[&str], timing: Timing) -> Request {
     let columns = columns.iter().map(|column| (*column).to_owned()).collect();
-    let unit = Some(Unit::parse("deg/h", Data::Rate).unwrap());
-    Request { columns, timing, data: Data::Rate, unit, hints: Hints::default() }
+    let units = vec![Unit::parse("deg/h", Data::Rate).unwrap()];
+    Request { columns, timing, data: Data::Rate, units, hints: Hints::default() }
 }
 
 fn stamps(column: &str, unit: Option<&str>) -> Timing {
@@ -226,8 +226,8 @@ fn a_mean_rate_that_only_degrees_explain_is_noted_in_radians() {
     // 12 °/h of the Earth's rate in °/s.
     let path = desk.write("g.csv", lines(|i| format!("{}", 12.0 / 3600.0 + 1e-5 * sample(i))).as_bytes());
     let check = |unit: &str, unit_check| {
-        let unit = Some(Unit::parse(unit, Data::Rate).unwrap());
-        let mut log = Log::read(&path, &Request { unit, ..request(&[], Timing::Step(1.0)) }).unwrap();
+        let units = vec![Unit::parse(unit, Data::Rate).unwrap()];
+        let mut log = Log::read(&path, &Request { units, ..request(&[], Timing::Step(1.0)) }).unwrap();
         log.check(unit_check).unwrap();
         log.notes.concat()
     };

@@ -1,13 +1,15 @@
 //! White rate.
 
-use crate::theory::allan::terms::{Increment, Row, Source};
+use crate::theory::allan::terms::{Increment, MICRO_G, Row, Source};
 
 pub(super) static ROW: Row = Row {
     key: "noise.angle_random_walk",
     symbol: "N",
     title: "angle random walk N",
+    title_of_acceleration: Some("velocity random walk N"),
     name: ["an ", "angle random walk"],
     unit: (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),
+    unit_of_acceleration: (60.0 * MICRO_G, "m/s/sqrt(h)", "m/s/√h"),
     plain: ("sqrt(s)", "· √s"),
     // Σc² of the coefficients of the increments.
     variance: |part, difference, t0, m| part.size * part.size * (t0 * m as f64) * difference.divisor(),

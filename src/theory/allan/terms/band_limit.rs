@@ -5,13 +5,14 @@
 //! constant, as quantisation makes it greater by one. For white rate noise N through a first-order low-pass of the time T,
 //! that constant is N²T, and L² = N²T/2.
 
-use crate::theory::allan::terms::{Increment, Row, quantisation};
+use crate::theory::allan::terms::{Increment, MICRO_G, Row, quantisation};
 
 pub(super) static ROW: Row = Row {
     symbol: "L",
     title: "band limit L",
     name: ["a ", "band limit"],
     unit: (1.0, "arcsec", "″"),
+    unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
     plain: ("s", "· s"),
     variance: |part, difference, t0, m| -(quantisation::ROW.variance)(part, difference, t0, m),
     continuous: |part, tau| Some(-3.0 * part.size * part.size / (tau * tau)),

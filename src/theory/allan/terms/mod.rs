@@ -10,8 +10,12 @@ mod rate_random_walk;
 mod sine;
 mod warm_up;
 
+use crate::quantity::expression::STANDARD_GRAVITY;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::{Part, Trend};
+
+/// One µg in m/s².
+const MICRO_G: f64 = STANDARD_GRAVITY * 1e-6;
 
 /// Declares the terms, those of studies that can be fitted before the two others. Each has a module with its row and,
 /// if arguments are given here, a function of that name that makes a part.
@@ -75,10 +79,14 @@ pub(crate) struct Row {
     pub(crate) symbol: &'static str,
     /// Name on a data sheet.
     pub(crate) title: &'static str,
+    /// Name on the data sheet of an accelerometer, where it is another one.
+    pub(crate) title_of_acceleration: Option<&'static str>,
     /// Article, if it needs one, and name in a sentence.
     pub(crate) name: [&'static str; 2],
     /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol for the user.
     pub(crate) unit: (f64, &'static str, &'static str),
+    /// The same for accelerometers from µg and s, in the units of IEEE Std 1293 and of data sheets.
+    pub(crate) unit_of_acceleration: (f64, &'static str, &'static str),
     /// Unit for a record of plain numbers, in files and for the user: a power of s.
     pub(crate) plain: (&'static str, &'static str),
     /// Words before a refused coefficient, and the least accepted one.
@@ -136,8 +144,10 @@ impl Row {
         key: "",
         symbol: "",
         title: "",
+        title_of_acceleration: None,
         name: [""; 2],
         unit: (1.0, "deg/h", "°/h"),
+        unit_of_acceleration: (1.0, "ug", "µg"),
         plain: ("", ""),
         size: ("a noise of", 0.0),
         shape: None,

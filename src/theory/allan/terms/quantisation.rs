@@ -2,7 +2,7 @@
 
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::sine_of_turns;
-use crate::theory::allan::terms::{Increment, Row, Source};
+use crate::theory::allan::terms::{Increment, MICRO_G, Row, Source};
 
 pub(super) static ROW: Row = Row {
     key: "noise.quantisation",
@@ -10,6 +10,7 @@ pub(super) static ROW: Row = Row {
     title: "quantisation noise Q",
     name: ["", "quantisation"],
     unit: (1.0, "arcsec", "″"),
+    unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
     plain: ("s", "· s"),
     // Σc² of the coefficients of the angles.
     variance: |part, difference, _, _| {

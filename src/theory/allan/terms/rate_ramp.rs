@@ -8,8 +8,10 @@ pub(super) static ROW: Row = Row {
     key: "noise.rate_ramp",
     symbol: "R",
     title: "rate ramp R",
+    title_of_acceleration: Some("acceleration ramp R"),
     name: ["a ", "rate ramp"],
     unit: (3600.0, "deg/h/h", "°/h/h"),
+    unit_of_acceleration: (3600.0, "ug/h", "µg/h"),
     plain: ("1/s", "/ s"),
     size: ("a ramp of", f64::MIN),
     trend: |part, difference, t0, m| {

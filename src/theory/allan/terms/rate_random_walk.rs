@@ -9,8 +9,10 @@ pub(super) static ROW: Row = Row {
     key: "noise.rate_random_walk",
     symbol: "K",
     title: "rate random walk K",
+    title_of_acceleration: Some("acceleration random walk K"),
     name: ["a ", "rate random walk"],
     unit: (60.0, "deg/h/sqrt(h)", "°/h/√h"),
+    unit_of_acceleration: (60.0, "ug/sqrt(h)", "µg/√h"),
     plain: ("1/sqrt(s)", "/ √s"),
     // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and K²τ/6·(1
     // + 1/m²) as Hadamard variance.
