@@ -42,6 +42,7 @@ pub fn files() -> Vec<File> {
     of_kinds
         .chain([
             command("design.csv", "sagnac design", abouts(&design::report::columns(&design::Measure::ALL))),
+            command("events.csv", "sagnac allan", abouts(&log::events::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
             command("psd.csv", "sagnac psd", abouts(&spectrum::tables::density_columns())),

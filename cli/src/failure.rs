@@ -113,7 +113,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 22] = [
+const OPTIONS: [&str; 25] = [
     "at",
     "binary",
     "bootstrap",
@@ -123,14 +123,17 @@ const OPTIONS: [&str; 22] = [
     "device",
     "duplicates",
     "filler",
+    "fit",
     "fit_from",
     "fit_to",
     "force",
     "out",
     "rate",
+    "remove_outliers",
     "salvage",
     "scale",
     "segment",
+    "skip",
     "tau",
     "time",
     "time_unit",

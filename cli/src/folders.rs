@@ -101,7 +101,7 @@ pub fn left_out(folder: &Path) -> Option<String> {
         })
         .collect();
     (!named.is_empty())
-        .then(|| format!("left out, because only studies that were run have a report: {}", named.join(", ")))
+        .then(|| format!("left out, because only the reports of studies are rebuilt: {}", named.join(", ")))
 }
 
 fn named(folders: &[PathBuf]) -> String {

@@ -5,10 +5,12 @@ use std::path::Path;
 
 use sagnac::store::whole::write_whole;
 use sagnac::table::Table;
+use sagnac::view::report::FILE as REPORT;
+use sagnac::view::report::sections::Page;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, in_options};
 
 /// Prints `text` with a final line end.
 ///
@@ -92,6 +94,20 @@ pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
 pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
     make_folder(path.parent().unwrap_or(path))?;
     write(path, &csv(table, path)?)
+}
+
+/// Writes the page of a results folder.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_page(folder: &Path, page: &Page) -> Result<(), Failure> {
+    let page = page.html(&|text: &str| in_options(&text));
+    write(&folder.join(REPORT), page.as_bytes())
+}
+
+/// The place of the results with a page.
+pub fn whereabouts(folder: &Path) -> String {
+    format!("results are in {}; the page is {}", folder.display(), folder.join(REPORT).display())
 }
 
 /// A table as the bytes of its file.

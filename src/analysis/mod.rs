@@ -1,8 +1,10 @@
-//! Analyses beyond studies: noise of logs, spectra of logs, comparison of logs, switching interval, firmware.
+//! Analyses beyond studies: noise of logs, spectra of logs, comparison of logs, pages of logs, switching interval,
+//! firmware.
 
 pub mod compare;
 pub mod data_sheet;
 pub mod design;
 pub mod firmware;
 pub mod log;
+pub mod page;
 pub mod spectrum;

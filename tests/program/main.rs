@@ -43,6 +43,7 @@ mod groups;
 mod help;
 mod identity;
 mod kills;
+mod log_pages;
 mod messy_logs;
 mod psd;
 mod report;

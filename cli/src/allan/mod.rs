@@ -5,8 +5,11 @@ pub mod report;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::analysis::log::{Analysis, figures, kalibr, noise_file, notes, tables};
+use sagnac::analysis::log::{Analysis, events, figures, kalibr, noise_file, notes, tables};
+use sagnac::analysis::page::of_log;
+use sagnac::analysis::spectrum::{self, densities};
 use sagnac::progress::{Progress, Silent};
+use sagnac::spectrum::Welch;
 use sagnac::view::chart::picture::Picture;
 use serde_json::Value;
 
@@ -14,7 +17,7 @@ pub use crate::allan::options::Options;
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
 use crate::look;
-use crate::output::{print, print_documents, remove, unwritten, write, write_table};
+use crate::output::{print, print_documents, remove, unwritten, whereabouts, write, write_page, write_table};
 use crate::progress::{How, Shown};
 
 /// Analyses the logs one after the other.
@@ -28,23 +31,31 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         let log = treatment.read(path, &request)?;
         let progress: &dyn Progress = if options.is_silent() { &Silent } else { &Shown::new(How::Plain) };
         let analysis = Analysis::of(&log, path, &treatment, &options.asked(), progress)?;
-        save(&analysis, folder)?;
+        let welch = Welch { confidence: options.confidence, ..Welch::default() };
+        let (densities, without) = match densities(&log, &treatment, &welch) {
+            Ok(densities) => (densities, None),
+            Err(why) => (vec![], Some(why)),
+        };
+        let with_spectra = spectrum::Analysis::of(analysis, densities);
+        let analysis = &with_spectra.noise;
+        save(analysis, folder)?;
+        write_page(folder, &of_log(&log, &with_spectra, without.as_ref()))?;
         if let Some(path) = &options.kalibr {
-            write(path, kalibr::text(&analysis)?.as_bytes())?;
+            write(path, kalibr::text(analysis)?.as_bytes())?;
         }
         if options.json {
-            documents.push(tables::document(&analysis));
+            documents.push(tables::document(analysis));
         } else if !options.quiet {
-            let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
-            let about_files = noise_file::notes(&analysis).into_iter().chain(about_kalibr);
-            let notes = notes::notes(&analysis).into_iter().chain(about_files);
+            let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(analysis))?;
+            let about_files = noise_file::notes(analysis).into_iter().chain(about_kalibr);
+            let notes = notes::notes(analysis).into_iter().chain(about_files);
             notes.for_each(|note| say!("note: {}", in_options(&note)));
-            let mut figures = figures::figures(&analysis).into_iter().filter(|_| options.plot);
+            let mut figures = figures::figures(analysis).into_iter().filter(|_| options.plot);
             if let Some((_, Some(figure))) = figures.next() {
                 print(&format!("{}\n", Picture::Curves(figure).text(look::of_output())))?;
             }
-            print(&crate::allan::report::report(&analysis))?;
-            say!("results are in {}", folder.display());
+            print(&crate::allan::report::report(analysis))?;
+            say!("{}", whereabouts(folder));
             if let Some(path) = &options.kalibr {
                 say!("the Kalibr file is {}", path.display());
             }
@@ -81,6 +92,7 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     write_table(&folder.join("curve.csv"), &tables::table(analysis))?;
     write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
+    write_table(&folder.join("events.csv"), &events::table(analysis))?;
     let noise = noise_file::files(analysis);
     remove_others(folder, &noise)?;
     noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;

@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::compare::logs::{Analysis, CompareError};
-use sagnac::analysis::compare::{figures, tables};
+use sagnac::analysis::compare::{figures, notes, tables};
+use sagnac::analysis::page::of_comparison;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json, write_table};
+use crate::output::{print, print_json, whereabouts, write_page, write_table};
 use crate::reading::Reading;
 
 const EXAMPLES: &str = "\
@@ -51,25 +52,27 @@ pub struct Options {
 
 /// Compares two logs.
 pub fn compare(options: &Options) -> Result<(), Failure> {
-    let analysis = analysis(options)?;
+    let [a, b] = logs(options)?;
+    let analysis = analysis(options, [&a, &b])?;
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let default = || Path::new("results").join(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
     let folder: PathBuf = options.out.clone().unwrap_or_else(default);
     save(&analysis, &folder)?;
+    write_page(&folder, &of_comparison([&a, &b], &analysis))?;
     if options.json {
         print_json(&tables::document(&analysis))
     } else if !options.quiet {
-        crate::compare::report::notes(&analysis).iter().for_each(|note| say!("note: {note}"));
+        notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
         print(&crate::compare::report::report(&analysis))?;
-        say!("results are in {}", folder.display());
+        say!("{}", whereabouts(&folder));
         Ok(())
     } else {
         Ok(())
     }
 }
 
-/// Reads and compares the logs.
-fn analysis(options: &Options) -> Result<Analysis, Failure> {
+/// Reads the logs.
+fn logs(options: &Options) -> Result<[Log; 2], Failure> {
     let reading = &options.reading;
     let (request, treatment) = (reading.request()?, reading.treatment());
     if request.columns.len() > 2 || request.units.len() > 2 {
@@ -86,9 +89,14 @@ fn analysis(options: &Options) -> Result<Analysis, Failure> {
         Ok(treatment.read(path, &Request { columns, units, ..request.clone() })?)
     };
     let last = [request.columns.len(), request.units.len()].map(|count| count.saturating_sub(1));
-    let (a, b) = (log(&options.a, [0; 2])?, log(&options.b, last)?);
-    let logs = [(options.a.as_path(), &a), (options.b.as_path(), &b)];
-    Analysis::of(logs, &treatment, reading.fitting().as_ref()).map_err(|error| match &error {
+    Ok([log(&options.a, [0; 2])?, log(&options.b, last)?])
+}
+
+/// Compares the logs.
+fn analysis(options: &Options, [a, b]: [&Log; 2]) -> Result<Analysis, Failure> {
+    let (treatment, fitting) = (options.reading.treatment(), options.reading.fitting());
+    let logs = [(options.a.as_path(), a), (options.b.as_path(), b)];
+    Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| match &error {
         CompareError::Units { .. } | CompareError::Columns { .. } => Failure::Record(in_options(&error)),
         CompareError::NoCommonTime(_) => Failure::Record(error.to_string()),
     })

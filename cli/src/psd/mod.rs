@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::TypedValueParser;
+use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::{self, Asked, Suppose};
+use sagnac::analysis::page::of_log;
 use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
 use sagnac::progress::{Progress, Silent};
+use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
 use sagnac::view::chart::picture::Picture;
 
@@ -18,7 +21,7 @@ use crate::allan::options::{probability, simulated};
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
 use crate::look;
-use crate::output::{print, print_json, write_table};
+use crate::output::{print, print_json, whereabouts, write_page, write_table};
 use crate::progress::{How, Shown};
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
@@ -74,7 +77,9 @@ fn trend() -> impl TypedValueParser<Value = Trend> {
 
 /// Computes the spectra of a log.
 pub fn psd(options: &Options) -> Result<(), Failure> {
-    let analysis = analysis(options)?;
+    let treatment = options.reading.treatment();
+    let log = treatment.read(&options.file, &options.reading.request()?)?;
+    let analysis = analysis(options, &log)?;
     let default = || Path::new("results").join(options.file.file_stem().unwrap_or_default());
     let folder: PathBuf = options.out.clone().unwrap_or_else(default);
     let figure = figures::figure(&analysis).map(Picture::Curves);
@@ -82,6 +87,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
     write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
     figure.iter().try_for_each(|figure| write_pictures(&folder, "psd", figure))?;
+    write_page(&folder, &of_log(&log, &analysis, None))?;
     if options.json {
         return print_json(&tables::document(&analysis));
     }
@@ -91,32 +97,31 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
             print(&format!("{}\n", figure.text(look::of_output())))?;
         }
         print(&report::report(&analysis))?;
-        say!("results are in {}", folder.display());
+        say!("{}", whereabouts(&folder));
     }
     Ok(())
 }
 
-/// Reads and analyses the log. The densities come first, because they are quick and may fail.
-fn analysis(options: &Options) -> Result<Analysis, Failure> {
+/// Analyses the log. The densities come first, because they are quick and may fail.
+fn analysis(options: &Options, log: &Log) -> Result<Analysis, Failure> {
     let treatment = options.reading.treatment();
-    let log = treatment.read(&options.file, &options.reading.request()?)?;
     let welch = Welch {
         segment: options.segment.map(|length_s| libm::round(length_s / log.step_s) as usize),
         trend: options.segment_detrend,
         confidence: options.confidence,
     };
-    let densities = densities(&log, &treatment, &welch)?;
-    // Of the curve only the fit is shown.
+    let densities = densities(log, &treatment, &welch)?;
+    // The curve is on the page, as `sagnac allan` draws it.
     let asked = Asked {
         taus: Taus::Octave,
-        deviations: vec![],
+        deviations: vec![Deviation::Oadev],
         confidence: options.confidence,
-        intervals: Suppose::Stable32,
+        intervals: Suppose::Record,
         fitting: options.reading.fitting(),
         simulated: options.bootstrap,
     };
     let is_silent = options.quiet || options.json;
     let progress: &dyn Progress = if is_silent { &Silent } else { &Shown::new(How::Plain) };
-    let noise = log::Analysis::of(&log, &options.file, &treatment, &asked, progress)?;
+    let noise = log::Analysis::of(log, &options.file, &treatment, &asked, progress)?;
     Ok(Analysis::of(noise, densities))
 }

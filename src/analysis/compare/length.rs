@@ -79,7 +79,9 @@ impl Search<'_> {
         let length = self.length(at);
         let (processes, steps, from_s, terms) = (self.processes, self.steps, self.from_s, self.terms);
         let fits = self.fits.entry(at).or_insert_with(|| {
-            let fit = |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, from_s, terms);
+            let terms = Terms::Given(terms.to_vec());
+            let fit =
+                |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, from_s, &terms);
             let (a, b) = rayon::join(|| fit(0), || fit(1));
             Some([a?, b?])
         });
@@ -102,7 +104,7 @@ impl Search<'_> {
 }
 
 /// The fit of the expected curve of records of `samples` samples from τ = `from_s` on.
-fn expected(process: &Process, samples: u64, from_s: f64, terms: &[Term]) -> Option<Fit> {
+pub(crate) fn expected(process: &Process, samples: u64, from_s: f64, terms: &Terms) -> Option<Fit> {
     let octaves = holds::octaves(samples)?;
     let of_length = |part: &Part| Part { octaves, ..*part };
     let process =
@@ -112,5 +114,5 @@ fn expected(process: &Process, samples: u64, from_s: f64, terms: &[Term]) -> Opt
     let variances: Option<Vec<f64>> =
         ms.iter().map(|&m| process.expected(Estimator::OVERLAPPING, samples, m)).collect();
     let curve = Curve::new(process.sample_s, samples, Difference::Second, ms, variances?).ok()?;
-    fit_record(&curve, &Terms::Given(terms.to_vec())).ok()
+    fit_record(&curve, terms).ok()
 }

@@ -41,6 +41,7 @@ pub(crate) mod estimate;
 pub mod figures;
 pub mod length;
 pub mod logs;
+pub mod notes;
 pub mod ratio;
 pub mod rows;
 pub(crate) mod same;

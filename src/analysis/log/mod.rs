@@ -2,17 +2,20 @@
 //!
 //! ```text
 //! Log, Asked ─ of ─▶ Analysis ─┬─ tables ─▶ curve.csv, coefficients.csv, JSON
+//!                              ├─ events ─▶ events.csv
 //!                              ├─ figures ─▶ charts
 //!                              ├─ noise_file ─▶ noise.toml, for studies
 //!                              └─ kalibr ─▶ imu.yaml
 //! ```
 
+pub mod events;
 pub mod figures;
 pub mod kalibr;
 pub mod noise_file;
 pub mod notes;
 pub mod tables;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::allan::curve::{curve, suppose};
@@ -92,6 +95,8 @@ pub struct Column {
     pub overruled: Option<String>,
     /// Number of samples missing in the file, and of outliers that were removed.
     pub missing: usize,
+    /// Stretches of samples that are missing in the file.
+    pub gaps: Vec<Range<usize>>,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
     /// Mean rate or acceleration in the unit of the curve; absent for plain numbers that are not rates.
@@ -238,9 +243,14 @@ impl Analysis {
         self.samples as f64 * self.step_s
     }
 
+    /// Time of a sample from the start of the file, s.
+    pub(crate) fn time(&self, sample: usize) -> f64 {
+        self.treatment.skip_s + sample as f64 * self.step_s
+    }
+
     /// Times of samples from the start of the file, s.
     pub(crate) fn times<'a>(&'a self, samples: &'a [usize]) -> impl Iterator<Item = f64> + 'a {
-        samples.iter().map(|&sample| self.treatment.skip_s + sample as f64 * self.step_s)
+        samples.iter().map(|&sample| self.time(sample))
     }
 
     /// The confidence as a percentage, such as `95 %`.
@@ -288,6 +298,7 @@ fn column(
         unit,
         overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
         missing: treatment.missing(&samples, &outliers),
+        gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),
         slope: slope(&angles, &samples),
         curves,

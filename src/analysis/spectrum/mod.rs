@@ -9,6 +9,8 @@ pub mod figures;
 pub mod notes;
 pub mod tables;
 
+use rayon::prelude::*;
+
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::{self, Column, Treatment};
 use crate::fit::Quantity;
@@ -24,7 +26,7 @@ const SIDE: f64 = 1.959_963_984_540_054;
 pub struct Analysis {
     /// The log, its treatment, and for each column the Allan fit.
     pub noise: log::Analysis,
-    /// The spectrum of each column, in the order of those of `noise`.
+    /// The spectrum of each column, in the order of those of `noise`; empty for a log without spectra.
     pub spectra: Vec<Spectrum>,
 }
 
@@ -96,7 +98,9 @@ pub fn densities(log: &Log, treatment: &Treatment, welch: &Welch) -> Result<Vec<
         let (angles, _) = treatment.angles(&channel.view(log.data, log.step_s));
         Density::of(&angles, welch).map_err(|why| NoSpectrum { column: channel.name.clone(), why })
     };
-    log.channels.iter().map(density).collect()
+    let densities: Vec<_> = log.channels.par_iter().map(density).collect();
+    // The first of several reasons, whichever thread is first.
+    densities.into_iter().collect()
 }
 
 impl Analysis {

@@ -1,6 +1,7 @@
 //! Samples in memory from any source: their quantity and unit, and their preparation for analysis.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use crate::allan::{Angles, Trend};
 use crate::record::log::check::LEAST_SAMPLES;
@@ -52,6 +53,19 @@ impl<'a> Samples<'a> {
     /// Number of missing samples.
     pub fn missing(&self) -> usize {
         self.values.iter().filter(|sample| sample.is_nan()).count()
+    }
+
+    /// The stretches of missing samples, in their order.
+    pub fn gaps(&self) -> Vec<Range<usize>> {
+        let mut gaps = Vec::new();
+        let mut start = 0;
+        for stretch in self.values.chunk_by(|a, b| a.is_nan() == b.is_nan()) {
+            if stretch[0].is_nan() {
+                gaps.push(start..start + stretch.len());
+            }
+            start += stretch.len();
+        }
+        gaps
     }
 
     /// The samples as rates or increments; those of angles are their differences.

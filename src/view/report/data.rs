@@ -11,12 +11,11 @@ use serde::Serialize;
 use serde_json::ser::Formatter;
 use serde_json::value::RawValue;
 
-use crate::chart::Source;
 use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table, titled};
 use crate::view::chart::palette::Looks;
 use crate::view::chart::picture::Picture;
-use crate::view::report::Report;
+use crate::view::picture::Drawn;
 use crate::view::report::axes::Axes;
 
 /// Number of significant digits, as in files.
@@ -45,7 +44,7 @@ struct Chart {
 /// The part of a table in a page.
 #[derive(Serialize)]
 pub(crate) struct Listed<'t> {
-    pub(crate) file: &'static str,
+    pub(crate) file: &'t str,
     /// Number of rows of the whole table.
     pub(crate) rows: usize,
     pub(crate) all_columns: usize,
@@ -89,20 +88,19 @@ pub(crate) struct Packed<'t> {
     pub(crate) thinned: usize,
 }
 
-pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
-    let points = report.charts.iter().map(|drawn| match &drawn.picture {
+pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Packed<'t> {
+    let points = charts.iter().map(|drawn| match &drawn.picture {
         Picture::Curves(figure) => figure.all_points().count(),
         Picture::Map(_) => 0,
     });
     let thinned = points.sum::<usize>().div_ceil(MOST_POINTS).max(1);
-    let charts = report.charts.iter().map(|drawn| Chart {
+    let packed_charts = charts.iter().map(|drawn| Chart {
         stem: drawn.stem.clone(),
         picture: json(&one_in(thinned, &drawn.picture)),
         axes: Axes::of(&drawn.picture),
     });
-    let tables: Vec<Listed> =
-        report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
-    let data = Data { looks: Looks::new(), charts: charts.collect(), tables };
+    let tables: Vec<Listed> = tables.iter().map(|(file, table)| listed(file, table, charts)).collect();
+    let data = Data { looks: Looks::new(), charts: packed_charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
 }
 
@@ -130,13 +128,13 @@ fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
     items.iter().enumerate().filter_map(kept).collect()
 }
 
-fn listed<'t>(source: Source, table: &'t Table, report: &Report) -> Listed<'t> {
+fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> {
     // A column without values, such as Δt·ν of a motion with many frequencies, only takes room.
     let known = |column: &&Column| column.cells.iter().any(|cell| *cell != Cell::Blank);
     let all: Vec<&Column> = table.columns.iter().filter(known).collect();
     let small = table.rows() * all.len() <= MOST_CELLS;
     let columns: Vec<&Column> =
-        all.iter().copied().filter(|column| small || is_charted(column, table, report)).collect();
+        all.iter().copied().filter(|column| small || is_charted(column, table, charts)).collect();
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
     let listing = |column: &&'t Column| {
         let cells = &column.cells[..rows];
@@ -151,7 +149,7 @@ fn listed<'t>(source: Source, table: &'t Table, report: &Report) -> Listed<'t> {
         }
     };
     Listed {
-        file: source.file(),
+        file,
         rows: table.rows(),
         all_columns: all.len(),
         shown: rows,
@@ -175,13 +173,13 @@ fn tells(column: &Column) -> bool {
 }
 
 /// Whether a column distinguishes rows, or a chart shows it or its interval.
-fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
+fn is_charted(column: &Column, table: &Table, charts: &[&Drawn]) -> bool {
     let shown = |label: &String| table.columns.iter().find(|other| other.label == *label);
     let belongs = |to: &Column| {
         let bounds = matches!(column.role, Role::Lower | Role::Upper | Role::StandardError);
         column.name == to.name || (bounds && column.of == to.name)
     };
-    let labels = report.charts.iter().flat_map(|drawn| match &drawn.picture {
+    let labels = charts.iter().flat_map(|drawn| match &drawn.picture {
         Picture::Curves(figure) => [&figure.x.label, &figure.y.label],
         Picture::Map(map) => [&map.z.label, &map.z.label],
     });

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, PreEscaped, html};
 
 use crate::view::chart::picture::Picture;
-use crate::view::report::page::head;
+use crate::view::report::shell::head;
 
 /// A study in a gallery.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub fn gallery(cards: &[Card]) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            (head(&count))
+            (head(&count, ""))
             body {
                 header {
                     div.bar { span.brand { "sagnac " (env!("CARGO_PKG_VERSION")) } }

@@ -1,8 +1,9 @@
-//! The report: the results of a study as one HTML page that can be sent to a colleague, and a gallery of several.
+//! The report: results as one HTML page that can be sent to a colleague, and a gallery of several studies.
 //!
 //! ```text
-//! answer, pictures, tables, source ─▶ Report ─ html() ─▶ one file: text, styles, data, script; no network
-//!                                   several ─ Gallery ─▶ one file with a card for each
+//! answer, pictures, tables, source of a study ─▶ Report ─┬ html() ─▶ one file: text, styles, data, script; no network
+//! answer, sections, tables of logs ────────────▶ Page ───┘
+//!                                      several Reports ─ gallery ─▶ one file with a card for each
 //! ```
 //!
 //! A page draws its charts itself from the numbers of the pictures, so that curves can be switched, axes changed and
@@ -17,7 +18,9 @@ pub(crate) mod curves;
 pub(crate) mod data;
 pub mod gallery;
 pub(crate) mod page;
+pub mod sections;
 pub(crate) mod sentences;
+pub(crate) mod shell;
 pub mod source;
 pub(crate) mod standing;
 #[cfg(test)]
@@ -32,7 +35,7 @@ use crate::chart;
 use crate::table::Table;
 use crate::view::picture::Drawn;
 
-/// The name of a study's page in its folder of results.
+/// The name of a page in its folder of results.
 pub const FILE: &str = "report.html";
 
 /// The contents of the page of a study.

@@ -1,94 +1,52 @@
 //! The page of one study.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use crate::chart;
 use crate::quantity::number::significant;
 use crate::table::Table;
-use crate::view::chart::palette::style_sheet;
+use crate::view::picture::Drawn;
 use crate::view::report::Report;
 use crate::view::report::agreement::{Agreement, agreements};
-use crate::view::report::data::{Listed, Packed, data};
+use crate::view::report::data::{Packed, data};
+use crate::view::report::shell::{READING, Shell, chart, listings};
 use crate::view::report::source::{Source, hexadecimal};
-
-/// Styles of pages in light and dark, on paper and on phones.
-const STYLE: &str = include_str!("../../../assets/report/style.css");
-
-/// Scripts that draw the charts and sort the tables. They share one scope, in this order.
-const SCRIPT: [&str; 9] = [
-    include_str!("../../../assets/report/elements.js"),
-    include_str!("../../../assets/report/numbers.js"),
-    include_str!("../../../assets/report/scale.js"),
-    include_str!("../../../assets/report/plot.js"),
-    include_str!("../../../assets/report/curves.js"),
-    include_str!("../../../assets/report/contour.js"),
-    include_str!("../../../assets/report/map.js"),
-    include_str!("../../../assets/report/table.js"),
-    include_str!("../../../assets/report/page.js"),
-];
 
 pub(crate) fn page(report: &Report) -> String {
     let points =
         report.tables.iter().find(|(source, _)| *source == chart::Source::Points).map(|(_, table)| *table);
+    let charts: Vec<&Drawn> = report.charts.iter().collect();
+    let tables: Vec<(&str, &Table)> =
+        report.tables.iter().map(|(source, table)| (source.file(), *table)).collect();
     // Each takes half of the time where there are many rows.
-    let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
+    let (packed, digest) = rayon::join(|| data(&charts, &tables), || points.map(digest));
     let Packed { text: packed, tables, thinned } = packed;
     let agreements = points.map(agreements).unwrap_or_default();
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head(report.title))
-            body {
-                header {
-                    div.bar {
-                        span.brand { "sagnac " (env!("CARGO_PKG_VERSION")) }
-                        nav {
-                            @if !report.charts.is_empty() { a href="#charts" { "Charts" } }
-                            @if !agreements.is_empty() { a href="#closed-forms" { "Closed forms" } }
-                            a href="#tables" { "Tables" }
-                            a href="#source" { "How it was made" }
-                        }
-                        button #theme type="button" { "Dark" }
-                    }
-                    h1 { (report.title) }
-                    @if !report.question.is_empty() { p.question { (report.question) } }
-                }
-                main {
-                    (answer(report))
-                    noscript { p.note { "Charts and tables of this page are drawn by a script, which is switched off here." } }
-                    (charts(report, thinned))
-                    @if let Some(table) = points.filter(|_| !agreements.is_empty()) {
-                        (closed_forms(table, &agreements))
-                    }
-                    (listings(&tables))
-                    (source(report.source, digest.as_deref()))
-                }
-                footer {
-                    "Made by sagnac " (env!("CARGO_PKG_VERSION")) ": Monte Carlo studies for laser gyroscopes. \
-                     The page needs no network."
-                }
-                div #tip role="status" aria-live="polite" {}
-                script #data type="application/gzip+base64" { (PreEscaped(packed)) }
-                script { (PreEscaped("\"use strict\";\n(() => {\n")) (PreEscaped(SCRIPT.concat())) (PreEscaped("})();\n")) }
-            }
+    let links = [
+        (!report.charts.is_empty()).then_some(("charts", "Charts")),
+        (!agreements.is_empty()).then_some(("closed-forms", "Closed forms")),
+        Some(("tables", "Tables")),
+        Some(("source", "How it was made")),
+    ];
+    let links: Vec<(&str, &str)> = links.into_iter().flatten().collect();
+    let sections = html! {
+        (study_charts(report, thinned))
+        @if let Some(table) = points.filter(|_| !agreements.is_empty()) {
+            (closed_forms(table, &agreements))
         }
+        (listings(&tables))
+        (source(report.source, digest.as_deref()))
     };
-    page.into_string()
-}
-
-/// The head of a page.
-pub(crate) fn head(title: &str) -> Markup {
-    html! {
-        head {
-            meta charset="utf-8";
-            meta name="viewport" content="width=device-width, initial-scale=1";
-            meta name="generator" content=(concat!("sagnac ", env!("CARGO_PKG_VERSION")));
-            // Without this a browser would request an icon from a server.
-            link rel="icon" href="data:,";
-            title { (title) }
-            style { (PreEscaped(STYLE)) (PreEscaped(style_sheet())) }
-        }
-    }
+    let shell = Shell {
+        title: report.title,
+        question: report.question,
+        style: "",
+        links: &links,
+        answer: answer(report),
+        sections,
+        data: &packed,
+    };
+    shell.page()
 }
 
 fn answer(report: &Report) -> Markup {
@@ -109,25 +67,16 @@ fn answer(report: &Report) -> Markup {
     }
 }
 
-fn charts(report: &Report, thinned: usize) -> Markup {
+fn study_charts(report: &Report, thinned: usize) -> Markup {
     html! {
         @if !report.charts.is_empty() {
             section #charts {
                 h2 { "Charts" }
-                p.hint {
-                    "Point at a chart or use the arrow keys to read values. Drag to enlarge a part, and double-click to return to the \
-                     whole. Names in the legend switch curves off and on."
-                }
+                p.hint { (READING) }
                 @if thinned > 1 {
                     p.note { "Curves show one point in " (thinned) "; the tables and chart.svg in the results folder have all points." }
                 }
-                @for (at, drawn) in report.charts.iter().enumerate() {
-                    figure.chart data-chart=(at) {
-                        figcaption { h3 { (drawn.picture.title()) } }
-                        div.plot {}
-                        @if let Some(note) = &drawn.note { p.note { (note) } }
-                    }
-                }
+                @for (at, drawn) in report.charts.iter().enumerate() { (chart(at, drawn, "chart")) }
             }
         }
     }
@@ -145,21 +94,6 @@ fn closed_forms(table: &Table, agreements: &[Agreement]) -> Markup {
                 p.agreement .off[!agreement.holds()] {
                     span.sign aria-hidden="true" { @if agreement.holds() { "✓" } @else { "!" } }
                     (agreement.sentence(table))
-                }
-            }
-        }
-    }
-}
-
-fn listings(tables: &[Listed]) -> Markup {
-    html! {
-        section #tables {
-            h2 { "Tables" }
-            @for (at, table) in tables.iter().enumerate() {
-                div.table data-table=(at) {
-                    h3 { (table.file) }
-                    @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
-                    div.listing {}
                 }
             }
         }

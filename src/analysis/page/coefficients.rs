@@ -1,0 +1,101 @@
+//! The coefficients of a log as small tables.
+
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log::{Analysis, Column};
+use crate::analysis::page::answer::stability;
+use crate::analysis::page::record::by_name;
+use crate::quantity::number::significant;
+use crate::view::report::sections::{Block, Cell, Grid, Section};
+
+pub(crate) fn section(noise: &Analysis) -> Section {
+    let columns: Vec<&Column> =
+        noise.columns.iter().filter(|column| !column.coefficients().is_empty()).collect();
+    let mut units: Vec<_> = columns.iter().map(|column| column.unit).collect();
+    units.dedup();
+    let grids = units.into_iter().map(|unit| {
+        let columns: Vec<&Column> = columns.iter().copied().filter(|column| column.unit == unit).collect();
+        Block::Grid(if let [column] = columns[..] { of_one(column) } else { of_several(&columns) })
+    });
+    let of = |said: &dyn Fn(&Column) -> Option<String>| {
+        by_name(noise.columns.iter().filter_map(|column| Some((&*column.name, said(column)?))).collect())
+    };
+    let facts = [
+        ("Fit", of(&fit)),
+        ("95 % intervals", of(&|column| Some(column.noise()?.intervals.words()))),
+        ("In-run stability", of(&stability)),
+    ];
+    let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
+    let facts = (!facts.is_empty()).then_some(Block::Facts(facts));
+    Section { id: "coefficients", heading: "Coefficients", blocks: grids.chain(facts).collect() }
+}
+
+/// A row for each coefficient.
+fn of_one(column: &Column) -> Grid {
+    let row = |row: &Row| {
+        let interval = match (row.value, row.interval) {
+            (Some(_), Some([low, high])) => format!("{} … {}", significant(low, 4), significant(high, 4)),
+            _ => bound(row),
+        };
+        let value = row.value.map_or_else(String::new, |value| significant(value, 4));
+        [row.name.to_owned(), value, interval, row.symbol.to_owned(), row.verdict.to_owned()]
+            .map(Cell::from)
+            .into()
+    };
+    let head = ["coefficient", "value", "95 % interval", "unit", "verdict"].map(str::to_owned);
+    Grid { head: head.into(), rows: column.coefficients().iter().map(row).collect() }
+}
+
+/// A row for each coefficient, with a cell for each column.
+fn of_several(columns: &[&Column]) -> Grid {
+    let mut found: Vec<&Row> = Vec::new();
+    for row in columns.iter().flat_map(|column| column.coefficients()) {
+        if found.iter().all(|other| other.name != row.name) {
+            found.push(row);
+        }
+    }
+    let row = |first: &&Row| {
+        let cell = |column: &&Column| {
+            let own = column.coefficients().iter().find(|row| row.name == first.name);
+            own.map_or_else(Cell::default, cell)
+        };
+        let named = [first.name, first.symbol].map(Cell::from);
+        named.into_iter().chain(columns.iter().map(cell)).collect()
+    };
+    let head = ["coefficient", "unit"].map(str::to_owned).into_iter();
+    let head = head.chain(columns.iter().map(|column| column.name.clone())).collect();
+    Grid { head, rows: found.iter().map(row).collect() }
+}
+
+/// A value over its interval, or a bound over the verdict.
+fn cell(row: &Row) -> Cell {
+    match (row.value, row.interval) {
+        (Some(value), Some([low, high])) => {
+            let below = format!("{} … {}", significant(low, 4), significant(high, 4));
+            Cell { text: significant(value, 4), below }
+        }
+        (Some(value), None) => significant(value, 4).into(),
+        (None, _) => {
+            // What the bound says already is left out.
+            let verdict = row.verdict.split(',').next().unwrap_or_default();
+            Cell { text: bound(row), below: verdict.to_owned() }
+        }
+    }
+}
+
+/// The upper end of the interval of a coefficient without a value.
+fn bound(row: &Row) -> String {
+    row.interval.map_or_else(|| "–".to_owned(), |[_, most]| format!("< {}", significant(most, 3)))
+}
+
+/// The range of a fit, and how well it describes the curve.
+fn fit(column: &Column) -> Option<String> {
+    let fit = &column.noise()?.fit;
+    let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 4));
+    let p = fit.p_value().map_or_else(String::new, |p| format!(", p = {}", significant(p, 2)));
+    let described = if fit.is_described() { "" } else { "; not described" };
+    let freedom = fit.degrees_of_freedom;
+    let chi_squared = significant(fit.chi_squared, 3);
+    Some(format!(
+        "τ from {from} s to {to} s, χ² = {chi_squared} of {freedom} degrees of freedom{p}{described}"
+    ))
+}

@@ -1,0 +1,109 @@
+//! The page of two logs that are compared.
+
+use std::ops::Range;
+
+use crate::analysis::compare::logs::{Analysis, Side};
+use crate::analysis::compare::notes::notes;
+use crate::analysis::compare::rows::Row;
+use crate::analysis::compare::words::{length, probability, sentences, times};
+use crate::analysis::compare::{figures, tables};
+use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, sampling};
+use crate::quantity::number::significant;
+use crate::record::log::channel::Log;
+use crate::view::chart::figure::Figure;
+use crate::view::chart::picture::Picture;
+use crate::view::picture::Drawn;
+use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+
+/// The page of two logs from their comparison.
+pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis) -> Page {
+    let [a, b] = &analysis.sides;
+    let mut sentences = sentences(analysis).into_iter();
+    let chart = |stem: &str, figure: Figure| {
+        Block::Chart(Drawn { stem: stem.to_owned(), picture: Picture::Curves(figure), note: None })
+    };
+    let deviations =
+        vec![chart("chart-1", figures::curves(analysis)), chart("chart-2", figures::ratio(analysis))];
+    let coefficients = coefficients(analysis).into_iter().collect();
+    let tables =
+        [("coefficients.csv", tables::coefficients(analysis)), ("compare.csv", tables::ratios(analysis))];
+    Page {
+        title: format!("{} and {} compared", a.label, b.label),
+        subtitle: analysis.treatment().summary(),
+        headline: sentences.next().unwrap_or_default(),
+        sentences: sentences.collect(),
+        notes: notes(analysis),
+        sections: vec![
+            Section { id: "record", heading: "Records", blocks: records(logs, analysis) },
+            Section { id: "deviations", heading: "Deviations", blocks: deviations },
+            Section { id: "coefficients", heading: "Coefficients", blocks: coefficients },
+        ],
+        tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
+    }
+}
+
+fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
+    let sides: Vec<(&Side, &Log, Vec<Range<usize>>)> = analysis
+        .sides
+        .iter()
+        .zip(logs)
+        .map(|(side, log)| (side, log, log.channels[0].view(log.data, log.step_s).gaps()))
+        .collect();
+    let recorded = sides.iter().map(|(side, log, gaps)| Recorded {
+        name: &side.label,
+        log,
+        channel: &log.channels[0],
+        outliers: &side.outliers,
+        gaps,
+    });
+    let mut blocks = charts(&recorded.collect::<Vec<_>>());
+    let of = |said: &dyn Fn(&Side, &Log, &[Range<usize>]) -> String| {
+        by_name(sides.iter().map(|(side, log, gaps)| (&*side.label, said(side, log, gaps))).collect())
+    };
+    let time = |log: &Log, sample: usize| log.start_s + sample as f64 * log.step_s;
+    blocks.push(Block::Facts(vec![
+        ("Files", of(&|side, _, _| format!("{}, column {}", side.path.display(), side.column))),
+        ("Samples", of(&|side, _, _| sampling(side.samples, side.data, side.step_s))),
+        (
+            "Treatment",
+            vec![analysis.treatment().summary(), analysis.treatment().effect(analysis.shorter_s())],
+        ),
+        ("Gaps", of(&|side, log, found| gaps(found, side.step_s, |sample| time(log, sample)))),
+        ("Outliers", of(&|side, log, _| outliers(&side.outliers, |sample| time(log, sample)))),
+    ]));
+    blocks
+}
+
+/// A row for each coefficient; `None` without any.
+fn coefficients(analysis: &Analysis) -> Option<Block> {
+    let rows = analysis.rows.as_ref().ok().filter(|rows| !rows.is_empty())?;
+    let [a, b] = &analysis.sides;
+    let head =
+        ["coefficient", "unit", &a.label, &b.label, "ratio", "difference", "p", "verdict", "length needed"];
+    let row = |row: &Row| {
+        let found = &row.found;
+        let value = |k: usize| match (found.values[k], found.at_most[k]) {
+            (Some(value), _) => significant(value, 4),
+            (None, Some(most)) => format!("< {}", significant(most, 3)),
+            (None, None) => "–".to_owned(),
+        };
+        let within = |value: Option<f64>, ends: [Option<f64>; 2], shown: &dyn Fn(f64) -> String| {
+            let [text, low, high] =
+                [value, ends[0], ends[1]].map(|x| x.map_or_else(|| "–".to_owned(), shown));
+            Cell { below: format!("{low} … {high}"), text }
+        };
+        let p = found.p.map(|p| probability(p).replace("p = ", "").replace("p ", ""));
+        vec![
+            row.name.into(),
+            row.symbol.into(),
+            value(0).into(),
+            value(1).into(),
+            within(found.ratio, found.ratio_interval, &|ratio| times(ratio, 4)),
+            within(found.difference, found.interval, &|difference| significant(difference, 4)),
+            p.unwrap_or_default().into(),
+            row.verdict().name().into(),
+            length(row.length).into(),
+        ]
+    };
+    Some(Block::Grid(Grid { head: head.map(str::to_owned).into(), rows: rows.iter().map(row).collect() }))
+}

@@ -1,0 +1,70 @@
+//! The pages of logs: that of a log, which `sagnac allan` and `sagnac psd` write, and that of two which are compared.
+//!
+//! ```text
+//! Log, Analysis with its spectra ─ of_log ────────▶ Page
+//! two Logs, their comparison ───── of_comparison ─▶ Page
+//! ```
+
+mod answer;
+mod coefficients;
+mod comparison;
+mod next;
+mod record;
+mod spectrum;
+mod trace;
+
+pub use crate::analysis::page::comparison::of_comparison;
+
+use crate::analysis::log::{self, events, figures, notes};
+use crate::analysis::spectrum::{Analysis, NoSpectrum, tables};
+use crate::quantity::number::significant;
+use crate::record::log::channel::Log;
+use crate::view::chart::picture::Picture;
+use crate::view::picture::Drawn;
+use crate::view::report::sections::{Block, Page, Section};
+
+/// The page of a log from its analysis. If it has no spectra, `without` says why.
+pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>) -> Page {
+    let noise = &analysis.noise;
+    let file = noise.path.file_name().unwrap_or(noise.path.as_os_str()).to_string_lossy();
+    let tables = [
+        ("coefficients.csv", log::tables::coefficients(noise)),
+        ("curve.csv", log::tables::table(noise)),
+        ("lines.csv", tables::lines(analysis)),
+        ("white_noise.csv", tables::white_noise(analysis)),
+        ("events.csv", events::table(noise)),
+    ];
+    Page {
+        title: format!("Noise of {file}"),
+        subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
+        headline: answer::headline(noise),
+        sentences: answer::sentences(analysis),
+        notes: crate::analysis::spectrum::notes::notes(analysis),
+        sections: vec![
+            record::section(log, noise),
+            deviations(noise),
+            spectrum::section(analysis, without),
+            coefficients::section(noise),
+            next::section(analysis),
+        ],
+        tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
+    }
+}
+
+/// The section on the curves, with the range of the fit if there is a single column.
+fn deviations(noise: &log::Analysis) -> Section {
+    let fit = match &noise.columns[..] {
+        [column] => column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described()),
+        _ => None,
+    };
+    let chart = |(stem, figure): (&str, Option<_>)| {
+        let mut figure: crate::view::chart::figure::Figure = figure?;
+        if let Some(fit) = fit {
+            let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 4));
+            figure.lines = format!("fit of τ from {from} s to {to} s");
+        }
+        Some(Block::Chart(Drawn { stem: stem.to_owned(), picture: Picture::Curves(figure), note: None }))
+    };
+    let blocks = figures::figures(noise).into_iter().filter_map(chart).collect();
+    Section { id: "deviations", heading: "Deviations", blocks }
+}

@@ -1,0 +1,102 @@
+//! The section on the spectrum of a log.
+
+use crate::allan::Deviation;
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log::Column;
+use crate::analysis::page::record::by_name;
+use crate::analysis::spectrum::notes::method;
+use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
+use crate::quantity::number::significant;
+use crate::spectrum::{FALSE_ALARM, Line};
+use crate::view::chart::picture::Picture;
+use crate::view::picture::Drawn;
+use crate::view::report::sections::{Block, Cell, Grid, Section};
+
+/// Most lines in the small table; `lines.csv` has all.
+const MOST_LINES: usize = 20;
+
+pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Section {
+    let why = without
+        .map(|why| Block::Text(format!("There is no spectrum. {}", why.to_string().replace('\n', "; "))));
+    let chart = figures::figure(analysis).map(|mut figure| {
+        // Under several columns, each frequency of all of them hides the others.
+        if analysis.spectra.len() > 1 {
+            figure.laws.clear();
+        }
+        Block::Chart(Drawn { stem: "psd".to_owned(), picture: Picture::Curves(figure), note: None })
+    });
+    let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
+    let method = by_name(methods).into_iter().map(Block::Note);
+    let blocks = why.into_iter().chain(chart).chain(method);
+    let blocks = blocks.chain(lines(analysis)).chain(white(analysis)).collect();
+    Section { id: "spectrum", heading: "Spectrum", blocks }
+}
+
+/// The highest lines of all columns.
+fn lines(analysis: &Analysis) -> Vec<Block> {
+    let percent = significant(100.0 * FALSE_ALARM, 2);
+    let mut all: Vec<(&Column, &Line)> = analysis
+        .columns()
+        .flat_map(|(column, spectrum)| spectrum.lines.iter().map(move |line| (column, line)))
+        .collect();
+    let count = all.len();
+    all.sort_by(|a, b| b.1.over_floor.total_cmp(&a.1.over_floor));
+    all.truncate(MOST_LINES);
+    let row = |(column, line): &(&Column, &Line)| {
+        let unit = column.unit.symbol(Deviation::Oadev);
+        let amplitude = format!("{} {unit}", significant(line.amplitude, 4));
+        let [frequency, over, p] = [(line.frequency_hz, 6), (line.over_floor, 3), (line.p, 2)]
+            .map(|(value, digits)| significant(value, digits));
+        [column.name.clone(), frequency, amplitude.trim_end().to_owned(), over, p].map(Cell::from).into()
+    };
+    let head = ["line in", "frequency, Hz", "amplitude", "over floor", "p"].map(str::to_owned).into();
+    let said = match (count, analysis.spectra.len()) {
+        (_, 0) => return vec![],
+        (0, _) => {
+            return vec![Block::Text(format!("No line; noise alone shows one in {percent} % of records."))];
+        }
+        (MOST_LINES.., _) => format!("The {MOST_LINES} highest of {count} lines; lines.csv has all."),
+        _ => format!("Lines; noise alone shows one in {percent} % of records."),
+    };
+    vec![Block::Text(said), Block::Grid(Grid { head, rows: all.iter().map(row).collect() })]
+}
+
+/// N of the floor beside N of the fit.
+fn white(analysis: &Analysis) -> Option<Block> {
+    let cell = |row: &Option<Row>| match row {
+        Some(Row { value: Some(value), interval, symbol, .. }) => Cell {
+            text: format!("{} {symbol}", significant(*value, 4)).trim_end().to_owned(),
+            below: interval.map_or_else(String::new, |[low, high]| {
+                format!("{} … {}", significant(low, 4), significant(high, 4))
+            }),
+        },
+        _ => "–".into(),
+    };
+    let row = |(column, Spectrum { white, .. }): (&Column, &Spectrum)| {
+        let range = white.floor.as_ref().map_or_else(String::new, |floor| {
+            let [from, to] = floor.range_hz.map(|end| significant(end, 3));
+            format!("{from} … {to}")
+        });
+        let others = white
+            .model
+            .map_or_else(String::new, |[_, others]| format!("{} %", significant(100.0 * others, 2)));
+        vec![
+            column.name.as_str().into(),
+            cell(&white.from_floor),
+            cell(&white.from_fit),
+            range.into(),
+            others.into(),
+            white.verdict().into(),
+        ]
+    };
+    let head = [
+        "white noise of",
+        "N of the floor",
+        "N of the fit",
+        "flat range, Hz",
+        "other terms there",
+        "verdict",
+    ];
+    let rows: Vec<Vec<Cell>> = analysis.columns().map(row).collect();
+    (!rows.is_empty()).then(|| Block::Grid(Grid { head: head.map(str::to_owned).into(), rows }))
+}

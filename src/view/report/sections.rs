@@ -1,0 +1,207 @@
+//! A page of sections, such as that of a log.
+
+use maud::{Markup, html};
+
+use crate::table::Table;
+use crate::view::picture::Drawn;
+use crate::view::report::data::{Packed, data};
+use crate::view::report::shell::{READING, Shell, chart, listings};
+
+/// Styles that only such pages need.
+const STYLE: &str = include_str!("../../../assets/report/sections.css");
+
+/// Most notes that are open at first.
+const MOST_NOTES: usize = 4;
+
+/// A page with an answer, sections and tables. Its texts may contain settings such as `force = true` in backticks, which
+/// the front end spells as its options.
+#[derive(Debug, Default)]
+pub struct Page {
+    /// Title.
+    pub title: String,
+    /// A line below the title.
+    pub subtitle: String,
+    /// The answer in one sentence.
+    pub headline: String,
+    /// Further sentences of the answer.
+    pub sentences: Vec<String>,
+    /// Notes attached to the results.
+    pub notes: Vec<String>,
+    /// Sections in their order; those without blocks are left out.
+    pub sections: Vec<Section>,
+    /// Tables with the names of their files. Of a large table the page shows a part and says which.
+    pub tables: Vec<(&'static str, Table)>,
+}
+
+/// A section of a page.
+#[derive(Debug)]
+pub struct Section {
+    /// Its id in links.
+    pub id: &'static str,
+    /// Its heading, which the bar shows too.
+    pub heading: &'static str,
+    /// Its content from top to bottom.
+    pub blocks: Vec<Block>,
+}
+
+/// A part of a section.
+#[derive(Debug)]
+pub enum Block {
+    /// A paragraph.
+    Text(String),
+    /// A remark in smaller letters.
+    Note(String),
+    /// Sentences as a list.
+    List(Vec<String>),
+    /// Names, each with one or more lines.
+    Facts(Vec<(&'static str, Vec<String>)>),
+    /// A small table to read.
+    Grid(Grid),
+    /// A chart.
+    Chart(Drawn),
+    /// A chart of so many points that none has a marker.
+    Trace(Drawn),
+}
+
+/// A small table to read: the first cell of each row names it.
+#[derive(Debug, Default)]
+pub struct Grid {
+    /// Headings of the columns.
+    pub head: Vec<String>,
+    /// Rows of as many cells.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A cell of a [`Grid`].
+#[derive(Debug, Default)]
+pub struct Cell {
+    /// Its text.
+    pub text: String,
+    /// A smaller text below it; may be empty.
+    pub below: String,
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell { text, below: String::new() }
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Cell {
+        text.to_owned().into()
+    }
+}
+
+impl Page {
+    /// The page with its settings in the words of `spell`. Equal pages give equal bytes on every machine.
+    pub fn html(&self, spell: &dyn Fn(&str) -> String) -> String {
+        let sections: Vec<&Section> =
+            self.sections.iter().filter(|section| !section.blocks.is_empty()).collect();
+        let charts: Vec<&Drawn> =
+            sections.iter().flat_map(|section| &section.blocks).filter_map(drawn).collect();
+        let tables: Vec<(&str, &Table)> = self.tables.iter().map(|(file, table)| (*file, table)).collect();
+        let Packed { text, tables, thinned } = data(&charts, &tables);
+        let links: Vec<(&str, &str)> = sections
+            .iter()
+            .map(|section| (section.id, section.heading))
+            .chain([("tables", "Tables")])
+            .collect();
+        let said = |text: &str| said(&spell(text));
+        let mut places = 0..;
+        let body = html! {
+            @if !charts.is_empty() { p.hint.reading { (READING) } }
+            @if thinned > 1 { p.note { "Curves show one point in " (thinned) "." } }
+            @for section in sections {
+                section id=(section.id) {
+                    h2 { (section.heading) }
+                    @for block in &section.blocks { (self::block(block, &mut places, &said)) }
+                }
+            }
+            (listings(&tables))
+        };
+        let answer = html! {
+            section #answer {
+                h2 { "Answer" }
+                p.headline { (said(&self.headline)) }
+                @if !self.sentences.is_empty() { ul { @for sentence in &self.sentences { li { (said(sentence)) } } } }
+                @if self.notes.len() > MOST_NOTES {
+                    details {
+                        summary { (self.notes.len()) " notes" }
+                        @for note in &self.notes { p.note { (said(note)) } }
+                    }
+                } @else {
+                    @for note in &self.notes { p.note { (said(note)) } }
+                }
+            }
+        };
+        let shell = Shell {
+            title: &self.title,
+            question: &self.subtitle,
+            style: STYLE,
+            links: &links,
+            answer,
+            sections: body,
+            data: &text,
+        };
+        shell.page()
+    }
+}
+
+fn drawn(block: &Block) -> Option<&Drawn> {
+    match block {
+        Block::Chart(drawn) | Block::Trace(drawn) => Some(drawn),
+        _ => None,
+    }
+}
+
+/// A block; `places` counts the charts.
+fn block(block: &Block, places: &mut std::ops::RangeFrom<usize>, said: &dyn Fn(&str) -> Markup) -> Markup {
+    html! {
+        @match block {
+            Block::Text(text) => { p { (said(text)) } }
+            Block::Note(text) => { p.note { (said(text)) } }
+            Block::List(sentences) => { ul { @for sentence in sentences { li { (said(sentence)) } } } }
+            Block::Facts(facts) => {
+                dl {
+                    @for (name, lines) in facts {
+                        dt { (name) }
+                        dd { @for (at, line) in lines.iter().enumerate() { @if at > 0 { br; } (said(line)) } }
+                    }
+                }
+            }
+            Block::Grid(grid) => { (self::grid(grid)) }
+            Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart")) }
+            Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace")) }
+        }
+    }
+}
+
+fn grid(grid: &Grid) -> Markup {
+    html! {
+        div.scroll.matrix tabindex="0" {
+            table {
+                thead { tr { @for (at, name) in grid.head.iter().enumerate() { th scope="col" .text[at == 0] { (name) } } } }
+                tbody {
+                    @for row in &grid.rows {
+                        tr {
+                            @for (at, cell) in row.iter().enumerate() {
+                                td .text[at == 0] { (cell.text) @if !cell.below.is_empty() { small { (cell.below) } } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A text with what is in backticks as code.
+fn said(text: &str) -> Markup {
+    let is_paired = text.matches('`').count() % 2 == 0;
+    html! {
+        @if is_paired {
+            @for (at, part) in text.split('`').enumerate() { @if at % 2 == 1 { code { (part) } } @else { (part) } }
+        } @else { (text) }
+    }
+}

@@ -1,0 +1,123 @@
+//! What every page has: head, bar, title, charts and tables, footer, data and script.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::view::chart::palette::style_sheet;
+use crate::view::picture::Drawn;
+use crate::view::report::data::Listed;
+
+/// Styles of pages in light and dark, on paper and on phones.
+const STYLE: &str = include_str!("../../../assets/report/style.css");
+
+/// Scripts that draw the charts and sort the tables. They share one scope, in this order.
+const SCRIPT: [&str; 9] = [
+    include_str!("../../../assets/report/elements.js"),
+    include_str!("../../../assets/report/numbers.js"),
+    include_str!("../../../assets/report/scale.js"),
+    include_str!("../../../assets/report/plot.js"),
+    include_str!("../../../assets/report/curves.js"),
+    include_str!("../../../assets/report/contour.js"),
+    include_str!("../../../assets/report/map.js"),
+    include_str!("../../../assets/report/table.js"),
+    include_str!("../../../assets/report/page.js"),
+];
+
+/// The parts of a page that are its own.
+pub(crate) struct Shell<'a> {
+    pub(crate) title: &'a str,
+    /// A line below the title; may be empty.
+    pub(crate) question: &'a str,
+    /// Styles besides those of every page.
+    pub(crate) style: &'a str,
+    /// The ids of sections and their names in the bar.
+    pub(crate) links: &'a [(&'a str, &'a str)],
+    pub(crate) answer: Markup,
+    /// The sections below the answer.
+    pub(crate) sections: Markup,
+    /// The packed data of charts and tables.
+    pub(crate) data: &'a str,
+}
+
+impl Shell<'_> {
+    /// The page as text.
+    pub(crate) fn page(&self) -> String {
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                (head(self.title, self.style))
+                body {
+                    header {
+                        div.bar {
+                            span.brand { "sagnac " (env!("CARGO_PKG_VERSION")) }
+                            nav {
+                                @for (id, name) in self.links { a href=(format!("#{id}")) { (name) } }
+                            }
+                            button #theme type="button" { "Dark" }
+                        }
+                        h1 { (self.title) }
+                        @if !self.question.is_empty() { p.question { (self.question) } }
+                    }
+                    main {
+                        (self.answer)
+                        noscript { p.note { "Charts and tables of this page are drawn by a script, which is switched off here." } }
+                        (self.sections)
+                    }
+                    footer {
+                        "Made by sagnac " (env!("CARGO_PKG_VERSION")) ": Monte Carlo studies for laser gyroscopes. \
+                         The page needs no network."
+                    }
+                    div #tip role="status" aria-live="polite" {}
+                    script #data type="application/gzip+base64" { (PreEscaped(self.data)) }
+                    script { (PreEscaped("\"use strict\";\n(() => {\n")) (PreEscaped(SCRIPT.concat())) (PreEscaped("})();\n")) }
+                }
+            }
+        };
+        page.into_string()
+    }
+}
+
+/// The head of a page with some styles of its own.
+pub(crate) fn head(title: &str, style: &str) -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            meta name="generator" content=(concat!("sagnac ", env!("CARGO_PKG_VERSION")));
+            // Without this a browser would request an icon from a server.
+            link rel="icon" href="data:,";
+            title { (title) }
+            style { (PreEscaped(STYLE)) (PreEscaped(style_sheet())) (PreEscaped(style)) }
+        }
+    }
+}
+
+/// How charts are read.
+pub(crate) const READING: &str = "Point at a chart or use the arrow keys to read values. Drag to enlarge a part, and double-click to return to \
+                                  the whole. Names in the legend switch curves off and on.";
+
+/// The place of chart `at` of the data.
+pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str) -> Markup {
+    html! {
+        figure class=(class) data-chart=(at) {
+            figcaption { h3 { (drawn.picture.title()) } }
+            div.plot {}
+            @if let Some(note) = &drawn.note { p.note { (note) } }
+        }
+    }
+}
+
+/// The places of all tables.
+pub(crate) fn listings(tables: &[Listed]) -> Markup {
+    html! {
+        section #tables {
+            h2 { "Tables" }
+            @for (at, table) in tables.iter().enumerate() {
+                div.table data-table=(at) {
+                    h3 { (table.file) }
+                    @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
+                    div.listing {}
+                }
+            }
+        }
+    }
+}
