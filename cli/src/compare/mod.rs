@@ -14,7 +14,7 @@ use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json, whereabouts, write_page, write_table};
+use crate::output::{print, print_json, remove, whereabouts, write_page, write_table};
 use crate::reading::Reading;
 
 const EXAMPLES: &str = "\
@@ -102,10 +102,14 @@ fn analysis(options: &Options, [a, b]: [&Log; 2]) -> Result<Analysis, Failure> {
     })
 }
 
-/// Writes the tables and the charts.
+/// Writes the tables and the charts. Without coefficients, those of an earlier run are removed.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     write_table(&folder.join("compare.csv"), &tables::ratios(analysis))?;
-    write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
+    let coefficients = folder.join("coefficients.csv");
+    match &analysis.rows {
+        Ok(_) => write_table(&coefficients, &tables::coefficients(analysis))?,
+        Err(_) => drop(remove(&coefficients)?),
+    }
     write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(analysis)))?;
     write_pictures(folder, "chart-2", &Picture::Curves(figures::ratio(analysis)))
 }
