@@ -1,6 +1,6 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
-use crate::analysis::{compare, design, firmware, log, spectrum};
+use crate::analysis::{compare, design, firmware, log, spectrum, temperature};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::quantity::unit::bare;
@@ -45,6 +45,8 @@ pub fn files() -> Vec<File> {
             command("events.csv", "sagnac allan", abouts(&log::events::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
+            command("temperature.csv", "sagnac allan", abouts(&temperature::tables::coefficient_columns())),
+            command("compensation.csv", "sagnac allan", abouts(&temperature::tables::compensation_columns())),
             command("psd.csv", "sagnac psd", abouts(&spectrum::tables::density_columns())),
             command("lines.csv", "sagnac psd", abouts(&spectrum::tables::line_columns())),
             command("white_noise.csv", "sagnac psd", abouts(&spectrum::tables::white_columns())),

@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use rayon::prelude::*;
+use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::{Drawn, chart_stem};
 
@@ -29,6 +30,19 @@ pub fn write_pictures(folder: &Path, stem: &str, picture: &Picture) -> Result<()
         picture.png(2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
     write(&folder.join(format!("{stem}.svg")), picture.svg().as_bytes())?;
     write(&folder.join(format!("{stem}.png")), &png)
+}
+
+/// Writes a chart of curves, or removes that of an earlier run where there is none.
+///
+/// # Errors
+/// It cannot be drawn, written or removed.
+pub fn write_or_remove(folder: &Path, stem: &str, figure: Option<Figure>) -> Result<(), Failure> {
+    match figure {
+        Some(figure) => write_pictures(folder, stem, &Picture::Curves(figure)),
+        None => ["svg", "png"]
+            .into_iter()
+            .try_for_each(|ending| remove(&folder.join(format!("{stem}.{ending}"))).map(drop)),
+    }
 }
 
 /// Removes the pictures of charts beyond the first `charts`. Other files are kept.

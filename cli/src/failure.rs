@@ -113,7 +113,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 25] = [
+const OPTIONS: [&str; 27] = [
     "at",
     "binary",
     "bootstrap",
@@ -135,6 +135,8 @@ const OPTIONS: [&str; 25] = [
     "segment",
     "skip",
     "tau",
+    "temperature",
+    "temperature_unit",
     "time",
     "time_unit",
     "unit",

@@ -167,7 +167,7 @@ impl Reading {
         };
         let (decimal, duplicates, binary) = (self.decimal, self.duplicates, self.binary.clone());
         let hints = Hints { decimal, duplicates, binary };
-        Ok(Request { columns: self.column.clone(), timing, data, units, hints })
+        Ok(Request { columns: self.column.clone(), timing, data, units, temperature: None, hints })
     }
 
     /// The treatment of each log before its analysis.
@@ -178,6 +178,7 @@ impl Reading {
             trend: self.detrend,
             outliers_removed: self.remove_outliers,
             unit_check: self.unit_check,
+            is_compensated: false,
         }
     }
 }

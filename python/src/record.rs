@@ -123,6 +123,7 @@ impl Reading {
             trend: self.trend(),
             outliers_removed: self.remove_outliers,
             unit_check: check,
+            is_compensated: false,
         };
         let (angles, outliers) = treatment.angles(&samples);
         Ok(Record {

@@ -1,5 +1,5 @@
-//! Analyses beyond studies: noise of logs, spectra of logs, comparison of logs, pages of logs, switching interval,
-//! firmware.
+//! Analyses beyond studies: noise of logs and their dependence on temperature, spectra of logs, comparison of logs, pages of
+//! logs, switching interval, firmware.
 
 pub mod compare;
 pub mod data_sheet;
@@ -8,3 +8,4 @@ pub mod firmware;
 pub mod log;
 pub mod page;
 pub mod spectrum;
+pub mod temperature;

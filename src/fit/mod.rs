@@ -46,6 +46,7 @@ pub(crate) mod nnls;
 pub mod quantity;
 pub mod range;
 pub mod record;
+pub mod regression;
 pub(crate) mod search;
 
 pub use crate::fit::chi_squared::survival;

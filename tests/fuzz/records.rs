@@ -110,6 +110,7 @@ fn requests() -> Vec<Request> {
         timing,
         data,
         units: unit.iter().map(|unit| Unit::parse(unit, data).unwrap()).collect(),
+        temperature: None,
         hints: Hints::default(),
     };
     let stamps = |column: &str, unit: Option<&str>| Timing::Stamps {

@@ -40,6 +40,7 @@ mod records;
 mod relock;
 mod spectrum;
 mod switched_run;
+mod temperature;
 mod twins;
 
 /// The root of the repository.

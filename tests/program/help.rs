@@ -32,20 +32,21 @@ fn prepared() -> Desk {
     for name in ["error_vs_dtnu.toml", "smoke.toml", "design_point.toml"] {
         std::fs::copy(studies.join(name), desk.path(&format!("studies/{name}"))).unwrap();
     }
-    // White noise by a small generator, in three columns with time stamps of 10 ms.
+    // White noise by a small generator, in three columns with time stamps of 10 ms, and a temperature that rises.
     let mut state = 1_u64;
     let mut noise = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
     };
-    let mut log = "stamp,gx,gy,gz\n".to_owned();
+    let mut log = "stamp,gx,gy,gz,temp\n".to_owned();
     for at in 0..4000_u64 {
         log += &format!(
-            "{},{:.6},{:.6},{:.6}\n",
+            "{},{:.6},{:.6},{:.6},{}\n",
             at * 10_000_000,
             1e-5 * noise(),
             1e-5 * noise(),
-            1e-5 * noise()
+            1e-5 * noise(),
+            20.0 + 0.001 * at as f64
         );
     }
     for name in ["log.csv", "gyro.csv", "gyro1.csv", "gyro2.csv"] {

@@ -52,6 +52,7 @@ mod shaders;
 mod shards;
 mod stops;
 mod tables;
+mod temperature;
 mod terminal;
 mod verdicts;
 

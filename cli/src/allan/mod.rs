@@ -2,19 +2,22 @@
 
 pub mod options;
 pub mod report;
+mod temperature;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::analysis::log::{Analysis, events, figures, kalibr, noise_file, notes, tables};
+use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
 use sagnac::analysis::page::of_log;
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::progress::{Progress, Silent};
+use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
 use sagnac::view::chart::picture::Picture;
 use serde_json::Value;
 
 pub use crate::allan::options::Options;
-use crate::charts::write_pictures;
+use crate::allan::temperature::Thermal;
+use crate::charts::write_or_remove;
 use crate::failure::{Failure, in_options};
 use crate::look;
 use crate::output::{print, print_documents, remove, unwritten, whereabouts, write, write_page, write_table};
@@ -22,15 +25,19 @@ use crate::progress::{How, Shown};
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
-    let request = options.reading.request()?;
+    let request = options.request()?;
     options.check(&request)?;
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
     for (path, folder) in options.files.iter().zip(&folders) {
         let treatment = options.reading.treatment();
-        let log = treatment.read(path, &request)?;
+        let mut log = treatment.read(path, &request)?;
         let progress: &dyn Progress = if options.is_silent() { &Silent } else { &Shown::new(How::Plain) };
-        let analysis = Analysis::of(&log, path, &treatment, &options.asked(), progress)?;
+        let of = |log: &Log, treatment: &Treatment| {
+            Analysis::of(log, path, treatment, &options.asked(), progress)
+        };
+        let mut analysis = of(&log, &treatment)?;
+        let thermal = Thermal::of(options, &mut log, &mut analysis, &treatment, of)?;
         let welch = Welch { confidence: options.confidence, ..Welch::default() };
         let (densities, without) = match densities(&log, &treatment, &welch) {
             Ok(densities) => (densities, None),
@@ -39,22 +46,29 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         let with_spectra = spectrum::Analysis::of(analysis, densities);
         let analysis = &with_spectra.noise;
         save(analysis, folder)?;
+        temperature::save(thermal.as_ref(), analysis, folder)?;
         write_page(folder, &of_log(&log, &with_spectra, without.as_ref()))?;
         if let Some(path) = &options.kalibr {
             write(path, kalibr::text(analysis)?.as_bytes())?;
         }
         if options.json {
-            documents.push(tables::document(analysis));
+            let mut document = tables::document(analysis);
+            if let Some(thermal) = &thermal {
+                document["temperature"] = thermal.document(analysis);
+            }
+            documents.push(document);
         } else if !options.quiet {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(analysis))?;
             let about_files = noise_file::notes(analysis).into_iter().chain(about_kalibr);
-            let notes = notes::notes(analysis).into_iter().chain(about_files);
+            let of_temperature = thermal.iter().flat_map(Thermal::notes);
+            let notes = notes::notes(analysis).into_iter().chain(of_temperature).chain(about_files);
             notes.for_each(|note| say!("note: {}", in_options(&note)));
             let mut figures = figures::figures(analysis).into_iter().filter(|_| options.plot);
             if let Some((_, Some(figure))) = figures.next() {
                 print(&format!("{}\n", Picture::Curves(figure).text(look::of_output())))?;
             }
-            print(&crate::allan::report::report(analysis))?;
+            let of_temperature = thermal.as_ref().map(|thermal| thermal.report(analysis));
+            print(&(report::report(analysis) + &of_temperature.unwrap_or_default()))?;
             say!("{}", whereabouts(folder));
             if let Some(path) = &options.kalibr {
                 say!("the Kalibr file is {}", path.display());
@@ -97,13 +111,7 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     remove_others(folder, &noise)?;
     noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;
     for (stem, figure) in figures::figures(analysis) {
-        if let Some(figure) = figure {
-            write_pictures(folder, stem, &Picture::Curves(figure))?;
-            continue;
-        }
-        for ending in ["svg", "png"] {
-            remove(&folder.join(format!("{stem}.{ending}")))?;
-        }
+        write_or_remove(folder, stem, figure)?;
     }
     Ok(())
 }

@@ -8,8 +8,11 @@ use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
+use sagnac::analysis::temperature::effect::Effect;
+use sagnac::analysis::temperature::model::Effects;
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
 use sagnac::record::log::read::Request;
+use sagnac::record::log::temperature::Thermometer;
 
 use crate::failure::Failure;
 use crate::reading::Reading;
@@ -22,6 +25,7 @@ Examples:
   sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
   sagnac allan imu.mcap --data rate --column gx,gy,gz
+  sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
 
 Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
@@ -53,6 +57,18 @@ pub struct Options {
     /// Noise that these intervals suppose: that of the whole record, or that of each averaging time as in Stable32
     #[arg(long, value_name = "NOISE", default_value = "record", value_parser = suppose())]
     pub intervals: Suppose,
+    /// Column of a temperature, by name or number: also fits the dependence of the rate on it
+    #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
+    temperature: Option<String>,
+    /// Unit of the temperature: °C (degC, C), K, °F (degF, F) [default: that of the header, or °C]
+    #[arg(help_heading = "Temperature", long, value_name = "UNIT", requires = "temperature")]
+    temperature_unit: Option<String>,
+    /// Terms of the dependence: auto (T, and those of the others that the record needs), or a list of T, T2, dT, warm-up, aging
+    #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = effects)]
+    temperature_terms: Effects,
+    /// Compute all results from the record without the fitted dependence
+    #[arg(help_heading = "Temperature", long, requires = "temperature")]
+    pub compensate: bool,
     /// Results folder [default: results/<name of the file>]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -81,6 +97,21 @@ impl Options {
             fitting: self.reading.fitting(),
             simulated: self.bootstrap,
         }
+    }
+
+    /// The request for each file.
+    ///
+    /// # Errors
+    /// It fails where [`Reading::request`] does.
+    pub fn request(&self) -> Result<Request, Failure> {
+        let unit = self.temperature_unit.clone();
+        let temperature = self.temperature.clone().map(|column| Thermometer { column, unit });
+        Ok(Request { temperature, ..self.reading.request()? })
+    }
+
+    /// The terms of the dependence on temperature.
+    pub fn effects(&self) -> &Effects {
+        &self.temperature_terms
     }
 
     /// Whether only errors are printed for people.
@@ -122,6 +153,25 @@ pub(crate) fn simulated(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| {
         format!("give 0, or at least {LEAST_REALISATIONS}: fewer do not resolve the 2.5 % quantiles")
     })
+}
+
+fn effects(text: &str) -> Result<Effects, String> {
+    let effect = |name: &str| {
+        let found = Effect::ALL.into_iter().find(|effect| effect.name().eq_ignore_ascii_case(name.trim()));
+        found.ok_or_else(|| {
+            let known = Effect::ALL.map(Effect::name).join(", ");
+            format!("`{}` is not a term; accepted: auto, or some of {known}", name.trim())
+        })
+    };
+    if text == "auto" {
+        return Ok(Effects::Auto);
+    }
+    let mut effects = text.split(',').map(effect).collect::<Result<Vec<_>, _>>()?;
+    effects.dedup();
+    if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {
+        return Err("T2 needs T beside it, because its zero is arbitrary; write as in T,T2".to_owned());
+    }
+    Ok(Effects::Given(effects))
 }
 
 fn taus(text: &str) -> Result<Taus, String> {

@@ -145,6 +145,8 @@ pub struct Treatment {
     pub outliers_removed: bool,
     /// Whether rates and accelerations that appear to be in a wrong unit are noted.
     pub unit_check: UnitCheck,
+    /// Whether the dependence on temperature was subtracted; see [`temperature`](crate::analysis::temperature).
+    pub is_compensated: bool,
 }
 
 impl Treatment {
@@ -184,6 +186,7 @@ impl Treatment {
             (self.skip_s > 0.0).then(|| part(self.skip_s, "from")),
             self.until_s.map(|until_s| part(until_s, "until")),
             self.outliers_removed.then(|| "outliers removed".to_owned()),
+            self.is_compensated.then(|| "temperature compensated".to_owned()),
         ];
         parts.into_iter().flatten().map(|part| format!("; {part}")).collect()
     }

@@ -48,7 +48,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
         Of::new("alpha_from", Unit::NONE, "alpha_from", |row| text(alpha_from(row.point)))
             .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, for example where there are fewer than 30 groups."),
         Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
-            .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed."),
+            .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed, temperature compensated."),
         Of::new("edf", Unit::NONE, "edf", |row| row.point.edf.into())
             .is(Role::Estimate, "Equivalent degrees of freedom of the interval."),
         Of::new("edf_from", Unit::NONE, "edf_from", |row| text(row.point.edf.map_or("", |_| row.point.supposes.name())))
@@ -142,7 +142,7 @@ fn stability(column: &log::Column) -> Vec<Row> {
 }
 
 /// A coefficient as JSON.
-fn document_of(row: &Row) -> Value {
+pub(crate) fn document_of(row: &Row) -> Value {
     json!({
         "coefficient": row.name,
         "value": row.value,

@@ -19,6 +19,8 @@ pub struct Log {
     pub start_s: f64,
     /// Channels, one for each requested column.
     pub channels: Vec<Channel>,
+    /// The temperature at each sample, °C, NaN where it is missing; absent if it was not requested.
+    pub temperature: Option<Vec<f64>>,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
     pub notes: Vec<String>,
 }
@@ -62,9 +64,10 @@ impl Log {
             return Err(RecordError::new(message, "", "skip less, or go on until later", None));
         }
         self.start_s = first as f64 * self.step_s;
-        for channel in &mut self.channels {
-            channel.samples.truncate(end);
-            channel.samples.drain(..first);
+        let channels = self.channels.iter_mut().map(|channel| &mut channel.samples);
+        for numbers in channels.chain(&mut self.temperature) {
+            numbers.truncate(end);
+            numbers.drain(..first);
         }
         Ok(())
     }

@@ -11,6 +11,7 @@ pub mod measure;
 pub mod outliers;
 pub mod read;
 pub mod samples;
+pub mod temperature;
 #[cfg(test)]
 mod tests;
 pub(crate) mod timing;

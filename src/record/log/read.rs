@@ -9,6 +9,7 @@ use crate::record::layout::Decimal;
 use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
+use crate::record::log::temperature::Thermometer;
 use crate::record::log::timing::{Clock, found, is_time, spread};
 use crate::record::names::Name;
 use crate::record::recording::{Recording, Rules};
@@ -34,6 +35,8 @@ pub struct Request {
     pub data: Data,
     /// One unit for all columns, or one for each; if there are none, that in each column's header.
     pub units: Vec<Unit>,
+    /// The column of a temperature to read with the samples, if any; it is never taken for the times.
+    pub temperature: Option<Thermometer>,
     /// Properties of the file that the user states.
     pub hints: Hints,
 }
@@ -99,7 +102,8 @@ impl Log {
     /// std::fs::write(path, "time [ms],gz [deg/h]\n0,8.1\n10,8.3\n30,8.2\n")?;
     /// let timing = Timing::Stamps { step_s: None, column: Some("time".to_owned()), unit: None };
     /// let columns = vec!["gz".to_owned()];
-    /// let request = Request { columns, timing, data: Data::Rate, units: vec![], hints: Hints::default() };
+    /// let (units, hints) = (vec![], Hints::default());
+    /// let request = Request { columns, timing, data: Data::Rate, units, temperature: None, hints };
     /// let log = Log::read(path, &request)?;
     /// assert_eq!((log.step_s, log.samples()), (0.01, 4));
     /// assert!(log.channels[0].samples[2].is_nan());
@@ -109,9 +113,12 @@ impl Log {
         let mut file = Recording::open(path.display().to_string(), Origin::Path(path), &request.hints)?;
         let (mut faults, mut notes) = (Faults::default(), file.inferred());
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
-        let time = found(&file, &request.timing, &request.columns, &mut notes);
+        let thermometer = request.temperature.as_ref().map(|thermometer| thermometer.find(&file, &mut notes));
+        let thermometer = thermometer.and_then(|found| faults.take(found));
+        let taken = thermometer.as_ref().map(|found| found.column);
+        let time = found(&file, &request.timing, &request.columns, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
-        let columns = wanted(&file, request, &named, time.map(|time| time.column), &mut notes)
+        let columns = wanted(&file, request, &named, [time.map(|time| time.column), taken], &mut notes)
             .and_then(|columns| Ok((given(&file, &request.units, &columns)?, columns)));
         // Without a choice of columns, the times are still examined by those that may be meant.
         let (units, columns) =
@@ -126,8 +133,16 @@ impl Log {
             faults.add(file.refuse(None, message, "these are the columns", "name each column once"));
             return Err(faults.into_error(&file.file));
         }
+        if let Some(found) =
+            taken.filter(|found| columns.contains(found) || time.is_some_and(|time| time.column == *found))
+        {
+            let message = "the column of the temperature is requested as samples or times too";
+            faults.add(file.refuse(Some(found), message, "this column", "name another column"));
+            return Err(faults.into_error(&file.file));
+        }
         // The stamps may be requested as samples too.
-        let all: Vec<usize> = time.iter().map(|time| time.column).chain(columns.iter().copied()).collect();
+        let all = time.iter().map(|time| time.column).chain(columns.iter().copied()).chain(taken);
+        let all: Vec<usize> = all.collect();
         if time.is_some_and(|time| columns.contains(&time.column)) {
             let message = "the column of the time is requested as samples too";
             faults.add(file.refuse(
@@ -149,13 +164,15 @@ impl Log {
             duplicates: request.hints.duplicates,
         };
         let spread = spread(&file, &clock, stamps, samples, &mut notes, &mut faults);
-        let (step_s, samples) = spread.unwrap_or_default();
+        let (step_s, mut samples) = spread.unwrap_or_default();
         if faults.is_empty() {
             faults.take(file.check_step(step_s, time.map(|time| time.column)));
         }
         if !faults.is_empty() {
             return Err(faults.into_error(&file.file));
         }
+        // It was read behind the samples, so that gaps and duplicates are the same for it.
+        let temperature = thermometer.and_then(|found| Some(found.celsius(samples.pop()?)));
         let channels = channels.into_iter().flatten().zip(samples);
         let mut channels: Vec<Channel> =
             channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
@@ -163,17 +180,17 @@ impl Log {
         if request.columns.is_empty() {
             notes.extend(without_samples(&mut channels));
         }
-        Ok(Log { file: file.file, step_s, data: request.data, start_s: 0.0, channels, notes })
+        Ok(Log { file: file.file, step_s, data: request.data, start_s: 0.0, channels, temperature, notes })
     }
 }
 
-/// The columns of samples that are requested, or those `named` by a layout, or the only one, or those whose units are those of
-/// such data.
+/// The columns of samples that are requested, or those `named` by a layout, or the only one besides those `taken` for time and
+/// temperature, or those whose units are those of such data.
 fn wanted(
     file: &Recording,
     request: &Request,
     named: &[usize],
-    time: Option<usize>,
+    taken: [Option<usize>; 2],
     notes: &mut Vec<String>,
 ) -> Result<Vec<usize>, RecordError> {
     if !request.columns.is_empty() {
@@ -182,7 +199,7 @@ fn wanted(
     if !named.is_empty() {
         return Ok(named.to_vec());
     }
-    let others: Vec<usize> = (0..file.columns()).filter(|column| Some(*column) != time).collect();
+    let others: Vec<usize> = (0..file.columns()).filter(|column| !taken.contains(&Some(*column))).collect();
     let measuring = if request.units.is_empty() { measuring(file, request.data) } else { vec![] };
     match others[..] {
         [_] => Ok(others),

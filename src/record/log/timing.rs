@@ -63,11 +63,13 @@ fn is_called(name: &str, names: &[&str]) -> bool {
     letters != "T" && names.iter().any(|known| letters.eq_ignore_ascii_case(known))
 }
 
-/// The column of stamps, if there is one, and whether its name says so.
+/// The column of stamps, if there is one, and whether its name says so. It is neither one of the `wanted` columns nor the one
+/// `taken` as a temperature, unless it is asked for by name.
 pub(crate) fn found(
     file: &Recording,
     timing: &Timing,
     wanted: &[String],
+    taken: Option<usize>,
     notes: &mut Vec<String>,
 ) -> Result<(Option<Time>, bool), RecordError> {
     let Timing::Stamps { step_s, column, unit } = timing else { return Ok((None, true)) };
@@ -81,7 +83,7 @@ pub(crate) fn found(
     let wanted: Vec<usize> = wanted.iter().filter_map(|word| file.find(word, None).ok()).collect();
     let candidates = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..file.columns().min(file.names().len()))
-            .filter(|column| !wanted.contains(column) && is(*column))
+            .filter(|column| !wanted.contains(column) && taken != Some(*column) && is(*column))
             .collect()
     };
     let bare = |column: usize| file.names()[column].bare.as_str();
@@ -112,7 +114,8 @@ pub(crate) fn found(
     // The first column often has times under another name. It must not be missed among samples that are not named.
     let has_step = step_s.or(file.step_s()).is_some();
     let is_time = |sample| file.names().is_empty() || epoch_unit(sample).is_some();
-    let may_be_first = file.columns() > 1 && !wanted.contains(&0) && file.sample(0).is_some_and(is_time);
+    let may_be_first =
+        file.columns() > 1 && !wanted.contains(&0) && taken != Some(0) && file.sample(0).is_some_and(is_time);
     let first = (may_be_first && !(has_step && wanted.is_empty())).then_some(0);
     let column = if has_step { counter.or(first) } else { first };
     if column.is_none() && !has_step {

@@ -52,6 +52,7 @@
 //! assert!(pulses < 0.5 * 0.381 * 0.381);
 //! ```
 
+pub mod blocks;
 pub mod continuous;
 pub mod estimator;
 pub(crate) mod exponential;

@@ -1,0 +1,133 @@
+"""Coverage of the coefficients of `sagnac allan --temperature` on records made by NumPy.
+
+    cargo build --release -p sagnac-cli
+    python benches/temperature_numpy.py terms [RECORDS]   # T, and T2 or dT beside it, by kind of noise and course
+    python benches/temperature_numpy.py chosen [RECORDS]  # T where the program chooses the terms, and terms chosen wrongly
+
+Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from scipy import signal
+
+from allan_numpy import PROGRAM, flicker
+
+SAMPLES = 20_000
+COLUMNS = 50
+# White noise of 1 °/h/√Hz. Flicker meets it at some 70 s, the random walks at 350, 1200 and 3500 s.
+NOISES = {
+    "white": lambda rng: rng.standard_normal(SAMPLES),
+    "white, low-pass 5 s": lambda rng: signal.lfilter(
+        [1 - np.exp(-0.2)], [1, -np.exp(-0.2)], rng.standard_normal(SAMPLES + 200)
+    )[200:],
+    "white and flicker": lambda rng: rng.standard_normal(SAMPLES) + 0.15 * flicker(rng, SAMPLES),
+    "white and walk": lambda rng: walk(rng, 0.005),
+    "white and weak walk": lambda rng: walk(rng, 0.0015),
+    "white and hidden walk": lambda rng: walk(rng, 0.0005),
+}
+TIME = np.arange(SAMPLES)
+RESOLUTION = 0.0625
+
+
+def walk(rng, k):
+    return rng.standard_normal(SAMPLES) + k * np.cumsum(rng.standard_normal(SAMPLES))
+
+
+def chamber():
+    """Five steps of a chamber, to which the sensor settles in 300 s each."""
+    settled = signal.lfilter([1 - np.exp(-1 / 300)], [1, -np.exp(-1 / 300)], np.repeat([0, -20, 20, -10, 30, 5], 1 + SAMPLES // 6))
+    return 20 + settled[:SAMPLES]
+
+
+COURSES = {
+    "ramp": 20 + 10 * TIME / SAMPLES,
+    "chamber": chamber(),
+    "day": 20 + 5 * np.sin(2 * np.pi * TIME / SAMPLES + 0.7),
+}
+# °/h/K, °/h/K², °/h/(K/min)
+TRUTH = {"T": 0.1, "T2": 0.01, "dT": 0.5}
+
+
+def program(records, course, *options):
+    """The columns of the JSON object `temperature`, for records with the same quantised temperature."""
+    measured = np.round(course / RESOLUTION) * RESOLUTION
+    for first in range(0, len(records), COLUMNS):
+        part = records[first : first + COLUMNS]
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / "log.npy"
+            np.save(log, np.stack([*part, measured], axis=1))
+            columns = ",".join(str(i + 1) for i in range(len(part)))
+            call = [PROGRAM, "allan", str(log), "--data", "rate", "--rate", "1Hz", "--unit", "deg/h", "--column", columns]
+            call += ["--temperature", str(len(part) + 1), "--json", "--out", str(Path(folder) / "out")]
+            call += ["--bootstrap", "0", "--fit", "none", *options]
+            yield from json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)["temperature"]["columns"]
+
+
+def part(name, course):
+    """The rate of a term with its true coefficient. The reference temperature of a square is the mean, to 0.1 K."""
+    match name:
+        case "T":
+            return TRUTH["T"] * course
+        case "T2":
+            return TRUTH["T2"] * (course - np.round(course.mean(), 1)) ** 2
+        case "dT":
+            return TRUTH["dT"] * 60 * np.gradient(course)
+
+
+def row(column, name):
+    return next(row for row in column["coefficients"] if row["coefficient"] == name)
+
+
+def covered(columns, name, truth):
+    rows = [row(column, name) for column in columns]
+    inside = [found["lower"] is not None and found["lower"] <= truth <= found["upper"] for found in rows]
+    values = [found["value"] for found in rows if found["value"] is not None]
+    widths = [found["upper"] - found["lower"] for found in rows if found["lower"] is not None]
+    ratio = np.median(widths) / (2 * 1.96 * np.std(values)) if len(values) > 1 else np.nan
+    return f"{100 * np.mean(inside):5.1f} ({ratio:.2f})"
+
+
+def terms(records):
+    print(f"coverage of 95 % intervals in percent (median width over that of the scatter), {records} records of {SAMPLES} samples")
+    rng = np.random.default_rng(29)
+    for noise, make in NOISES.items():
+        made = [make(rng) for _ in range(records)]
+        for name, course in COURSES.items():
+            line = f"{noise:22} {name:8}"
+            for wanted in (["T"], ["T", "T2"], ["T", "dT"], ["T", "aging"]):
+                if wanted[-1] in ("aging", "dT") and name == "ramp":
+                    continue
+                rates = sum(part(term, course) for term in wanted if term in TRUTH)
+                found = list(program([x + rates for x in made], course, "--temperature-terms", ",".join(wanted)))
+                cells = [f"{term} {covered(found, term, TRUTH.get(term, 0))}" for term in wanted]
+                robust = [column["p"] is not None and column["p"] < 1e-3 for column in found]
+                line += f" | {', '.join(cells)}" + (f" robust {100 * np.mean(robust):.1f} %" if any(robust) else "")
+            print(line, flush=True)
+
+
+def chosen(records):
+    print(f"{records} records of {SAMPLES} samples without (T = 0) and with a coefficient, terms chosen by the program")
+    rng = np.random.default_rng(31)
+    for noise, make in NOISES.items():
+        made = [make(rng) for _ in range(records)]
+        for name, course in COURSES.items():
+            without = list(program(made, course))
+            with_t = list(program([x + part("T", course) for x in made], course))
+            false = [row(column, "T")["lower"] > 0 or row(column, "T")["upper"] < 0 for column in without]
+            line = f"{noise:22} {name:8} T called at T = 0: {100 * np.mean(false):4.1f} %; T covered {covered(with_t, 'T', TRUTH['T'])}; others in the model:"
+            for other in ("T2", "dT", "aging", "warm-up"):
+                used = [row(column, other)["value"] is not None for column in with_t]
+                identified = [row(column, other)["verdict"] == "identified" for column in with_t]
+                line += f" {other} {100 * np.mean(used):.1f} % ({100 * np.mean(identified):.1f} %)"
+            print(line, flush=True)
+
+
+if __name__ == "__main__":
+    globals()[sys.argv[1]](int(sys.argv[2]) if len(sys.argv) > 2 else 200)

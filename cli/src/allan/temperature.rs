@@ -1,0 +1,122 @@
+//! The dependence on temperature: its files, and its part of the report.
+
+use std::path::Path;
+
+use sagnac::allan::TauError;
+use sagnac::analysis::data_sheet;
+use sagnac::analysis::log::{self, Analysis, Treatment};
+use sagnac::analysis::temperature::notes::notes;
+use sagnac::analysis::temperature::tables::{self, Row, rows};
+use sagnac::analysis::temperature::{Column, Temperature, figures};
+use sagnac::quantity::number::significant;
+use sagnac::record::log::channel::Log;
+use serde_json::Value;
+
+use crate::allan::Options;
+use crate::charts::write_or_remove;
+use crate::failure::Failure;
+use crate::output::write_table;
+use crate::terminal::{headed, number};
+
+/// A dependence with the analysis that is not the main one: that of the compensated log, or of the log as it is.
+pub struct Thermal {
+    temperature: Temperature,
+    other: Analysis,
+    is_compensated: bool,
+}
+
+impl Thermal {
+    /// The dependence that `options` ask for. To compensate, log and analysis are exchanged for those without it.
+    pub fn of(
+        options: &Options,
+        log: &mut Log,
+        analysis: &mut Analysis,
+        treatment: &Treatment,
+        of: impl Fn(&Log, &Treatment) -> Result<Analysis, TauError>,
+    ) -> Result<Option<Thermal>, TauError> {
+        let Some(temperature) = Temperature::of(log, treatment, options.effects()) else { return Ok(None) };
+        let mut compensated = temperature.compensated(log);
+        let mut other = of(&compensated, &Treatment { is_compensated: true, ..*treatment })?;
+        if options.compensate {
+            std::mem::swap(log, &mut compensated);
+            std::mem::swap(analysis, &mut other);
+        }
+        Ok(Some(Thermal { temperature, other, is_compensated: options.compensate }))
+    }
+
+    /// The analyses before and after compensation.
+    fn sides<'a>(&'a self, analysis: &'a Analysis) -> [&'a Analysis; 2] {
+        if self.is_compensated { [&self.other, analysis] } else { [analysis, &self.other] }
+    }
+
+    /// The dependence as JSON.
+    pub fn document(&self, analysis: &Analysis) -> Value {
+        let [_, after] = self.sides(analysis);
+        tables::document(&self.temperature, after, self.is_compensated)
+    }
+
+    /// Notes on the dependence.
+    pub fn notes(&self) -> Vec<String> {
+        notes(&self.temperature)
+    }
+
+    /// The coefficients of all columns, and those of their noise before and after.
+    pub fn report(&self, analysis: &Analysis) -> String {
+        let [before, after] = self.sides(analysis);
+        let of = |(column, (before, after)): (&Column, (&log::Column, &log::Column))| {
+            let noises = [before, after].map(|column| column.coefficients());
+            coefficients(column) + &noise(column, noises)
+        };
+        self.temperature.columns.iter().zip(before.columns.iter().zip(&after.columns)).map(of).collect()
+    }
+}
+
+/// Writes tables and charts, and removes charts of an earlier run that are no longer drawn.
+pub fn save(thermal: Option<&Thermal>, analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+    let mut drawn = figures::STEMS.map(|stem| (stem, None));
+    if let Some(thermal) = thermal {
+        let temperature = &thermal.temperature;
+        write_table(&folder.join("temperature.csv"), &tables::coefficients(temperature))?;
+        write_table(&folder.join("compensation.csv"), &tables::compensation(temperature))?;
+        let [before, after] = thermal.sides(analysis);
+        drawn = figures::figures(temperature, before, after);
+    }
+    drawn.into_iter().try_for_each(|(stem, figure)| write_or_remove(folder, stem, figure))
+}
+
+fn coefficients(column: &Column) -> String {
+    let Ok(found) = &column.found else { return String::new() };
+    let line = |row: &Row| {
+        let [value, lower, upper] =
+            [row.value, row.interval.map(|ends| ends[0]), row.interval.map(|ends| ends[1])]
+                .map(|value| number(value, 4));
+        vec![row.name.to_owned(), value, lower, upper, row.unit[1].clone(), row.verdict.clone()]
+    };
+    let [low, high] = found.averages.range_c.map(|end| significant(end, 4));
+    let heading = ["", "value", "lower", "upper", "", ""];
+    format!(
+        "\n{}: dependence on temperature from {low} to {high} °C, with 95 % intervals\n{}",
+        column.name,
+        headed(heading, rows(column).iter().map(line))
+    )
+}
+
+/// The coefficients of the noise before and after, where they are the same ones.
+fn noise(column: &Column, [before, after]: [&[data_sheet::Row]; 2]) -> String {
+    if column.found.is_err() || before.is_empty() && after.is_empty() {
+        return String::new();
+    }
+    let of = |rows: &[data_sheet::Row], name: &str| {
+        let value = rows.iter().find(|row| row.name == name).and_then(|row| row.value);
+        number(value, 4)
+    };
+    let others = after.iter().filter(|row| before.iter().all(|other| other.name != row.name));
+    let line = |row: &data_sheet::Row| {
+        vec![row.name.to_owned(), of(before, row.name), of(after, row.name), row.symbol.to_owned()]
+    };
+    format!(
+        "{}: coefficients of the noise before and after compensation\n{}",
+        column.name,
+        headed(["", "before", "after", ""], before.iter().chain(others).map(line))
+    )
+}

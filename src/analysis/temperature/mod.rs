@@ -1,0 +1,171 @@
+//! The dependence of a log on temperature, and the log without it.
+//!
+//! ```text
+//! Log ─ Course: smoothed temperature ─ Averages: blocks ─ Search, Model: coefficients ─┬─ tables ─▶ temperature.csv, compensation.csv, JSON
+//!  └──────────────────────────── compensated ◀──────────────────────────────────────┴─ figures ─▶ charts
+//! ```
+
+pub mod averages;
+pub mod course;
+pub mod effect;
+pub mod figures;
+pub mod model;
+pub mod notes;
+mod search;
+pub mod tables;
+
+use crate::allan::Unit;
+use crate::analysis::log::{Treatment, model};
+use crate::analysis::temperature::averages::{Averages, LEAST_BLOCKS};
+use crate::analysis::temperature::course::Course;
+use crate::analysis::temperature::effect::Effect;
+use crate::analysis::temperature::model::{Effects, Model};
+use crate::quantity::number::significant;
+use crate::record::log::channel::{Channel, Log};
+use crate::record::log::measure::Data;
+
+/// Least standard deviation of the temperature of blocks, in errors of these means: below it, the errors of the sensor make
+/// a coefficient come out too small by more than a tenth.
+const LEAST_CHANGE: f64 = 3.0;
+
+/// The dependence of all columns of a log.
+#[derive(Debug, Clone)]
+pub struct Temperature {
+    /// The temperature at every sample.
+    pub course: Course,
+    /// Time between samples, s.
+    pub step_s: f64,
+    /// Number of samples without a temperature in the file, and of those for which none could be filled in.
+    pub missing: [usize; 2],
+    /// What was found of each column.
+    pub columns: Vec<Column>,
+}
+
+/// The dependence of one column.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Name without unit.
+    pub name: String,
+    /// Unit of its curves.
+    pub unit: Unit,
+    /// What was found, or the reason why there is nothing.
+    pub found: Result<Dependence, String>,
+}
+
+/// A dependence with the blocks from which it was found.
+#[derive(Debug, Clone)]
+pub struct Dependence {
+    /// Coefficients.
+    pub model: Model,
+    /// Averages over blocks.
+    pub averages: Averages,
+    /// Whether the fast noise of the regression is that of the fit to the record's Allan curve; otherwise it is white.
+    pub is_of_fit: bool,
+}
+
+impl Temperature {
+    /// The dependence of a log that was read with its temperature; nothing for a log without one.
+    pub fn of(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
+        let measured = log.temperature.as_ref()?;
+        let block = log.samples().div_ceil(averages::MOST_BLOCKS);
+        let course = Course::of(measured, block);
+        let unknown = |x: &[f64]| x.iter().filter(|x| x.is_nan()).count();
+        let missing = [unknown(measured), unknown(&course.values)];
+        let column = |channel: &Channel| Column {
+            name: channel.name.clone(),
+            unit: channel.unit.curves,
+            found: dependence(log, channel, &course, treatment, effects),
+        };
+        let columns = log.channels.iter().map(column).collect();
+        Some(Temperature { step_s: log.step_s, missing, columns, course })
+    }
+
+    /// The log without the effects that were found; samples without temperature are missing. Columns without a model stay
+    /// as they are.
+    pub fn compensated(&self, log: &Log) -> Log {
+        let course = course_of(log.data, &self.course);
+        let mut log = log.clone();
+        for (channel, column) in log.channels.iter_mut().zip(&self.columns) {
+            let Ok(found) = &column.found else { continue };
+            let rate = |i: usize| found.rate(&course, i) / channel.unit.factor;
+            match log.data {
+                Data::Rate => channel.samples.iter_mut().enumerate().for_each(|(i, x)| *x -= rate(i)),
+                Data::Increment => {
+                    channel.samples.iter_mut().enumerate().for_each(|(i, x)| *x -= rate(i) * log.step_s);
+                }
+                Data::Angle => {
+                    let mut sum = 0.0;
+                    for (i, x) in channel.samples.iter_mut().enumerate().skip(1) {
+                        // Without temperature the angle is unknown, but not those behind it.
+                        let turned = rate(i - 1) * log.step_s;
+                        sum += if turned.is_nan() { 0.0 } else { turned };
+                        *x -= if turned.is_nan() { turned } else { sum };
+                    }
+                }
+            }
+        }
+        log
+    }
+}
+
+impl Dependence {
+    /// Whether the model contains the temperature itself.
+    pub fn is_of_temperature(&self) -> bool {
+        self.model.coefficients.iter().any(|(effect, _)| *effect == Effect::Temperature)
+    }
+
+    /// The rate that the model adds at a sample to that at the reference temperature, °/h.
+    fn rate(&self, course: &Course, i: usize) -> f64 {
+        let time_s = self.model.warm_up_s.map_or(1.0, |(time_s, _)| time_s);
+        let part = |(effect, size): &(Effect, f64)| size * self.averages.at(*effect, time_s, course, i);
+        self.model.coefficients.iter().map(part).sum()
+    }
+}
+
+/// The course at the rates of a log: midway between angles.
+fn course_of(data: Data, course: &Course) -> Course {
+    if data == Data::Angle { course.midway() } else { course.clone() }
+}
+
+fn dependence(
+    log: &Log,
+    channel: &Channel,
+    course: &Course,
+    treatment: &Treatment,
+    asked: &Effects,
+) -> Result<Dependence, String> {
+    let samples = channel.view(log.data, log.step_s);
+    let per_sample = if log.data == Data::Rate { 1.0 } else { log.step_s };
+    let mut rates: Vec<f64> =
+        samples.increments().iter().map(|x| x * channel.unit.factor / per_sample).collect();
+    let (angles, outliers) = treatment.angles(&samples);
+    if treatment.outliers_removed {
+        outliers.samples.iter().for_each(|&i| rates[i] = f64::NAN);
+    }
+    let course = course_of(log.data, course);
+    let averages = Averages::of(&rates, &course, log.step_s).ok_or_else(|| {
+        format!(
+            "fewer than {LEAST_BLOCKS} blocks of the record have both samples and temperatures: record longer, or give a \
+             temperature for more of the samples"
+        )
+    })?;
+    let (changes, least) = (averages.scatter(), LEAST_CHANGE * course.error_of_mean(averages.m));
+    let is_of_temperature =
+        |effect: &Effect| matches!(effect, Effect::Temperature | Effect::Square | Effect::Change);
+    let candidates = match asked {
+        Effects::Auto => Effect::ALL.to_vec(),
+        Effects::Given(effects) => effects.clone(),
+    };
+    // A constant temperature differs from its mean by rounding.
+    if changes <= least.max(1e-9) && candidates.iter().any(is_of_temperature) {
+        return Err(format!(
+            "not identifiable: the temperature hardly changes, its standard deviation of {} K is not above {} K, three errors of \
+             its sensor",
+            significant(changes, 3),
+            significant(least, 3)
+        ));
+    }
+    let fast = model(&angles, treatment.trend).map(|(process, _)| process);
+    let model = Model::of(&averages, &candidates, asked, fast.as_ref(), log.step_s)?;
+    Ok(Dependence { model, averages, is_of_fit: fast.is_some() })
+}

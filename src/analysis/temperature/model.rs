@@ -1,0 +1,109 @@
+//! The dependence of a rate on temperature, its change and time.
+
+use crate::analysis::temperature::averages::Averages;
+use crate::analysis::temperature::effect::Effect;
+use crate::analysis::temperature::search::Search;
+use crate::fit::regression::{Estimate, Posterior};
+use crate::theory::allan::Process;
+
+/// Shortest time of a warm-up in blocks, and longest as a share of the record; a slower one is nearly a straight line.
+const SHORTEST: f64 = 1.0;
+const LONGEST: f64 = 0.5;
+/// Share of the logarithmic range of times of a warm-up that the next pass searches, unless so many times of this pass lie
+/// within the 95 % interval, or the range is so narrow.
+const NARROWER: f64 = 0.3;
+const RESOLVED: usize = 5;
+const NARROW: f64 = 1.0001;
+
+/// The dependence that was found.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// What was found of each effect, whether it is part of the model or was only tried.
+    pub findings: Vec<Finding>,
+    /// Rate at the reference temperature, °/h.
+    pub offset: f64,
+    /// The effects of the model with their coefficients.
+    pub coefficients: Vec<(Effect, f64)>,
+    /// Time of a warm-up of the model, s, with its 95 % interval where both ends were found.
+    pub warm_up_s: Option<(f64, Option<[f64; 2]>)>,
+    /// Probability of a residual at least as correlated, if the noise of the regression is that of the record.
+    pub p_value: f64,
+    /// Whether the intervals are the robust ones, because that probability is too low.
+    pub is_robust: bool,
+    pub(super) posterior: Posterior,
+}
+
+/// What was found of one effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Effect.
+    pub effect: Effect,
+    /// Its coefficient, in the model or if it entered next; absent where it cannot be determined.
+    pub estimate: Option<Estimate>,
+    /// Whether it is part of the model.
+    pub is_used: bool,
+    /// How well it is known, in words.
+    pub verdict: String,
+}
+
+/// The effects that may enter a model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Effects {
+    /// Temperature, and those of the others for which there is evidence.
+    Auto,
+    /// All of these.
+    Given(Vec<Effect>),
+}
+
+impl Model {
+    /// Fits `candidates` to the averages of a record with samples every `step_s`; `fast` is the noise of the record at short
+    /// times, white unless it is known. `Auto` includes temperature where it is a candidate, and chooses the others.
+    ///
+    /// # Errors
+    /// A sentence that says why there is no model.
+    pub fn of(
+        averages: &Averages,
+        candidates: &[Effect],
+        asked: &Effects,
+        fast: Option<&Process>,
+        step_s: f64,
+    ) -> Result<Model, String> {
+        let mut ends = [SHORTEST * step_s * averages.m as f64, LONGEST * averages.length_s()];
+        loop {
+            let search = Search::new(averages, candidates, ends, fast, step_s)?;
+            let choices = search.choices();
+            let is_allowed = |effects: &[Effect]| match asked {
+                Effects::Given(_) => effects.len() == candidates.len(),
+                Effects::Auto => {
+                    effects.contains(&Effect::Temperature) || !candidates.contains(&Effect::Temperature)
+                }
+            };
+            let allowed = choices.iter().filter(|choice| is_allowed(&choice.effects));
+            let best = allowed.min_by(|a, b| a.score.total_cmp(&b.score));
+            let best = best.filter(|best| best.score.is_finite()).ok_or_else(|| {
+                "its terms cannot be told from each other in this record: leave out some of them".to_owned()
+            })?;
+            let is_resolved = search.near(best).len() >= RESOLVED || ends[1] < NARROW * ends[0];
+            if !best.effects.contains(&Effect::WarmUp) || is_resolved {
+                let best = match asked {
+                    Effects::Auto => search.completed(best),
+                    Effects::Given(_) => best.clone(),
+                };
+                return search.model(&best, &choices);
+            }
+            let narrowed = libm::pow(ends[1] / ends[0], 0.5 * NARROWER);
+            ends = [search.time_s(best) / narrowed, search.time_s(best) * narrowed];
+        }
+    }
+
+    /// What the temperature adds to the rate at the reference temperature, `from` K above it.
+    pub fn at(&self, from: f64) -> Estimate {
+        let weight = |(effect, _): &(Effect, f64)| match effect {
+            Effect::Temperature => from,
+            Effect::Square => from * from,
+            _ => 0.0,
+        };
+        let weights: Vec<f64> = std::iter::once(0.0).chain(self.coefficients.iter().map(weight)).collect();
+        self.posterior.sum(&weights)
+    }
+}

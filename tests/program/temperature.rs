@@ -1,0 +1,122 @@
+//! `sagnac allan --temperature`: files, report, JSON, and what is refused.
+
+use serde_json::Value;
+
+use crate::desk::Desk;
+use crate::logs::{desk_with, noise};
+
+/// 4000 samples of 1 s in °/h with 0.5 °/h/K, `temp` of a unit, and a second column without dependence.
+fn log(header: &str, temperature: impl Fn(f64) -> f64) -> Desk {
+    let mut others: Vec<f64> = noise(8000).collect();
+    let second = others.split_off(4000);
+    let row = |(i, (a, b)): (usize, (&f64, &f64))| {
+        let celsius = 20.0 + 5.0 * (i as f64 / 400.0).sin();
+        format!("{i},{},{b},{}\n", a + 0.5 * celsius, temperature(celsius))
+    };
+    let rows: String = others.iter().zip(&second).enumerate().map(row).collect();
+    desk_with("log.csv", format!("{header}\n{rows}"))
+}
+
+const WORDS: &str = "allan log.csv --data rate --unit deg/h --bootstrap 0 --out out";
+
+fn table(desk: &Desk, name: &str) -> Vec<std::collections::BTreeMap<String, String>> {
+    let text = desk.read(&format!("out/{name}"));
+    csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect()
+}
+
+#[test]
+fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
+    let desk = log("time_s,gx,gy,temp [degC]", |celsius| celsius);
+    let words = format!("{WORDS} --column gx,gy --temperature temp");
+    let ended = desk.done(&words);
+    for piece in ["gx: dependence on temperature from 15 to 25 °C", "°/h/K", "before and after compensation"]
+    {
+        assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
+    }
+    let rows = table(&desk, "temperature.csv");
+    let of = |column: &str, name: &str| {
+        rows.iter().find(|row| row["column"] == column && row["coefficient"] == name).unwrap().clone()
+    };
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let c1 = of("gx", "T");
+    assert_eq!((c1["verdict"].as_str(), c1["unit"].as_str()), ("identified", "deg/h/K"));
+    assert!(number(&c1["lower"]) < 0.5 && 0.5 < number(&c1["upper"]), "{c1:?}");
+    assert!((number(&c1["value"]) - 0.5).abs() < 0.05, "{c1:?}");
+    assert!(number(&of("gy", "T")["lower"]) < 0.0, "{:?}", of("gy", "T"));
+    let compensation = table(&desk, "compensation.csv");
+    let rate = |row: &std::collections::BTreeMap<String, String>| number(&row["rate"]);
+    let of_gx: Vec<_> = compensation.iter().filter(|row| row["column"] == "gx").collect();
+    let [first, last] = [of_gx[0], of_gx[of_gx.len() - 1]];
+    assert!((number(&first["temperature"]) - 15.0).abs() < 1e-3, "{first:?}");
+    assert!((rate(last) - rate(first) - 5.0).abs() < 0.5, "{first:?} to {last:?}");
+    for stem in ["chart-temperature", "chart-rate"] {
+        assert!(desk.read(&format!("out/{stem}.svg")).contains("<svg"), "{stem}");
+    }
+    let document: Value = serde_json::from_str(&desk.done(&format!("{words} --json")).stdout).unwrap();
+    let column = &document["temperature"]["columns"][0];
+    assert_eq!(column["coefficients"][2]["coefficient"], "T");
+    assert_eq!(document["temperature"]["compensated"], false);
+    assert!(column["coefficients_after"].as_array().is_some_and(|rows| !rows.is_empty()));
+    // Without a temperature the charts of before would be wrong.
+    desk.done(&format!("{WORDS} --column gx"));
+    assert!(!desk.path("out/chart-temperature.svg").exists());
+}
+
+#[test]
+fn results_are_those_of_the_record_unless_it_is_to_be_compensated() {
+    let desk = log("time_s,gx,gy,temp [degC]", |celsius| celsius);
+    desk.done(&format!("{WORDS} --column gx"));
+    let raw = desk.read("out/curve.csv");
+    desk.done(&format!("{WORDS} --column gx --temperature temp"));
+    assert_eq!(desk.read("out/curve.csv"), raw);
+    desk.done(&format!("{WORDS} --column gx --temperature temp --compensate"));
+    let rows = table(&desk, "curve.csv");
+    assert!(
+        rows.iter().all(|row| row["treatment"] == "temperature compensated; no trend removed"),
+        "{rows:?}"
+    );
+    let long = |rows: &[std::collections::BTreeMap<String, String>]| {
+        rows.iter().find(|row| row["m"] == "512").unwrap()["value"].parse::<f64>().unwrap()
+    };
+    let before: Vec<_> = csv::Reader::from_reader(raw.as_bytes()).deserialize().map(Result::unwrap).collect();
+    assert!(long(&rows) < 0.1 * long(&before), "{} after {}", long(&rows), long(&before));
+}
+
+#[test]
+fn units_of_the_temperature_are_those_of_the_header_or_the_option() {
+    for (header, option, of_celsius) in [
+        ("temp_K", "", (|celsius| celsius + 273.15) as fn(f64) -> f64),
+        ("temp (°F)", "", |celsius| 1.8 * celsius + 32.0),
+        ("T", " --temperature-unit K", |celsius| celsius + 273.15),
+        ("t", "", |celsius| celsius),
+    ] {
+        let desk = log(&format!("time_s,gx,gy,{header}"), of_celsius);
+        let ended = desk.done(&format!("{WORDS} --column gx --temperature 4{option}"));
+        assert!(ended.stdout.contains("from 15 to 25 °C"), "{header}:\n{}", ended.stdout);
+        assert_eq!(
+            ended.stderr.contains("is taken to be in °C"),
+            header == "t",
+            "{header}:\n{}",
+            ended.stderr
+        );
+    }
+}
+
+#[test]
+fn a_wrong_temperature_is_refused_with_what_is_accepted() {
+    let desk = log("time_s,gx,gy,temp [volts]", |celsius| celsius);
+    for (words, code, pieces) in [
+        ("--temperature temp", 3, ["`volts` is not a unit of temperature", "--temperature-unit K"]),
+        ("--temperature tempp", 3, ["no column is called `tempp`", "did you mean `temp`"]),
+        (
+            "--temperature gx --temperature-unit C",
+            3,
+            ["the column of the temperature is requested as samples", "name another column"],
+        ),
+        ("--temperature temp --temperature-terms T2", 2, ["T2 needs T", "T,T2"]),
+        ("--temperature temp --temperature-terms T,x", 2, ["`x` is not a term", "warm-up"]),
+        ("--compensate", 2, ["--temperature", "required"]),
+    ] {
+        desk.fails(&format!("{WORDS} --column gx {words}"), code, &pieces);
+    }
+}
