@@ -1,6 +1,6 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
-use crate::analysis::{compare, design, firmware, log, spectrum, temperature};
+use crate::analysis::{compare, design, firmware, log, lot, spectrum, temperature};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::quantity::unit::bare;
@@ -52,6 +52,8 @@ pub fn files() -> Vec<File> {
             command("white_noise.csv", "sagnac psd", abouts(&spectrum::tables::white_columns())),
             command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
             command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
+            command("units.csv", "sagnac lot", abouts(&lot::tables::unit_columns())),
+            command("lot.csv", "sagnac lot", abouts(&lot::tables::lot_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
         ])

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
+use sagnac::analysis::lot::LotError;
 use sagnac::analysis::spectrum::NoSpectrum;
 use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
@@ -181,6 +182,15 @@ impl From<TauError> for Failure {
 impl From<NoSpectrum> for Failure {
     fn from(error: NoSpectrum) -> Failure {
         Failure::Record(in_options(&error))
+    }
+}
+
+impl From<LotError> for Failure {
+    fn from(error: LotError) -> Failure {
+        match error {
+            LotError::Units { .. } => Failure::Record(in_options(&error)),
+            LotError::TooFew(_) | LotError::Twice(_) => Failure::Usage(in_options(&error)),
+        }
     }
 }
 

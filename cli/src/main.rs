@@ -24,6 +24,7 @@ mod failure;
 mod filler;
 mod folders;
 mod look;
+mod lot;
 mod merge;
 mod new;
 mod one_point;

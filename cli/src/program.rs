@@ -33,6 +33,7 @@ Examples:
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
+  sagnac lot bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
   sagnac new gap-fill first.toml
   sagnac explain motion.amplitude
   sagnac verify";
@@ -84,6 +85,8 @@ commands! {
     Psd(crate::psd::Options) = crate::psd::psd;
     /// Compare the noise of two recorded logs: coefficients, significance, and the record length needed
     Compare(crate::compare::Options) = crate::compare::compare;
+    /// Pool the noise of several units of a lot: the value and spread of each coefficient, the next unit, the odd unit
+    Lot(crate::lot::Options) = crate::lot::lot;
     /// List the devices that kernels can run on
     Devices(crate::devices::Options) = crate::devices::devices;
     /// Verify that every kernel gives the same bits on every device of this machine

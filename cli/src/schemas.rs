@@ -28,7 +28,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<_, fn() -> String, 10>([
+    one_of::<_, fn() -> String, 11>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),
@@ -37,6 +37,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
         ("allan", shipped!("allan")),
         ("psd", shipped!("psd")),
         ("compare", shipped!("compare")),
+        ("lot", shipped!("lot")),
         ("bench", shipped!("bench")),
         ("devices", shipped!("devices")),
     ])

@@ -141,7 +141,11 @@ pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
 
 /// A table with a heading, [`aligned`].
 pub(crate) fn headed<const N: usize>(heading: [&str; N], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let heading = heading.map(str::to_owned).to_vec();
+    headed_by(heading.map(str::to_owned).to_vec(), rows)
+}
+
+/// A table with a heading of any length, [`aligned`].
+pub(crate) fn headed_by(heading: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> String {
     aligned(&std::iter::once(heading).chain(rows).collect::<Vec<_>>())
 }
 

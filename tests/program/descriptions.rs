@@ -71,6 +71,8 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(&format!("allan {log} {read} --bootstrap 0 --out allan"));
     desk.done(&format!("psd {log} {read} --bootstrap 0 --out psd"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
+    desk.write("two.csv", &crate::logs::log());
+    desk.done("lot two.csv --data rate --column gx,gz --out lot");
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
     let by = ["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"];
     for by in by {
@@ -91,6 +93,8 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("psd", "white_noise.csv", "psd"),
         ("compare", "compare.csv", "compare"),
         ("compare", "coefficients.csv", "compare"),
+        ("lot", "units.csv", "lot"),
+        ("lot", "lot.csv", "lot"),
         ("filler", "weights.csv", "filler"),
         ("filler", "test_vectors.csv", "filler"),
     ];

@@ -74,7 +74,7 @@ fn a_merge_without_all_shares_says_in_its_verdict_and_document_what_is_missing()
 }
 
 #[test]
-fn design_filler_allan_psd_and_compare_print_what_their_schemas_say() {
+fn design_filler_allan_psd_compare_and_lot_print_what_their_schemas_say() {
     let desk = Desk::with("");
     let design = format!("design {} {FEW}", shipped("studies/design_point.toml"));
     check(&schema("design"), &desk.done(&design).stdout, "design");
@@ -100,6 +100,11 @@ fn design_filler_allan_psd_and_compare_print_what_their_schemas_say() {
         &desk.done(&format!("compare {log} {log} {read} --fit none")).stdout,
         "compare without a fit",
     );
+    desk.write("two.csv", &crate::logs::log());
+    for more in ["", "--fit none"] {
+        let words = format!("lot two.csv --data rate --column gx,gz --json {more}");
+        check(&schema("lot"), &desk.done(&words).stdout, &words);
+    }
     for more in ["--bootstrap 0", "--fit none", "--segment 600s --segment-detrend linear --bootstrap 0"] {
         check(&schema("psd"), &desk.done(&format!("psd {log} {read} {more}")).stdout, more);
     }

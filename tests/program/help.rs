@@ -49,9 +49,10 @@ fn prepared() -> Desk {
             20.0 + 0.001 * at as f64
         );
     }
-    for name in ["log.csv", "gyro.csv", "gyro1.csv", "gyro2.csv"] {
+    for name in ["log.csv", "gyro.csv", "gyro1.csv", "gyro2.csv", "gyro3.csv"] {
         desk.write(name, &log);
     }
+    desk.write("bench.csv", &log.replacen("stamp,gx,gy,gz", "g01,g02,g03,g04", 1));
     let single: String = (0..4000).map(|_| format!("{:.6}\n", 0.01 * noise())).collect();
     for name in ["before.csv", "after.csv", "PHASE.DAT"] {
         desk.write(name, &single);

@@ -1,6 +1,6 @@
 //! The results of `sagnac allan` as a table and as JSON.
 
-use crate::allan::{Deviation, Point, Trend};
+use crate::allan::{Deviation, Minimum, Point, Trend, Unit as Curves};
 use crate::analysis::data_sheet::Row;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -131,14 +131,28 @@ pub fn coefficients(analysis: &Analysis) -> Table {
 fn stability(column: &log::Column) -> Vec<Row> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
     let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
-    let (unit, symbol) = (column.unit.in_files(curve.deviation), column.unit.symbol(curve.deviation));
-    let (value, verdict) = (minimum.point.value, if minimum.at_end { "at the end of the curve" } else { "" });
-    let interval = minimum.point.interval.map(|(lower, upper)| [lower, upper]);
-    let tau = Some(minimum.point.tau_s);
-    vec![
-        Row { name: "in_run_stability", unit, symbol, value, interval, verdict },
-        Row { name: "in_run_stability_tau", unit: "s", symbol: "s", value: tau, interval: None, verdict },
-    ]
+    let row = in_run_stability(column.unit, curve.deviation, &minimum);
+    let tau = Row {
+        name: "in_run_stability_tau",
+        unit: "s",
+        symbol: "s",
+        value: Some(minimum.point.tau_s),
+        interval: None,
+        verdict: row.verdict,
+    };
+    vec![row, tau]
+}
+
+/// The minimum of a curve as a row.
+pub(crate) fn in_run_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
+    Row {
+        name: "in_run_stability",
+        unit: unit.in_files(deviation),
+        symbol: unit.symbol(deviation),
+        value: minimum.point.value,
+        interval: minimum.point.interval.map(|(lower, upper)| [lower, upper]),
+        verdict: if minimum.at_end { "at the end of the curve" } else { "" },
+    }
 }
 
 /// A coefficient as JSON.

@@ -1,0 +1,91 @@
+"""Coverage of the intervals of `sagnac lot`, and its odd units, on lots made by NumPy.
+
+    cargo build --release -p sagnac-cli
+    python benches/lot_numpy.py units [LOTS]    # units with white noise and flicker: values, spreads, the next unit, odd units
+
+Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
+"""
+
+import sys
+
+import allan_numpy
+import numpy as np
+
+UNITS = 8
+SAMPLES = 2**14
+B = 0.3
+
+
+def factors(rng, kind, spread):
+    """Factors of the units and of the next one with median 1, and the standard deviation over the mean."""
+    if kind == "uniform":
+        return 1 + np.sqrt(3) * spread * rng.uniform(-1, 1, UNITS + 1)
+    return np.exp(np.sqrt(np.log1p(spread**2)) * rng.standard_normal(UNITS + 1))
+
+
+def lot(rng, kind, spreads, filtered, odd):
+    """Rates of all units, and the coefficients of the units and the next one."""
+    n, b = (factors(rng, kind, spread) for spread in spreads)
+    n[0] *= odd
+    rates = []
+    for unit in range(UNITS):
+        one = n[unit] * rng.standard_normal(SAMPLES + 1) + B * b[unit] * allan_numpy.flicker(rng, SAMPLES + 1)
+        rates.append(0.5 * (one[1:] + one[:-1]) if filtered else one[1:])
+    return np.stack(rates, axis=1), n, B * b
+
+
+def units(lots):
+    """Each row: a kind of spread, those of N and B, behind a filter or not, the factor of the odd unit."""
+    rows = [
+        ("equal", (0, 0), False, 1),
+        ("log-normal", (0.01, 0.2), False, 1),
+        ("log-normal", (0.05, 0.2), False, 1),
+        ("log-normal", (0.05, 0.2), True, 1),
+        ("log-normal", (0.3, 0.5), False, 1),
+        ("uniform", (0.05, 0.2), False, 1),
+        ("uniform", (0.3, 0.3), False, 1),
+        ("log-normal", (0.05, 0.2), False, 2),
+        ("log-normal", (0.3, 0.2), False, 2),
+    ]
+    print(f"{lots} lots of {UNITS} units of {SAMPLES} samples; coverage in percent: lot, next unit, spread")
+    names = ",".join(str(unit + 1) for unit in range(UNITS))
+    options = ["--rate", "1Hz", "--unit", "none", "--column", names]
+    for kind, spreads, filtered, odd in rows:
+        rng = np.random.default_rng(31)
+        made = [lot(rng, kind, spreads, filtered, odd) for _ in range(lots)]
+        documents = allan_numpy.POOL.map(lambda one: allan_numpy.program("lot", [one[0]], *options), made)
+        covered = {name: [] for name in ("N", "B")}
+        false, found, shown = 0, 0, {name: [] for name in covered}
+        for (_, n, b), document in zip(made, documents):
+            named = {
+                unit
+                for unit, one in enumerate(document["units"])
+                if any(row["odd"] is not None for row in one["coefficients"])
+            }
+            false += bool(named - ({0} if odd != 1 else set()))
+            first = document["units"][0]["coefficients"]
+            found += any(row["odd"] == "higher" and row["coefficient"] == "N" for row in first)
+            for one in document["coefficients"]:
+                name, pooled = one["coefficient"], one["all"]
+                if name not in covered or pooled is None:
+                    continue
+                truth, next_one, spread = (1, n[-1], spreads[0]) if name == "N" else (B, b[-1], spreads[1])
+                shown[name].append(one["units"])
+                covered[name].append(
+                    [
+                        pooled[f"{key}_lower" if key else "lower"] <= value <= pooled[f"{key}_upper" if key else "upper"]
+                        for key, value in (("", truth), ("next", next_one), ("spread", spread))
+                    ]
+                )
+        line = f"{kind:10} N {100 * spreads[0]:2.0f} % B {100 * spreads[1]:2.0f} %{' filtered' if filtered else ''}"
+        line += f"{f' odd {odd}' if odd != 1 else ''}:"
+        for name, inside in covered.items():
+            if inside:
+                line += f" {name} " + " · ".join(f"{100 * share:.1f}" for share in np.mean(inside, axis=0))
+                line += f" ({np.mean(shown[name]):.1f} units)"
+        print(line, f"false odd {100 * false / lots:.1f} %, found {100 * found / lots:.1f} %", flush=True)
+
+
+if __name__ == "__main__":
+    allan_numpy.POOL = allan_numpy.ThreadPoolExecutor(allan_numpy.os.cpu_count())
+    globals()[sys.argv[1]](int(sys.argv[2]) if len(sys.argv) > 2 else 300)

@@ -1,0 +1,89 @@
+//! `sagnac lot`.
+
+pub mod report;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sagnac::allan::deviation::Deviation;
+use sagnac::allan::tau::Taus;
+use sagnac::analysis::log::{self, Asked, Suppose};
+use sagnac::analysis::lot::{Lot, figures, tables};
+use sagnac::progress::Silent;
+use sagnac::view::chart::picture::Picture;
+
+use crate::charts::write_pictures;
+use crate::failure::Failure;
+use crate::output::{print, print_json, write_table};
+use crate::reading::Reading;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac lot gyro1.csv gyro2.csv gyro3.csv --data rate --unit deg/h --rate 100Hz --column gz
+  sagnac lot bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
+
+Every column of every log is a unit of the lot. All logs are read with the same options, as
+`sagnac allan` reads them; with time stamps their sampling rates may differ.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Recorded logs, whose columns are the units of the lot
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Results folder [default: results/lot]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the results as JSON
+    #[arg(help_heading = "Output", long)]
+    json: bool,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+/// Pools the logs of a lot.
+pub fn lot(options: &Options) -> Result<(), Failure> {
+    let lot = analysis(options)?;
+    let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join("lot"));
+    save(&lot, &folder)?;
+    if options.json {
+        return print_json(&tables::document(&lot));
+    }
+    if !options.quiet {
+        report::notes(&lot).iter().for_each(|note| say!("note: {note}"));
+        print(&report::report(&lot))?;
+        say!("results are in {}", folder.display());
+    }
+    Ok(())
+}
+
+/// Reads and analyses the logs one after the other, because each may fill the memory.
+fn analysis(options: &Options) -> Result<Lot, Failure> {
+    let reading = &options.reading;
+    let (request, treatment) = (reading.request()?, reading.treatment());
+    let asked = Asked {
+        taus: Taus::Octave,
+        deviations: vec![Deviation::Oadev],
+        confidence: 0.95,
+        intervals: Suppose::Record,
+        fitting: reading.fitting(),
+        simulated: Some(0),
+    };
+    let of = |path: &PathBuf| -> Result<log::Analysis, Failure> {
+        let log = treatment.read(path, &request)?;
+        Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)
+    };
+    Ok(Lot::of(options.files.iter().map(of).collect::<Result<_, _>>()?)?)
+}
+
+/// Writes the tables and the charts.
+fn save(lot: &Lot, folder: &Path) -> Result<(), Failure> {
+    write_table(&folder.join("units.csv"), &tables::units(lot))?;
+    write_table(&folder.join("lot.csv"), &tables::lot(lot))?;
+    write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(lot)))?;
+    let coefficients = figures::coefficients(lot).map(Picture::Curves);
+    coefficients.iter().try_for_each(|figure| write_pictures(folder, "chart-2", figure))
+}

@@ -1,0 +1,125 @@
+//! The charts of `sagnac lot`.
+
+use crate::allan::{Deviation, Point};
+use crate::key::scale::Scale;
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+
+use crate::analysis::compare::words::{duration, probability};
+use crate::analysis::log;
+use crate::analysis::lot::{Coefficient, Found, Lot};
+
+/// Distance of neighbouring coefficients of a unit, where units are 1 apart, and the most that all of them take.
+const APART: f64 = 0.12;
+const WIDEST: f64 = 0.7;
+
+/// Range of ratios below which the axis is linear.
+const NARROW: f64 = 3.0;
+
+/// The chart of the curves of all units, with the odd ones in colours of their own.
+pub fn curves(lot: &Lot) -> Figure {
+    let odd = lot.odd();
+    let colour = |unit: usize| odd.iter().position(|other| *other == unit).map_or(0, |place| place + 1);
+    let point = |point: &Point| {
+        let positive = point.value.filter(|value| *value > 0.0)?;
+        Some(SeriesPoint { x: point.tau_s, y: positive, band: None })
+    };
+    let columns = lot.units().map(|(_, column)| column);
+    let mut series: Vec<Series> = columns
+        .enumerate()
+        .flat_map(|(unit, column)| column.curves.iter().take(1).map(move |curve| (unit, curve)))
+        .map(|(unit, curve)| Series {
+            colour: colour(unit),
+            dash: 0,
+            points: curve.points.iter().filter_map(point).collect(),
+            law: vec![],
+        })
+        .collect();
+    // Odd units are drawn over the others.
+    series.sort_by_key(|series| series.colour);
+    let like = lot.labels.len() - odd.len();
+    let others = match odd.len() {
+        0 => format!("{like} units"),
+        _ => format!("{like} other units"),
+    };
+    let others = (like > 0).then_some(Entry { style: 0, name: others });
+    let named =
+        odd.iter().map(|&unit| Entry { style: colour(unit), name: format!("{}, odd", lot.labels[unit]) });
+    let unit = lot.units().next().map_or("", |(_, column)| column.unit.symbol(Deviation::Oadev));
+    Figure {
+        title: format!("Overlapping Allan deviations of a lot of {} units", lot.labels.len()),
+        subtitle: Some(subtitle(lot)),
+        x: Axis::new("averaging time τ", "s"),
+        y: Axis::new("deviation σ(τ)", unit),
+        colours: Grouping { title: "units".to_owned(), entries: others.into_iter().chain(named).collect() },
+        series,
+        ..Figure::default()
+    }
+}
+
+/// The chart of all coefficients of all units as parts of the values of the lot without odd units; `None` where nothing is pooled.
+pub fn coefficients(lot: &Lot) -> Option<Figure> {
+    let shown: Vec<(&Coefficient, f64, [f64; 2])> = lot
+        .coefficients
+        .iter()
+        .filter_map(|one| one.without_odd.or(one.pooled).map(|lot| (one, lot.value, lot.next)))
+        .collect();
+    if shown.is_empty() {
+        return None;
+    }
+    let apart = APART.min(WIDEST / shown.len() as f64);
+    let across = |unit: usize, place: usize| {
+        (unit + 1) as f64 + apart * (place as f64 - 0.5 * (shown.len() - 1) as f64)
+    };
+    let series = shown.iter().enumerate().map(|(place, (one, value, _))| {
+        let point = |(unit, found): (usize, &Found)| {
+            let band = found.row.interval.map(|[lower, upper]| (lower / value, upper / value));
+            found.estimate()?;
+            Some(SeriesPoint { x: across(unit, place), y: found.row.value? / value, band })
+        };
+        Series { colour: place, dash: 0, points: one.shown().filter_map(point).collect(), law: vec![] }
+    });
+    let series: Vec<Series> = series.collect();
+    let ends = [0.5, lot.labels.len() as f64 + 0.5];
+    let lines = shown.iter().enumerate().flat_map(|(place, (_, value, next))| {
+        next.map(|end| LawLine { colours: vec![place], points: ends.map(|x| (x, end / value)).into() })
+    });
+    let values = series.iter().flat_map(|series| &series.points).map(|point| point.y);
+    let (low, high) = values.fold((1.0_f64, 1.0_f64), |(low, high), y| (low.min(y), high.max(y)));
+    // A logarithmic axis over a smaller range has hardly a tick above 1.
+    let scale = if high < NARROW * low { Scale::Linear } else { Scale::Log };
+    Some(Figure {
+        title: format!("Coefficients of {} units over those of the lot", lot.labels.len()),
+        subtitle: Some(found(lot)),
+        x: Axis { scale: Scale::Linear, whole: true, names: lot.labels.clone(), ..Axis::new("unit", "") },
+        y: Axis { scale, ..Axis::new("value over that of the lot", "") },
+        colours: Grouping::of("coefficients", shown.iter().map(|(one, ..)| one.title())),
+        bands: "95 % intervals".to_owned(),
+        laws: vec![Law { label: "limits of the next unit".to_owned(), lines: lines.collect() }],
+        limit: Some(Limit { value: 1.0, label: "the lot".to_owned() }),
+        series,
+        ..Figure::default()
+    })
+}
+
+/// The lengths of the records and their treatment.
+fn subtitle(lot: &Lot) -> String {
+    let lengths = lot.logs.iter().map(log::Analysis::length_s);
+    let (shortest, longest) =
+        lengths.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
+    let of = if longest > 1.01 * shortest { format!(" to {}", duration(longest)) } else { String::new() };
+    let treatment = lot.logs.first().map_or_else(String::new, |log| log.treatment.summary());
+    format!("records of {}{of}; {treatment}", duration(shortest))
+}
+
+/// The odd units in a few words.
+fn found(lot: &Lot) -> String {
+    let of = |one: &Coefficient| {
+        let odd = one.odd().map(|(unit, found, odd)| {
+            let p = found.p.map_or_else(String::new, |p| format!(" ({})", probability(p)));
+            format!("{}: {} {}{p}", lot.labels[unit], one.title(), odd.name())
+        });
+        odd.collect::<Vec<_>>()
+    };
+    let odd: Vec<String> = lot.coefficients.iter().flat_map(of).collect();
+    if odd.is_empty() { "no unit is odd".to_owned() } else { odd.join("; ") }
+}

@@ -1,0 +1,327 @@
+//! Several units of a production lot: the coefficients of each, the values of the lot, and the odd unit.
+//!
+//! ```text
+//! Logs ─ log::Analysis ─▶ units ─▶ Estimates ─┬─ pool ─▶ Pooled: median, spread, next unit
+//!                                             └─ place ─▶ p of each unit among the others
+//! ```
+//!
+//! Each unit has the coefficients of its own [analysis](crate::analysis::log), with intervals in closed form. What the units
+//! show of a coefficient is [pooled](pool::pool) in logarithms. A unit is odd if its estimate is improbable for a lot
+//! like the others ([`pool::place`]), with p multiplied by the number of such tests in the lot (Bonferroni), so that equal or
+//! log-normal lots show an odd unit in at most 5 % of cases. Two odd units of equal size hide each other in this test.
+//!
+//! A record that does not show a coefficient gives an upper bound or nothing. Such units are not pooled: the median is then that
+//! of the units that show the coefficient, which is too high for the lot, and the spread is too low. Where fewer than three
+//! units show a coefficient, no spread tells whether one is odd. A unit then stands apart if its interval lies
+//! above the bounds of all others.
+
+pub mod figures;
+pub mod pool;
+pub mod tables;
+pub mod words;
+
+use std::path::Path;
+
+use crate::allan::{Deviation, Unit as Curves, minimum};
+use crate::analysis::data_sheet::Row;
+use crate::analysis::log::tables::in_run_stability;
+use crate::analysis::log::{self, Column};
+
+use crate::analysis::lot::pool::{Estimate, Pooled};
+
+/// Probability of an odd unit in a lot without one.
+pub const FALSE_ALARM: f64 = 0.05;
+
+/// Fewest units of which one can be odd.
+const FEWEST: usize = pool::FEWEST + 1;
+
+/// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
+const SHORTEST_RECORD: usize = 8;
+
+/// Why some logs are not a lot.
+#[derive(Debug, thiserror::Error)]
+pub enum LotError {
+    /// There are too few units.
+    #[error(
+        "a lot needs at least two units, found {0}\ngive several logs, or several columns of a log, as in `column = gx,gy`"
+    )]
+    TooFew(usize),
+    /// The units have different quantities.
+    #[error("{first} has {}, {other} has {}: they are no lot\ngive units of one kind, all with their `unit`", named(units[0]), named(units[1]))]
+    Units {
+        /// Label of the first unit.
+        first: String,
+        /// Label of a unit that differs.
+        other: String,
+        /// Units of their curves.
+        units: [Curves; 2],
+    },
+    /// A record is given twice.
+    #[error("{0} is given twice\ngive each unit once, because equal records make the lot look too even")]
+    Twice(String),
+}
+
+fn named(unit: Curves) -> &'static str {
+    let symbol = unit.symbol(Deviation::Oadev);
+    if symbol.is_empty() { "plain numbers" } else { symbol }
+}
+
+/// A lot.
+#[derive(Debug)]
+pub struct Lot {
+    /// The logs.
+    pub logs: Vec<log::Analysis>,
+    /// Labels of the units, which are the columns of the logs in order.
+    pub labels: Vec<String>,
+    /// Coefficients in the order of the data sheet, then the minimum of the curve.
+    pub coefficients: Vec<Coefficient>,
+    /// Number of tests by which each p was multiplied.
+    pub tests: usize,
+}
+
+/// A coefficient of all units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coefficient {
+    /// Name in files.
+    pub name: &'static str,
+    /// Unit in files.
+    pub unit: &'static str,
+    /// Unit for the user.
+    pub symbol: &'static str,
+    /// What each unit shows; absent where its fit does not include the term.
+    pub found: Vec<Option<Found>>,
+    /// The lot of the units that show it; absent where fewer than two do.
+    pub pooled: Option<Pooled>,
+    /// The lot without the odd units; absent without any, and where fewer than two remain.
+    pub without_odd: Option<Pooled>,
+}
+
+/// A coefficient of one unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// Value, interval and verdict.
+    pub row: Row,
+    /// Probability of an estimate at least as far from the others in any of the tests, if all units are alike; absent where
+    /// fewer than three units show the coefficient.
+    pub p: Option<f64>,
+    /// How the unit is odd, if it is.
+    pub odd: Option<Odd>,
+}
+
+/// How a unit is odd.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Odd {
+    /// Higher than the others.
+    Higher,
+    /// Lower than the others.
+    Lower,
+    /// Above the bounds of all others, of which at most one shows the coefficient.
+    Alone,
+}
+
+impl Odd {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Odd::Higher => "higher",
+            Odd::Lower => "lower",
+            Odd::Alone => "above the bounds of the others",
+        }
+    }
+}
+
+impl Found {
+    /// The estimate that is pooled; `None` where the unit shows only a bound, or nothing.
+    pub fn estimate(&self) -> Option<Estimate> {
+        Estimate::of(self.row.value?, self.row.interval?)
+    }
+
+    /// The upper bound of a unit that does not show the coefficient.
+    pub fn bound(&self) -> Option<f64> {
+        let [_, upper] = self.row.interval.filter(|_| self.estimate().is_none())?;
+        Some(upper)
+    }
+}
+
+impl Coefficient {
+    /// Name for the user, such as `N` or `in run stability`.
+    pub fn title(&self) -> String {
+        self.name.replace('_', " ")
+    }
+
+    /// What the units show, with their places in the lot.
+    fn shown(&self) -> impl Iterator<Item = (usize, &Found)> {
+        self.found.iter().enumerate().filter_map(|(unit, found)| Some((unit, found.as_ref()?)))
+    }
+
+    /// The units that show the coefficient, with their estimates.
+    pub(crate) fn estimates(&self) -> Vec<(usize, Estimate)> {
+        self.shown().filter_map(|(unit, found)| Some((unit, found.estimate()?))).collect()
+    }
+
+    /// The units that have only an upper bound, with it.
+    pub(crate) fn bounds(&self) -> Vec<(usize, f64)> {
+        self.shown().filter_map(|(unit, found)| Some((unit, found.bound()?))).collect()
+    }
+
+    /// Number of units that say nothing of it.
+    pub(crate) fn missing(&self) -> usize {
+        self.found.len() - self.estimates().len() - self.bounds().len()
+    }
+
+    /// The odd units.
+    pub fn odd(&self) -> impl Iterator<Item = (usize, &Found, Odd)> {
+        self.shown().filter_map(|(unit, found)| Some((unit, found, found.odd?)))
+    }
+
+    /// The probability of a lower estimate among units like the others, for each unit that shows the coefficient beside enough
+    /// others.
+    fn places(&self) -> Vec<(usize, f64)> {
+        let estimates = self.estimates();
+        let place = |(unit, one): &(usize, Estimate)| {
+            let others = estimates.iter().filter(|(other, _)| other != unit).map(|(_, other)| *other);
+            Some((*unit, pool::place(one, &others.collect::<Vec<_>>())?))
+        };
+        estimates.iter().filter_map(place).collect()
+    }
+
+    /// Names the odd units by their `places`, where each p counts `tests` times, and pools all and the others.
+    fn judge(&mut self, places: &[(usize, f64)], tests: usize) {
+        for &(unit, below) in places {
+            let Some(found) = &mut self.found[unit] else { continue };
+            let p = (2.0 * below.min(1.0 - below) * tests as f64).clamp(0.0, 1.0);
+            let side = if below > 0.5 { Odd::Higher } else { Odd::Lower };
+            (found.p, found.odd) = (Some(p), (p < FALSE_ALARM).then_some(side));
+        }
+        if let Some(found) = self.alone().and_then(|unit| self.found[unit].as_mut()) {
+            found.odd = Some(Odd::Alone);
+        }
+        let mut all = Vec::new();
+        let mut rest = Vec::new();
+        for (_, found) in self.shown() {
+            all.extend(found.estimate());
+            rest.extend(found.estimate().filter(|_| found.odd.is_none()));
+        }
+        self.without_odd = pool::pool(&rest).filter(|_| rest.len() < all.len());
+        self.pooled = pool::pool(&all);
+    }
+
+    /// The unit whose interval is above those of all others, each of which has an upper end, where too few show the
+    /// coefficient for a test.
+    fn alone(&self) -> Option<usize> {
+        let ends = |found: &Option<Found>| found.as_ref().and_then(|found| found.row.interval);
+        let is_above_others = |unit: &usize| {
+            let lower = ends(&self.found[*unit]).map_or(0.0, |[lower, _]| lower);
+            let mut others = self.found.iter().enumerate().filter(|(other, _)| other != unit);
+            others.all(|(_, found)| ends(found).is_some_and(|[_, upper]| upper < lower))
+        };
+        let estimates = self.estimates();
+        let is_untested = estimates.len() < FEWEST && self.found.len() >= FEWEST;
+        estimates.into_iter().map(|(unit, _)| unit).filter(|_| is_untested).find(is_above_others)
+    }
+}
+
+impl Lot {
+    /// The lot of all columns of some logs.
+    ///
+    /// # Errors
+    /// There are fewer than two columns, their quantities differ, or one is given twice.
+    pub fn of(logs: Vec<log::Analysis>) -> Result<Lot, LotError> {
+        let units: Vec<(&log::Analysis, &Column)> = units(&logs).collect();
+        let [(_, first), _, ..] = units[..] else { return Err(LotError::TooFew(units.len())) };
+        let labels = labels(&units, logs.len())?;
+        if let Some(other) = units.iter().position(|(_, column)| column.unit != first.unit) {
+            let units = [first.unit, units[other].1.unit];
+            return Err(LotError::Units { first: labels[0].clone(), other: labels[other].clone(), units });
+        }
+        let mut coefficients = coefficients(&units);
+        let places: Vec<Vec<(usize, f64)>> = coefficients.iter().map(Coefficient::places).collect();
+        let tests = places.iter().map(Vec::len).sum();
+        for (one, places) in coefficients.iter_mut().zip(&places) {
+            one.judge(places, tests);
+        }
+        Ok(Lot { labels, coefficients, tests, logs })
+    }
+
+    /// The units: each column of each log.
+    pub fn units(&self) -> impl Iterator<Item = (&log::Analysis, &Column)> {
+        units(&self.logs)
+    }
+
+    /// The odd units, each once.
+    pub fn odd(&self) -> Vec<usize> {
+        let mut odd: Vec<usize> =
+            self.coefficients.iter().flat_map(|one| one.odd().map(|(unit, ..)| unit)).collect();
+        odd.sort_unstable();
+        odd.dedup();
+        odd
+    }
+}
+
+fn units(logs: &[log::Analysis]) -> impl Iterator<Item = (&log::Analysis, &Column)> {
+    logs.iter().flat_map(|log| log.columns.iter().map(move |column| (log, column)))
+}
+
+/// Labels as short as possible: columns of a single log, else names of files, then both, then whole paths.
+fn labels(units: &[(&log::Analysis, &Column)], logs: usize) -> Result<Vec<String>, LotError> {
+    type Name = fn(&Path, &str) -> String;
+    let names: [Name; 4] = [
+        |_, column| column.to_owned(),
+        |path, _| stem(path),
+        |path, column| format!("{} {column}", stem(path)),
+        |path, column| format!("{} {column}", path.display()),
+    ];
+    let first = usize::from(logs > 1);
+    let mut all = names[first..]
+        .iter()
+        .map(|name| units.iter().map(|(log, column)| name(&log.path, &column.name)).collect::<Vec<_>>());
+    let twice = |labels: &[String]| {
+        labels.iter().enumerate().find(|(i, one)| labels[..*i].contains(one)).map(|(i, _)| i)
+    };
+    let mut last = Vec::new();
+    let found = all.find(|labels| {
+        last.clone_from(labels);
+        twice(labels).is_none()
+    });
+    found.ok_or_else(|| LotError::Twice(last[twice(&last).unwrap_or(0)].clone()))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The coefficients of all units, each under its name.
+fn coefficients(units: &[(&log::Analysis, &Column)]) -> Vec<Coefficient> {
+    let rows: Vec<Vec<Row>> = units.iter().map(|(log, column)| rows(log, column)).collect();
+    let mut kinds: Vec<&Row> = Vec::new();
+    for row in rows.iter().flatten() {
+        if !kinds.iter().any(|known| known.name == row.name) {
+            kinds.push(row);
+        }
+    }
+    let of_kind = |kind: &&Row| {
+        let of_unit = |rows: &Vec<Row>| {
+            let row = rows.iter().find(|row| row.name == kind.name)?.clone();
+            Some(Found { row, p: None, odd: None })
+        };
+        let found = rows.iter().map(of_unit).collect();
+        let (name, unit, symbol) = (kind.name, kind.unit, kind.symbol);
+        Coefficient { name, unit, symbol, found, pooled: None, without_odd: None }
+    };
+    kinds.iter().map(of_kind).collect()
+}
+
+/// The coefficients of a column and the minimum of its curve up to an eighth of the record. Where that is the last point, it is an
+/// upper bound.
+fn rows(log: &log::Analysis, column: &Column) -> Vec<Row> {
+    let stability = column.curves.first().and_then(|curve| {
+        let known = curve.points.partition_point(|point| SHORTEST_RECORD * point.m <= log.samples);
+        let minimum = minimum(&curve.points[..known])?;
+        let row = in_run_stability(column.unit, curve.deviation, &minimum);
+        Some(match minimum.at_end {
+            true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
+            false => row,
+        })
+    });
+    column.coefficients().iter().cloned().chain(stability).collect()
+}

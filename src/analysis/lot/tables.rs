@@ -1,0 +1,208 @@
+//! The results of `sagnac lot` as tables and as JSON.
+
+use serde_json::{Value, json};
+
+use crate::analysis::log;
+use crate::analysis::log::tables::text;
+use crate::table::column::columns_of;
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+
+use crate::analysis::lot::pool::Pooled;
+use crate::analysis::lot::words::sentences;
+use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
+
+/// A row of `units.csv`.
+pub(crate) struct UnitRow<'a> {
+    label: &'a str,
+    file: String,
+    column: &'a log::Column,
+    found: &'a Found,
+}
+
+/// The columns of `units.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn unit_columns<'a>() -> Vec<ColumnOf<UnitRow<'a>>> {
+    type Of<'a> = ColumnOf<UnitRow<'a>>;
+    vec![
+        Of::new("label", Unit::NONE, "label", |row| text(row.label))
+            .is(Role::Key, "Label of the unit of the lot: the name of its file, of its column, or both."),
+        Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.found.row.name))
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, \
+                the minimum of the curve."),
+        Of::new("value", Unit::NONE, "value", |row| row.found.row.value.into())
+            .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.found.row.interval.map(|ends| ends[0]).into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.found.row.interval.map(|ends| ends[1]).into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval; if `value` is blank, an upper bound on the coefficient."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.found.row.unit))
+            .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
+        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.found.row.verdict))
+            .is(Role::Note, "Whether the record identifies the coefficient, in words."),
+        Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
+            .is(Role::Estimate, "Probability that any test of the lot finds a unit at least as far from the others by chance if all are \
+                alike; blank where fewer than three units show the coefficient."),
+        Of::new("odd", Unit::NONE, "odd", |row| text(row.found.odd.map_or("", Odd::name)))
+            .is(Role::Note, "`higher` or `lower` than the others where p < 5 %, or `above the bounds of the others`; blank for a unit like \
+                the others."),
+        Of::new("file", Unit::NONE, "file", |row| text(&row.file))
+            .is(Role::Note, "The log of the unit."),
+        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
+            .is(Role::Note, "The column of the log."),
+        Of::new("fit_from", Unit::S, "fit_from", |row| row.column.noise().map(|noise| noise.fit.tau_range[0]).into())
+            .is(Role::Coordinate, "Shortest τ of the fit, s: the shortest from which its terms describe the curve."),
+    ]
+}
+
+/// The coefficients of all units: `units.csv`.
+pub fn units(lot: &Lot) -> Table {
+    let mut rows = Vec::new();
+    for (unit, (log, column)) in lot.units().enumerate() {
+        for one in &lot.coefficients {
+            let Some(found) = &one.found[unit] else { continue };
+            rows.push(UnitRow {
+                label: &lot.labels[unit],
+                file: log.path.display().to_string(),
+                column,
+                found,
+            });
+        }
+    }
+    Table { columns: columns_of(&unit_columns(), &rows) }
+}
+
+/// A row of `lot.csv`.
+pub(crate) struct LotRow<'a> {
+    one: &'a Coefficient,
+    of: &'static str,
+    pooled: Option<Pooled>,
+}
+
+impl LotRow<'_> {
+    /// A number of the lot that the units determine.
+    fn finite(&self, of: impl Fn(&Pooled) -> f64) -> Cell {
+        self.pooled.as_ref().map(of).filter(|number| number.is_finite()).into()
+    }
+}
+
+/// The columns of `lot.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
+    type Of<'a> = ColumnOf<LotRow<'a>>;
+    vec![
+        Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.one.name))
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, \
+                the minimum of the curve."),
+        Of::new("of", Unit::NONE, "of", |row| text(row.of))
+            .is(Role::Key, "`all` units that show the coefficient, or those `without odd` ones."),
+        Of::new("units", Unit::NONE, "units", |row| Cell::Integer(row.pooled.map_or(row.one.estimates().len(), |pooled| pooled.units) as i64))
+            .is(Role::Count, "Number of units in the row, those that show the coefficient."),
+        Of::new("bounded", Unit::NONE, "bounded", |row| Cell::Integer(row.one.bounds().len() as i64))
+            .is(Role::Count, "Number of units left out because they have only an upper bound: the value is too high for the lot."),
+        Of::new("missing", Unit::NONE, "missing", |row| Cell::Integer(row.one.missing() as i64))
+            .is(Role::Count, "Number of units left out because they say nothing of the coefficient."),
+        Of::new("value", Unit::NONE, "value", |row| row.finite(|pooled| pooled.value))
+            .is(Role::Estimate, "Median of the lot in `unit`; blank for fewer than two units."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.finite(|pooled| pooled.interval[0]))
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.finite(|pooled| pooled.interval[1]))
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.one.unit))
+            .is(Role::Note, "Unit of `value`, its interval and that of the next unit."),
+        Of::new("spread", Unit::NONE, "spread", |row| row.finite(|pooled| pooled.spread))
+            .is(Role::Estimate, "Standard deviation between units as a part of their mean, without the errors of the records."),
+        Of::new("spread_lower", Unit::NONE, "spread_lower", |row| row.finite(|pooled| pooled.spread_interval[0]))
+            .is_of("spread", Role::Lower, "Lower end of the 95 % interval of `spread`."),
+        Of::new("spread_upper", Unit::NONE, "spread_upper", |row| row.finite(|pooled| pooled.spread_interval[1]))
+            .is_of("spread", Role::Upper, "Upper end of the 95 % interval of `spread`."),
+        Of::new("next_lower", Unit::NONE, "next_lower", |row| row.finite(|pooled| pooled.next[0]))
+            .is(Role::Estimate, "Lower end of the interval that contains the next unit of the lot with a probability of 95 %."),
+        Of::new("next_upper", Unit::NONE, "next_upper", |row| row.finite(|pooled| pooled.next[1]))
+            .is(Role::Estimate, "Upper end of the interval that contains the next unit of the lot with a probability of 95 %."),
+        Of::new("p_equal", Unit::NONE, "p_equal", |row| row.finite(|pooled| pooled.p_equal))
+            .is(Role::Estimate, "Probability that equal units are at least as far apart by chance."),
+    ]
+}
+
+/// The values of the lot, with and without odd units: `lot.csv`.
+pub fn lot(lot: &Lot) -> Table {
+    let mut rows = Vec::new();
+    for one in &lot.coefficients {
+        rows.push(LotRow { one, of: "all", pooled: one.pooled });
+        rows.extend(one.without_odd.map(|rest| LotRow { one, of: "without odd", pooled: Some(rest) }));
+    }
+    Table { columns: columns_of(&lot_columns(), &rows) }
+}
+
+/// The complete lot as JSON.
+pub fn document(lot: &Lot) -> Value {
+    let units: Vec<Value> = lot
+        .units()
+        .zip(&lot.labels)
+        .enumerate()
+        .map(|(unit, ((log, column), label))| {
+            let found = lot.coefficients.iter().filter_map(|one| one.found[unit].as_ref());
+            json!({
+                "label": label,
+                "file": log.path.display().to_string(),
+                "column": column.name,
+                "data": log.data.name(),
+                "samples": log.samples,
+                "step_s": log.step_s,
+                "length_s": log.length_s(),
+                "missing": column.missing,
+                "reading": log.reading,
+                "coefficients": found.map(of_found).collect::<Vec<_>>(),
+                "coefficients_missing": column.noise.as_ref().err(),
+            })
+        })
+        .collect();
+    json!({
+        "units": units,
+        "treatment": lot.logs.first().map(|log| log.treatment.summary()),
+        "tests": lot.tests,
+        "coefficients": lot.coefficients.iter().map(of_coefficient).collect::<Vec<_>>(),
+        "sentences": sentences(lot),
+    })
+}
+
+fn of_found(found: &Found) -> Value {
+    let row = &found.row;
+    json!({
+        "coefficient": row.name,
+        "value": row.value,
+        "lower": row.interval.map(|ends| ends[0]),
+        "upper": row.interval.map(|ends| ends[1]),
+        "unit": row.unit,
+        "verdict": row.verdict,
+        "p": found.p,
+        "odd": found.odd.map(Odd::name),
+    })
+}
+
+fn of_coefficient(one: &Coefficient) -> Value {
+    json!({
+        "coefficient": one.name,
+        "unit": one.unit,
+        "units": one.estimates().len(),
+        "bounded": one.bounds().len(),
+        "missing": one.missing(),
+        "all": one.pooled.as_ref().map(of_pooled),
+        "without_odd": one.without_odd.as_ref().map(of_pooled),
+    })
+}
+
+fn of_pooled(pooled: &Pooled) -> Value {
+    json!({
+        "units": pooled.units,
+        "value": pooled.value,
+        "lower": pooled.interval[0],
+        "upper": pooled.interval[1],
+        "spread": pooled.spread,
+        "spread_lower": pooled.spread_interval[0],
+        "spread_upper": pooled.spread_interval[1],
+        "next_lower": pooled.next[0],
+        "next_upper": pooled.next[1],
+        "p_equal": pooled.p_equal,
+    })
+}
