@@ -4,6 +4,7 @@
     python benches/allan_numpy.py deviations [RECORDS]    # intervals of deviations, by kind of noise and averaging time
     python benches/allan_numpy.py coefficients [RECORDS]  # N and B behind the filter of a sensor
     python benches/allan_numpy.py compare [PAIRS]         # p of two records of equal noise behind such a filter
+    python benches/allan_numpy.py dynamic [RECORDS]       # changes in records without one, and a step of N that is found
 
 Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
 """
@@ -190,6 +191,43 @@ def compare(pairs):
                     share = 100 * np.mean(np.array(values) < 0.05)
                     line += f" {key} {test:.3f} ({len(values)}, p < 5 %: {share:.1f} %)"
             print(line, flush=True)
+
+
+def dynamic(records):
+    samples = 2**14
+    rng = np.random.default_rng(5)
+
+    def white():
+        return rng.standard_normal(samples)
+
+    a = np.exp(-2 * np.pi * 10 / RATE)
+    step = np.where(np.arange(samples) < samples // 2, 1.0, 1.3)
+    gap = np.zeros(samples)
+    gap[3000:5000] = np.nan
+    kinds = {
+        "white": white,
+        "flicker": lambda: flicker(rng, samples),
+        "white and flicker": lambda: white() + 0.3 * flicker(rng, samples),
+        "white and walk": lambda: white() + 0.03 * np.cumsum(white()),
+        "low-pass 10 Hz": lambda: filtered(rng, 0, [1 - a], [1.0, -a])[:samples],
+        "low-pass 10 Hz and B": lambda: filtered(rng, B, [1 - a], [1.0, -a])[:samples],
+        "white with a gap": lambda: white() + gap,
+        "Student, 3 degrees": lambda: rng.standard_t(3, samples),
+        "step of 30 %": lambda: step * white(),
+        "step of 30 % and B": lambda: step * white() + 0.3 * flicker(rng, samples),
+    }
+    print(f"{records} records of {samples} samples: records in percent with a change")
+    for name, make in kinds.items():
+        found = [column["dynamic"] for column in columns(records, make, *OF_RECORD, "--fit", "none", "--dynamic", *EXTRA)]
+        clearest = [min(one["stationarity"], key=lambda octave: octave["p"]) for one in found]
+        changed = [octave for octave in clearest if octave["p"] < 0.05]
+        line = f"{name:20} {100 * len(changed) / records:.1f}"
+        if changed and "step" in name:
+            at = np.array([octave["at_s"] for octave in changed]) * RATE / samples
+            ratio = [octave["after"] / octave["before"] for octave in changed]
+            line += f", at {np.quantile(at, 0.05):.3f} … {np.quantile(at, 0.95):.3f} of the record, by {np.median(ratio):.3f}"
+            line += f", as a change of N {100 * np.mean(['N changes' in one['sentence'] for one in found]):.1f}"
+        print(line, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
-use crate::analysis::{compare, design, firmware, log, lot, spectrum, temperature};
+use crate::analysis::{compare, design, dynamic, firmware, log, lot, spectrum, temperature};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::quantity::unit::bare;
@@ -47,6 +47,8 @@ pub fn files() -> Vec<File> {
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
             command("temperature.csv", "sagnac allan", abouts(&temperature::tables::coefficient_columns())),
             command("compensation.csv", "sagnac allan", abouts(&temperature::tables::compensation_columns())),
+            command("dynamic.csv", "sagnac allan", abouts(&dynamic::tables::point_columns())),
+            command("stationarity.csv", "sagnac allan", abouts(&dynamic::tables::octave_columns())),
             command("psd.csv", "sagnac psd", abouts(&spectrum::tables::density_columns())),
             command("lines.csv", "sagnac psd", abouts(&spectrum::tables::line_columns())),
             command("white_noise.csv", "sagnac psd", abouts(&spectrum::tables::white_columns())),

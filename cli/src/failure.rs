@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use sagnac::allan::tau::TauError;
+use sagnac::analysis::dynamic::DynamicError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
 use sagnac::analysis::lot::LotError;
@@ -114,7 +115,7 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 27] = [
+const OPTIONS: [&str; 28] = [
     "at",
     "binary",
     "bootstrap",
@@ -123,6 +124,7 @@ const OPTIONS: [&str; 27] = [
     "decimal",
     "device",
     "duplicates",
+    "dynamic",
     "filler",
     "fit",
     "fit_from",
@@ -176,6 +178,12 @@ impl From<TauError> for Failure {
             TauError::NoTime(_) => Failure::Usage(in_options(&error)),
             _ => Failure::Record(in_options(&error)),
         }
+    }
+}
+
+impl From<DynamicError> for Failure {
+    fn from(error: DynamicError) -> Failure {
+        Failure::Record(in_options(&error))
     }
 }
 

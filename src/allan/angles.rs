@@ -97,6 +97,20 @@ impl Angles {
         self.removed
     }
 
+    /// The angles of a part of the record.
+    pub(crate) fn part(&self, range: Range<usize>) -> Angles {
+        let inside = |run: &Range<usize>| {
+            let (start, end) = (run.start.max(range.start), run.end.min(range.end));
+            (start < end).then(|| start - range.start..end - range.start).and_then(worth_keeping)
+        };
+        let runs: Vec<Range<usize>> = self.runs.iter().filter_map(inside).collect();
+        let values = self.values[range].to_vec();
+        let mut part = Angles { values, runs, missing: usize::from(self.has_unknown()), ..*self };
+        let known: usize = part.solid_runs().iter().map(|run| run.len() - 1).sum();
+        part.missing = part.len() - 1 - known;
+        part
+    }
+
     pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
@@ -150,6 +164,23 @@ mod tests {
         assert_eq!(angles.runs(), std::slice::from_ref(&(0..5)));
         assert_eq!(angles.solid_runs(), [0..2, 3..5]);
         assert_eq!((angles.missing(), angles.has_unknown()), (1, true));
+    }
+
+    #[test]
+    fn a_part_has_the_runs_and_gaps_within_it() {
+        let mut increments: Vec<f64> = (0..12).map(f64::from).collect();
+        increments[4] = GAP;
+        let of_increments = Angles::from_increments(&increments, 1.0, 1.0, Trend::None);
+        assert_eq!(of_increments.part(0..13), of_increments);
+        for (range, runs, missing) in
+            [(0..5, vec![0..5], 0), (3..8, vec![0..2, 2..5], 1), (6..13, vec![0..7], 0)]
+        {
+            let part = of_increments.part(range.clone());
+            assert_eq!((part.runs(), part.missing()), (&runs[..], missing), "{range:?}");
+            assert_eq!(part.values(), &of_increments.values()[range]);
+        }
+        let of_angles = Angles::from_angles(&increments, 1.0, 1.0, Trend::None);
+        assert!(of_angles.part(2..8).has_unknown() && !of_angles.part(5..9).has_unknown());
     }
 
     #[test]

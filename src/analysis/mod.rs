@@ -1,9 +1,10 @@
-//! Analyses beyond studies: noise of logs and their dependence on temperature, spectra of logs, comparison of logs, lots of units,
-//! pages of logs, switching interval, firmware.
+//! Analyses beyond studies: noise of logs, over time and with temperature, spectra of logs, comparison of logs, lots of units, pages
+//! of logs, switching interval, firmware.
 
 pub mod compare;
 pub mod data_sheet;
 pub mod design;
+pub mod dynamic;
 pub mod firmware;
 pub mod log;
 pub mod lot;

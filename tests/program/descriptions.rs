@@ -68,7 +68,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     let studies = root().join("studies").display().to_string();
     let log = format!("{studies}/data/gyro_at_rest.csv");
     let read = "--data rate --rate 1Hz";
-    desk.done(&format!("allan {log} {read} --bootstrap 0 --out allan"));
+    desk.done(&format!("allan {log} {read} --bootstrap 0 --dynamic --out allan"));
     desk.done(&format!("psd {log} {read} --bootstrap 0 --out psd"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
@@ -88,6 +88,8 @@ fn written_by_commands() -> Vec<(File, String)> {
     let files = [
         ("allan", "curve.csv", "allan"),
         ("allan", "coefficients.csv", "allan"),
+        ("allan", "dynamic.csv", "allan"),
+        ("allan", "stationarity.csv", "allan"),
         ("psd", "psd.csv", "psd"),
         ("psd", "lines.csv", "psd"),
         ("psd", "white_noise.csv", "psd"),
@@ -165,6 +167,6 @@ fn a_column_is_found_by_name_or_header_and_told_by_file_where_meanings_differ() 
     let faked = self::points(&RELOCK).column("drift_arcsec_per_s");
     assert!(faked.is_some() && faked == self::points(&RELOCK).column("drift"));
     let tau: Vec<usize> = meanings("tau_s").iter().map(|(_, files)| files.len()).collect();
-    assert_eq!(tau, [3], "one text for the averaging time");
+    assert_eq!(tau, [5], "one text for the averaging time");
     assert!(meanings("mean").len() > 2, "the mean of what depends on the file");
 }

@@ -91,6 +91,7 @@ fn design_filler_allan_psd_compare_and_lot_print_what_their_schemas_say() {
         "--fit none --bootstrap 0",
         &format!("{deviations} --bootstrap 0"),
         "--bootstrap 200",
+        "--bootstrap 0 --dynamic 30min",
     ] {
         check(&allan, &desk.done(&format!("allan {log} {read} {more}")).stdout, more);
     }

@@ -1,11 +1,13 @@
 //! `sagnac allan`.
 
+pub mod dynamic;
 pub mod options;
 pub mod report;
 mod temperature;
 
 use std::path::{Path, PathBuf};
 
+use sagnac::analysis::dynamic::Dynamic;
 use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
 use sagnac::analysis::page::of_log;
 use sagnac::analysis::spectrum::{self, densities};
@@ -33,11 +35,11 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         let treatment = options.reading.treatment();
         let mut log = treatment.read(path, &request)?;
         let progress: &dyn Progress = if options.is_silent() { &Silent } else { &Shown::new(How::Plain) };
-        let of = |log: &Log, treatment: &Treatment| {
-            Analysis::of(log, path, treatment, &options.asked(), progress)
-        };
+        let of =
+            |log: &Log, treatment: &Treatment| Analysis::of(log, path, treatment, &options.asked(), progress);
         let mut analysis = of(&log, &treatment)?;
         let thermal = Thermal::of(options, &mut log, &mut analysis, &treatment, of)?;
+        let dynamic = options.dynamic.map(|window_s| Dynamic::of(&log, &treatment, window_s)).transpose()?;
         let welch = Welch { confidence: options.confidence, ..Welch::default() };
         let (densities, without) = match densities(&log, &treatment, &welch) {
             Ok(densities) => (densities, None),
@@ -48,6 +50,10 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         save(analysis, folder)?;
         temperature::save(thermal.as_ref(), analysis, folder)?;
         write_page(folder, &of_log(&log, &with_spectra, without.as_ref()))?;
+        match &dynamic {
+            Some(dynamic) => dynamic::save(dynamic, folder)?,
+            None => dynamic::remove_all(analysis.columns.len(), folder)?,
+        }
         if let Some(path) = &options.kalibr {
             write(path, kalibr::text(analysis)?.as_bytes())?;
         }
@@ -56,6 +62,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             if let Some(thermal) = &thermal {
                 document["temperature"] = thermal.document(analysis);
             }
+            dynamic.iter().for_each(|dynamic| dynamic::add(dynamic, &mut document));
             documents.push(document);
         } else if !options.quiet {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(analysis))?;
@@ -67,8 +74,10 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             if let Some((_, Some(figure))) = figures.next() {
                 print(&format!("{}\n", Picture::Curves(figure).text(look::of_output())))?;
             }
-            let of_temperature = thermal.as_ref().map(|thermal| thermal.report(analysis));
-            print(&(report::report(analysis) + &of_temperature.unwrap_or_default()))?;
+            let of_temperature =
+                thermal.as_ref().map_or_else(String::new, |thermal| thermal.report(analysis));
+            let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
+            print(&(report::report(analysis) + &of_temperature + &over_time))?;
             say!("{}", whereabouts(folder));
             if let Some(path) = &options.kalibr {
                 say!("the Kalibr file is {}", path.display());

@@ -15,7 +15,7 @@ use sagnac::record::log::read::Request;
 use sagnac::record::log::temperature::Thermometer;
 
 use crate::failure::Failure;
-use crate::reading::Reading;
+use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
 /// Examples, shown after the options.
@@ -24,6 +24,7 @@ Examples:
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --dynamic \"10 s\"
   sagnac allan imu.mcap --data rate --column gx,gy,gz
   sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
@@ -57,6 +58,10 @@ pub struct Options {
     /// Noise that these intervals suppose: that of the whole record, or that of each averaging time as in Stable32
     #[arg(long, value_name = "NOISE", default_value = "record", value_parser = suppose())]
     pub intervals: Suppose,
+    /// Also give the Allan deviation over time, in windows of this length that overlap by half, as in "10 min", and whether the
+    /// noise changes [default of WINDOW: a sixteenth of the record]
+    #[arg(long, value_name = "WINDOW", num_args = 0..=1, value_parser = seconds)]
+    pub dynamic: Option<Option<f64>>,
     /// Column of a temperature, by name or number: also fits the dependence of the rate on it
     #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
     temperature: Option<String>,

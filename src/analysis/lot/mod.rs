@@ -22,7 +22,7 @@ pub mod words;
 
 use std::path::Path;
 
-use crate::allan::{Deviation, Unit as Curves, minimum};
+use crate::allan::{Unit as Curves, minimum};
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::tables::in_run_stability;
 use crate::analysis::log::{self, Column};
@@ -47,7 +47,11 @@ pub enum LotError {
     )]
     TooFew(usize),
     /// The units have different quantities.
-    #[error("{first} has {}, {other} has {}: they are no lot\ngive units of one kind, all with their `unit`", named(units[0]), named(units[1]))]
+    #[error(
+        "{first} has {}, {other} has {}: they are no lot\nselect columns of one kind with `column = NAME`, and give their units with \
+         `unit = UNIT`",
+        units[0].content(), units[1].content()
+    )]
     Units {
         /// Label of the first unit.
         first: String,
@@ -59,11 +63,6 @@ pub enum LotError {
     /// A record is given twice.
     #[error("{0} is given twice\ngive each unit once, because equal records make the lot look too even")]
     Twice(String),
-}
-
-fn named(unit: Curves) -> &'static str {
-    let symbol = unit.symbol(Deviation::Oadev);
-    if symbol.is_empty() { "plain numbers" } else { symbol }
 }
 
 /// A lot.

@@ -47,7 +47,12 @@ pub fn rows(column: &Column) -> Vec<Row> {
     };
     let start = [
         row("reference_temperature", Some(found.averages.reference_c), ["degC", "°C"].map(str::to_owned), ""),
-        row("offset", Some(model.offset), Effect::WarmUp.unit(column.unit), "at the reference temperature; never subtracted"),
+        row(
+            "offset",
+            Some(model.offset),
+            Effect::WarmUp.unit(column.unit),
+            "at the reference temperature; never subtracted",
+        ),
     ];
     let of = |finding: &Finding| Row {
         name: finding.effect.name(),

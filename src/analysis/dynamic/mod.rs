@@ -1,0 +1,176 @@
+//! The Allan deviation over time: windows along a log, and whether its noise changes.
+//!
+//! ```text
+//! Log ─ angles ─┬─ windows ─▶ deviation over time and τ: dynamic.csv, map
+//!               └─ change ──▶ p of a change at each octave of τ: stationarity.csv, sentence
+//! ```
+
+pub mod change;
+pub mod figures;
+pub mod tables;
+pub mod words;
+
+use crate::allan::curve::{curve, suppose};
+use crate::allan::{Angles, Deviation, Point, Unit};
+use crate::analysis::log::{Treatment, model};
+use crate::record::log::channel::{Channel, Log};
+use crate::theory::allan::Process;
+
+use crate::analysis::dynamic::change::{Octave, octaves};
+
+/// Windows of the default length in a record without overlap.
+const USUAL_PARTS: f64 = 16.0;
+/// Fewest samples of a window.
+const SHORTEST: usize = 64;
+/// Most windows of a record, more than a map can show.
+const MOST: usize = 4000;
+/// Longest τ, as a part of a window.
+const LONGEST: usize = 4;
+/// Confidence of the intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// Why a record cannot be divided into windows.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DynamicError {
+    /// The window has too few samples.
+    #[error(
+        "the window of {window_s} s is too short: it has {samples} samples and needs {SHORTEST}\ngive at least `dynamic = {least_s}s`"
+    )]
+    Short {
+        /// Length of the window, s.
+        window_s: f64,
+        /// Number of its samples.
+        samples: usize,
+        /// Length of the shortest window, s.
+        least_s: f64,
+    },
+    /// The record has too few windows to show a change.
+    #[error(
+        "the window of {window_s} s is too long for a record of {length_s} s, which must contain at least two\ngive at most `dynamic = {most_s}s`"
+    )]
+    Long {
+        /// Length of the window, s.
+        window_s: f64,
+        /// Length of the record, s.
+        length_s: f64,
+        /// Length of the longest window, s.
+        most_s: f64,
+    },
+    /// The record has more windows than anything can show.
+    #[error(
+        "the record of {length_s} s has more than {MOST} windows of {window_s} s\ngive at least `dynamic = {least_s}s`"
+    )]
+    Many {
+        /// Length of the window, s.
+        window_s: f64,
+        /// Length of the record, s.
+        length_s: f64,
+        /// Length of the shortest window that is accepted, s.
+        least_s: f64,
+    },
+}
+
+/// The noise of a log over time.
+#[derive(Debug)]
+pub struct Dynamic {
+    /// Length of the windows, s.
+    pub window_s: f64,
+    /// Columns of the log.
+    pub columns: Vec<Column>,
+}
+
+/// The noise of a column over time.
+#[derive(Debug)]
+pub struct Column {
+    /// Name without unit.
+    pub name: String,
+    /// Unit of its deviations.
+    pub unit: Unit,
+    /// Overlapping Allan deviations of the whole record at the octaves of the windows.
+    pub whole: Vec<Point>,
+    /// Windows in the order of time, each of which overlaps half of the one before.
+    pub windows: Vec<Window>,
+    /// Tests for a change at octaves of τ; empty for a short record.
+    pub octaves: Vec<Octave>,
+    /// The noise that describes the curve of the record, if there is one.
+    pub model: Option<Process>,
+    /// Number of samples of the record.
+    pub samples: usize,
+    /// Time left out at the start of the file, s.
+    pub skipped_s: f64,
+}
+
+/// A window of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// Start and end, from the start of the file, s.
+    pub range_s: [f64; 2],
+    /// Overlapping Allan deviations at octaves of τ; a point without value has lost more than half of its terms to gaps.
+    pub points: Vec<Point>,
+}
+
+impl Dynamic {
+    /// The noise of all columns of a log over time, in windows of this length, s; by default a sixteenth of the record.
+    ///
+    /// # Errors
+    /// The window is too short or too long.
+    pub fn of(log: &Log, treatment: &Treatment, window_s: Option<f64>) -> Result<Dynamic, DynamicError> {
+        let (samples, step_s) = (log.samples(), log.step_s);
+        let length_s = samples as f64 * step_s;
+        let usual_s = (length_s / USUAL_PARTS).max(SHORTEST as f64 * step_s);
+        let window = libm::round(window_s.unwrap_or(usual_s) / step_s) as usize;
+        let window_s = window as f64 * step_s;
+        let least_s = SHORTEST as f64 * step_s;
+        if window < SHORTEST {
+            return Err(DynamicError::Short { window_s, samples: window, least_s });
+        }
+        if 2 * window > samples {
+            return Err(DynamicError::Long { window_s, length_s, most_s: (samples / 2) as f64 * step_s });
+        }
+        if 2 * samples / window > MOST {
+            let least_s = (2 * samples).div_ceil(MOST) as f64 * step_s;
+            return Err(DynamicError::Many { window_s, length_s, least_s });
+        }
+        let column = |channel: &Channel| {
+            let (angles, _) = treatment.angles(&channel.view(log.data, step_s));
+            let model = model(&angles, treatment.trend);
+            let supposed = model.as_ref().map(|(process, from_s)| (process, *from_s));
+            Column {
+                name: channel.name.clone(),
+                unit: channel.unit.curves,
+                whole: points(&angles, window, supposed),
+                windows: windows(&angles, window, log.start_s, supposed),
+                octaves: octaves(&angles),
+                model: model.map(|(process, _)| process),
+                samples,
+                skipped_s: log.start_s,
+            }
+        };
+        Ok(Dynamic { window_s, columns: log.channels.iter().map(column).collect() })
+    }
+}
+
+/// The windows of a record that starts at this time.
+fn windows(angles: &Angles, window: usize, start_s: f64, model: Option<(&Process, f64)>) -> Vec<Window> {
+    let hop = (window / 2).max(1);
+    let starts = (0..).map(|place| place * hop).take_while(|start| start + window < angles.len());
+    let of = |start: usize| Window {
+        range_s: [start, start + window].map(|sample| start_s + sample as f64 * angles.step_s),
+        points: points(&angles.part(start..start + window + 1), window, model),
+    };
+    starts.map(of).collect()
+}
+
+/// The deviations of a part of a record at the octaves of a window.
+fn points(angles: &Angles, window: usize, model: Option<(&Process, f64)>) -> Vec<Point> {
+    let ms: Vec<usize> =
+        (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= window).collect();
+    let mut points = curve(angles, Deviation::Oadev, &ms, CONFIDENCE);
+    suppose(&mut points, angles, Deviation::Oadev, CONFIDENCE, model);
+    for point in &mut points {
+        if 2 * point.terms < Deviation::Oadev.terms(angles.len(), point.m) as u64 {
+            *point = Point { value: None, edf: None, interval: None, ..*point };
+        }
+    }
+    points
+}
