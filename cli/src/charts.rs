@@ -9,6 +9,7 @@ use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::{Drawn, chart_stem};
 
 use crate::failure::Failure;
+use crate::look;
 use crate::output::{remove, unwritten, write};
 
 /// Writes the charts as SVG and PNG, and removes those of earlier runs that no longer exist.
@@ -19,6 +20,20 @@ pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
     // In parallel: a chart of 10,000 points takes half a second.
     pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture))?;
     remove_undrawn(folder, pictures.len())
+}
+
+/// Writes figures by their stems, and removes those of earlier runs that no longer exist.
+///
+/// # Errors
+/// A figure cannot be drawn or written.
+pub fn write_figures(folder: &Path, figures: &[(String, Option<Figure>)]) -> Result<(), Failure> {
+    figures.iter().try_for_each(|(stem, figure)| write_or_remove(folder, stem, figure.clone()))
+}
+
+/// The figures as text for the terminal.
+pub fn plotted(figures: Vec<(String, Option<Figure>)>) -> String {
+    let drawn = figures.into_iter().filter_map(|(_, figure)| figure);
+    drawn.map(|figure| format!("{}\n", Picture::Curves(figure).text(look::of_output()))).collect()
 }
 
 /// Writes a chart as `<stem>.svg` and `<stem>.png`.

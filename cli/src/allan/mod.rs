@@ -1,5 +1,6 @@
 //! `sagnac allan`.
 
+mod axes;
 pub mod dynamic;
 pub mod options;
 pub mod report;
@@ -14,14 +15,13 @@ use sagnac::analysis::spectrum::{self, densities};
 use sagnac::progress::{Progress, Silent};
 use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
-use sagnac::view::chart::picture::Picture;
+use sagnac::view::chart::figure::Figure;
 use serde_json::Value;
 
 pub use crate::allan::options::Options;
 use crate::allan::temperature::Thermal;
-use crate::charts::write_or_remove;
+use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
-use crate::look;
 use crate::output::{print, print_documents, remove, unwritten, whereabouts, write, write_page, write_table};
 use crate::progress::{How, Shown};
 
@@ -47,7 +47,8 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         };
         let with_spectra = spectrum::Analysis::of(analysis, densities);
         let analysis = &with_spectra.noise;
-        save(analysis, folder)?;
+        let figures = figures::figures(analysis);
+        save(analysis, &figures, folder)?;
         temperature::save(thermal.as_ref(), analysis, folder)?;
         write_page(folder, &of_log(&log, &with_spectra, without.as_ref()))?;
         match &dynamic {
@@ -70,9 +71,8 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             let of_temperature = thermal.iter().flat_map(Thermal::notes);
             let notes = notes::notes(analysis).into_iter().chain(of_temperature).chain(about_files);
             notes.for_each(|note| say!("note: {}", in_options(&note)));
-            let mut figures = figures::figures(analysis).into_iter().filter(|_| options.plot);
-            if let Some((_, Some(figure))) = figures.next() {
-                print(&format!("{}\n", Picture::Curves(figure).text(look::of_output())))?;
+            if options.plot {
+                print(&plotted(figures))?;
             }
             let of_temperature =
                 thermal.as_ref().map_or_else(String::new, |thermal| thermal.report(analysis));
@@ -112,17 +112,14 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Writes tables, noise and charts, and removes files of an earlier run that are no longer written.
-fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+fn save(analysis: &Analysis, figures: &[(String, Option<Figure>)], folder: &Path) -> Result<(), Failure> {
     write_table(&folder.join("curve.csv"), &tables::table(analysis))?;
     write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
     write_table(&folder.join("events.csv"), &events::table(analysis))?;
     let noise = noise_file::files(analysis);
     remove_others(folder, &noise)?;
     noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;
-    for (stem, figure) in figures::figures(analysis) {
-        write_or_remove(folder, stem, figure)?;
-    }
-    Ok(())
+    write_figures(folder, figures)
 }
 
 /// Removes files that an earlier run wrote and this one did not.

@@ -10,22 +10,23 @@ use sagnac::analysis::log::{Analysis, Column, Curve};
 use sagnac::fit::coefficient::Fit;
 use sagnac::quantity::number::significant;
 
+use crate::allan::axes;
 use crate::terminal::{headed, number};
 
 /// Most lines of a curve; of longer curves every second, third, … point is shown.
-const MOST_LINES: usize = 48;
+pub(super) const MOST_LINES: usize = 48;
 
-/// The curves of all columns, with the treatment of the data.
+/// The curves and coefficients of a column, or tables over several columns, with the treatment of the data.
 pub fn report(analysis: &Analysis) -> String {
     let mut text = format!("{}{}\n", heading(analysis), analysis.treatment.left_out());
     text += &format!("{}\n", analysis.treatment.effect(analysis.length_s()));
-    for column in &analysis.columns {
-        for curve in &column.curves {
-            text += &format!("\n{}\n", of_curve(analysis, column, curve));
-        }
-        text += &coefficients(column);
+    let [column] = &analysis.columns[..] else {
+        return text + &analysis.units().map(|unit| axes::report(analysis, unit)).collect::<String>();
+    };
+    for curve in &column.curves {
+        text += &format!("\n{}\n", of_curve(analysis, column, curve));
     }
-    text
+    text + &coefficients(column)
 }
 
 fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {

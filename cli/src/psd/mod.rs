@@ -1,5 +1,6 @@
 //! `sagnac psd`.
 
+mod axes;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -15,12 +16,10 @@ use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
 use sagnac::progress::{Progress, Silent};
 use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
-use sagnac::view::chart::picture::Picture;
 
 use crate::allan::options::{probability, simulated};
-use crate::charts::write_pictures;
+use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
-use crate::look;
 use crate::output::{print, print_json, whereabouts, write_page, write_table};
 use crate::progress::{How, Shown};
 use crate::reading::{Reading, seconds};
@@ -82,19 +81,19 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     let analysis = analysis(options, &log)?;
     let default = || Path::new("results").join(options.file.file_stem().unwrap_or_default());
     let folder: PathBuf = options.out.clone().unwrap_or_else(default);
-    let figure = figures::figure(&analysis).map(Picture::Curves);
+    let figures = figures::figures(&analysis);
     write_table(&folder.join("psd.csv"), &tables::table(&analysis))?;
     write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
     write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
-    figure.iter().try_for_each(|figure| write_pictures(&folder, "psd", figure))?;
+    write_figures(&folder, &figures)?;
     write_page(&folder, &of_log(&log, &analysis, None))?;
     if options.json {
         return print_json(&tables::document(&analysis));
     }
     if !options.quiet {
         notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
-        if let Some(figure) = figure.filter(|_| options.plot) {
-            print(&format!("{}\n", figure.text(look::of_output())))?;
+        if options.plot {
+            print(&plotted(figures))?;
         }
         print(&report::report(&analysis))?;
         say!("{}", whereabouts(&folder));

@@ -9,15 +9,19 @@ use sagnac::analysis::spectrum::{Analysis, Spectrum, White};
 use sagnac::quantity::number::significant;
 use sagnac::spectrum::lines::{FALSE_ALARM, Line};
 
+use crate::psd::axes;
 use crate::terminal::{headed, number};
 
 /// Lines of a density per octave.
 const PER_OCTAVE: f64 = 2.0;
 
-/// The spectra of all columns, with the treatment of the data.
+/// The spectrum of a column, or tables over several columns, with the treatment of the data.
 pub fn report(analysis: &Analysis) -> String {
     let noise = &analysis.noise;
     let mut text = format!("{}{}\n", heading(noise), noise.treatment.left_out());
+    if let [_, _, ..] = analysis.spectra[..] {
+        return text + &noise.units().map(|unit| axes::report(analysis, unit)).collect::<String>();
+    }
     for (column, spectrum) in analysis.columns() {
         text += &format!("\n{}: density, {}\n", column.name, method(spectrum));
         text += &density(analysis, column, spectrum);

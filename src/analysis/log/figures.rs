@@ -1,6 +1,6 @@
 //! The charts of `sagnac allan`.
 
-use crate::allan::{Deviation, Point};
+use crate::allan::{Deviation, Point, Unit};
 use crate::fit::{Coefficient, Fit, Quantity};
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Shape;
@@ -15,16 +15,36 @@ const PLACES: [f64; 2] = [64.0, 12.0];
 /// Most ripples of a sine's own line; further ones would fill the picture below the curve.
 const MOST_RIPPLES: f64 = 8.0;
 
-/// The figures with the stems of their file names: one for deviations of the rate, one for those of the angle.
-pub fn figures(analysis: &Analysis) -> Vec<(&'static str, Option<Figure>)> {
-    [("chart", false), ("chart-tdev", true)]
-        .map(|(stem, of_angle)| (stem, figure(analysis, &|deviation| deviation.is_of_angle() == of_angle)))
-        .into()
+/// The figures with the stems of their file names: for each unit one for deviations of the rate or acceleration, and one for
+/// those of the angle or velocity.
+pub fn figures(analysis: &Analysis) -> Vec<(String, Option<Figure>)> {
+    let of = |of_angle: bool| {
+        let wanted = move |deviation: Deviation| deviation.is_of_angle() == of_angle;
+        move |unit| figure(analysis, unit, &wanted)
+    };
+    [per_unit(analysis, "chart", of(false)), per_unit(analysis, "chart-tdev", of(true))].concat()
 }
 
-/// The figure of the `wanted` deviations; `None` without any.
-fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Figure> {
-    let first = analysis.columns.first()?;
+/// The figures of each unit: that of the first unit has the `stem` itself, those of further units an ending. `None` stands for
+/// a figure that a log with other columns would have.
+pub(crate) fn per_unit(
+    analysis: &Analysis,
+    stem: &str,
+    figure: impl Fn(Unit) -> Option<Figure>,
+) -> Vec<(String, Option<Figure>)> {
+    let first = analysis.units().next();
+    let further = [(Unit::Acceleration, "-accelerometers"), (Unit::Plain, "-numbers")];
+    let further = further.map(|(unit, ending)| {
+        let is_further = first != Some(unit);
+        (format!("{stem}{ending}"), is_further.then(|| figure(unit)).flatten())
+    });
+    [(stem.to_owned(), first.and_then(&figure))].into_iter().chain(further).collect()
+}
+
+/// The figure of the `wanted` deviations of the columns of a unit; `None` without any.
+fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -> Option<Figure> {
+    let all: Vec<&Column> = analysis.of_unit(unit).collect();
+    let first = *all.first()?;
     let deviations: Vec<Deviation> =
         first.curves.iter().map(|curve| curve.deviation).filter(|deviation| wanted(*deviation)).collect();
     let [deviation, others @ ..] = &deviations[..] else { return None };
@@ -33,8 +53,8 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
         [] => capitalised(deviation.title()),
         _ => format!("Deviations {}", names.join(", ")),
     };
-    let several = analysis.columns.len() > 1;
-    let columns = analysis.columns.iter().map(|column| column.name.clone());
+    let several = all.len() > 1;
+    let columns = all.iter().map(|column| column.name.clone());
     let columns = Grouping::of(if several { "columns" } else { "column" }, columns);
     let names = Grouping::of("deviations", names);
     // With one column, colours distinguish the deviations instead of the columns.
@@ -43,7 +63,7 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
         (false, true) => (columns, names),
         (false, false) => (names, Grouping::default()),
     };
-    let of_column = |(colour, column): (usize, &Column)| {
+    let of_column = |(colour, column): (usize, &&Column)| {
         let curves = column.curves.iter().filter(|curve| wanted(curve.deviation)).enumerate();
         curves
             .map(|(dash, curve)| match several {
@@ -52,13 +72,13 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
             })
             .collect::<Vec<_>>()
     };
-    let series: Vec<Series> = analysis.columns.iter().enumerate().flat_map(of_column).collect();
+    let series: Vec<Series> = all.iter().enumerate().flat_map(of_column).collect();
     let is_fitted = series.iter().any(|series| !series.law.is_empty());
     Some(Figure {
         title,
         subtitle: Some(format!("{}; {}", heading(analysis), analysis.treatment.summary())),
         x: Axis::new("averaging time τ", "s"),
-        y: Axis::new("deviation σ(τ)", first.unit.symbol(*deviation)),
+        y: Axis::new("deviation σ(τ)", unit.symbol(*deviation)),
         colours,
         dashes,
         points: if is_fitted { "measured".to_owned() } else { String::new() },

@@ -92,7 +92,7 @@ pub enum KalibrError {
 /// # Errors
 /// A column has plain numbers, or its noise cannot be determined.
 pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
-    if let Some(plain) = analysis.columns.iter().find(|column| column.unit == Unit::Plain) {
+    if let Some(plain) = analysis.of_unit(Unit::Plain).next() {
         return Err(KalibrError::Plain(plain.name.clone()));
     }
     let mut text = format!(
@@ -109,7 +109,7 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
 
 /// The lines of a sensor; its keys are comments if the log has none.
 fn part(sensor: &Sensor, analysis: &Analysis) -> Result<String, KalibrError> {
-    let columns = sensor.columns(analysis);
+    let columns: Vec<&Column> = analysis.of_unit(sensor.unit).collect();
     let several = columns.len() > 1;
     let names: Vec<String> = columns.iter().map(|column| one_line(&column.name)).collect();
     let mut text = match &names[..] {
@@ -143,9 +143,11 @@ fn part(sensor: &Sensor, analysis: &Analysis) -> Result<String, KalibrError> {
 /// It fails where [`text`] does.
 pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
-    for sensor in SENSORS.iter().filter(|sensor| !sensor.columns(analysis).is_empty()) {
-        for &Key { name, term, unit } in &sensor.keys {
-            let why = match (found(sensor, term, &sensor.columns(analysis))?, term.symbol()) {
+    for sensor in &SENSORS {
+        let columns: Vec<&Column> = analysis.of_unit(sensor.unit).collect();
+        let keys = if columns.is_empty() { &[][..] } else { &sensor.keys };
+        for &Key { name, term, unit } in keys {
+            let why = match (found(sensor, term, &columns)?, term.symbol()) {
                 (Found::Value { .. }, _) => continue,
                 (Found::Below(None), symbol) => format!("{symbol} is not identified"),
                 (Found::Below(Some(most)), symbol) => {
@@ -157,13 +159,6 @@ pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
         }
     }
     Ok(notes)
-}
-
-impl Sensor {
-    /// Its columns of the log.
-    fn columns<'a>(&self, analysis: &'a Analysis) -> Vec<&'a Column> {
-        analysis.columns.iter().filter(|column| column.unit == self.unit).collect()
-    }
 }
 
 fn found<'a>(sensor: &Sensor, term: Term, columns: &[&'a Column]) -> Result<Found<'a>, KalibrError> {

@@ -246,6 +246,16 @@ impl Analysis {
         self.samples as f64 * self.step_s
     }
 
+    /// The units of its columns, in the order of [`Unit::ALL`].
+    pub fn units(&self) -> impl Iterator<Item = Unit> {
+        Unit::ALL.into_iter().filter(|unit| self.of_unit(*unit).next().is_some())
+    }
+
+    /// The columns whose curves have this unit.
+    pub fn of_unit(&self, unit: Unit) -> impl Iterator<Item = &Column> {
+        self.columns.iter().filter(move |column| column.unit == unit)
+    }
+
     /// Time of a sample from the start of the file, s.
     pub(crate) fn time(&self, sample: usize) -> f64 {
         self.treatment.skip_s + sample as f64 * self.step_s

@@ -24,7 +24,7 @@ pub fn files(analysis: &Analysis) -> Vec<(String, String)> {
 /// Notes on columns whose noise no study can take, for the user.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
     let without = |(unit, why): (Unit, &str)| {
-        let fitted = analysis.columns.iter().filter(|column| column.unit == unit && column.noise().is_some());
+        let fitted = analysis.of_unit(unit).filter(|column| column.noise().is_some());
         let names: Vec<&str> = fitted.map(|column| column.name.as_str()).collect();
         (!names.is_empty()).then(|| format!("{}: no noise.toml: {why}", names.join(", ")))
     };

@@ -57,13 +57,13 @@ fn deviations(noise: &log::Analysis) -> Section {
         [column] => column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described()),
         _ => None,
     };
-    let chart = |(stem, figure): (&str, Option<_>)| {
+    let chart = |(stem, figure): (String, Option<_>)| {
         let mut figure: crate::view::chart::figure::Figure = figure?;
         if let Some(fit) = fit {
             let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 4));
             figure.lines = format!("fit of τ from {from} s to {to} s");
         }
-        Some(Block::Chart(Drawn { stem: stem.to_owned(), picture: Picture::Curves(figure), note: None }))
+        Some(Block::Chart(Drawn { stem, picture: Picture::Curves(figure), note: None }))
     };
     let blocks = figures::figures(noise).into_iter().filter_map(chart).collect();
     Section { id: "deviations", heading: "Deviations", blocks }

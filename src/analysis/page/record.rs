@@ -52,7 +52,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
         ("File", vec![analysis.path.display().to_string()]),
         ("Samples", vec![sampling(analysis.samples, analysis.data, analysis.step_s)]),
         ("Treatment", vec![analysis.treatment.summary(), analysis.treatment.effect(analysis.length_s())]),
-        ("Mean rate", of(&mean)),
+        ("Mean", of(&mean)),
         ("Gaps", of(&|column| Some(gaps(&column.gaps, analysis.step_s, |sample| analysis.time(sample))))),
         ("Outliers", of(&|column| Some(outliers(&column.outliers, |sample| analysis.time(sample))))),
     ];
@@ -178,7 +178,7 @@ fn drawn(
     let unit_of_values =
         first.filter(|channel| channel.unit.text != "none").map_or("", |channel| &channel.unit.text);
     let label = match records.first().map(|(_, record)| record.log.data) {
-        Some(Data::Rate) => "rate",
+        Some(Data::Rate) => first.map_or("rate", |channel| channel.unit.curves.measured()),
         Some(Data::Increment) => "increment",
         Some(Data::Angle) | None => "increment of the angle",
     };

@@ -18,16 +18,17 @@ const MOST_LINES: usize = 20;
 pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Section {
     let why = without
         .map(|why| Block::Text(format!("There is no spectrum. {}", why.to_string().replace('\n', "; "))));
-    let chart = figures::figure(analysis).map(|mut figure| {
+    let charts = figures::figures(analysis).into_iter().filter_map(|(stem, figure)| {
+        let mut figure = figure?;
         // Under several columns, each frequency of all of them hides the others.
-        if analysis.spectra.len() > 1 {
+        if figure.series.len() > 1 {
             figure.laws.clear();
         }
-        Block::Chart(Drawn { stem: "psd".to_owned(), picture: Picture::Curves(figure), note: None })
+        Some(Block::Chart(Drawn { stem, picture: Picture::Curves(figure), note: None }))
     });
     let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
     let method = by_name(methods).into_iter().map(Block::Note);
-    let blocks = why.into_iter().chain(chart).chain(method);
+    let blocks = why.into_iter().chain(charts).chain(method);
     let blocks = blocks.chain(lines(analysis)).chain(white(analysis)).collect();
     Section { id: "spectrum", heading: "Spectrum", blocks }
 }

@@ -1,7 +1,9 @@
 //! The chart of `sagnac psd`.
 
+use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
+use crate::analysis::log::figures::per_unit;
 use crate::analysis::log::notes::heading;
 use crate::analysis::spectrum::notes::symbol;
 use crate::analysis::spectrum::{Analysis, Spectrum};
@@ -14,19 +16,26 @@ use crate::view::chart::figure::{self, Axis, Figure, Grouping, Law, LawLine, Par
 /// Points per octave.
 const PER_OCTAVE: f64 = 12.0;
 
-/// The densities of all columns with the fitted models over them; `None` without columns.
-pub fn figure(analysis: &Analysis) -> Option<Figure> {
-    let (first, spectrum) = analysis.columns().next()?;
-    let several = analysis.spectra.len() > 1;
-    let names = analysis.noise.columns.iter().map(|column| column.name.clone());
+/// The figures with the stems of their file names, one for each unit.
+pub fn figures(analysis: &Analysis) -> Vec<(String, Option<Figure>)> {
+    per_unit(&analysis.noise, "psd", |unit| figure(analysis, unit))
+}
+
+/// The densities of the columns of a unit with the fitted models over them; `None` without columns.
+fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
+    let all: Vec<(&Column, &Spectrum)> =
+        analysis.columns().filter(|(column, _)| column.unit == unit).collect();
+    let &(first, spectrum) = all.first()?;
+    let several = all.len() > 1;
+    let names = all.iter().map(|(column, _)| column.name.clone());
     let series: Vec<Series> =
-        (0..).zip(&analysis.spectra).map(|(colour, spectrum)| series(colour, spectrum)).collect();
-    let full = (0..).zip(&analysis.spectra).map(|(colour, spectrum)| LawLine {
+        (0..).zip(&all).map(|(colour, (_, spectrum))| series(colour, spectrum)).collect();
+    let full = (0..).zip(&all).map(|(colour, (_, spectrum))| LawLine {
         colours: vec![colour],
         points: spectrum.density.points.iter().map(|point| (point.frequency_hz, point.value)).collect(),
     });
     Some(Figure {
-        title: "One-sided power spectral density of the rate".to_owned(),
+        title: format!("One-sided power spectral density of the {}", unit.measured()),
         subtitle: Some(format!(
             "{}; {} segments of {} s; {}",
             heading(&analysis.noise),
@@ -35,7 +44,7 @@ pub fn figure(analysis: &Analysis) -> Option<Figure> {
             analysis.noise.treatment.summary()
         )),
         x: Axis::new("frequency", "Hz"),
-        y: Axis::new("density", symbol(first.unit)),
+        y: Axis::new("density", symbol(unit)),
         colours: Grouping::of(if several { "columns" } else { "column" }, names),
         points: "mean over 1/12 octave".to_owned(),
         bands: format!("{} intervals", analysis.noise.percent()),

@@ -1,0 +1,120 @@
+//! Output of `sagnac allan` for people where there are several columns: tables whose columns are the axes of a sensor.
+
+use sagnac::allan::curve::Minimum;
+use sagnac::allan::trend::Trend;
+use sagnac::allan::unit::Unit;
+use sagnac::analysis::data_sheet::Row;
+use sagnac::analysis::log::{Analysis, Column, Curve};
+use sagnac::quantity::number::significant;
+
+use crate::allan::report::MOST_LINES;
+use crate::terminal::{aligned, number};
+
+/// The deviations and the coefficients of all columns of a unit.
+pub fn report(analysis: &Analysis, unit: Unit) -> String {
+    let columns: Vec<&Column> = analysis.of_unit(unit).collect();
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    let curves = columns.first().map_or(0, |column| column.curves.len());
+    let deviations = (0..curves).map(|at| {
+        let curves: Vec<&Curve> = columns.iter().map(|column| &column.curves[at]).collect();
+        deviations(&names, &curves, unit)
+    });
+    deviations.collect::<String>() + &coefficients(analysis, &names, &columns)
+}
+
+/// A row of a table: its name with its unit, and a cell for each column.
+fn row<T>(name: &str, unit: &str, columns: &[T], cell: impl Fn(&T) -> String) -> Vec<String> {
+    let comma = if unit.is_empty() { "" } else { ", " };
+    std::iter::once(format!("{name}{comma}{unit}")).chain(columns.iter().map(cell)).collect()
+}
+
+/// The heading of a table.
+fn heading(name: &str, names: &[&str]) -> Vec<String> {
+    row(name, "", names, |name| (*name).to_owned())
+}
+
+/// A deviation of all columns over τ, and its minimum.
+fn deviations(names: &[&str], curves: &[&Curve], unit: Unit) -> String {
+    let Curve { deviation, points, .. } = curves[0];
+    let symbol = unit.symbol(*deviation);
+    let comma = if symbol.is_empty() { "" } else { ", " };
+    let mut table = vec![heading("τ, s", names)];
+    let step = points.len().div_ceil(MOST_LINES).max(1);
+    table.extend((0..points.len()).step_by(step).map(|at| {
+        row(&significant(points[at].tau_s, 7), "", curves, |curve| number(curve.points[at].value, 4))
+    }));
+    // A time deviation rises with τ, so its minimum does not describe stability.
+    let minima = curves.iter().map(|curve| curve.minimum.filter(|_| !deviation.is_of_angle()));
+    let minima: Vec<Option<Minimum>> = minima.collect();
+    if minima.iter().any(Option::is_some) {
+        table.push(row("minimum", "", &minima, |minimum| {
+            minimum.map_or_else(String::new, |Minimum { point, at_end }| {
+                number(point.value, 4) + if at_end { "*" } else { "" }
+            })
+        }));
+        let tau = |minimum: &Option<Minimum>| number(minimum.map(|minimum| minimum.point.tau_s), 7);
+        table.push(row("at τ", "s", &minima, tau));
+    }
+    let mut text = format!(
+        "\n{}: {}{comma}{symbol}; the minimum is the in-run stability, and curve.csv has the intervals\n{}",
+        names.join(", "),
+        deviation.title(),
+        aligned(&table)
+    );
+    if step > 1 {
+        text += &format!("  one in {step} of the {} times; curve.csv has all of them\n", points.len());
+    }
+    if minima.iter().flatten().any(|minimum| minimum.at_end) {
+        text += "  * the curve ends there, and a longer record may show a lower one\n";
+    }
+    text
+}
+
+/// The coefficients of all columns, with their verdicts; empty where none were fitted.
+fn coefficients(analysis: &Analysis, names: &[&str], columns: &[&Column]) -> String {
+    let mut rows: Vec<&Row> = Vec::new();
+    for row in columns.iter().flat_map(|column| column.coefficients()) {
+        if !rows.iter().any(|other| other.name == row.name) {
+            rows.push(row);
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut table = vec![heading("", names)];
+    table.extend(rows.iter().map(|Row { name, symbol, .. }| {
+        row(name, symbol, columns, |column| {
+            let found = column.coefficients().iter().find(|other| other.name == *name);
+            let is_described = column.noise().is_some_and(|noise| noise.fit.is_described());
+            found.map_or_else(String::new, |found| cell(found, is_described))
+        })
+    }));
+    let ends = ["fit from τ", "to τ"].into_iter().enumerate();
+    table.extend(ends.map(|(end, name)| {
+        row(name, "s", columns, |column| number(column.noise().map(|noise| noise.fit.tau_range[end]), 6))
+    }));
+    if analysis.treatment.trend == Trend::Linear {
+        let (unit, factor) = match columns[0].unit {
+            Unit::Angular => ("°/h/h", 3600.0),
+            Unit::Acceleration => ("µg/h", 3600.0),
+            Unit::Plain => ("1/s", 1.0),
+        };
+        table.push(row("removed trend", unit, columns, |column| significant(factor * column.slope, 4)));
+    }
+    format!(
+        "\n{}: coefficients of the overlapping Allan curves; coefficients.csv has the 95 % intervals\n{}  ≤: not identified, at \
+         most the upper end of its interval\n",
+        names.join(", "),
+        aligned(&table)
+    )
+}
+
+/// A coefficient with its verdict: a value alone is identified.
+fn cell(row: &Row, is_described: bool) -> String {
+    match (row.value, row.interval) {
+        (Some(value), _) if is_described => significant(value, 4),
+        (Some(value), _) => format!("{} {}", significant(value, 4), row.verdict),
+        (None, Some([_, most])) => format!("≤ {}", significant(most, 4)),
+        (None, None) => row.verdict.to_owned(),
+    }
+}
