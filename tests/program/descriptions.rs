@@ -88,6 +88,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     let files = [
         ("allan", "curve.csv", "allan"),
         ("allan", "coefficients.csv", "allan"),
+        ("allan", "events.csv", "allan"),
         ("allan", "dynamic.csv", "allan"),
         ("allan", "stationarity.csv", "allan"),
         ("psd", "psd.csv", "psd"),

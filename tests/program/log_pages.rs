@@ -13,7 +13,7 @@ fn two_axes(first: &str) -> String {
     let white = |i: usize| numbers[12 * i..12 * (i + 1)].iter().sum::<f64>();
     let row = |i: usize| {
         let sine = 0.5 * (0.4 * std::f64::consts::PI * i as f64).sin();
-        let x = white(i) + sine + if i == 3000 { 300.0 } else { 0.0 };
+        let x = white(i) + sine + if i == 3000 { 30.0 } else { 0.0 };
         let x = if (1000..1070).contains(&i) { String::new() } else { x.to_string() };
         format!("{x},{}\n", 2.0 * white(8192 + i))
     };
@@ -54,7 +54,8 @@ fn the_page_of_a_log_holds_what_its_json_holds() {
         "Noise coefficients describe all 2 columns.",
         "one of 0.7 s, 70 samples, at 10 s",
         "one at 30 s",
-        "20 Hz",
+        "gx: a line of ",
+        "a record of 5.5 min, 4 times as long, shows it",
         "--remove-outliers",
         "told apart",
         "events.csv",
@@ -86,8 +87,9 @@ fn names_of_columns_and_files_are_text_and_no_part_of_the_page() {
 
 #[test]
 fn a_log_that_is_too_short_for_a_spectrum_has_a_page_that_says_so() {
-    let row =
-        |i: usize| if i % 10 == 0 { "\n".to_owned() } else { format!("{}\n", noise(i + 1).last().unwrap()) };
+    let row = |i: usize| {
+        if i % 10 == 0 { "nan\n".to_owned() } else { format!("{}\n", noise(i + 1).last().unwrap()) }
+    };
     let desk = desk_with("short.csv", (1..200).map(row).collect::<String>());
     desk.done(&format!("allan short.csv {READ} --fit none"));
     let page = page(&desk, "results/short");
@@ -116,18 +118,16 @@ fn a_browser_draws_the_page_of_a_log_and_asks_for_nothing() {
     let desk = desk_with("imu.csv", two_axes("gx"));
     desk.done(&format!("allan imu.csv {READ} --column gx,gz"));
     browser.open(&desk.path("results/imu/report.html"));
-    let drawn =
-        "return [...document.querySelectorAll('.chart')].map((c) => c.querySelectorAll('.curve').length)";
+    let drawn = "return [...document.querySelectorAll('.chart')].map((c) => c.querySelectorAll('.drawing .curve').length)";
     assert_eq!(
         browser.ask(drawn, json!(null)),
         json!([2, 2, 2, 2]),
         "curves of record, means, deviations, density"
     );
     // The record has its gap, and no markers.
-    let gap =
-        "return document.querySelector('[data-chart=\"0\"] .curve').getAttribute('d').split('M').length - 1";
+    let gap = "return document.querySelector('[data-chart=\"0\"] .drawing .curve').getAttribute('d').split('M').length - 1";
     assert_eq!(browser.number(gap), 2.0);
-    let marker = "return getComputedStyle(document.querySelector('.trace .marker')).display";
+    let marker = "return getComputedStyle(document.querySelector('.trace .drawing .marker')).display";
     assert_eq!(browser.text(marker), "none");
     assert_eq!(browser.console(), Vec::<String>::new(), "the console");
     assert_eq!(browser.number("return performance.getEntriesByType('resource').length"), 0.0, "resources");

@@ -8,6 +8,9 @@ use crate::quantity::number::significant;
 use crate::spectrum::Line;
 use crate::theory::allan::Term;
 
+/// Significant digits of values.
+const DIGITS: usize = 4;
+
 /// The noise of a single column, or how many of several are described.
 pub(crate) fn headline(noise: &log::Analysis) -> String {
     if let [column] = &noise.columns[..] {
@@ -40,7 +43,10 @@ pub(crate) fn sentences(analysis: &Analysis) -> Vec<String> {
 fn of_column(column: &Column) -> String {
     let said = match &column.noise {
         Err(why) => format!("no coefficients: {why}"),
-        Ok(None) => stability(column).unwrap_or_else(|| "no coefficients were requested".to_owned()),
+        Ok(None) => stability(column).map_or_else(
+            || "no coefficients were requested".to_owned(),
+            |least| format!("in-run stability {least}"),
+        ),
         Ok(Some(noise)) => of_noise(noise),
     };
     format!("{}: {said}.", column.name)
@@ -49,7 +55,7 @@ fn of_column(column: &Column) -> String {
 fn of_noise(noise: &DataSheet) -> String {
     let found: Vec<String> = noise.rows.iter().filter_map(value).collect();
     let missing: Vec<String> = noise.rows.iter().filter(|row| row.value.is_none()).map(bound).collect();
-    let [from, to] = noise.fit.tau_range.map(|tau_s| significant(tau_s, 4));
+    let [from, to] = noise.fit.tau_range.map(|tau_s| significant(tau_s, DIGITS));
     match (noise.fit.is_described(), &found[..], &missing[..]) {
         (false, [], _) => {
             "not described: no range of τ follows the terms of the fit, so there are no coefficients"
@@ -70,11 +76,20 @@ fn of_noise(noise: &DataSheet) -> String {
 
 /// An identified coefficient, such as `N = 0.2 °/√h (0.199 … 0.201)`.
 fn value(row: &Row) -> Option<String> {
-    let value = format!("{} = {} {}", row.name, significant(row.value?, 3), row.symbol);
-    let interval = row.interval.map_or_else(String::new, |[low, high]| {
-        format!(" ({} … {})", significant(low, 3), significant(high, 3))
+    Some(format!("{} = {}", row.name, measured(row.value?, row.interval, row.symbol)))
+}
+
+/// A value with its interval, such as `0.2 °/√h (0.199 … 0.201)`.
+fn measured(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
+    let interval = interval.map_or_else(String::new, |[low, high]| {
+        format!(" ({} … {})", significant(low, DIGITS), significant(high, DIGITS))
     });
-    Some(format!("{}{interval}", value.trim_end()))
+    in_unit(value, unit) + &interval
+}
+
+/// A value with its unit, if it has one.
+pub(crate) fn in_unit(value: f64, unit: &str) -> String {
+    format!("{} {unit}", significant(value, DIGITS)).trim_end().to_owned()
 }
 
 /// A coefficient without a value; that of N and of B, on which data sheets are compared, with its bound.
@@ -82,27 +97,19 @@ fn bound(row: &Row) -> String {
     let is_asked =
         [Term::AngleRandomWalk, Term::BiasInstability].iter().any(|term| term.symbol() == row.name);
     match row.interval.filter(|_| is_asked) {
-        Some([_, most]) => {
-            format!("{} (at most {} {})", row.name, significant(most, 3), row.symbol).replace(" )", ")")
-        }
+        Some([_, most]) => format!("{} (at most {})", row.name, in_unit(most, row.symbol)),
         None => row.name.to_owned(),
     }
 }
 
-/// The minimum of the first curve of rates, such as `in-run stability 0.01 °/h (0.009 … 0.012) at τ = 100 s`.
+/// The minimum of the first curve of rates, such as `0.01 °/h (0.009 … 0.012) at τ = 100 s`.
 pub(crate) fn stability(column: &Column) -> Option<String> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
     let Minimum { point, at_end } = curve.minimum?;
-    let row = Row {
-        name: "in-run stability",
-        unit: "",
-        symbol: column.unit.symbol(curve.deviation),
-        value: point.value,
-        interval: point.interval.map(|(low, high)| [low, high]),
-        verdict: "",
-    };
+    let interval = point.interval.map(|(low, high)| [low, high]);
+    let minimum = measured(point.value?, interval, column.unit.symbol(curve.deviation));
     let end = if at_end { ", where the curve ends" } else { "" };
-    Some(format!("{} at τ = {} s{end}", value(&row)?, significant(point.tau_s, 4)))
+    Some(format!("{minimum} at τ = {} s{end}", significant(point.tau_s, DIGITS)))
 }
 
 /// The lines of a column, such as `a line of 0.3 °/h at 20 Hz`.
@@ -111,8 +118,7 @@ fn lines(column: &Column, spectrum: &Spectrum) -> Option<String> {
     const MOST: usize = 5;
     let unit = column.unit.symbol(Deviation::Oadev);
     let line = |line: &Line| {
-        let amplitude = format!("{} {unit}", significant(line.amplitude, 3));
-        format!("{} at {} Hz", amplitude.trim_end(), significant(line.frequency_hz, 5))
+        format!("{} at {} Hz", in_unit(line.amplitude, unit), significant(line.frequency_hz, 5))
     };
     let count = spectrum.lines.len();
     let named: Vec<String> = spectrum.lines.iter().take(MOST).map(line).collect();

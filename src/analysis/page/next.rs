@@ -82,11 +82,13 @@ fn lines(analysis: &Analysis) -> Option<String> {
             false => format!("{} Hz in {name}", significant(*frequency, 5)),
         })
         .collect();
-    let more = if found.len() > MOST_LINES { ", …" } else { "" };
+    let lines = match found.len() {
+        1 => format!("the line at {}", shown[0]),
+        2..=MOST_LINES => format!("the lines at {}", shown.join(", ")),
+        count => format!("the highest of {count} lines, at {}", shown.join(", ")),
+    };
     Some(format!(
-        "Find what vibrates at {}{more}, the highest lines of the spectrum: a dither, a fan, the table, the mains. A line is not noise; \
-         below its period it raises the curve.",
-        shown.join(", ")
+        "Find what causes {lines}: a dither, a fan, the table, the mains. A line is not noise; below its period it raises the curve."
     ))
 }
 

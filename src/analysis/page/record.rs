@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::allan::Deviation;
 use crate::analysis::log::{Analysis, Column};
+use crate::analysis::page::answer::in_unit;
 use crate::analysis::page::trace::{extremes, means};
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
@@ -44,14 +45,11 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
     let of = |said: &dyn Fn(&Column) -> Option<String>| {
         by_name(analysis.columns.iter().filter_map(|column| Some((&*column.name, said(column)?))).collect())
     };
-    let mean = |column: &Column| {
-        let mean = format!("{} {}", significant(column.mean_rate?, 6), column.unit.symbol(Deviation::Oadev));
-        Some(mean.trim_end().to_owned())
-    };
+    let mean = |column: &Column| Some(in_unit(column.mean_rate?, column.unit.symbol(Deviation::Oadev)));
     let facts = [
         ("File", vec![analysis.path.display().to_string()]),
         ("Samples", vec![sampling(analysis.samples, analysis.data, analysis.step_s)]),
-        ("Treatment", vec![analysis.treatment.summary(), analysis.treatment.effect(analysis.length_s())]),
+        ("Treatment", vec![analysis.treatment.effect(analysis.length_s())]),
         ("Mean", of(&mean)),
         ("Gaps", of(&|column| Some(gaps(&column.gaps, analysis.step_s, |sample| analysis.time(sample))))),
         ("Outliers", of(&|column| Some(outliers(&column.outliers, |sample| analysis.time(sample))))),

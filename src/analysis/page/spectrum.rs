@@ -1,8 +1,10 @@
 //! The section on the spectrum of a log.
 
 use crate::allan::Deviation;
+use crate::analysis::compare::words::probability;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
+use crate::analysis::page::answer::in_unit;
 use crate::analysis::page::record::by_name;
 use crate::analysis::spectrum::notes::method;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
@@ -44,13 +46,12 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
     all.sort_by(|a, b| b.1.over_floor.total_cmp(&a.1.over_floor));
     all.truncate(MOST_LINES);
     let row = |(column, line): &(&Column, &Line)| {
-        let unit = column.unit.symbol(Deviation::Oadev);
-        let amplitude = format!("{} {unit}", significant(line.amplitude, 4));
-        let [frequency, over, p] = [(line.frequency_hz, 6), (line.over_floor, 3), (line.p, 2)]
-            .map(|(value, digits)| significant(value, digits));
-        [column.name.clone(), frequency, amplitude.trim_end().to_owned(), over, p].map(Cell::from).into()
+        let amplitude = in_unit(line.amplitude, column.unit.symbol(Deviation::Oadev));
+        let (frequency, over) = (significant(line.frequency_hz, 6), significant(line.over_floor, 3));
+        [column.name.clone(), frequency, amplitude, over, probability(line.p)].map(Cell::from).into()
     };
-    let head = ["line in", "frequency, Hz", "amplitude", "over floor", "p"].map(str::to_owned).into();
+    let head =
+        ["line in", "frequency, Hz", "amplitude", "over floor", "by noise alone"].map(str::to_owned).into();
     let said = match (count, analysis.spectra.len()) {
         (_, 0) => return vec![],
         (0, _) => {
@@ -66,7 +67,7 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
 fn white(analysis: &Analysis) -> Option<Block> {
     let cell = |row: &Option<Row>| match row {
         Some(Row { value: Some(value), interval, symbol, .. }) => Cell {
-            text: format!("{} {symbol}", significant(*value, 4)).trim_end().to_owned(),
+            text: in_unit(*value, symbol),
             below: interval.map_or_else(String::new, |[low, high]| {
                 format!("{} … {}", significant(low, 4), significant(high, 4))
             }),
