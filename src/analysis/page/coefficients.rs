@@ -1,5 +1,6 @@
 //! The coefficients of a log as small tables.
 
+use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::answer::stability;
@@ -10,9 +11,8 @@ use crate::view::report::sections::{Block, Cell, Grid, Section};
 pub(crate) fn section(noise: &Analysis) -> Section {
     let columns: Vec<&Column> =
         noise.columns.iter().filter(|column| !column.coefficients().is_empty()).collect();
-    let mut units: Vec<_> = columns.iter().map(|column| column.unit).collect();
-    units.dedup();
-    let grids = units.into_iter().map(|unit| {
+    let is_there = |unit: &Unit| columns.iter().any(|column| column.unit == *unit);
+    let grids = Unit::ALL.into_iter().filter(is_there).map(|unit| {
         let columns: Vec<&Column> = columns.iter().copied().filter(|column| column.unit == unit).collect();
         Block::Grid(if let [column] = columns[..] { of_one(column) } else { of_several(&columns) })
     });

@@ -63,7 +63,7 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
     let time = |log: &Log, sample: usize| log.start_s + sample as f64 * log.step_s;
     blocks.push(Block::Facts(vec![
         ("Files", of(&|side, _, _| format!("{}, column {}", side.path.display(), side.column))),
-        ("Samples", of(&|side, _, _| sampling(side.samples, side.data, side.step_s))),
+        ("Samples", of(&|side, _, _| sampling(side.samples, side.step_s))),
         ("Treatment", vec![analysis.treatment().effect(analysis.shorter_s())]),
         ("Gaps", of(&|side, log, found| gaps(found, side.step_s, |sample| time(log, sample)))),
         ("Outliers", of(&|side, log, _| outliers(&side.outliers, |sample| time(log, sample)))),

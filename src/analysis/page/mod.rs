@@ -15,10 +15,11 @@ mod trace;
 
 pub use crate::analysis::page::comparison::of_comparison;
 
-use crate::analysis::log::{self, events, figures, notes};
-use crate::analysis::spectrum::{Analysis, NoSpectrum, tables};
+use crate::analysis::log::{self, events, figures, noise_file, notes};
+use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
 use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
+use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Page, Section};
@@ -39,7 +40,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>) -> P
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         headline: answer::headline(noise),
         sentences: answer::sentences(analysis),
-        notes: crate::analysis::spectrum::notes::notes(analysis),
+        notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: vec![
             record::section(log, noise),
             deviations(noise),
@@ -57,8 +58,8 @@ fn deviations(noise: &log::Analysis) -> Section {
         [column] => column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described()),
         _ => None,
     };
-    let chart = |(stem, figure): (String, Option<_>)| {
-        let mut figure: crate::view::chart::figure::Figure = figure?;
+    let chart = |(stem, figure): (String, Option<Figure>)| {
+        let mut figure = figure?;
         if let Some(fit) = fit {
             let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 4));
             figure.lines = format!("fit of τ from {from} s to {to} s");

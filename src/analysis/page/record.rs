@@ -48,7 +48,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
     let mean = |column: &Column| Some(in_unit(column.mean_rate?, column.unit.symbol(Deviation::Oadev)));
     let facts = [
         ("File", vec![analysis.path.display().to_string()]),
-        ("Samples", vec![sampling(analysis.samples, analysis.data, analysis.step_s)]),
+        ("Samples", vec![sampling(analysis.samples, analysis.step_s)]),
         ("Treatment", vec![analysis.treatment.effect(analysis.length_s())]),
         ("Mean", of(&mean)),
         ("Gaps", of(&|column| Some(gaps(&column.gaps, analysis.step_s, |sample| analysis.time(sample))))),
@@ -57,14 +57,9 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
     facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
 }
 
-/// The number of samples, what they are and their spacing.
-pub(crate) fn sampling(samples: usize, data: Data, step_s: f64) -> String {
-    let what = match data {
-        Data::Rate => "rates",
-        Data::Increment => "increments",
-        Data::Angle => "angles",
-    };
-    format!("{samples} {what}, one every {} s ({} Hz)", significant(step_s, 9), significant(1.0 / step_s, 7))
+/// The number of samples and their spacing.
+pub(crate) fn sampling(samples: usize, step_s: f64) -> String {
+    format!("{samples}, one every {} s ({} Hz)", significant(step_s, 9), significant(1.0 / step_s, 7))
 }
 
 /// The gaps of a record in words.
@@ -172,14 +167,7 @@ fn drawn(
     let series: Vec<Series> = records.iter().map(|record| series(record, size)).collect();
     let linear = |label: &str, unit: &str| Axis { scale: Scale::Linear, ..Axis::new(label, unit) };
     let entry = |(style, record): &(usize, &Recorded)| Entry { style: *style, name: record.name.to_owned() };
-    let first = records.first().map(|(_, record)| record.channel);
-    let unit_of_values =
-        first.filter(|channel| channel.unit.text != "none").map_or("", |channel| &channel.unit.text);
-    let label = match records.first().map(|(_, record)| record.log.data) {
-        Some(Data::Rate) => first.map_or("rate", |channel| channel.unit.curves.measured()),
-        Some(Data::Increment) => "increment",
-        Some(Data::Angle) | None => "increment of the angle",
-    };
+    let (label, unit_of_values) = records.first().map_or(("", ""), |(_, record)| record.axis());
     let figure = Figure {
         title: title.to_owned(),
         x: linear("time", unit),
@@ -240,6 +228,17 @@ fn time_unit(end_s: f64) -> (f64, &'static str) {
 impl Recorded<'_> {
     fn values(&self) -> std::borrow::Cow<'_, [f64]> {
         self.channel.view(self.log.data, self.log.step_s).increments()
+    }
+
+    /// What the values are, and their unit.
+    fn axis(&self) -> (&'static str, &str) {
+        let label = match self.log.data {
+            Data::Rate => self.channel.unit.curves.measured(),
+            Data::Increment => "increment",
+            Data::Angle => "increment of the angle",
+        };
+        let unit = &self.channel.unit.text;
+        (label, if unit == "none" { "" } else { unit })
     }
 
     /// Time of a sample from the start of the file, s.
