@@ -53,7 +53,8 @@ fn strings_and_tables_of_matlab_are_left_out_of_a_file() {
         columns: vec![],
         timing: Timing::Step(0.01),
         data: Data::Rate,
-        unit: Some(Unit::parse("deg/h", Data::Rate).unwrap()),
+        units: vec![Unit::parse("deg/h", Data::Rate).unwrap()],
+        temperature: None,
         hints: Hints::default(),
     };
     let log = Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));

@@ -95,6 +95,10 @@ fn design_filler_allan_psd_compare_and_lot_print_what_their_schemas_say() {
     ] {
         check(&allan, &desk.done(&format!("allan {log} {read} {more}")).stdout, more);
     }
+    let row = |i: u32| format!("{},{}\n", i * 37 % 101, 20.0 + 5.0 * (0.05 * f64::from(i)).sin());
+    desk.write("warm.csv", &format!("gz [deg/h],temp [degC]\n{}", (0..400).map(row).collect::<String>()));
+    let warm = desk.done(&format!("allan warm.csv {read} --column gz --temperature temp --bootstrap 0"));
+    check(&allan, &warm.stdout, "temperature");
     check(&schema("compare"), &desk.done(&format!("compare {log} {log} {read}")).stdout, "compare");
     check(
         &schema("compare"),

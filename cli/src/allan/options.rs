@@ -171,8 +171,9 @@ fn effects(text: &str) -> Result<Effects, String> {
     if text == "auto" {
         return Ok(Effects::Auto);
     }
-    let mut effects = text.split(',').map(effect).collect::<Result<Vec<_>, _>>()?;
-    effects.dedup();
+    let named = text.split(',').map(effect).collect::<Result<Vec<_>, _>>()?;
+    // In the order of all of them, and each once.
+    let effects: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| named.contains(effect)).collect();
     if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {
         return Err("T2 needs T beside it, because its zero is arbitrary; write as in T,T2".to_owned());
     }

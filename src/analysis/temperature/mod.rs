@@ -59,8 +59,6 @@ pub struct Dependence {
     pub model: Model,
     /// Averages over blocks.
     pub averages: Averages,
-    /// Whether the fast noise of the regression is that of the fit to the record's Allan curve; otherwise it is white.
-    pub is_of_fit: bool,
 }
 
 impl Temperature {
@@ -167,5 +165,5 @@ fn dependence(
     }
     let fast = model(&angles, treatment.trend).map(|(process, _)| process);
     let model = Model::of(&averages, &candidates, asked, fast.as_ref(), log.step_s)?;
-    Ok(Dependence { model, averages, is_of_fit: fast.is_some() })
+    Ok(Dependence { model, averages })
 }
