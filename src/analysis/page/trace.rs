@@ -3,9 +3,14 @@
 use std::ops::Range;
 
 /// The samples to draw: of each of at most `parts` stretches of equal length the least and the largest, in the order of
-/// time. `None` stands for missing samples, behind which a line starts anew.
+/// time. `None` stands for missing samples, where a line is interrupted.
 pub(crate) fn extremes(values: &[f64], parts: usize) -> Vec<Option<usize>> {
     let mut drawn = Vec::new();
+    let interrupt = |drawn: &mut Vec<Option<usize>>, skipped: Range<usize>| {
+        if values[skipped].iter().any(|value| !value.is_finite()) && drawn.last() != Some(&None) {
+            drawn.push(None);
+        }
+    };
     for part in stretches(values.len(), parts) {
         let known = || part.clone().filter(|&i| values[i].is_finite());
         let least = known().min_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -13,11 +18,13 @@ pub(crate) fn extremes(values: &[f64], parts: usize) -> Vec<Option<usize>> {
         let mut both: Vec<usize> = least.into_iter().chain(largest).collect();
         both.sort_unstable();
         both.dedup();
-        let is_whole = known().count() == part.len();
-        drawn.extend(both.into_iter().map(Some));
-        if !is_whole && drawn.last() != Some(&None) {
-            drawn.push(None);
+        let mut from = part.start;
+        for place in both {
+            interrupt(&mut drawn, from..place);
+            drawn.push(Some(place));
+            from = place + 1;
         }
+        interrupt(&mut drawn, from..part.end);
     }
     drawn
 }
@@ -47,12 +54,12 @@ mod tests {
     fn spikes_survive_and_gaps_stay_open() {
         let mut values = vec![0.0; 1000];
         (values[333], values[334]) = (7.0, -7.0);
-        values[500..600].fill(GAP);
+        values[550..650].fill(GAP);
         let drawn = extremes(&values, 10);
         assert!(drawn.contains(&Some(333)) && drawn.contains(&Some(334)), "{drawn:?}");
         assert_eq!(drawn.iter().filter(|place| place.is_none()).count(), 1, "{drawn:?}");
         let known: Vec<usize> = drawn.iter().flatten().copied().collect();
-        assert!(known.is_sorted() && known.iter().all(|i| !(500..600).contains(i)), "{known:?}");
+        assert!(known.is_sorted() && known.iter().all(|i| !(550..650).contains(i)), "{known:?}");
     }
 
     #[test]
