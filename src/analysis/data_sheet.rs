@@ -51,7 +51,7 @@ pub struct Intervals {
 }
 
 impl Intervals {
-    /// The intervals of a record of `samples` samples from the requested number of simulated records, else from the
+    /// The intervals of records of `samples` samples in all from the requested number of simulated records of each, else from the
     /// default number unless that would take more than a few seconds.
     pub fn simulated(asked: Option<usize>, samples: usize) -> Intervals {
         let is_long = asked.is_none() && samples > MOST_SIMULATED;

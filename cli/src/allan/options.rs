@@ -49,7 +49,7 @@ pub struct Options {
     #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
     pub deviation: Vec<Deviation>,
     /// Number of simulated records from which the intervals of the coefficients are found; 0 uses closed forms
-    /// [default: 1000, or 0 for more than 2 million samples]
+    /// [default: 1000, or 0 for more than 2 million samples of all columns]
     #[arg(long, value_name = "N", value_parser = simulated)]
     bootstrap: Option<usize>,
     /// Probability of the confidence intervals of deviations

@@ -50,7 +50,7 @@ pub struct Options {
     #[arg(long, value_name = "TREND", default_value = "constant", value_parser = trend())]
     segment_detrend: Trend,
     /// Number of simulated records from which the interval of the N of the fit is found; 0 uses closed forms [default:
-    /// 1000, or 0 for more than 2 million samples]
+    /// 1000, or 0 for more than 2 million samples of all columns]
     #[arg(long, value_name = "N", value_parser = simulated)]
     bootstrap: Option<usize>,
     /// Probability of the confidence intervals of densities and of the floor

@@ -295,7 +295,7 @@ fn column(
     let curves = curves.collect::<Result<_, TauError>>()?;
     let unit = channel.unit.curves;
     let count = angles.len().saturating_sub(1);
-    let simulated = Intervals::simulated(asked.simulated, count);
+    let simulated = Intervals::simulated(asked.simulated, count * log.channels.len());
     let records = simulated.records;
     if asked.fitting.is_some() && count.saturating_mul(records) > LONG {
         progress.note(&format!(

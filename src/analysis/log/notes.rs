@@ -7,14 +7,19 @@ use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
 
-/// All notes on the results.
+/// All notes on the results; equal ones of several columns are one.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
-    let of_column = |column: &Column| {
-        let notes = of_column(column, analysis).into_iter().flatten();
-        notes.map(|note| format!("{}: {note}", column.name)).collect::<Vec<_>>()
-    };
-    let reading = analysis.reading.iter().cloned();
-    reading.chain(analysis.columns.iter().flat_map(of_column)).collect()
+    let mut found: Vec<(String, Vec<&str>)> = Vec::new();
+    for column in &analysis.columns {
+        for note in of_column(column, analysis).into_iter().flatten() {
+            match found.iter_mut().find(|(other, _)| *other == note) {
+                Some((_, names)) => names.push(&column.name),
+                None => found.push((note, vec![&column.name])),
+            }
+        }
+    }
+    let of_columns = found.into_iter().map(|(note, names)| format!("{}: {note}", names.join(", ")));
+    analysis.reading.iter().cloned().chain(of_columns).collect()
 }
 
 fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
