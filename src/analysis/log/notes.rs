@@ -1,11 +1,12 @@
 //! Notes attached to the results of an analysis.
 
-use crate::allan::Unit;
-use crate::analysis::log::{Analysis, Column};
+use crate::allan::Deviation;
+use crate::analysis::log::{Analysis, Column, Curve};
 use crate::fit::Fit;
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
+use crate::theory::allan::Term;
 
 /// All notes on the results; equal ones of several columns are one.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
@@ -32,7 +33,7 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
             noise.fit.degrees_of_freedom
         )
     });
-    let limit = noise.and_then(|noise| band_limit(&noise.fit, column.unit, analysis.step_s));
+    let limit = noise.and_then(|noise| band_limit(&noise.fit, column, analysis.step_s));
     let closed = noise.and_then(|noise| noise.intervals.without.as_ref());
     let has_gaps = column.missing > 0;
     let said = |when: bool, what: &str| when.then(|| what.to_owned());
@@ -49,18 +50,41 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
 }
 
 /// Where a fit starts that leaves out the shortest τ, and what it says of the filter of the sensor if it shows one.
-fn band_limit(fit: &Fit, unit: Unit, step_s: f64) -> Option<String> {
+fn band_limit(fit: &Fit, column: &Column, step_s: f64) -> Option<String> {
     let is_cut = fit.is_described() && fit.tau_range[0] > 1.01 * step_s;
-    let of_start = format!("the coefficients are those of τ from {} s on", significant(fit.tau_range[0], 4));
+    let from = significant(fit.tau_range[0], 4);
     let Some(time_s) = fit.filter_s() else {
-        return is_cut.then(|| format!("{of_start}, where the terms describe the curve"));
+        return is_cut.then(|| {
+            format!("the coefficients are those of τ from {from} s on, where the terms describe the curve")
+        });
     };
+    let time = significant(time_s, 3);
+    if exceeds_filter(fit, column, time_s) {
+        return Some(format!(
+            "there is less noise below τ = {from} s than from there on, but more than a filter would leave: noise with a correlation \
+             time of some {time} s is added to white noise, and `fit = N,markov` may describe the whole curve"
+        ));
+    }
+    let corner = significant(1.0 / (2.0 * core::f64::consts::PI * time_s), 3);
     Some(format!(
-        "the sensor filters its {} like a first-order low-pass of {} s ({} Hz) would: {of_start}",
-        unit.measured(),
-        significant(time_s, 3),
-        significant(1.0 / (2.0 * core::f64::consts::PI * time_s), 3)
+        "the sensor filters its {} like a first-order low-pass of {time} s ({corner} Hz) would: the coefficients are those of τ from \
+         {from} s on",
+        column.unit.measured()
     ))
+}
+
+/// Whether the curve at the shortest τ is more than twice that of white noise behind the low-pass that a fit shows.
+fn exceeds_filter(fit: &Fit, column: &Column, time_s: f64) -> bool {
+    let is_allan = |curve: &&Curve| matches!(curve.deviation, Deviation::Adev | Deviation::Oadev);
+    let point = column.curves.iter().find(is_allan).and_then(|curve| curve.points.first());
+    let white = fit.process.parts.iter().find(|part| part.term == Term::AngleRandomWalk);
+    let (Some((tau_s, Some(value))), Some(white)) = (point.map(|point| (point.tau_s, point.value)), white)
+    else {
+        return false;
+    };
+    let x = tau_s / time_s;
+    let left = 1.0 - (3.0 - 4.0 * libm::exp(-x) + libm::exp(-2.0 * x)) / (2.0 * x);
+    value * value > 4.0 * left * white.square() / tau_s
 }
 
 fn missing(missing: usize, samples: usize) -> String {
