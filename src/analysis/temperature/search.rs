@@ -169,11 +169,18 @@ impl Search {
                     found.map(|found| found.coefficient(1 + best.effects.len()))
                 }
             };
-            // Another choice that fits almost as well, with this effect instead of others or the other way round.
+            // Another choice that fits almost as well, with this effect instead of others or the other way round. An effect that
+            // the other choice hardly needs takes nobody's place.
+            let is_needed = |other: &&Choice| {
+                let rest: Vec<Effect> = other.effects.iter().copied().filter(|x| *x != effect).collect();
+                let without = choices.iter().find(|choice| choice.effects == rest);
+                place.is_some() || without.is_none_or(|without| without.score > other.score + RIVAL)
+            };
             let rival = choices
                 .iter()
                 .filter(|other| other.effects.contains(&effect) != place.is_some())
                 .filter(|other| other.score < best.score + RIVAL)
+                .filter(is_needed)
                 .min_by(|a, b| a.score.total_cmp(&b.score));
             let without = |a: &Choice, b: &Choice| -> Vec<&'static str> {
                 a.effects.iter().filter(|x| !b.effects.contains(x)).map(|x| x.title()).collect()
