@@ -2,6 +2,7 @@
 
     cargo build --release -p sagnac-cli
     python benches/temperature_numpy.py terms [RECORDS]   # T, T2 and dT, by kind of noise and course of the temperature
+    python benches/temperature_numpy.py method [RECORDS]  # the same from an implementation in NumPy, without the sensor's resolution
     python benches/temperature_numpy.py chosen [RECORDS]  # records without dependence, terms chosen by the program
 
 Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
@@ -15,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from scipy import signal
+from scipy import linalg, signal, stats
 
 from allan_numpy import PROGRAM, flicker
 
@@ -106,6 +107,61 @@ def terms(records):
             cells = [f"{term} {covered(found, term, TRUTH[term])}" for term in wanted]
             robust = np.mean([column["p"] < 1e-3 for column in found])
             print(f"{noise:22} {name:8} {', '.join(cells)}; robust {100 * robust:.1f} %", flush=True)
+
+
+def covariances(blocks, m):
+    """Covariances of blocks of m samples of white noise, flicker and a random walk, each of unit variance about its mean."""
+    lags = np.arange(blocks + 1) * m
+    holds = np.loadtxt(Path(__file__).parent.parent / "tests/data/flicker_weights.csv", delimiter=",", skiprows=1)
+    samples = np.arange(lags[-1] + 1)
+    rates = sum(variance * np.maximum(0, 1 - samples / length) for _, length, variance in holds)
+    # Variance of the angle after so many samples, that of a random walk up to a multiple of their square.
+    of_flicker = lags * rates[0] + 2 * np.array([np.sum((lag - samples[1:lag]) * rates[1:lag]) for lag in lags])
+    for angle in (lags, of_flicker, (lags - lags.astype(float) ** 3) / 6):
+        covariance = 0.5 * (angle[1:] - 2 * angle[:-1] + np.concatenate([angle[1:2], angle[:-2]]))
+        matrix = linalg.toeplitz(covariance)
+        centred = np.eye(blocks) - 1 / blocks
+        yield matrix * blocks / np.trace(centred @ matrix @ centred)
+
+
+def method(records):
+    print(f"coverage of 95 % intervals in percent by the method in NumPy, {records} records of {SAMPLES} samples")
+    rng = np.random.default_rng(37)
+    m = -(-SAMPLES // 128)
+    blocks = SAMPLES // m
+    white, of_flicker, of_walk = covariances(blocks, m)
+    means = lambda x: x[: blocks * m].reshape(blocks, m, *x.shape[1:]).mean(1)
+    inverses, constants = [], []
+    for f in (0, *4.0 ** np.arange(-2, 6)):
+        for k in (0, *4.0 ** np.arange(-4, 9)):
+            matrix = white + f * of_flicker + k * of_walk
+            factor = np.linalg.cholesky(matrix + 2 * np.abs(matrix).max())
+            inverses.append(np.linalg.inv(factor))
+            prior = np.log(20) * (f == 0) + 0.2 * np.log(max(k, 4.0**-4))
+            constants.append(prior - np.log(np.diag(factor)).sum())
+    inverses, constants = np.array(inverses), np.array(constants)
+    for noise, make in NOISES.items():
+        values = inverses @ means(np.stack([make(rng) for _ in range(records)], axis=1))
+        for name, course in COURSES.items():
+            wanted = ["T", "T2"] if name == "ramp" else ["T", "T2", "dT"]
+            columns = np.stack([np.ones(SAMPLES), *[part(term, course - course.mean()) for term in wanted]], axis=1)
+            whitened = inverses @ means(columns)
+            products = np.einsum("gia,gib->gab", whitened, whitened)
+            towards = np.einsum("gia,gir->gar", whitened, values)
+            inverse = np.linalg.inv(products)
+            found = np.einsum("gab,gbr->gar", inverse, towards)
+            squares = (values**2).sum(1) - (found * towards).sum(1)
+            degrees = blocks - columns.shape[1]
+            determinants = np.linalg.slogdet(products)[1]
+            likelihood = (constants - 0.5 * determinants)[:, None] - 0.5 * degrees * np.log(squares)
+            weights = np.exp(likelihood - likelihood.max(0))
+            weights /= weights.sum(0)
+            cells = []
+            for i, term in enumerate(wanted, 1):
+                errors = np.sqrt(inverse[:, i, i][:, None] * squares / degrees)
+                below = (weights * stats.t.cdf(-found[:, i] / errors, degrees)).sum(0)
+                cells.append(f"{term} {100 * np.mean((below > 0.025) & (below < 0.975)):5.1f}")
+            print(f"{noise:22} {name:8} {', '.join(cells)}", flush=True)
 
 
 def chosen(records):
