@@ -66,8 +66,12 @@ LOGS = [
 def fetch(path, digest, file):
     if not file.exists():
         base = os.environ.get("PUBLIC_LOGS", "https://github.com")
-        with urllib.request.urlopen(f"{base}/{urllib.parse.quote(path)}") as answer:
-            file.write_bytes(answer.read())
+        address = f"{base}/{urllib.parse.quote(path)}"
+        try:
+            with urllib.request.urlopen(address) as answer:
+                file.write_bytes(answer.read())
+        except OSError as error:
+            sys.exit(f"{address}: {error}; put the file into {file.parent} as {file.name} by other means, or set PUBLIC_LOGS")
     found = hashlib.sha256(file.read_bytes()).hexdigest()
     if found != digest:
         sys.exit(f"{file} has the SHA-256 {found} instead of {digest}: delete it and try again")
