@@ -97,9 +97,10 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let found = &column.outliers.samples;
     let times: Vec<String> = analysis.times(found).take(MOST).map(|time_s| significant(time_s, 9)).collect();
     let more = if found.len() > MOST { ", …" } else { "" };
-    let fate = match analysis.treatment.outliers_removed {
-        true => "treated as gaps",
-        false => "kept, unless outliers are removed",
+    let fate = match (analysis.treatment.outliers_removed, column.has_long_tails(analysis.samples)) {
+        (true, _) => "treated as gaps",
+        (false, false) => "kept, unless outliers are removed",
+        (false, true) => "kept; so many are long tails of the noise, for which the intervals are too short",
     };
     let named = if found.len() == 1 { "outlier" } else { "outliers" };
     let of = if analysis.data == Data::Angle { "increments " } else { "" };

@@ -51,11 +51,22 @@ fn outliers(noise: &log::Analysis) -> Option<String> {
     if noise.treatment.outliers_removed {
         return None;
     }
-    let names = named(noise, |column| !column.outliers.samples.is_empty())?;
-    Some(format!(
-        "There are outliers in {names}, which make N and Q come out too large. Look at them in the record (events.csv has their \
-         times); `remove_outliers = true` treats them as gaps."
-    ))
+    let few = |column: &Column| !column.has_long_tails(noise.samples);
+    let has = |column: &Column| !column.outliers.samples.is_empty();
+    let spikes = named(noise, |column| has(column) && few(column)).map(|names| {
+        format!(
+            "There are outliers in {names}. Look at them in the record (events.csv has their times); if they are not noise, \
+             `remove_outliers = true` treats them as gaps."
+        )
+    });
+    let tails = named(noise, |column| has(column) && !few(column)).map(|names| {
+        format!(
+            "Many samples of {names} stand out: the noise has long tails. Keep them, since each removed one is a gap that costs long τ, \
+             but take the intervals as too short, because they suppose Gaussian noise."
+        )
+    });
+    let said: Vec<String> = spikes.into_iter().chain(tails).collect();
+    (!said.is_empty()).then(|| said.join(" "))
 }
 
 fn gaps(noise: &log::Analysis) -> Option<String> {
