@@ -17,6 +17,7 @@ mod stores;
 #[path = "../desks/studies.rs"]
 mod studies;
 
+mod accelerometers;
 // Windows takes the cache folder from no variable.
 #[cfg(unix)]
 mod adapters;
