@@ -54,7 +54,7 @@ class Curve:
 
     deviation: str
     unit: str
-    """``deg/h``, or ``arcsec`` for a time deviation; empty for plain numbers."""
+    """``deg/h``, or ``arcsec`` for a time deviation; ``ug`` and ``ug*s`` for accelerations; empty for plain numbers."""
     m: Counts
     """Averaging factors: τ in samples."""
     tau: Numbers
@@ -91,7 +91,7 @@ class Allan(Mapping[str, Curve]):
     missing: int
     """Number of samples that are NaN."""
     mean_rate: float | None
-    """Mean rate, °/h; for plain numbers in their unit, or per s if they are not rates."""
+    """Mean rate, °/h, or acceleration, µg; for plain numbers in their unit, or per s if they are not rates."""
     removed_slope_per_s: float
     """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
     outliers: Counts
@@ -115,7 +115,8 @@ class Coefficient:
 
     name: str
     unit: str
-    """Unit as in data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``."""
+    """Unit as in data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``; of accelerometers
+    Q ``m/s``, N ``m/s/sqrt(h)``, B ``ug``, K ``ug/sqrt(h)``, R ``ug/h``."""
     value: float | None
     """Value; None if it is not identified."""
     lower: float | None

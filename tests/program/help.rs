@@ -64,6 +64,7 @@ fn prepared() -> Desk {
     .unwrap();
     let recorded = Path::new(crate::ROOT).join("tests/data/formats/imu.mcap");
     std::fs::copy(recorded, desk.path("imu.mcap")).unwrap();
+    std::fs::copy(Path::new(crate::ROOT).join("tests/data/imu/log.csv"), desk.path("imu.csv")).unwrap();
     desk.done("run my.toml --device cpu --shard 1/2");
     desk.done("run my.toml --device cpu --shard 2/2");
     desk

@@ -25,14 +25,17 @@ Examples:
   sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --dynamic \"10 s\"
-  sagnac allan imu.mcap --data rate --column gx,gy,gz
   sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp
+  sagnac allan imu.mcap --data rate
+  sagnac allan imu.csv --data rate --time time --column gx,gy,gz,ax,ay,az \\
+    --unit deg/s,deg/s,deg/s,g,g,g
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
 
 Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
 header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
 MCAP and ROS 1 bags with sensor_msgs/Imu, or raw binary with --binary. Empty cells, NaN and missing
-time stamps are gaps, with --rate too. The deviations omit every difference that touches a gap.";
+time stamps are gaps, with --rate too. The deviations omit every difference that touches a gap.
+Units tell gyros from accelerometers; without --column all columns whose units fit are read.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -77,7 +80,7 @@ pub struct Options {
     /// Results folder [default: results/<name of the file>]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write the gyroscope part of an imu.yaml for Kalibr: noise density N and random walk K
+    /// Also write an imu.yaml for Kalibr: noise density N and random walk K of gyros and accelerometers
     #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
     pub kalibr: Option<PathBuf>,
     /// Print the results as JSON: one object, or an array of objects for several files
