@@ -205,11 +205,11 @@ def allan(
     rate
         Samples per second.
     unit
-        ``deg/h``, ``deg/s``, ``rad/s``, ``arcsec``, … in accordance with ``kind``; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for
-        plain numbers.
+        ``deg/h``, ``deg/s``, ``rad/s``, ``arcsec``, … of gyros, ``m/s^2``, ``g``, ``mg``, ``m/s``, … of accelerometers, in accordance
+        with ``kind``; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for plain numbers.
     kind
-        ``rate``: the mean angular rate over each sample; ``increment``: the angle turned in it; ``angle``: the angle, or phase,
-        since some start.
+        ``rate``: the mean angular rate or acceleration over each sample; ``increment``: the angle turned or the velocity gained in
+        it; ``angle``: the angle, phase or velocity since some start. The unit tells rotation from acceleration.
     deviation
         One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``.
     taus
@@ -224,7 +224,8 @@ def allan(
     remove_outliers
         Treats samples more than 8 standard deviations from the median of their neighbours as missing.
     unit_check
-        Warns of rates that seem to be in another unit: degrees taken for radians, means above 20 °/s.
+        Warns of samples that seem to be in another unit: degrees taken for radians, means above 20 °/s or 2 g, and accelerations
+        whose mean would be that of gravity in another unit.
     threads
         Threads; by default all logical cores. The curves have the same bits for any number.
 

@@ -74,7 +74,7 @@ def check_curves(found: sagnac.Allan, column: Any) -> None:
     assert found.outlier_threshold == column["outliers"]["threshold"]
 
 
-@pytest.mark.parametrize("kind, unit", [("rate", "deg/h"), ("increment", "arcsec"), ("angle", "urad")])
+@pytest.mark.parametrize("kind, unit", [("rate", "deg/h"), ("rate", "mg"), ("increment", "arcsec"), ("angle", "urad")])
 def test_deviations_of_rates_increments_and_angles_are_those_of_the_program(
     kind: Any, unit: str, program: Program, tmp_path: Path
 ) -> None:
