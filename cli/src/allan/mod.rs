@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::Dynamic;
 use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
-use sagnac::analysis::page::of_log;
+use sagnac::analysis::page::{of_dynamic, of_log};
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::progress::{Progress, Silent};
 use sagnac::record::log::channel::Log;
@@ -50,7 +50,9 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         let figures = figures::figures(analysis);
         save(analysis, &figures, folder)?;
         temperature::save(thermal.as_ref(), analysis, folder)?;
-        write_page(folder, &of_log(&log, &with_spectra, without.as_ref()))?;
+        let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
+        let further = of_temperature.chain(dynamic.as_ref().map(of_dynamic)).collect();
+        write_page(folder, &of_log(&log, &with_spectra, without.as_ref(), further))?;
         match &dynamic {
             Some(dynamic) => dynamic::save(dynamic, folder)?,
             None => dynamic::remove_all(analysis.columns.len(), folder)?,

@@ -5,11 +5,13 @@ use std::path::Path;
 use sagnac::allan::TauError;
 use sagnac::analysis::data_sheet;
 use sagnac::analysis::log::{self, Analysis, Treatment};
+use sagnac::analysis::page::of_temperature;
 use sagnac::analysis::temperature::notes::notes;
 use sagnac::analysis::temperature::tables::{self, Row, rows};
 use sagnac::analysis::temperature::{Column, Temperature, figures};
 use sagnac::quantity::number::significant;
 use sagnac::record::log::channel::Log;
+use sagnac::view::report::sections::Section;
 use serde_json::Value;
 
 use crate::allan::Options;
@@ -53,6 +55,12 @@ impl Thermal {
     pub fn document(&self, analysis: &Analysis) -> Value {
         let [_, after] = self.sides(analysis);
         tables::document(&self.temperature, after, self.is_compensated)
+    }
+
+    /// The section of the page.
+    pub fn section(&self, analysis: &Analysis) -> Section {
+        let [before, after] = self.sides(analysis);
+        of_temperature(&self.temperature, before, after)
     }
 
     /// Notes on the dependence.

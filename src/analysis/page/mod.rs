@@ -1,19 +1,23 @@
 //! The pages of logs: that of a log, which `sagnac allan` and `sagnac psd` write, and that of two which are compared.
 //!
 //! ```text
-//! Log, Analysis with its spectra ─ of_log ────────▶ Page
-//! two Logs, their comparison ───── of_comparison ─▶ Page
+//! Temperature ─ of_temperature ──┐
+//! Dynamic ─ of_dynamic ──────────┴▶ Sections ─┐
+//! Log, Analysis with its spectra ─────────────┴ of_log ─▶ Page
+//! two Logs, their comparison ──────────── of_comparison ─▶ Page
 //! ```
 
 mod answer;
 mod coefficients;
 mod comparison;
+mod further;
 mod next;
 mod record;
 mod spectrum;
 mod trace;
 
 pub use crate::analysis::page::comparison::of_comparison;
+pub use crate::analysis::page::further::{of_dynamic, of_temperature};
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
@@ -24,8 +28,8 @@ use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Page, Section};
 
-/// The page of a log from its analysis. If it has no spectra, `without` says why.
-pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>) -> Page {
+/// The page of a log from its analysis, with the sections of `further` analyses. If it has no spectra, `without` says why.
+pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>, further: Vec<Section>) -> Page {
     let noise = &analysis.noise;
     let file = noise.path.file_name().unwrap_or(noise.path.as_os_str()).to_string_lossy();
     let tables = [
@@ -35,19 +39,19 @@ pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>) -> P
         ("white_noise.csv", tables::white_noise(analysis)),
         ("events.csv", events::table(noise)),
     ];
+    let sections = [
+        record::section(log, noise),
+        deviations(noise),
+        spectrum::section(analysis, without),
+        coefficients::section(noise),
+    ];
     Page {
         title: format!("Noise of {file}"),
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         headline: answer::headline(noise),
         sentences: answer::sentences(analysis),
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
-        sections: vec![
-            record::section(log, noise),
-            deviations(noise),
-            spectrum::section(analysis, without),
-            coefficients::section(noise),
-            next::section(analysis),
-        ],
+        sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),
         tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
     }
 }

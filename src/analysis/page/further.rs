@@ -1,0 +1,51 @@
+//! Sections of analyses that are only made where they are asked for.
+
+use crate::analysis::dynamic::{self, Dynamic, words};
+use crate::analysis::log::Analysis;
+use crate::analysis::page::record::by_name;
+use crate::analysis::temperature::tables::{Row, rows};
+use crate::analysis::temperature::{self, Temperature, notes::notes};
+use crate::quantity::number::significant;
+use crate::view::chart::picture::Picture;
+use crate::view::picture::Drawn;
+use crate::view::report::sections::{Block, Cell, Grid, Section};
+
+/// The section on the dependence of a log on temperature, with its analyses before and after compensation.
+pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) -> Section {
+    let charts = temperature::figures::figures(found, before, after);
+    let charts = charts.into_iter().filter_map(|(stem, figure)| Some(chart(stem, Picture::Curves(figure?))));
+    let row = |(column, row): (&str, Row)| {
+        let interval = row.interval.map_or_else(String::new, |[low, high]| {
+            format!("{} … {}", significant(low, 4), significant(high, 4))
+        });
+        let value = row.value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
+        let [_, unit] = row.unit;
+        let cells = [column.to_owned(), row.name.to_owned(), value, interval, unit, row.verdict];
+        cells.map(Cell::from).into()
+    };
+    let of_column = |column| rows(column).into_iter().map(move |row| (&*column.name, row));
+    let rows: Vec<Vec<Cell>> = found.columns.iter().flat_map(of_column).map(row).collect();
+    let head = ["column", "coefficient", "value", "95 % interval", "unit", "verdict"];
+    let grid = Grid { head: head.map(str::to_owned).into(), rows };
+    let grid = (!grid.rows.is_empty()).then_some(Block::Grid(grid));
+    let notes = notes(found).into_iter().map(Block::Note);
+    Section { id: "temperature", heading: "Temperature", blocks: charts.chain(grid).chain(notes).collect() }
+}
+
+/// The section on the noise of a log over time.
+pub fn of_dynamic(found: &Dynamic) -> Section {
+    let said = found.columns.iter().map(|column| (&*column.name, words::sentence(column))).collect();
+    let said = by_name(said).into_iter().map(Block::Text);
+    let maps = found.columns.iter().enumerate().map(|(place, column)| {
+        let mut map = dynamic::figures::ratios(found, column);
+        if found.columns.len() > 1 {
+            map.title = format!("{}: {}", column.name, map.title);
+        }
+        chart(&format!("chart-dynamic-{}-ratio", place + 1), Picture::Map(map))
+    });
+    Section { id: "dynamic", heading: "Over time", blocks: said.chain(maps).collect() }
+}
+
+fn chart(stem: &str, picture: Picture) -> Block {
+    Block::Chart(Drawn { stem: stem.to_owned(), picture, note: None })
+}
