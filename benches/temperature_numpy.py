@@ -105,7 +105,7 @@ def terms(records):
             rates = sum(part(term, course) for term in wanted)
             found = list(program([x + rates for x in made], course, "--temperature-terms", ",".join(wanted)))
             cells = [f"{term} {covered(found, term, TRUTH[term])}" for term in wanted]
-            robust = np.mean([column["p"] < 1e-3 for column in found])
+            robust = np.mean([column["p"] < 1e-5 for column in found])
             print(f"{noise:22} {name:8} {', '.join(cells)}; robust {100 * robust:.1f} %", flush=True)
 
 

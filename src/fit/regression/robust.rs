@@ -40,8 +40,7 @@ impl Regression {
             correlation * correlation / (count - lag) as f64
         };
         let statistic = (count * (count + 2)) as f64 * (1..=lags).map(one).sum::<f64>();
-        // Two degrees go into the proportions of the noise.
-        Some(survival(statistic, lags.saturating_sub(2)))
+        Some(survival(statistic, lags))
     }
 
     /// The estimates of the most probable noise with intervals that suppose only that the whitened residual is stationary
