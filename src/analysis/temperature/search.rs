@@ -24,6 +24,14 @@ pub(super) struct Choice {
     pub(super) score: f64,
 }
 
+impl Choice {
+    /// The score with the same penalty for all effects: that of a search keeps a warm-up from entering, but is no evidence against
+    /// it.
+    fn fair(&self) -> f64 {
+        self.score + if self.effects.contains(&Effect::WarmUp) { PENALTY - PENALTY_OF_SHAPE } else { 0.0 }
+    }
+}
+
 /// A regression whose columns are the constant one, the effects without a time, and a warm-up of each time.
 pub(super) struct Search {
     /// Effects without a time.
@@ -175,14 +183,14 @@ impl Search {
             let is_needed = |other: &&Choice| {
                 let rest: Vec<Effect> = other.effects.iter().copied().filter(|x| *x != effect).collect();
                 let without = choices.iter().find(|choice| choice.effects == rest);
-                place.is_some() || without.is_none_or(|without| without.score > other.score + RIVAL)
+                place.is_some() || without.is_none_or(|without| without.fair() > other.fair() + RIVAL)
             };
             let rival = choices
                 .iter()
                 .filter(|other| other.effects.contains(&effect) != place.is_some())
-                .filter(|other| other.score < best.score + RIVAL)
+                .filter(|other| other.fair() < best.fair() + RIVAL)
                 .filter(is_needed)
-                .min_by(|a, b| a.score.total_cmp(&b.score));
+                .min_by(|a, b| a.fair().total_cmp(&b.fair()));
             let without = |a: &Choice, b: &Choice| -> Vec<&'static str> {
                 a.effects.iter().filter(|x| !b.effects.contains(x)).map(|x| x.title()).collect()
             };

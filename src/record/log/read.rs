@@ -115,7 +115,8 @@ impl Log {
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
         let thermometer = request.temperature.as_ref().map(|thermometer| thermometer.find(&file, &mut notes));
         let thermometer = thermometer.and_then(|found| faults.take(found));
-        let taken = thermometer.as_ref().map(|found| found.column);
+        // Also where its unit is unknown.
+        let taken = request.temperature.as_ref().and_then(|given| file.find(&given.column, None).ok());
         let time = found(&file, &request.timing, &request.columns, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
         let columns = wanted(&file, request, &named, [time.map(|time| time.column), taken], &mut notes)
