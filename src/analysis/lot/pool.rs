@@ -122,8 +122,8 @@ impl Part {
         let squares: f64 = estimates.iter().map(|one| (one.log - mean) * (one.log - mean)).sum();
         let (mut low, mut high) = (0.0, squares / target);
         let is_above = |square: f64| scatter(estimates, square).0 > target;
-        // Equal units, or those of exact records, have no Q at 0.
-        if squares > 0.0 && is_above(0.0) {
+        // Q is below Σ(y − ȳ)²/τ², which brackets τ².
+        if is_above(0.0) {
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
                 if is_above(middle) { low = middle } else { high = middle }

@@ -1,0 +1,150 @@
+//! `sagnac lot` as a user meets it: tables, files, pictures and sentences, and what it refuses.
+
+use std::collections::BTreeMap;
+
+use crate::desk::Desk;
+use crate::logs::desk_with;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use serde_json::Value;
+
+const RATE: &str = "--data rate --unit deg/h --rate 1Hz";
+
+/// White rates of standard deviation `sigma`.
+fn white(sigma: f64, seed: u64) -> Vec<f64> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    (0..4096).map(|_| sigma * crate::noise::normal(&mut rng)).collect()
+}
+
+/// A log with a column for each standard deviation, called g1, g2, ….
+fn log(sigmas: &[f64]) -> Desk {
+    let columns: Vec<Vec<f64>> = (1..).zip(sigmas).map(|(seed, &sigma)| white(sigma, seed)).collect();
+    let names: Vec<String> = (1..=sigmas.len()).map(|place| format!("g{place}")).collect();
+    let row = |i: usize| {
+        let cells: Vec<String> = columns.iter().map(|column| format!("{:.6}", column[i])).collect();
+        cells.join(",") + "\n"
+    };
+    desk_with("bench.csv", format!("{}\n{}", names.join(","), (0..4096).map(row).collect::<String>()))
+}
+
+fn table(desk: &Desk, name: &str) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_reader(desk.read(name).as_bytes()).deserialize().map(Result::unwrap).collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+fn row<'a>(rows: &'a [BTreeMap<String, String>], cells: &[(&str, &str)]) -> &'a BTreeMap<String, String> {
+    let found = rows.iter().find(|row| cells.iter().all(|(name, value)| row[*name] == *value));
+    found.unwrap_or_else(|| panic!("no row with {cells:?} in {rows:?}"))
+}
+
+#[test]
+fn an_odd_unit_is_named_in_table_csv_json_sentence_and_pictures() {
+    let desk = log(&[6.0, 6.3, 5.8, 12.0, 6.1, 5.9]);
+    let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6"));
+    for piece in [
+        "*0.19",
+        "without odd",
+        "next unit",
+        "g4 is odd: its N",
+        "times that of the others (p",
+        "No unit shows",
+    ] {
+        assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
+    }
+    let units = table(&desk, "results/lot/units.csv");
+    let odd = row(&units, &[("label", "g4"), ("coefficient", "N")]);
+    assert_eq!((odd["odd"].as_str(), odd["unit"].as_str()), ("higher", "deg/sqrt(h)"));
+    assert!(number(odd, "p") < 0.01, "{odd:?}");
+    assert_eq!(units.iter().filter(|row| !row["odd"].is_empty()).count(), 1);
+    let lot = table(&desk, "results/lot/lot.csv");
+    let all = row(&lot, &[("coefficient", "N"), ("of", "all")]);
+    let rest = row(&lot, &[("coefficient", "N"), ("of", "without odd")]);
+    assert_eq!((all["units"].as_str(), rest["units"].as_str()), ("6", "5"));
+    // 6 °/h in samples of 1 s are 0.1 °/√h.
+    assert!((number(rest, "value") / 0.1 - 1.0).abs() < 0.05, "{rest:?}");
+    assert!(number(rest, "next_upper") < 0.15 && number(all, "next_upper") > 0.2, "{rest:?} {all:?}");
+    assert!(number(rest, "spread") < 0.06 && number(all, "spread") > 0.2, "{rest:?} {all:?}");
+    for chart in ["chart-1.svg", "chart-1.png", "chart-2.svg", "chart-2.png"] {
+        assert!(desk.path(&format!("results/lot/{chart}")).is_file(), "{chart} is missing");
+    }
+    assert!(desk.read("results/lot/chart-1.svg").contains("g4, odd"));
+    let json = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6 --json")).stdout;
+    let document: Value = serde_json::from_str(&json).unwrap();
+    let n = |of: &Value| {
+        of["coefficients"].as_array().unwrap().iter().find(|one| one["coefficient"] == "N").unwrap().clone()
+    };
+    assert_eq!(n(&document["units"][3])["odd"], "higher");
+    assert_eq!(n(&document)["without_odd"]["units"], 5);
+}
+
+#[test]
+fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
+    let desk = log(&[6.0]);
+    for (seed, name) in ["a.csv", "b.csv", "c.csv"].into_iter().enumerate() {
+        let lines: String = white(6.0, 10 + seed as u64).iter().map(|rate| format!("{rate:.6}\n")).collect();
+        desk.write(name, &lines);
+    }
+    let ended = desk.done(&format!("lot a.csv b.csv c.csv {RATE} --out even"));
+    assert!(ended.stdout.contains("No unit is odd in"), "{}", ended.stdout);
+    let n = table(&desk, "even/lot.csv");
+    let n = row(&n, &[("coefficient", "N")]);
+    assert!(number(n, "p_equal") > 0.01 && number(n, "spread_lower") == 0.0, "{n:?}");
+    assert!(number(n, "lower") < 0.1 && 0.1 < number(n, "upper"), "{n:?}");
+    let labels: Vec<String> = table(&desk, "even/units.csv").iter().map(|row| row["label"].clone()).collect();
+    assert!(labels.iter().all(|label| ["a", "b", "c"].contains(&label.as_str())), "{labels:?}");
+}
+
+#[test]
+fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_left_out() {
+    let desk = log(&[6.0, 6.0, 6.0]);
+    // A random walk in the second column, where it dominates the curve at long τ.
+    let text = desk.read("bench.csv");
+    let (mut walk, steps) = (0.0, white(0.3, 99));
+    let lines = text.lines().zip(std::iter::once(&0.0).chain(&steps)).map(|(line, step)| {
+        let cells: Vec<&str> = line.split(',').collect();
+        walk += step;
+        match cells[1].parse::<f64>() {
+            Ok(rate) => format!("{},{:.6},{}\n", cells[0], rate + walk, cells[2]),
+            Err(_) => format!("{line}\n"),
+        }
+    });
+    desk.write("bench.csv", &lines.collect::<String>());
+    let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3 --fit N,K"));
+    for piece in [
+        "g2 is odd: it has K of",
+        "above the bounds of all 2 others",
+        "K: 1 of 3 units show it; left out are g1, g3",
+    ] {
+        assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
+    }
+    let k = table(&desk, "results/lot/lot.csv");
+    let k = row(&k, &[("coefficient", "K")]);
+    assert_eq!((k["units"].as_str(), k["bounded"].as_str(), k["value"].as_str()), ("1", "2", ""));
+}
+
+#[test]
+fn what_is_no_lot_is_refused_with_what_to_do() {
+    let desk = log(&[6.0, 6.0]);
+    let rows: String = white(1.0, 5).iter().map(|y| format!("{y},{y}\n")).collect();
+    desk.write("imu.csv", &format!("gx [deg/h],ax [m/s^2]\n{rows}"));
+    for (words, code, pieces) in [
+        (format!("bench.csv {RATE} --column g1"), 2, vec!["at least two units, found 1", "--column gx,gy"]),
+        (
+            format!("bench.csv bench.csv {RATE} --column g1"),
+            2,
+            vec!["bench.csv g1 is given twice", "each unit once"],
+        ),
+        (
+            "imu.csv --data rate --rate 1Hz --column gx,ax".to_owned(),
+            3,
+            vec!["gx has angular rates", "ax has accelerations", "--column NAME"],
+        ),
+        (format!("none.csv {RATE}"), 3, vec!["none.csv"]),
+    ] {
+        desk.fails(&format!("lot {words}"), code, &pieces);
+        assert!(!desk.path("results").exists(), "lot {words} left results");
+    }
+}
