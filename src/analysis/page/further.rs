@@ -37,10 +37,7 @@ pub fn of_dynamic(found: &Dynamic) -> Section {
     let said = found.columns.iter().map(|column| (&*column.name, words::sentence(column))).collect();
     let said = by_name(said).into_iter().map(Block::Text);
     let maps = found.columns.iter().enumerate().map(|(place, column)| {
-        let mut map = dynamic::figures::ratios(found, column);
-        if found.columns.len() > 1 {
-            map.title = format!("{}: {}", column.name, map.title);
-        }
+        let map = dynamic::figures::ratios(found, column);
         chart(&format!("chart-dynamic-{}-ratio", place + 1), Picture::Map(map))
     });
     Section { id: "dynamic", heading: "Over time", blocks: said.chain(maps).collect() }
