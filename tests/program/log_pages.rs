@@ -88,7 +88,7 @@ fn names_of_columns_and_files_are_text_and_no_part_of_the_page() {
 #[test]
 fn a_log_that_is_too_short_for_a_spectrum_has_a_page_that_says_so() {
     let row = |i: usize| {
-        if i % 10 == 0 { "nan\n".to_owned() } else { format!("{}\n", noise(i + 1).last().unwrap()) }
+        if i.is_multiple_of(10) { "nan\n".to_owned() } else { format!("{}\n", noise(i + 1).last().unwrap()) }
     };
     let desk = desk_with("short.csv", (1..200).map(row).collect::<String>());
     desk.done(&format!("allan short.csv {READ} --fit none"));

@@ -1,7 +1,5 @@
 //! The page of two logs that are compared.
 
-use std::ops::Range;
-
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::notes::notes;
 use crate::analysis::compare::rows::Row;
@@ -43,30 +41,27 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis) -> Page {
 }
 
 fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
-    let sides: Vec<(&Side, &Log, Vec<Range<usize>>)> = analysis
-        .sides
-        .iter()
-        .zip(logs)
-        .map(|(side, log)| (side, log, log.channels[0].view(log.data, log.step_s).gaps()))
-        .collect();
-    let recorded = sides.iter().map(|(side, log, gaps)| Recorded {
+    let missing = logs.map(|log| log.channels[0].view(log.data, log.step_s).gaps());
+    let sides = || analysis.sides.iter();
+    let recorded = sides().zip(logs).zip(&missing);
+    let recorded = recorded.map(|((side, log), gaps)| Recorded {
         name: &side.label,
         log,
         channel: &log.channels[0],
         outliers: &side.outliers,
         gaps,
     });
-    let mut blocks = charts(&recorded.collect::<Vec<_>>());
-    let of = |said: &dyn Fn(&Side, &Log, &[Range<usize>]) -> String| {
-        by_name(sides.iter().map(|(side, log, gaps)| (&*side.label, said(side, log, gaps))).collect())
+    let recorded: Vec<Recorded> = recorded.collect();
+    let mut blocks = charts(&recorded);
+    let of = |said: &dyn Fn(&Side, &Recorded) -> String| {
+        by_name(sides().zip(&recorded).map(|(side, record)| (record.name, said(side, record))).collect())
     };
-    let time = |log: &Log, sample: usize| log.start_s + sample as f64 * log.step_s;
     blocks.push(Block::Facts(vec![
-        ("Files", of(&|side, _, _| format!("{}, column {}", side.path.display(), side.column))),
-        ("Samples", of(&|side, _, _| sampling(side.samples, side.step_s))),
+        ("Files", of(&|side, _| format!("{}, column {}", side.path.display(), side.column))),
+        ("Samples", of(&|side, _| sampling(side.samples, side.step_s))),
         ("Treatment", vec![analysis.treatment().effect(analysis.shorter_s())]),
-        ("Gaps", of(&|side, log, found| gaps(found, side.step_s, |sample| time(log, sample)))),
-        ("Outliers", of(&|side, log, _| outliers(&side.outliers, |sample| time(log, sample)))),
+        ("Gaps", of(&|_, record| gaps(record.gaps, record.log.step_s, |sample| record.time(sample as f64)))),
+        ("Outliers", of(&|_, record| outliers(record.outliers, |sample| record.time(sample as f64)))),
     ]));
     blocks
 }

@@ -242,7 +242,7 @@ impl Recorded<'_> {
     }
 
     /// Time of a sample from the start of the file, s.
-    fn time(&self, sample: f64) -> f64 {
+    pub(crate) fn time(&self, sample: f64) -> f64 {
         self.log.start_s + sample * self.log.step_s
     }
 }

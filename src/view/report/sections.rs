@@ -198,7 +198,7 @@ fn grid(grid: &Grid) -> Markup {
 
 /// A text with what is in backticks as code.
 fn said(text: &str) -> Markup {
-    let is_paired = text.matches('`').count() % 2 == 0;
+    let is_paired = text.matches('`').count().is_multiple_of(2);
     html! {
         @if is_paired {
             @for (at, part) in text.split('`').enumerate() { @if at % 2 == 1 { code { (part) } } @else { (part) } }
