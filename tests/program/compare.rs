@@ -112,7 +112,7 @@ fn the_headers_of_the_files_are_the_documented_ones() {
     assert_eq!(
         header("out/coefficients.csv"),
         "coefficient,unit,a,b,difference,lower,upper,p,length_needed_s,verdict,ratio,ratio_lower,ratio_upper,\
-         a_at_most,b_at_most,length_beyond_s"
+         a_at_most,b_at_most,length_beyond_s,described"
     );
 }
 
