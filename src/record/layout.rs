@@ -49,7 +49,9 @@ impl Layout {
     /// The log has no rows.
     pub(crate) fn of(head: &[u8], file: &str, decimal: Option<Decimal>) -> Result<Layout, RecordError> {
         let stable32 = stable32(head);
-        let (content, comment) = first_lines(head, stable32.as_ref().map_or(0, |found| found.end));
+        let (mut content, comment) = first_lines(head, stable32.as_ref().map_or(0, |found| found.end));
+        let titles = titles(&content, decimal);
+        content.drain(..titles);
         let Some(first) = content.first() else {
             let what = if head.is_empty() { "is empty" } else { "has no samples" };
             let help = "write one line for each sample, below a header with the names of the columns";
@@ -76,6 +78,10 @@ impl Layout {
             inferred: vec![],
             shown: (first.number, first.text.to_vec()),
         };
+        if titles > 0 {
+            let lines = if titles == 1 { "1 line".to_owned() } else { format!("{titles} lines") };
+            layout.inferred.push(format!("{lines} above the header: not read"));
+        }
         if decimal.is_none() && decimal_found == Decimal::Comma {
             let divided = delimiter.name();
             layout.inferred.push(format!("commas are decimals, and cells are divided by {divided}"));
@@ -172,6 +178,28 @@ fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {
         true => (blanks, Decimal::Comma),
         false => (delimiter, Decimal::Point),
     }
+}
+
+/// Number of lines above the header, such as the name of a logger: lines of words in fewer than half as many cells as the rows have,
+/// before one with a name in every cell.
+fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
+    let Some(row) = content.last() else { return 0 };
+    let named = |line: &Line, delimiter, decimal| {
+        let cells = texts(line.text, delimiter);
+        let named = cells.iter().filter(|cell| !cell.trim().is_empty()).count();
+        is_header(&cells, decimal).then_some((named, cells.len()))
+    };
+    let is_below_titles = |at: &usize| {
+        let (delimiter, decimal) = signs(&content[*at..], decimal);
+        let columns = texts(row.text, delimiter).len();
+        let is_title = |line| {
+            named(line, delimiter, decimal).is_some_and(|(named, _)| named == 1 || 2 * named < columns)
+        };
+        columns > 1
+            && named(&content[*at], delimiter, decimal) == Some((columns, columns))
+            && content[..*at].iter().all(is_title)
+    };
+    (0..content.len() - 1).find(is_below_titles).unwrap_or(0)
 }
 
 /// The first lines with content from `start` on, and the comment before the first.
@@ -285,6 +313,22 @@ mod tests {
         let units = layout("time;gx\n[s];[dps]\n0;1\n");
         let found: Vec<Option<&str>> = units.names.iter().map(|name| name.unit.as_deref()).collect();
         assert_eq!((found, units.lines), (vec![Some("s"), Some("dps")], 2));
+    }
+
+    #[test]
+    fn titles_above_the_header_are_not_read() {
+        for title in ["Logger XY v1.2", "Logger XY v1.2;;", "Logger;;\nserial 17a;;"] {
+            let found =
+                layout(&format!("{title}\nt [s];gz [dps];temp [degC]\n0,01;1,5;20,1\n0,02;1,6;20,1\n"));
+            assert_eq!(bare(&found), ["t", "gz", "temp"], "{title}");
+            assert_eq!(found.lines, title.lines().count() + 1);
+            assert!(
+                found.inferred.iter().any(|note| note.ends_with("above the header: not read")),
+                "{title}"
+            );
+        }
+        assert_eq!(bare(&layout("t;gz\ns;deg/s\n1;2\n2;3\n")), ["t", "gz"], "units are no names");
+        assert_eq!(bare(&layout("gz\n1\n2\n")), ["gz"]);
     }
 
     #[test]
