@@ -285,6 +285,10 @@ mod tests {
             ("0.003 deg/sqrt(h)", 0.18),
             ("1 deg/h/sqrt(Hz)", 1.0),
             ("60 °/h/√(Hz)", value("1 °/√h")),
+            ("9.80665 m/s^2", 1.0),
+            ("9806.65 mm/s", 1.0),
+            ("980665 mGal", 1.0),
+            ("5 mg", 0.005),
         ];
         for (text, expected) in table {
             assert_eq!(value(text), expected, "{text}");
@@ -332,7 +336,7 @@ mod tests {
             ("5 deg deg", "cannot be read"),
             ("3 deg/h^3", "is a quantity in ″·s^-3"),
             ("3 g s", "cannot be read"),
-            ("3 g·s", "is a quantity in s·g"),
+            ("3 g·s^3", "is a quantity in s^3·g"),
         ];
         for (text, piece) in table {
             let error = parse_any(text).unwrap_err().to_string();
