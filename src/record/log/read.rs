@@ -113,10 +113,10 @@ impl Log {
         let mut file = Recording::open(path.display().to_string(), Origin::Path(path), &request.hints)?;
         let (mut faults, mut notes) = (Faults::default(), file.inferred());
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
-        let thermometer = request.temperature.as_ref().map(|thermometer| thermometer.find(&file, &mut notes));
-        let thermometer = thermometer.and_then(|found| faults.take(found));
-        // Also where its unit is unknown.
-        let taken = request.temperature.as_ref().and_then(|given| file.find(&given.column, None).ok());
+        let thermometer = request.temperature.as_ref();
+        let taken = thermometer.and_then(|given| faults.take(file.find(&given.column, None)));
+        let degree = thermometer.zip(taken).map(|(given, column)| given.degree(&file, column, &mut notes));
+        let degree = degree.and_then(|degree| faults.take(degree));
         let time = found(&file, &request.timing, &request.columns, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
         let columns = wanted(&file, request, &named, [time.map(|time| time.column), taken], &mut notes)
@@ -173,7 +173,7 @@ impl Log {
             return Err(faults.into_error(&file.file));
         }
         // It was read behind the samples, so that gaps and duplicates are the same for it.
-        let temperature = thermometer.and_then(|found| Some(found.celsius(samples.pop()?)));
+        let temperature = degree.and_then(|degree| Some(degree.celsius(samples.pop()?)));
         let channels = channels.into_iter().flatten().zip(samples);
         let mut channels: Vec<Channel> =
             channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();

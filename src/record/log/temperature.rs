@@ -13,7 +13,7 @@ pub struct Thermometer {
 }
 
 /// A unit of temperature: its spellings in lower case without blanks, its size in K, and its zero in °C.
-struct Degree {
+pub(crate) struct Degree {
     spellings: &'static [&'static str],
     size: f64,
     zero: f64,
@@ -42,6 +42,12 @@ impl Degree {
         DEGREES.iter().find(|degree| degree.spellings.contains(&text.as_str()))
     }
 
+    /// Numbers in this unit in °C.
+    pub(crate) fn celsius(&self, mut numbers: Vec<f64>) -> Vec<f64> {
+        numbers.iter_mut().for_each(|number| *number = *number * self.size + self.zero);
+        numbers
+    }
+
     /// The unit at the end of a name such as `temp_degC` or `temp C`.
     fn at_the_end(name: &str) -> Option<&'static Degree> {
         let (_, unit) = name.rsplit_once(['_', ' '])?;
@@ -49,43 +55,31 @@ impl Degree {
     }
 }
 
-/// A column of temperatures that was found in a file.
-pub(crate) struct Found {
-    pub column: usize,
-    degree: &'static Degree,
-}
-
 impl Thermometer {
-    /// The column in a file; `notes` receives the unit where it is assumed.
+    /// The unit of its column in a file; `notes` receives it where it is assumed.
     ///
     /// # Errors
-    /// There is no such column, or its unit is unknown.
-    pub(crate) fn find(&self, file: &Recording, notes: &mut Vec<String>) -> Result<Found, RecordError> {
-        let column = file.find(&self.column, None)?;
+    /// The unit is unknown.
+    pub(crate) fn degree(
+        &self,
+        file: &Recording,
+        column: usize,
+        notes: &mut Vec<String>,
+    ) -> Result<&'static Degree, RecordError> {
         let name = file.names().get(column);
-        let written = self.unit.as_deref().or(name.and_then(|name| name.unit.as_deref()));
-        let degree = match written {
+        match self.unit.as_deref().or(name.and_then(|name| name.unit.as_deref())) {
             Some(unit) => Degree::of(unit).ok_or_else(|| {
                 let message = format!(
                     "`{unit}` is not a unit of temperature, for the temperature {}",
                     file.title(column)
                 );
                 file.refuse(Some(column), &message, "of this column", ACCEPTED)
-            })?,
-            None => name.and_then(|name| Degree::at_the_end(&name.whole)).unwrap_or_else(|| {
+            }),
+            None => Ok(name.and_then(|name| Degree::at_the_end(&name.whole)).unwrap_or_else(|| {
                 notes.push(format!("the temperature {} is taken to be in °C", file.title(column)));
                 &DEGREES[0]
-            }),
-        };
-        Ok(Found { column, degree })
-    }
-}
-
-impl Found {
-    /// Numbers of the column in °C.
-    pub(crate) fn celsius(&self, mut numbers: Vec<f64>) -> Vec<f64> {
-        numbers.iter_mut().for_each(|number| *number = *number * self.degree.size + self.degree.zero);
-        numbers
+            })),
+        }
     }
 }
 
@@ -104,7 +98,7 @@ mod tests {
         for text in ["deg", "", "s", "temp"] {
             assert!(Degree::of(text).is_none() && Degree::at_the_end(text).is_none(), "{text}");
         }
-        let boiling = Found { column: 0, degree: Degree::of("°F").unwrap() }.celsius(vec![212.0, 32.0]);
+        let boiling = Degree::of("°F").unwrap().celsius(vec![212.0, 32.0]);
         assert!((boiling[0] - 100.0).abs() < 1e-12 && boiling[1].abs() < 1e-12, "{boiling:?}");
     }
 }
