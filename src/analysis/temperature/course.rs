@@ -92,8 +92,8 @@ fn filled(measured: &[f64], bridged: usize) -> Vec<f64> {
     let reach = bridged.max(BRIDGED * (last - first) / (known.len() - 1).max(1));
     for pair in known.windows(2).filter(|pair| pair[1] - pair[0] <= reach) {
         let (from, to) = (measured[pair[0]], measured[pair[1]]);
-        for i in pair[0] + 1..pair[1] {
-            filled[i] = from + (to - from) * (i - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
+        for (i, value) in filled[pair[0]..pair[1]].iter_mut().enumerate() {
+            *value = from + (to - from) * i as f64 / (pair[1] - pair[0]) as f64;
         }
     }
     filled[first.saturating_sub(reach)..first].fill(measured[first]);
