@@ -16,6 +16,18 @@ SAMPLES = 2**14
 B = 0.3
 # Flicker is made this much finer and averaged: at its own step it has 1.4 times the Allan variance of flicker, which counts as N.
 FINER = 4
+# Kind of the spread, spreads of N and B, whether behind a filter, factor of the N of the first unit.
+ROWS = [
+    ("equal", (0, 0), False, 1),
+    ("log-normal", (0.01, 0.2), False, 1),
+    ("log-normal", (0.05, 0.2), False, 1),
+    ("log-normal", (0.05, 0.2), True, 1),
+    ("log-normal", (0.3, 0.5), False, 1),
+    ("uniform", (0.05, 0.2), False, 1),
+    ("uniform", (0.3, 0.3), False, 1),
+    ("log-normal", (0.05, 0.2), False, 2),
+    ("log-normal", (0.3, 0.2), False, 2),
+]
 
 
 def factors(rng, kind, spread):
@@ -38,22 +50,10 @@ def lot(rng, kind, spreads, filtered, odd):
 
 
 def units(lots):
-    """Each row: a kind of spread, those of N and B, behind a filter or not, the factor of the odd unit."""
-    rows = [
-        ("equal", (0, 0), False, 1),
-        ("log-normal", (0.01, 0.2), False, 1),
-        ("log-normal", (0.05, 0.2), False, 1),
-        ("log-normal", (0.05, 0.2), True, 1),
-        ("log-normal", (0.3, 0.5), False, 1),
-        ("uniform", (0.05, 0.2), False, 1),
-        ("uniform", (0.3, 0.3), False, 1),
-        ("log-normal", (0.05, 0.2), False, 2),
-        ("log-normal", (0.3, 0.2), False, 2),
-    ]
     print(f"{lots} lots of {UNITS} units of {SAMPLES} samples; coverage in percent: lot, next unit, spread")
     names = ",".join(str(unit + 1) for unit in range(UNITS))
     options = ["--rate", "1Hz", "--unit", "none", "--column", names]
-    for kind, spreads, filtered, odd in rows:
+    for kind, spreads, filtered, odd in ROWS:
         rng = np.random.default_rng(31)
         made = [lot(rng, kind, spreads, filtered, odd) for _ in range(lots)]
         documents = allan_numpy.POOL.map(lambda one: allan_numpy.program("lot", [one[0]], *options), made)

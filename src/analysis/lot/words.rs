@@ -47,7 +47,7 @@ fn of_odd(lot: &Lot, one: &Coefficient, unit: usize, found: &Found, odd: Odd) ->
             let most = one.bounds().into_iter().map(|(_, most)| most).fold(0.0, f64::max);
             let count = one.found.len() - 1;
             format!(
-                "{label} is odd: it has {title} of {}, above the bounds of all {count} others, at most {}.",
+                "{label} is odd: it has {title} of {}, above the bounds of the {count} others, at most {}.",
                 shown(value),
                 shown(most)
             )
