@@ -34,7 +34,11 @@ fn an_adapter_that_passed_its_self_test_is_remembered() {
     std::fs::write(&file, "int64 = ?").unwrap();
     assert_eq!(runs("again"), table);
     let again = std::fs::read_to_string(&file).unwrap();
-    assert!(again == kept || again == kept.replace(believed, other), "{again}");
+    // The speed is measured again.
+    let known =
+        |text: &str| text.lines().filter(|line| !line.contains("steps_per_second")).collect::<String>();
+    let is_like = |text: &str| known(&again) == known(text);
+    assert!(is_like(&kept) || is_like(&kept.replace(believed, other)), "{again}");
 }
 
 #[test]

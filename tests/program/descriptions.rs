@@ -69,6 +69,14 @@ fn written_by_commands() -> Vec<(File, String)> {
     let log = format!("{studies}/data/gyro_at_rest.csv");
     let read = "--data rate --rate 1Hz";
     desk.done(&format!("allan {log} {read} --bootstrap 0 --dynamic --out allan"));
+    let warm = |i: u32| format!("{},{}\n", i * i * 48_271 % 65_537, 20.0 + 0.01 * f64::from(i));
+    desk.write(
+        "warm.csv",
+        &(0..500).map(warm).fold("gz [deg/h],temp [degC]\n".to_owned(), |all, row| all + &row),
+    );
+    desk.done(
+        "allan warm.csv --data rate --rate 1Hz --column gz --temperature temp --bootstrap 0 --out warm",
+    );
     desk.done(&format!("psd {log} {read} --bootstrap 0 --out psd"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
@@ -91,6 +99,8 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("allan", "events.csv", "allan"),
         ("allan", "dynamic.csv", "allan"),
         ("allan", "stationarity.csv", "allan"),
+        ("allan", "temperature.csv", "warm"),
+        ("allan", "compensation.csv", "warm"),
         ("psd", "psd.csv", "psd"),
         ("psd", "lines.csv", "psd"),
         ("psd", "white_noise.csv", "psd"),

@@ -100,23 +100,23 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
 #[test]
 fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_left_out() {
     let desk = log(&[6.0, 6.0, 6.0]);
-    // A random walk in the second column, where it dominates the curve at long τ.
+    // A random walk in the first column, where it dominates the curve at long τ.
     let text = desk.read("bench.csv");
     let (mut walk, steps) = (0.0, white(0.3, 99));
     let lines = text.lines().zip(std::iter::once(&0.0).chain(&steps)).map(|(line, step)| {
         let cells: Vec<&str> = line.split(',').collect();
         walk += step;
-        match cells[1].parse::<f64>() {
-            Ok(rate) => format!("{},{:.6},{}\n", cells[0], rate + walk, cells[2]),
+        match cells[0].parse::<f64>() {
+            Ok(rate) => format!("{:.6},{},{}\n", rate + walk, cells[1], cells[2]),
             Err(_) => format!("{line}\n"),
         }
     });
     desk.write("bench.csv", &lines.collect::<String>());
     let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3 --fit N,K"));
     for piece in [
-        "g2 is odd: it has K of",
+        "g1 is odd: it has K of",
         "above the bounds of the 2 others",
-        "K: 1 of 3 units show it; left out are g1, g3",
+        "K: 1 of 3 units show it; left out are g2, g3",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }

@@ -167,7 +167,7 @@ fn a_run_that_stops_at_a_precision_goes_on_from_what_it_said_is_kept() {
     assert_eq!(first.code, 4, "{}", first.stderr);
     let line = |text: &str, end: &str| text.lines().find(|line| line.contains(end)).map(str::to_owned);
     let stopped = line(&first.stderr, "are kept").unwrap_or_else(|| panic!("{}", first.stderr));
-    let second = desk.sagnac(&format!("{run} 4s"));
+    let second = desk.sagnac(&format!("{run} 10s"));
     let begins = line(&second.stderr, "trials done").unwrap_or_else(|| panic!("{}", second.stderr));
     let reached = begins.strip_suffix(" trials done").unwrap();
     assert!(!reached.starts_with("0 of") && stopped.contains(reached), "{stopped}\n{begins}");

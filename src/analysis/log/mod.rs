@@ -115,10 +115,10 @@ impl Column {
         self.noise.as_ref().ok()?.as_ref()
     }
 
-    /// Whether more than 1 in 10,000 of the `samples` stand out, as of noise with long tails. Intervals suppose Gaussian noise, so
-    /// they are too short then.
+    /// Whether more than ten of the `samples` and more than 1 in 10,000 stand out, as of noise with long tails. Intervals suppose
+    /// Gaussian noise, so they are too short then.
     pub fn has_long_tails(&self, samples: usize) -> bool {
-        self.outliers.samples.len() as f64 > 1e-4 * samples as f64
+        self.outliers.samples.len() > 10.max(samples / 10_000)
     }
 
     /// Its coefficients; empty where there are none.

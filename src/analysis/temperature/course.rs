@@ -2,6 +2,8 @@
 
 /// Allowed distance of the smoothed temperature from the measured one, in errors of the sensor.
 const TOLERANCE: f64 = 1.05;
+/// Distance beyond which longer windows are not tried.
+const FAR: f64 = 3.0;
 /// Shares of the record that a window may take at most.
 const WINDOWS: usize = 8;
 /// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
@@ -44,10 +46,13 @@ impl Course {
             let (values, slopes) = lines(&filled, half_window);
             let known = || measured.iter().zip(&values).filter(|(x, y)| (*x - *y).is_finite());
             let squares: f64 = known().map(|(x, y)| (x - y) * (x - y)).sum();
-            if squares > known().count() as f64 * TOLERANCE * TOLERANCE * error * error {
+            let excess = libm::sqrt(squares / known().count() as f64) / error;
+            // A window of about one step of the resolution is off by more than a longer one.
+            if excess <= TOLERANCE {
+                course = Course { values, slopes, half_window, ..course };
+            } else if excess > FAR {
                 break;
             }
-            course = Course { values, slopes, half_window, ..course };
             half_window *= 2;
         }
         if course.half_window == 0 {

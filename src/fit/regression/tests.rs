@@ -44,7 +44,10 @@ fn columns_that_depend_on_each_other_have_no_coefficients() {
 
 #[test]
 fn a_sine_that_is_not_in_the_model_is_told_from_noise() {
-    let noise = |x: f64| ((x * x * 7919.0) % 13.0) - 6.0;
+    let numbers = std::iter::successors(Some(1_u64), |n| Some(16_807 * n % 2_147_483_647));
+    let uniform: Vec<f64> =
+        numbers.skip(9).take(160).map(|n| 12.0 * n as f64 / 2_147_483_647.0 - 6.0).collect();
+    let noise = |x: f64| uniform[x as usize];
     let of = |size: f64| {
         let regression =
             Regression::new(blocks((0..160).collect(), |x| noise(x) + size * libm::sin(1.1 * x))).unwrap();
