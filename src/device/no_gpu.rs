@@ -102,6 +102,10 @@ impl Gpu {
         self
     }
 
+    pub(crate) fn begin(&mut self) {
+        match self.never {}
+    }
+
     pub(crate) fn distrust(&self) {
         match self.never {}
     }

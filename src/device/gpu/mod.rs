@@ -149,8 +149,13 @@ impl Gpu {
 
     fn beginning_with(mut self, first_tile: u64) -> Gpu {
         self.first_tile = first_tile.clamp(TILES.0, self.most_tile);
-        self.tile = self.first_tile;
+        self.begin();
         self
+    }
+
+    /// Makes the next tile the first one again, whatever earlier ones showed.
+    pub(crate) fn begin(&mut self) {
+        self.tile = self.first_tile;
     }
 
     /// Opens the adapter again, with tiles as small as were found to fit. It begins with smaller ones than before, as a system
