@@ -17,7 +17,7 @@ use serde_json::Value;
 use crate::allan::Options;
 use crate::charts::write_or_remove;
 use crate::failure::Failure;
-use crate::output::write_table;
+use crate::output::{remove, write_table};
 use crate::terminal::{headed, number};
 
 /// A dependence with the analysis that is not the main one: that of the compensated log, or of the log as it is.
@@ -79,16 +79,21 @@ impl Thermal {
     }
 }
 
-/// Writes tables and charts, and removes charts of an earlier run that are no longer drawn.
+/// Names of the tables.
+const TABLES: [&str; 2] = ["temperature.csv", "compensation.csv"];
+
+/// Writes tables and charts, and removes those of an earlier run that this one lacks.
 pub fn save(thermal: Option<&Thermal>, analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
-    let mut drawn = figures::STEMS.map(|stem| (stem, None));
-    if let Some(thermal) = thermal {
-        let temperature = &thermal.temperature;
-        write_table(&folder.join("temperature.csv"), &tables::coefficients(temperature))?;
-        write_table(&folder.join("compensation.csv"), &tables::compensation(temperature))?;
-        let [before, after] = thermal.sides(analysis);
-        drawn = figures::figures(temperature, before, after);
-    }
+    let [coefficients, compensation] = TABLES.map(|name| folder.join(name));
+    let Some(thermal) = thermal else {
+        [coefficients, compensation].iter().try_for_each(|path| remove(path).map(drop))?;
+        return figures::STEMS.into_iter().try_for_each(|stem| write_or_remove(folder, stem, None));
+    };
+    let temperature = &thermal.temperature;
+    write_table(&coefficients, &tables::coefficients(temperature))?;
+    write_table(&compensation, &tables::compensation(temperature))?;
+    let [before, after] = thermal.sides(analysis);
+    let drawn = figures::figures(temperature, before, after);
     drawn.into_iter().try_for_each(|(stem, figure)| write_or_remove(folder, stem, figure))
 }
 
