@@ -246,6 +246,11 @@ fn step_of_distinct(stamps: &[f64]) -> f64 {
     if distinct.len() < 2 { 0.0 } else { median_step(&distinct) }
 }
 
+/// The step of stamps of which most rows share one, 0 of others.
+pub(crate) fn coarseness(stamps: &[f64]) -> f64 {
+    if are_coarse(stamps) { step_of_distinct(stamps) } else { 0.0 }
+}
+
 /// Whether most rows have the stamp of the row before.
 pub(crate) fn are_coarse(stamps: &[f64]) -> bool {
     stamps.len() > 1 && median_step(stamps) == 0.0

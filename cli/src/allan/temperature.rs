@@ -38,12 +38,13 @@ impl Thermal {
     ) -> Result<Option<Thermal>, TauError> {
         let Some(temperature) = Temperature::of(log, treatment, options.effects()) else { return Ok(None) };
         let mut compensated = temperature.compensated(log);
-        let mut other = of(&compensated, &Treatment { is_compensated: true, ..*treatment })?;
+        let is_compensated = temperature.has_model();
+        let mut other = of(&compensated, &Treatment { is_compensated, ..*treatment })?;
         if options.compensate {
             std::mem::swap(log, &mut compensated);
             std::mem::swap(analysis, &mut other);
         }
-        Ok(Some(Thermal { temperature, other, is_compensated: options.compensate }))
+        Ok(Some(Thermal { temperature, other, is_compensated: options.compensate && is_compensated }))
     }
 
     /// The analyses before and after compensation.

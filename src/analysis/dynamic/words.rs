@@ -17,7 +17,7 @@ pub fn sentence(column: &Column) -> String {
     let tests = column.octaves.len();
     let Some(octave) = clearest(&column.octaves) else {
         return format!(
-            "no test for a change: the record is shorter than {PARTS} parts of 8 samples without long gaps"
+            "no test for a change: the record has fewer than {PARTS} parts of 8 samples that are neither missing nor constant"
         );
     };
     let counted = format!("{}, counting {tests} averaging times", probability(octave.p));

@@ -23,12 +23,19 @@ pub(crate) fn section(analysis: &Analysis) -> Section {
     let steps = [misfit(noise), outliers(noise), gaps(noise), lines(analysis)];
     let steps: Vec<String> = steps.into_iter().flatten().chain(longer(noise)).chain(further(noise)).collect();
     let block = match steps.is_empty() {
-        true => {
-            Block::Text("Nothing: the record shows no fault, and every coefficient is identified.".to_owned())
-        }
+        true => Block::Text(format!("Nothing: the record shows no fault{}.", identified(noise))),
         false => Block::List(steps),
     };
     Section { id: "next", heading: "What to do next", blocks: vec![block] }
+}
+
+/// That all coefficients are identified, if they are.
+fn identified(noise: &log::Analysis) -> &'static str {
+    let is_whole = |column: &Column| {
+        let rows = column.coefficients();
+        !rows.is_empty() && rows.iter().all(|row| row.value.is_some())
+    };
+    if noise.columns.iter().all(is_whole) { ", and every coefficient is identified" } else { "" }
 }
 
 /// The names of the columns for which something holds; `None` if there are none.
@@ -115,30 +122,30 @@ fn longer(noise: &log::Analysis) -> Vec<String> {
         let half = format!("{} {}", significant(0.5 * row.interval?[1], 2), row.symbol);
         let half = half.trim_end();
         let terms = Terms::of_model(noise.treatment.trend);
-        Some(
-            match LONGER.into_iter().find(|factor| is_shown(fit, most, factor * noise.samples as f64, &terms))
-            {
-                Some(factor) => format!(
-                    "The record is too short to show B of {name}. If B is {half}, half of its bound, a record of {}, {factor} times as \
-                 long, shows it.",
-                    duration(factor * noise.length_s())
-                ),
-                None => format!(
-                    "The record does not show B of {name}. If B is {half}, half of its bound, even a record of {} hides it under the \
-                 other terms.",
-                    duration(LONGER[2] * noise.length_s())
-                ),
-            },
-        )
+        let samples = noise.samples as f64;
+        let tried: Vec<f64> = LONGER.into_iter().filter(|factor| factor * samples <= MOST_SAMPLES).collect();
+        let shown = tried.iter().find(|factor| is_shown(fit, most, **factor * samples, &terms));
+        Some(match (shown, tried.last()) {
+            (Some(factor), _) => format!(
+                "The record is too short to show B of {name}. If B is {half}, half of its bound, a record of {}, {factor} times as long, \
+                 shows it.",
+                duration(factor * noise.length_s())
+            ),
+            (None, Some(longest)) => format!(
+                "The record does not show B of {name}. If B is {half}, half of its bound, even a record of {} hides it under the other \
+                 terms.",
+                duration(longest * noise.length_s())
+            ),
+            (None, None) => {
+                format!("The record does not show B of {name}, of which half the bound is {half}.")
+            }
+        })
     };
     noise.columns.par_iter().filter_map(said).collect()
 }
 
 /// Whether the mean curve of records of this length shows a bias instability b besides the other terms of a fit.
 fn is_shown(fit: &Fit, b: f64, samples: f64, terms: &Terms) -> bool {
-    if samples > MOST_SAMPLES {
-        return false;
-    }
     let others = fit.process.parts.iter().filter(|part| part.term != Term::BiasInstability);
     let part = Term::BiasInstability.part(b * b, 1.0, 1);
     let process = Process { parts: others.copied().chain([part]).collect(), ..fit.process };

@@ -135,7 +135,7 @@ fn of_samples(records: &[(usize, &Recorded)]) -> Drawn {
 
 /// Means of stretches of the samples without outliers, less the mean of the whole.
 fn of_means(records: &[(usize, &Recorded)]) -> Drawn {
-    let parts = parts(records) / 2;
+    let parts = (parts(records) / 2).max(1);
     let series = |(colour, record): &(usize, &Recorded), size: f64| {
         let mut values = record.values().into_owned();
         record.outliers.samples.iter().for_each(|&sample| values[sample] = f64::NAN);

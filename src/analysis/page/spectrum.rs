@@ -57,7 +57,9 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
         (0, _) => {
             return vec![Block::Text(format!("No line; noise alone shows one in {percent} % of records."))];
         }
-        (MOST_LINES.., _) => format!("The {MOST_LINES} highest of {count} lines; lines.csv has all."),
+        (count, _) if count > MOST_LINES => {
+            format!("The {MOST_LINES} highest of {count} lines; lines.csv has all.")
+        }
         _ => format!("Lines; noise alone shows one in {percent} % of records."),
     };
     vec![Block::Text(said), Block::Grid(Grid { head, rows: all.iter().map(row).collect() })]

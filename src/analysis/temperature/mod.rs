@@ -78,6 +78,11 @@ impl Temperature {
         Some(Temperature { step_s: log.step_s, missing, columns, course })
     }
 
+    /// Whether the dependence of any column was found.
+    pub fn has_model(&self) -> bool {
+        self.columns.iter().any(|column| column.found.is_ok())
+    }
+
     /// The log without the effects that were found; samples without temperature are missing. Columns without a model stay
     /// as they are.
     pub fn compensated(&self, log: &Log) -> Log {

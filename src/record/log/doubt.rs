@@ -42,13 +42,18 @@ pub enum Doubt {
     },
 }
 
+/// Whether a unit is rad/s, or rad, and no part of it.
+fn is_radian(unit: &Unit) -> bool {
+    (unit.factor / (648_000.0 / core::f64::consts::PI) - 1.0).abs() < 1e-9
+}
+
 impl Doubt {
     /// The doubt about the unit of samples whose mean rate or acceleration has the magnitude `mean`, in ″/s or µg. That of
     /// several axes of an accelerometer is the length of the vector of their means.
     pub(crate) fn of(mean: f64, unit: &Unit, data: Data) -> Option<Doubt> {
         let is_gravity = |mean: f64| (mean / GRAVITY - 1.0).abs() < NEAR;
         match unit.curves {
-            Curves::Angular if unit.text.contains("rad") && mean > AT_REST && mean <= AT_REST * DEGREES => {
+            Curves::Angular if is_radian(unit) && mean > AT_REST && mean <= AT_REST * DEGREES => {
                 Some(Doubt::DegreesAsRadians(mean))
             }
             Curves::Angular => (mean > NEVER_AT_REST).then_some(Doubt::NeverAtRest(mean)),
