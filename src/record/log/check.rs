@@ -29,7 +29,7 @@ impl Log {
     /// those with fewer than [`LEAST_SAMPLES`] samples, or with all samples equal.
     ///
     /// With [`UnitCheck::On`] it notes channels whose mean looks like that of another unit, by
-    /// [`Doubt`](crate::record::log::doubt::Doubt). Only the mean is examined, which no deviation depends on. Gravity is sought
+    /// [`Doubt`]. Only the mean is examined, which no deviation depends on. Gravity is sought
     /// in up to three accelerometers of one unit together.
     ///
     /// # Errors
