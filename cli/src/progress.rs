@@ -82,6 +82,8 @@ pub struct Shown {
     bar: ProgressBar,
     /// The unit of the first phase.
     unit: OnceLock<&'static str>,
+    /// Set as soon as the amount done at the beginning was said.
+    begins: OnceLock<()>,
     /// Time of the next line.
     next: Mutex<Instant>,
     stop: Option<Stop>,
@@ -102,7 +104,14 @@ impl Shown {
             How::Bar => drawn(),
             _ => ProgressBar::hidden(),
         };
-        Shown { how, bar, unit: OnceLock::new(), next: Mutex::new(Instant::now() + LINE), stop: None }
+        Shown {
+            how,
+            bar,
+            unit: OnceLock::new(),
+            begins: OnceLock::new(),
+            next: Mutex::new(Instant::now() + LINE),
+            stop: None,
+        }
     }
 
     /// Progress that also asks the run to stop as soon as there is a cause.
@@ -168,9 +177,20 @@ impl Progress for Shown {
     fn start(&self, unit: &'static str, done: u64, total: u64) {
         let first = *self.unit.get_or_init(|| unit);
         let bar = &self.bar;
+        let say_done = || {
+            if self.how == How::Plain && unit == first && done < total {
+                self.begins.get_or_init(|| ());
+                say!("{} of {} {unit} done", short(done as f64), short(total as f64));
+            }
+        };
         // More work of the same kind keeps the rate.
         if bar.message() == unit && bar.position() == done {
-            return bar.set_length(total);
+            bar.set_length(total);
+            // All work before may have been done by an earlier run.
+            if self.begins.get().is_none() {
+                say_done();
+            }
+            return;
         }
         bar.reset();
         bar.set_message(unit);
@@ -179,13 +199,10 @@ impl Progress for Shown {
         // The estimator of the rate needs this position before it is reset.
         bar.tick();
         bar.reset_eta();
-        match self.how {
-            How::Bar => bar.enable_steady_tick(Duration::from_millis(100)),
-            How::Plain if unit == first && done < total => {
-                say!("{} of {} {unit} done", short(done as f64), short(total as f64));
-            }
-            _ => {}
+        if self.how == How::Bar {
+            bar.enable_steady_tick(Duration::from_millis(100));
         }
+        say_done();
     }
 
     fn advance(&self, more: u64) {
