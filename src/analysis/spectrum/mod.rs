@@ -73,7 +73,7 @@ pub struct White {
     pub from_floor: Option<Row>,
     /// N of the Allan fit.
     pub from_fit: Option<Row>,
-    /// What is compared with the fitted model: the level of the density over the range of the floor as far as the model reaches.
+    /// Level of the density over the part of the range of the floor that the model reaches, which is compared with the model.
     pub compared: Option<Floor>,
     /// Mean density of the model over the same range, (″/s)²/Hz, and the part of it that is not of N.
     pub model: Option<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! What is known of an adapter from an earlier start: that it passed its self-test, its fastest variant and its speed.
+//! A file for each adapter remembers from an earlier start that it passed its self-test, its fastest variant and its speed.
 
 use std::path::PathBuf;
 use std::time::Instant;

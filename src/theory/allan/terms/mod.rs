@@ -85,7 +85,7 @@ pub(crate) struct Row {
     pub(crate) name: [&'static str; 2],
     /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol for the user.
     pub(crate) unit: (f64, &'static str, &'static str),
-    /// The same for accelerometers from µg and s, in the units of IEEE Std 1293 and of data sheets.
+    /// Factor and unit of the coefficient of an accelerometer, from µg and s to those of IEEE Std 1293 and of data sheets.
     pub(crate) unit_of_acceleration: (f64, &'static str, &'static str),
     /// Unit for a record of plain numbers, in files and for the user: a power of s.
     pub(crate) plain: (&'static str, &'static str),
