@@ -3,6 +3,7 @@
     cargo build --release -p sagnac-cli
     python benches/allan_numpy.py deviations [RECORDS]    # intervals of deviations, by kind of noise and averaging time
     python benches/allan_numpy.py coefficients [RECORDS]  # N and B behind the filter of a sensor
+    python benches/allan_numpy.py tails [RECORDS]         # N of white noise that is not Gaussian, and of Markov noise added to white noise
     python benches/allan_numpy.py compare [PAIRS]         # p of two records of equal noise behind such a filter
     python benches/allan_numpy.py dynamic [RECORDS]       # changes in records without one, and a step of N that is found
 
@@ -166,6 +167,53 @@ def coefficients(records):
                     if row["verdict"] == "identified" and row["coefficient"] not in "NB":
                         others[row["coefficient"]] = others.get(row["coefficient"], 0) + 1
             print(line, others, flush=True)
+
+
+def tails(records):
+    rng = np.random.default_rng(3)
+
+    def white():
+        return rng.standard_normal(LENGTH)
+
+    def smooth(time):
+        a = np.exp(-1 / time)
+        return signal.lfilter([np.sqrt(1 - a * a)], [1, -a], rng.standard_normal(LENGTH + 10 * time))[10 * time :]
+
+    def bursts():
+        rates = white()
+        for start in rng.integers(0, LENGTH - 500, rng.poisson(10)):
+            rates[start : start + 500] *= 3
+        return rates
+
+    # Each with its N² over that of the unit white noise.
+    kinds = {
+        "Gaussian": (white, 1),
+        "1 % ten times as large": (lambda: white() * np.where(rng.random(LENGTH) < 0.01, 10, 1), 1.99),
+        "Student, 3 degrees": (lambda: rng.standard_t(3, LENGTH), 3),
+        "size drawn every 20 s": (lambda: np.exp(0.3 * smooth(2000)) * white(), np.exp(0.18)),
+        "10 bursts of 5 s": (bursts, 1 + 10 * 500 * 8 / LENGTH),
+        "Markov noise of 3 s": (lambda: white() + 0.15 * smooth(300), 1),
+        "Markov noise of 0.1 s": (lambda: white() + 0.5 * smooth(10), 1),
+    }
+    print(f"{records} records of {LENGTH} samples at {RATE} Hz: coverage of 95 % intervals in percent")
+    for name, (make, square) in kinds.items():
+        n = np.sqrt(square / RATE)
+        options = [*OF_RECORD, *(EXTRA or ["--bootstrap", "0"])]
+        found = list(columns(records, make, *options))
+        rows = [{row["coefficient"]: row for row in column["coefficients"]} for column in found]
+        identified = [row["N"] for row in rows if row["N"]["value"] is not None]
+        inside = [row["lower"] <= n <= row["upper"] for row in identified]
+        width = np.median([row["upper"] / row["lower"] - 1 for row in identified]) / 2
+        line = f"{name:24} N identified {100 * len(inside) / records:.0f} %, covered {100 * np.mean(inside):.1f}, ±{100 * width:.2f} %;"
+        for other in ("Q", "B", "K", "L", "markov"):
+            share = np.mean([other in row and row[other]["value"] is not None for row in rows])
+            line += f" {other} {100 * share:.0f}" if share else ""
+        if "Markov" not in name:
+            for m in (1, 64, 4096):
+                points = [point for column in found for point in column["curves"][0]["points"] if point["m"] == m]
+                sigma = n * np.sqrt(RATE / m)
+                line += f"; m = {m}: {100 * np.mean([point['lower'] <= sigma <= point['upper'] for point in points]):.1f}"
+        print(line, flush=True)
 
 
 def compare(pairs):

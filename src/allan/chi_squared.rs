@@ -57,7 +57,7 @@ fn start(probability: f64, freedom: f64) -> f64 {
 }
 
 /// A normal quantile to 5e-4, which suffices for a start. Abramowitz and Stegun 26.2.23.
-fn normal_quantile(probability: f64) -> f64 {
+pub(crate) fn normal_quantile(probability: f64) -> f64 {
     let tail = probability.min(1.0 - probability);
     let t = libm::sqrt(-2.0 * libm::log(tail));
     let fraction =

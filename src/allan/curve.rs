@@ -6,7 +6,7 @@ use crate::allan::differences;
 use crate::allan::edf::edf;
 use crate::allan::noise::noise;
 use crate::allan::sums::sums;
-use crate::allan::{Angles, Deviation, Noise, chi_squared};
+use crate::allan::{Angles, Deviation, Noise, Spread, chi_squared};
 use crate::theory::allan::Process;
 use crate::theory::allan::gaussian::freedom;
 
@@ -97,7 +97,8 @@ pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidenc
 }
 
 /// Replaces degrees of freedom and intervals of a curve of `angles` by those of `model`, the noise of the whole record, from
-/// τ = `from_s` on, and at shorter τ by those of the autocorrelation of the differences.
+/// τ = `from_s` on, and at shorter τ by those of the autocorrelation of the differences. Where the record scatters more than
+/// Gaussian noise, degrees of freedom are as many fewer.
 ///
 /// A point for which neither gives them keeps its own. Gaps count as in [`curve`].
 pub fn suppose(
@@ -108,6 +109,7 @@ pub fn suppose(
     model: Option<(&Process, f64)>,
 ) {
     let samples = angles.len().saturating_sub(1) as u64;
+    let spread = Spread::of(angles);
     points.par_iter_mut().for_each(|point| {
         let m = point.m;
         let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * from_s).and_then(|(process, _)| {
@@ -119,7 +121,8 @@ pub fn suppose(
         };
         let Some((edf, supposes)) = found else { return };
         let left = point.terms as f64 / deviation.terms(angles.len(), m).max(1) as f64;
-        let edf = edf * left;
+        // The relative variance of an estimate is 2 over its degrees of freedom.
+        let edf = 2.0 / (2.0 / (edf * left) + spread.at(m as u64) * spread.at(m as u64));
         let interval = point.value.and_then(|value| interval(value, edf, confidence));
         *point = Point { supposes, edf: Some(edf), interval, ..*point };
     });

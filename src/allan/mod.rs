@@ -18,6 +18,7 @@ pub(crate) mod differences;
 pub(crate) mod edf;
 pub(crate) mod fisher;
 pub mod noise;
+pub mod spread;
 pub(crate) mod sums;
 pub mod tau;
 #[cfg(test)]
@@ -29,6 +30,7 @@ pub use crate::allan::angles::Angles;
 pub use crate::allan::curve::{Minimum, Point, Supposed, curve, minimum, suppose};
 pub use crate::allan::deviation::{Deviation, UnknownDeviation};
 pub use crate::allan::noise::{LEAST_GROUPS, Noise};
+pub use crate::allan::spread::Spread;
 pub use crate::allan::tau::{MOST_FOR_ALL, TauError, Taus};
 pub use crate::allan::trend::{Line, Trend};
 pub use crate::allan::unit::Unit;

@@ -102,7 +102,9 @@ impl<'a> Judge<'a> {
         let row = effects(&inverse[column], &columns);
         let estimate = place.map_or_else(|| dot(&row, &self.residual), |place| self.used[place].square);
         let weights = self.system.weights(row);
-        let variance = self.variance(term, estimate, error(column), &weights);
+        let [gaussian, common] = self.variances(term, estimate, error(column), &weights);
+        let variance = gaussian.plus(&common);
+        let error_of_square = libm::sqrt(error(column) * error(column) + common.at(estimate));
         let outcomes = self.realisations.iter().map(|row| dot(&weights, row)).collect();
         let (low, high) = variance.interval(estimate, variance.corrections(outcomes));
         let below = high.map(libm::sqrt);
@@ -119,7 +121,7 @@ impl<'a> Judge<'a> {
                 Coefficient {
                     term,
                     value: Some(libm::sqrt(estimate)),
-                    standard_error: Some(0.5 * error(column) / libm::sqrt(estimate)),
+                    standard_error: Some(0.5 * error_of_square / libm::sqrt(estimate)),
                     interval: Some([libm::sqrt(low), libm::sqrt(high)]),
                     shape: term.has_shape().then(|| Shape::of(shape, error(column + 1))),
                     verdict: Verdict::Identified,
@@ -132,10 +134,12 @@ impl<'a> Judge<'a> {
         Coefficient { evidence: Some(Evidence::new(estimate, variance)), ..coefficient }
     }
 
-    /// Variance of the square of a term as a function of its true value.
-    fn variance(&self, term: Term, estimate: f64, error: f64, weights: &[f64]) -> Variance {
+    /// Variance of the square of a term as a function of its true value, for Gaussian noise and from the deviations that the
+    /// estimates have in common. The weights are those for Gaussian noise alone, because the differences of common deviations
+    /// from one averaging time to another are too uncertain.
+    fn variances(&self, term: Term, estimate: f64, error: f64, weights: &[f64]) -> [Variance; 2] {
         let known = Variance::constant(error * error);
-        let Some(growth) = self.growth else { return known };
+        let Some(growth) = self.growth else { return [known, Variance::constant(0.0)] };
         let squares = |term: Term| {
             self.used.iter().find(|fitted| fitted.term == term).map_or(0.0, |fitted| fitted.square)
         };
@@ -143,7 +147,9 @@ impl<'a> Judge<'a> {
         let at_estimate = of_model.at(estimate.max(0.0));
         // The weights may come from a better covariance than that of the model, of which only the growth is used.
         let scale = error * error / at_estimate;
-        if scale.is_finite() { Variance(of_model.0.map(|v| scale * v)) } else { known }
+        let gaussian = if scale.is_finite() { Variance(of_model.0.map(|v| scale * v)) } else { known };
+        let common = growth.variance_in_common(term, weights, squares);
+        [gaussian, common]
     }
 }
 

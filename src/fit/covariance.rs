@@ -1,6 +1,7 @@
 //! The covariance between the estimates of a curve, prepared for weighting.
 
 use crate::fit::interval::Variance;
+use crate::fit::nnls::dot;
 use crate::fit::search::Fitted;
 use crate::fit::{Curve, FitError};
 use crate::theory::allan::gaussian::{self, Components};
@@ -123,6 +124,8 @@ pub(crate) struct Growth {
     /// Terms with their shapes.
     terms: Vec<(Term, f64)>,
     components: Components,
+    /// What each term of unit square adds to the deviations that the estimates have in common; empty if they have none.
+    common: Vec<Vec<f64>>,
 }
 
 impl Growth {
@@ -131,12 +134,19 @@ impl Growth {
             terms.iter().map(|fitted| (fitted.term, 1.0, fitted.shape)).collect();
         let components =
             Components::new(&curve.process(&unit), curve.difference(), curve.samples(), curve.ms());
-        Growth { terms: terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect(), components }
+        let of_term = |fitted: &Fitted| {
+            let column = curve.of_term(fitted.term, 1.0, fitted.shape);
+            column.iter().zip(curve.spread()).map(|(x, spread)| x * spread).collect()
+        };
+        let is_spread = curve.spread().iter().any(|spread| *spread > 0.0);
+        let common = if is_spread { terms.iter().map(of_term).collect() } else { Vec::new() };
+        Growth { terms: terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect(), components, common }
     }
 
     /// The growth for the averaging factors from the position `start` on.
     pub(crate) fn from(&self, start: usize) -> Growth {
-        Growth { terms: self.terms.clone(), components: self.components.from(start) }
+        let common = self.common.iter().map(|of_term| of_term[start..].to_vec()).collect();
+        Growth { terms: self.terms.clone(), components: self.components.from(start), common }
     }
 
     /// Whether it belongs to these terms and shapes.
@@ -150,7 +160,7 @@ impl Growth {
         Covariance::new(self.components.covariance(&squares))
     }
 
-    /// Variance of a weighted sum of estimates as a function of the square of one term, with the others given.
+    /// Variance of a weighted sum of estimates of Gaussian noise as a function of the square of one term, with the others given.
     pub(crate) fn variance(&self, term: Term, weights: &[f64], square_of: impl Fn(Term) -> f64) -> Variance {
         let form = self.components.variance_of(weights);
         let mut variance = [0.0; 3];
@@ -163,6 +173,24 @@ impl Growth {
             }
         }
         Variance(variance)
+    }
+
+    /// The variance that the deviations which the estimates have in common add to it.
+    pub(crate) fn variance_in_common(
+        &self,
+        term: Term,
+        weights: &[f64],
+        square_of: impl Fn(Term) -> f64,
+    ) -> Variance {
+        let (mut own, mut others) = (0.0, 0.0);
+        for ((other, _), of_term) in self.terms.iter().zip(&self.common) {
+            let deviation = dot(weights, of_term);
+            match *other == term {
+                true => own += deviation,
+                false => others += square_of(*other) * deviation,
+            }
+        }
+        Variance([others * others, 2.0 * own * others, own * own])
     }
 }
 

@@ -1,5 +1,6 @@
 //! The input of a fit: estimates of the Allan variance at averaging factors.
 
+use crate::allan::Spread;
 use crate::theory::allan::{Difference, Estimator, Process, Term, holds};
 
 /// Estimates of one record, or their mean over many.
@@ -11,6 +12,8 @@ pub struct Curve {
     ms: Vec<u64>,
     variances: Vec<f64>,
     octaves: usize,
+    /// Common relative deviation of the estimates beyond that of Gaussian noise.
+    spread: Vec<f64>,
 }
 
 /// Why a curve cannot be fitted.
@@ -98,7 +101,14 @@ impl Curve {
             return Err(FitError::TooLong { m, samples });
         }
         let octaves = holds::octaves(samples).ok_or(FitError::TooManySamples(samples))?;
-        Ok(Curve { sample_s, samples, difference, ms, variances, octaves })
+        let spread = vec![0.0; ms.len()];
+        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread })
+    }
+
+    /// The curve with the spread of its record.
+    pub(crate) fn spread_by(mut self, spread: &Spread) -> Curve {
+        self.spread = self.ms.iter().map(|&m| spread.at(m)).collect();
+        self
     }
 
     /// Another curve with the same averaging factors and length.
@@ -107,12 +117,17 @@ impl Curve {
     /// The number of values differs, or some are not above 0.
     pub fn with(&self, variances: &[f64]) -> Result<Curve, FitError> {
         check(&self.ms, variances)?;
-        Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), ..*self })
+        Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), spread: self.spread.clone(), ..*self })
     }
 
     /// The curve from the position `start` of its averaging factors on.
     pub(crate) fn from(&self, start: usize) -> Curve {
-        Curve { ms: self.ms[start..].to_vec(), variances: self.variances[start..].to_vec(), ..*self }
+        Curve {
+            ms: self.ms[start..].to_vec(),
+            variances: self.variances[start..].to_vec(),
+            spread: self.spread[start..].to_vec(),
+            ..*self
+        }
     }
 
     /// Time from one sample to the next, s.
@@ -138,6 +153,11 @@ impl Curve {
     /// The estimates, (″/s)².
     pub fn variances(&self) -> &[f64] {
         &self.variances
+    }
+
+    /// Relative standard deviation that the estimates have in common beyond that of Gaussian noise; see [`Spread`].
+    pub(crate) fn spread(&self) -> &[f64] {
+        &self.spread
     }
 
     /// Shortest and longest τ, s.

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use crate::allan::chi_squared::normal_quantile;
 use crate::fit::assess::Judge;
 use crate::fit::choose::Choice;
 use crate::fit::covariance::Growth;
@@ -138,7 +139,8 @@ impl Fitter {
         let found: Vec<Fitted> = found.collect();
         let (growth, model) = self.model(&self.complete(&found), None)?;
         let covariance = Covariance::of_realisations(realisations, &model)?;
-        self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), realisations)
+        let realisations = spread_by(realisations, curve.spread());
+        self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), &realisations)
     }
 
     /// Fits the curve with these variances, (″/s)², like [`fit_record`].
@@ -209,4 +211,16 @@ impl Fitter {
         }
         at_hand.filter(|growth| growth.is_of(terms)).unwrap_or_else(new)
     }
+}
+
+/// Simulated curves of Gaussian noise with the deviations that the estimates of their record have in common. Any order of normal
+/// quantiles will do, because the rows are in none; that of a golden section leaves no pattern.
+fn spread_by(rows: &[Vec<f64>], spread: &[f64]) -> Vec<Vec<f64>> {
+    let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
+    let of_row = |(i, row): (usize, &Vec<f64>)| {
+        let place = (i as f64 + 0.5) * golden;
+        let normal = normal_quantile(place - libm::floor(place));
+        row.iter().zip(spread).map(|(x, spread)| x * (1.0 + spread * normal)).collect()
+    };
+    rows.iter().enumerate().map(of_row).collect()
 }

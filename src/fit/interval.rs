@@ -28,6 +28,12 @@ impl Variance {
         Variance([variance, 0.0, 0.0])
     }
 
+    /// The sum of two variances.
+    pub(crate) fn plus(&self, other: &Variance) -> Variance {
+        let ([a0, a1, a2], [b0, b1, b2]) = (self.0, other.0);
+        Variance([a0 + b0, a1 + b1, a2 + b2])
+    }
+
     pub(crate) fn at(&self, x: f64) -> f64 {
         let [v0, v1, v2] = self.0;
         v0 + x * (v1 + x * v2)

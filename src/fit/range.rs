@@ -9,16 +9,20 @@
 //! 2. A fit to all octaves without a band limit is the result, unless its χ² is improbable.
 //! 3. Otherwise the fit starts at the second of two successive octaves from which its χ² is not improbable. The first of them
 //!    guards against a rest of the filter that χ² does not show, but that is worth a standard error of N.
-//! 4. If that costs four octaves or more, a fit of all octaves with a sine takes precedence if it describes them.
+//! 4. If that costs four octaves or more, or the noise at the shortest τ exceeds what the band limit leaves, a fit of all octaves
+//!    with a sine or with Markov noise takes precedence if it describes them. Markov noise without white noise does not count,
+//!    because that is what a low-pass makes of white noise.
 //! 5. If there is none, the fit of all octaves is the result unless its χ² is impossible. Then every coefficient is
 //!    [not described](Verdict::NotDescribed).
 //!
-//! Terms that are given are first fitted without a band limit.
+//! Terms that are given are first fitted without a band limit. The octaves that a fit leaves out may still contradict what it finds:
+//! quantisation noise would exceed the curve there if the spectrum has a hump instead, and so does the noise that a band limit leaves
+//! where noise of long correlation is added to white noise. Such a term is not identified.
 
 use crate::allan::{Angles, Deviation};
 use crate::fit::record::{curve_at, factors};
 use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Terms, Verdict};
-use crate::theory::allan::Term;
+use crate::theory::allan::{Part, Term};
 
 /// Probability of the residuals below which a fit does not describe its curve. It leaves room for the scatter of single records
 /// at long τ, which is wider than that of a χ².
@@ -29,8 +33,10 @@ pub const IMPOSSIBLE_P: f64 = 1e-9;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
 
-/// Octaves lost from which on a sine is tried instead.
+/// Octaves lost from which on a sine or Markov noise is tried instead.
 const LOST: usize = 4;
+/// Variance at the shortest τ, over that of white noise behind a low-pass, from which on no filter explains it.
+const SURPLUS: f64 = 4.0;
 
 /// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,6 +97,8 @@ pub struct Described {
     pub fit: Fit,
     /// Whether the fit describes the curve.
     pub is_described: bool,
+    /// Terms of the fit that the shortest τ of the curve contradicts, with the largest square that it leaves.
+    contradicted: Vec<(Term, f64)>,
 }
 
 /// Fits the terms over the range of `curve` that they describe.
@@ -104,8 +112,12 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
         Terms::Given(_) => Fitter::new(curve, &asked.terms)?,
     };
     let fit = whole.fit_record(curve.variances())?;
+    let described = |fitter, fit| {
+        let contradicted = contradicted(&fit, curve);
+        Described { fitter, fit, is_described: true, contradicted }
+    };
     if is_likely(&fit) && !is_limited(&fit) {
-        return Ok(Described { fitter: whole, fit, is_described: true });
+        return Ok(described(whole, fit));
     }
     let last = match asked.from_s {
         None => curve.ms().len().saturating_sub(FEWEST),
@@ -119,30 +131,60 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
         let fit = fitter.fit_record(fitter.curve().variances()).ok().filter(is_likely);
         match fit {
             Some(fit) if was_likely => {
-                found = Some((start, Described { fitter, fit, is_described: true }));
+                found = Some((start, described(fitter, fit)));
                 break;
             }
             fit => was_likely = fit.is_some(),
         }
     }
     match found {
-        Some((start, described)) if start < LOST => Ok(described),
+        Some((start, described)) if start < LOST && described.square_left(Term::BandLimit).is_none() => {
+            Ok(described)
+        }
         found => {
-            let other = with_sine(curve, &asked.terms)?.or(found.map(|(_, described)| described));
+            let other = with_shape(curve, &asked.terms)?.map(|(fitter, fit)| described(fitter, fit));
+            let other = other.or(found.map(|(_, described)| described));
             let is_described = fit.p_value().is_some_and(|p| p > IMPOSSIBLE_P);
-            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described }))
+            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described, contradicted: Vec::new() }))
         }
     }
 }
 
-/// The fit of chosen terms with a sine to the whole curve, if that describes it.
-fn with_sine(curve: &Curve, terms: &Terms) -> Result<Option<Described>, FitError> {
+/// The likeliest fit of chosen terms with a sine or Markov noise to the whole curve, if any describes it.
+fn with_shape(curve: &Curve, terms: &Terms) -> Result<Option<(Fitter, Fit)>, FitError> {
+    let mut best: Option<(Fitter, Fit)> = None;
     if matches!(terms, Terms::Given(_)) {
-        return Ok(None);
+        return Ok(best);
     }
-    let fitter = Fitter::new(curve, &terms.with(Term::Sine))?;
-    let fit = fitter.fit_record(curve.variances()).ok().filter(is_likely);
-    Ok(fit.map(|fit| Described { fitter, fit, is_described: true }))
+    for term in [Term::Sine, Term::Markov] {
+        let fitter = Fitter::new(curve, &terms.with(term))?;
+        let Some(fit) = fitter.fit_record(curve.variances()).ok().filter(is_likely) else { continue };
+        let white = fit.coefficient(Term::AngleRandomWalk).map(|found| found.verdict);
+        let is_low_pass = term == Term::Markov && white != Some(Verdict::Identified);
+        if !is_low_pass && best.as_ref().is_none_or(|(_, other)| fit.p_value() > other.p_value()) {
+            best = Some((fitter, fit));
+        }
+    }
+    Ok(best)
+}
+
+/// The terms of a fit to a part of a curve that its shortest τ contradicts, each with the largest square that it leaves.
+fn contradicted(fit: &Fit, curve: &Curve) -> Vec<(Term, f64)> {
+    let ([tau_s, _], variance) = (curve.tau_range(), curve.variances()[0]);
+    if fit.tau_range[0] <= tau_s {
+        return Vec::new();
+    }
+    let square = |term: Term| fit.process.parts.iter().find(|part| part.term == term).map(Part::square);
+    let most = curve.of_term(Term::Quantisation, 1.0, 1.0);
+    let most = variance / most[0];
+    let quantisation = square(Term::Quantisation).filter(|square| *square > most);
+    let limit = square(Term::BandLimit).zip(square(Term::AngleRandomWalk)).filter(|(limit, white)| {
+        let x = tau_s * white / (2.0 * limit);
+        let left = 1.0 - (3.0 - 4.0 * libm::exp(-x) + libm::exp(-2.0 * x)) / (2.0 * x);
+        variance > SURPLUS * left * white / tau_s
+    });
+    let quantisation = quantisation.map(|_| (Term::Quantisation, most));
+    quantisation.into_iter().chain(limit.map(|_| (Term::BandLimit, 0.0))).collect()
 }
 
 /// Whether a fit contains a band limit.
@@ -155,26 +197,44 @@ fn is_likely(fit: &Fit) -> bool {
 }
 
 impl Described {
-    /// Leaves out a band limit that is not identified. If the fit does not describe the curve, marks its coefficients and, unless
-    /// `is_forced`, takes their values.
+    /// The largest square of a term of the fit that the shortest τ of the curve leaves, if the fit contradicts it.
+    fn square_left(&self, term: Term) -> Option<f64> {
+        self.contradicted.iter().find(|(other, _)| *other == term).map(|(_, square)| *square)
+    }
+
+    /// Leaves out a band limit that is not identified, and the value of a term that the shortest τ contradicts. If the fit does not
+    /// describe the curve, marks its coefficients and, unless `is_forced`, takes their values.
     pub fn judged(&self, fit: Fit, is_forced: bool) -> Fit {
-        let is_shown =
-            |found: &Coefficient| found.term != Term::BandLimit || found.verdict == Verdict::Identified;
+        let without_value = |found: Coefficient, verdict| Coefficient {
+            value: None,
+            standard_error: None,
+            interval: None,
+            shape: None,
+            verdict,
+            evidence: None,
+            ..found
+        };
         if self.is_described {
-            return Fit { coefficients: fit.coefficients.into_iter().filter(is_shown).collect(), ..fit };
+            let bounded = |found: Coefficient| match self.square_left(found.term) {
+                Some(square) if found.verdict == Verdict::Identified => {
+                    let below = found.interval.map_or(f64::INFINITY, |ends| ends[1]).min(libm::sqrt(square));
+                    let interval = Some([0.0, below]);
+                    Coefficient {
+                        interval,
+                        ..without_value(found, Verdict::NotIdentifiable { below: Some(below) })
+                    }
+                }
+                _ => found,
+            };
+            let is_shown =
+                |found: &Coefficient| found.term != Term::BandLimit || found.verdict == Verdict::Identified;
+            let coefficients = fit.coefficients.into_iter().map(bounded).filter(is_shown).collect();
+            return Fit { coefficients, ..fit };
         }
         let is_asked = |found: &Coefficient| found.term != Term::BandLimit;
         let of = |found: Coefficient| match is_forced {
             true => Coefficient { verdict: Verdict::NotDescribed, ..found },
-            false => Coefficient {
-                term: found.term,
-                value: None,
-                standard_error: None,
-                interval: None,
-                shape: None,
-                verdict: Verdict::NotDescribed,
-                evidence: None,
-            },
+            false => without_value(found, Verdict::NotDescribed),
         };
         Fit { coefficients: fit.coefficients.into_iter().filter(is_asked).map(of).collect(), ..fit }
     }

@@ -19,7 +19,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::allan::curve::{curve, suppose};
-use crate::allan::{Angles, Deviation, Line, Minimum, Point, TauError, Taus, Trend, Unit, minimum};
+use crate::allan::{Angles, Deviation, Line, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum};
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::fit::{Fitting, Terms, describe};
 use crate::progress::Progress;
@@ -101,6 +101,8 @@ pub struct Column {
     pub outliers: Outliers,
     /// Mean rate or acceleration in the unit of the curve; absent for plain numbers that are not rates.
     pub mean_rate: Option<f64>,
+    /// Deviations of its estimates beyond those of Gaussian noise, which intervals contain.
+    pub spread: Spread,
     /// Removed slope, in the unit of the curve per s.
     pub slope: f64,
     /// Curves, one for each deviation.
@@ -115,8 +117,7 @@ impl Column {
         self.noise.as_ref().ok()?.as_ref()
     }
 
-    /// Whether more than ten of the `samples` and more than 1 in 10,000 stand out, as of noise with long tails. Intervals suppose
-    /// Gaussian noise, so they are too short then.
+    /// Whether more than ten of the `samples` and more than 1 in 10,000 stand out, as of noise with long tails.
     pub fn has_long_tails(&self, samples: usize) -> bool {
         self.outliers.samples.len() > 10.max(samples / 10_000)
     }
@@ -320,6 +321,7 @@ fn column(
         gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),
         slope: slope(&angles, &samples),
+        spread: Spread::of(&angles),
         curves,
         outliers,
         noise,

@@ -1,12 +1,10 @@
 //! Notes attached to the results of an analysis.
 
-use crate::allan::Deviation;
-use crate::analysis::log::{Analysis, Column, Curve};
+use crate::analysis::log::{Analysis, Column};
 use crate::fit::Fit;
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
-use crate::theory::allan::Term;
 
 /// All notes on the results; equal ones of several columns are one.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
@@ -23,7 +21,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     analysis.reading.iter().cloned().chain(of_columns).collect()
 }
 
-fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
     let noise = column.noise();
     let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
         format!(
@@ -46,6 +44,7 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 8] {
         said(has_gaps && noise.is_some(), "intervals of coefficients are those of a record without gaps"),
         has_gaps.then(|| missing(column.missing, analysis.samples)),
         outliers(column, analysis),
+        spread(column),
     ]
 }
 
@@ -59,12 +58,6 @@ fn band_limit(fit: &Fit, column: &Column, step_s: f64) -> Option<String> {
         });
     };
     let time = significant(time_s, 3);
-    if exceeds_filter(fit, column, time_s) {
-        return Some(format!(
-            "there is less noise below τ = {from} s than from there on, but more than a filter would leave: noise with a correlation \
-             time of some {time} s is added to white noise, and `fit = N,markov` may describe the whole curve"
-        ));
-    }
     let corner = significant(1.0 / (2.0 * core::f64::consts::PI * time_s), 3);
     Some(format!(
         "the sensor filters its {} like a first-order low-pass of {time} s ({corner} Hz) would: the coefficients are those of τ from \
@@ -73,18 +66,17 @@ fn band_limit(fit: &Fit, column: &Column, step_s: f64) -> Option<String> {
     ))
 }
 
-/// Whether the curve at the shortest τ is more than twice that of white noise behind the low-pass that a fit shows.
-fn exceeds_filter(fit: &Fit, column: &Column, time_s: f64) -> bool {
-    let is_allan = |curve: &&Curve| matches!(curve.deviation, Deviation::Adev | Deviation::Oadev);
-    let point = column.curves.iter().find(is_allan).and_then(|curve| curve.points.first());
-    let white = fit.process.parts.iter().find(|part| part.term == Term::AngleRandomWalk);
-    let (Some((tau_s, Some(value))), Some(white)) = (point.map(|point| (point.tau_s, point.value)), white)
-    else {
-        return false;
-    };
-    let x = tau_s / time_s;
-    let left = 1.0 - (3.0 - 4.0 * libm::exp(-x) + libm::exp(-2.0 * x)) / (2.0 * x);
-    value * value > 4.0 * left * white.square() / tau_s
+/// The deviations of estimates beyond those of Gaussian noise.
+fn spread(column: &Column) -> Option<String> {
+    // A relative error of a variance is twice that of the deviation.
+    let error = 0.5 * column.spread.most();
+    (error > 0.0).then(|| {
+        format!(
+            "the noise has long tails, or its size changes: parts of the record differ by more than those of Gaussian noise, which adds \
+             a standard error of {} % to deviations and coefficients; intervals contain it",
+            significant(100.0 * error, 2)
+        )
+    })
 }
 
 fn missing(missing: usize, samples: usize) -> String {
@@ -100,7 +92,7 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let fate = match (analysis.treatment.outliers_removed, column.has_long_tails(analysis.samples)) {
         (true, _) => "treated as gaps",
         (false, false) => "kept, unless outliers are removed",
-        (false, true) => "kept; so many are long tails of the noise, for which the intervals are too short",
+        (false, true) => "kept; so many are long tails of the noise",
     };
     let named = if found.len() == 1 { "outlier" } else { "outliers" };
     let of = if analysis.data == Data::Angle { "increments " } else { "" };
