@@ -23,21 +23,23 @@ const SURE: f64 = 0.999;
 pub struct Spread(Vec<f64>);
 
 impl Spread {
-    /// The spread of the overlapping Allan variances of a record. It is 0 where the parts of one in a thousand records of Gaussian
-    /// noise differ as much, and where parts are too short to show it.
+    /// The spread of the overlapping Allan variances of a record. It is 0 unless the parts differ at some averaging factor more than
+    /// those of one in a thousand records of Gaussian noise.
     pub fn of(angles: &Angles) -> Spread {
         let length = angles.len() / PARTS;
         let octaves: Vec<usize> =
             (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| 2 * m < length).collect();
         let of_part = |i: usize| sums(&angles.part(i * length..(i + 1) * length), Deviation::Oadev, &octaves);
         let parts: Vec<Vec<Sum>> = (0..PARTS).map(of_part).collect();
-        let spread = |(octave, m): (usize, &usize)| {
+        let scatter = |(octave, m): (usize, &usize)| {
             let terms = Deviation::Oadev.terms(angles.len(), *m) as f64;
             let freedom = differences::freedom(angles, Deviation::Oadev, *m)? / terms;
-            spread(parts.iter().map(|part| part[octave]).collect(), freedom)
+            scatter_of(parts.iter().map(|part| part[octave]).collect(), freedom)
         };
-        let found: Vec<Option<f64>> = octaves.par_iter().enumerate().map(spread).collect();
-        Spread(found.into_iter().map_while(|spread| spread).collect())
+        let found: Vec<Option<Scatter>> = octaves.par_iter().enumerate().map(scatter).collect();
+        let found: Vec<Scatter> = found.into_iter().map_while(|scatter| scatter).collect();
+        let is_sure = found.iter().any(|scatter| scatter.is_sure);
+        Spread(found.iter().map(|scatter| if is_sure { scatter.spread } else { 0.0 }).collect())
     }
 
     /// The relative standard deviation at the averaging factor `m`. Beyond the longest one for which parts show it, it is that of
@@ -53,8 +55,15 @@ impl Spread {
     }
 }
 
-/// The spread from the sums of parts, whose noise has `freedom` degrees of freedom per term; `None` where they are too few.
-fn spread(mut parts: Vec<Sum>, freedom: f64) -> Option<f64> {
+/// What the parts of a record show at one averaging factor.
+struct Scatter {
+    /// Relative standard deviation of the mean of all parts beyond that of Gaussian noise.
+    spread: f64,
+    is_sure: bool,
+}
+
+/// The scatter of the sums of parts, whose noise has `freedom` degrees of freedom per term; `None` where they are too few.
+fn scatter_of(mut parts: Vec<Sum>, freedom: f64) -> Option<Scatter> {
     let most = parts.iter().map(|sum| sum.terms).max()?;
     parts.retain(|sum| 2 * sum.terms > most);
     let of_part = freedom * most as f64;
@@ -66,8 +75,9 @@ fn spread(mut parts: Vec<Sum>, freedom: f64) -> Option<f64> {
     let mean = means.iter().sum::<f64>() / count;
     let squares: f64 = means.iter().map(|x| (x / mean - 1.0) * (x / mean - 1.0)).sum();
     let gaussian = 2.0 / of_part;
+    let excess = (squares / (count - 1.0) - gaussian).max(0.0);
     let is_sure = squares / gaussian > chi_squared::quantile(SURE, count - 1.0)?;
-    Some(if is_sure { libm::sqrt((squares / (count - 1.0) - gaussian) / count) } else { 0.0 })
+    Some(Scatter { spread: libm::sqrt(excess / count), is_sure })
 }
 
 #[cfg(test)]

@@ -2,10 +2,12 @@
 //! simulated records.
 
 use crate::allan::{Angles, Unit};
+use crate::analysis::hump;
 use crate::device::cpu::Cpu;
 use crate::fit::{Coefficient, Described, Fit, FitError, Fitting, Quantity, Verdict, describe};
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
+use crate::theory::allan::Term;
 
 /// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
@@ -38,6 +40,8 @@ pub struct DataSheet {
     pub fit: Fit,
     /// Source of the intervals.
     pub intervals: Intervals,
+    /// Whether the curve falls as that of quantisation noise, but its shortest τ or the spectrum contradicts it.
+    pub is_hump: bool,
 }
 
 /// The source of the 95 % intervals of coefficients: simulated records of the fit, or the closed form. It is both what
@@ -120,9 +124,21 @@ impl DataSheet {
             let without = Some(format!("the fit cannot be simulated: {why}"));
             (described.fit.clone(), Intervals { records: 0, without })
         });
-        let fit = described.judged(fit, asked.is_forced);
-        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals })
+        let mut fit = described.judged(fit, asked.is_forced);
+        let mut is_hump = described.square_left(Term::Quantisation).is_some();
+        if let Some(found) = fit.coefficients.iter_mut().find(|found| is_identified_quantisation(found)) {
+            is_hump = hump::is_hump(angles, &described.fit);
+            if is_hump {
+                *found = found
+                    .without_value(Verdict::NotIdentifiable { below: found.interval.map(|ends| ends[1]) });
+            }
+        }
+        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump })
     }
+}
+
+fn is_identified_quantisation(found: &Coefficient) -> bool {
+    found.term == Term::Quantisation && found.verdict == Verdict::Identified
 }
 
 /// Repeats the fit with intervals from simulated records of the first fit.

@@ -6,6 +6,7 @@ pub mod data_sheet;
 pub mod design;
 pub mod dynamic;
 pub mod firmware;
+mod hump;
 pub mod log;
 pub mod lot;
 pub mod page;

@@ -57,6 +57,27 @@ pub struct Coefficient {
     pub(crate) evidence: Option<Evidence>,
 }
 
+impl Coefficient {
+    /// The coefficient without its value, and with this verdict.
+    pub(crate) fn without_value(self, verdict: Verdict) -> Coefficient {
+        let interval = match verdict {
+            Verdict::AtBoundary { below } | Verdict::NotIdentifiable { below: Some(below) } => {
+                Some([0.0, below])
+            }
+            _ => None,
+        };
+        Coefficient {
+            value: None,
+            standard_error: None,
+            interval,
+            shape: None,
+            verdict,
+            evidence: None,
+            ..self
+        }
+    }
+}
+
 /// A fitted curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {

@@ -197,32 +197,19 @@ fn is_likely(fit: &Fit) -> bool {
 }
 
 impl Described {
-    /// The largest square of a term of the fit that the shortest τ of the curve leaves, if the fit contradicts it.
-    fn square_left(&self, term: Term) -> Option<f64> {
+    /// The largest square of a term that the shortest τ of the curve leaves, if that of the fit is larger.
+    pub(crate) fn square_left(&self, term: Term) -> Option<f64> {
         self.contradicted.iter().find(|(other, _)| *other == term).map(|(_, square)| *square)
     }
 
     /// Leaves out a band limit that is not identified, and the value of a term that the shortest τ contradicts. If the fit does not
     /// describe the curve, marks its coefficients and, unless `is_forced`, takes their values.
     pub fn judged(&self, fit: Fit, is_forced: bool) -> Fit {
-        let without_value = |found: Coefficient, verdict| Coefficient {
-            value: None,
-            standard_error: None,
-            interval: None,
-            shape: None,
-            verdict,
-            evidence: None,
-            ..found
-        };
         if self.is_described {
             let bounded = |found: Coefficient| match self.square_left(found.term) {
                 Some(square) if found.verdict == Verdict::Identified => {
                     let below = found.interval.map_or(f64::INFINITY, |ends| ends[1]).min(libm::sqrt(square));
-                    let interval = Some([0.0, below]);
-                    Coefficient {
-                        interval,
-                        ..without_value(found, Verdict::NotIdentifiable { below: Some(below) })
-                    }
+                    found.without_value(Verdict::NotIdentifiable { below: Some(below) })
                 }
                 _ => found,
             };
@@ -234,7 +221,7 @@ impl Described {
         let is_asked = |found: &Coefficient| found.term != Term::BandLimit;
         let of = |found: Coefficient| match is_forced {
             true => Coefficient { verdict: Verdict::NotDescribed, ..found },
-            false => without_value(found, Verdict::NotDescribed),
+            false => found.without_value(Verdict::NotDescribed),
         };
         Fit { coefficients: fit.coefficients.into_iter().filter(is_asked).map(of).collect(), ..fit }
     }

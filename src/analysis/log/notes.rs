@@ -21,7 +21,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     analysis.reading.iter().cloned().chain(of_columns).collect()
 }
 
-fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 10] {
     let noise = column.noise();
     let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
         format!(
@@ -41,6 +41,11 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
         closed.map(|why| format!("intervals of coefficients are in closed form: {why}")),
         misfit,
         limit,
+        said(
+            noise.is_some_and(|noise| noise.is_hump),
+            "what falls as 1/τ at short τ is no quantisation noise, which would show at the highest frequencies too: see the spectrum for a \
+             line or a hump",
+        ),
         said(has_gaps && noise.is_some(), "intervals of coefficients are those of a record without gaps"),
         has_gaps.then(|| missing(column.missing, analysis.samples)),
         outliers(column, analysis),
