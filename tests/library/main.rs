@@ -23,6 +23,7 @@ mod clock;
 mod compare_statistics;
 mod damage;
 mod device_faults;
+mod fit_beside_model;
 mod fit_range;
 mod groups;
 mod imports;
