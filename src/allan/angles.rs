@@ -1,14 +1,15 @@
 //! The record of angles, with its gaps, from which all deviations are computed.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
-use crate::allan::{Line, Trend};
+use crate::allan::{Line, Spread, Trend};
 
 /// Angles at evenly spaced times: the integral of a rate without its mean.
 ///
 /// No deviation depends on the mean rate. It is subtracted before anything is summed, because the running sum of a rate
 /// whose mean is a million times its noise would keep six digits less of the noise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Angles {
     /// Time from angle to angle, s.
     pub step_s: f64,
@@ -20,6 +21,8 @@ pub struct Angles {
     /// The line that was removed, in the original unit of the increments.
     removed: Line,
     missing: usize,
+    /// Computed when first asked for, since several results of a record need it.
+    spread: OnceLock<Spread>,
 }
 
 impl Angles {
@@ -49,7 +52,7 @@ impl Angles {
             values.push(angle);
         }
         runs.extend(worth_keeping(start..values.len()));
-        Angles { step_s, values, runs, removed: line, missing }
+        Angles { step_s, values, runs, removed: line, missing, spread: OnceLock::new() }
     }
 
     /// Measured `angles`, each times `scale`; NaN stands for a missing one.
@@ -74,6 +77,7 @@ impl Angles {
             values,
             removed: line,
             missing,
+            spread: OnceLock::new(),
         }
     }
 
@@ -105,12 +109,24 @@ impl Angles {
         };
         let runs: Vec<Range<usize>> = self.runs.iter().filter_map(inside).collect();
         let values = self.values[range].to_vec();
-        let mut part = Angles { values, runs, ..*self };
+        let mut part = Angles { values, runs, spread: OnceLock::new(), ..*self };
         part.missing = match part.has_unknown() {
             true => part.values.iter().filter(|value| value.is_nan()).count(),
             false => part.len() - 1 - part.runs.iter().map(|run| run.len() - 1).sum::<usize>(),
         };
         part
+    }
+
+    /// Deviations of the Allan variances of the record beyond those of Gaussian noise.
+    pub fn spread(&self) -> &Spread {
+        match self.spread.get() {
+            Some(spread) => spread,
+            // Not inside the lock, for which a thread of the same pool could wait for ever.
+            None => {
+                let spread = Spread::of(self);
+                self.spread.get_or_init(|| spread)
+            }
+        }
     }
 
     pub(crate) fn values(&self) -> &[f64] {

@@ -6,7 +6,7 @@ use crate::allan::differences;
 use crate::allan::edf::edf;
 use crate::allan::noise::noise;
 use crate::allan::sums::sums;
-use crate::allan::{Angles, Deviation, Noise, Spread, chi_squared};
+use crate::allan::{Angles, Deviation, Noise, chi_squared};
 use crate::theory::allan::Process;
 use crate::theory::allan::gaussian::freedom;
 
@@ -109,7 +109,7 @@ pub fn suppose(
     model: Option<(&Process, f64)>,
 ) {
     let samples = angles.len().saturating_sub(1) as u64;
-    let spread = Spread::of(angles);
+    let spread = angles.spread();
     points.par_iter_mut().for_each(|point| {
         let m = point.m;
         let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * from_s).and_then(|(process, _)| {

@@ -25,7 +25,7 @@ pub struct Spread(Vec<f64>);
 impl Spread {
     /// The spread of the overlapping Allan variances of a record. It is 0 unless the parts differ at some averaging factor more than
     /// those of one in a thousand records of Gaussian noise.
-    pub fn of(angles: &Angles) -> Spread {
+    pub(crate) fn of(angles: &Angles) -> Spread {
         let length = angles.len() / PARTS;
         let octaves: Vec<usize> =
             (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| 2 * m < length).collect();

@@ -1,6 +1,6 @@
 //! The curve of a record to which coefficients are fitted.
 
-use crate::allan::{Angles, Deviation, Point, Spread, curve};
+use crate::allan::{Angles, Deviation, Point, curve};
 use crate::fit::{Curve, FitError};
 use crate::theory::allan::Difference;
 
@@ -32,7 +32,7 @@ pub(crate) fn curve_at(angles: &Angles, factors: &[usize]) -> Result<Curve, FitE
     let known: Vec<(u64, f64)> = points.iter().filter(is_left).filter_map(square).collect();
     let (ms, variances) = known.into_iter().unzip();
     let curve = Curve::new(angles.step_s, samples as u64, Difference::Second, ms, variances)?;
-    Ok(curve.spread_by(&Spread::of(angles)))
+    Ok(curve.spread_by(angles.spread()))
 }
 
 /// The averaging factors of a fit to a record of `samples` samples.

@@ -161,5 +161,6 @@ fn labels(a: &Side, b: &Side) -> [String; 2] {
 
 fn is_one_record(a: &Side, b: &Side) -> bool {
     let file = |side: &Side| side.path.canonicalize().ok();
-    a.angles == b.angles || (a.column == b.column && file(a).is_some_and(|path| Some(path) == file(b)))
+    a.angles.values() == b.angles.values()
+        || (a.column == b.column && file(a).is_some_and(|path| Some(path) == file(b)))
 }

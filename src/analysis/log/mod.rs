@@ -321,7 +321,7 @@ fn column(
         gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),
         slope: slope(&angles, &samples),
-        spread: Spread::of(&angles),
+        spread: angles.spread().clone(),
         curves,
         outliers,
         noise,
