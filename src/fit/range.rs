@@ -170,21 +170,22 @@ fn with_shape(curve: &Curve, terms: &Terms) -> Result<Option<(Fitter, Fit)>, Fit
 
 /// The terms of a fit to a part of a curve that its shortest τ contradicts, each with the largest square that it leaves.
 fn contradicted(fit: &Fit, curve: &Curve) -> Vec<(Term, f64)> {
-    let ([tau_s, _], variance) = (curve.tau_range(), curve.variances()[0]);
-    if fit.tau_range[0] <= tau_s {
-        return Vec::new();
-    }
+    let mut found = Vec::new();
+    let [tau_s, _] = curve.tau_range();
+    let Some(variance) = curve.variances().first().filter(|_| fit.tau_range[0] > tau_s) else { return found };
     let square = |term: Term| fit.process.parts.iter().find(|part| part.term == term).map(Part::square);
-    let most = curve.of_term(Term::Quantisation, 1.0, 1.0);
-    let most = variance / most[0];
-    let quantisation = square(Term::Quantisation).filter(|square| *square > most);
-    let limit = square(Term::BandLimit).zip(square(Term::AngleRandomWalk)).filter(|(limit, white)| {
+    let most = variance / curve.of_term(Term::Quantisation, 1.0, 1.0)[0];
+    if square(Term::Quantisation).is_some_and(|square| square > most) {
+        found.push((Term::Quantisation, most));
+    }
+    if let (Some(limit), Some(white)) = (square(Term::BandLimit), square(Term::AngleRandomWalk)) {
         let x = tau_s * white / (2.0 * limit);
         let left = 1.0 - (3.0 - 4.0 * libm::exp(-x) + libm::exp(-2.0 * x)) / (2.0 * x);
-        variance > SURPLUS * left * white / tau_s
-    });
-    let quantisation = quantisation.map(|_| (Term::Quantisation, most));
-    quantisation.into_iter().chain(limit.map(|_| (Term::BandLimit, 0.0))).collect()
+        if *variance > SURPLUS * left * white / tau_s {
+            found.push((Term::BandLimit, 0.0));
+        }
+    }
+    found
 }
 
 /// Whether a fit contains a band limit.

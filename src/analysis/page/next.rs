@@ -68,8 +68,8 @@ fn outliers(noise: &log::Analysis) -> Option<String> {
     });
     let tails = named(noise, |column| has(column) && !few(column)).map(|names| {
         format!(
-            "Many samples of {names} stand out: the noise has long tails. Keep them, since each removed one is a gap that costs long τ, \
-             but take the intervals as too short, because they suppose Gaussian noise."
+            "Many samples of {names} stand out: the noise has long tails. Keep them, since each removed one is a gap that costs long τ. \
+             The intervals of deviations and coefficients contain what they add, those of the spectrum do not."
         )
     });
     let said: Vec<String> = spikes.into_iter().chain(tails).collect();
