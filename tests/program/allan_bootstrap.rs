@@ -150,8 +150,10 @@ fn a_fit_that_cannot_be_simulated_has_its_intervals_in_closed_form() {
     let rate = |(k, y): (usize, f64)| format!("{}\n", 10.0 * k as f64 + 0.035 * y);
     let desk = desk_with("ramp.csv", noise(4096).enumerate().map(rate).collect::<String>());
     let ended = desk.done("allan ramp.csv --data rate --unit arcsec/s --rate 1Hz --fit N,R --unit-check off");
-    let note =
-        "intervals of coefficients are in closed form: the fit cannot be simulated: noise.angle_random_walk";
+    let note = "intervals of coefficients are in closed form: the fit cannot be simulated: noise.angle_random_walk: white noise is lost";
     assert!(ended.stderr.contains(note), "{}", ended.stderr);
     assert!(ended.stdout.contains("95 % intervals in closed form"), "{}", ended.stdout);
+    // The record of an accelerometer has no seconds of arc.
+    let ended = desk.done("allan ramp.csv --data rate --unit m/s^2 --rate 1Hz --fit N,R --unit-check off");
+    assert!(ended.stderr.contains("white noise is lost") && !ended.stderr.contains('″'), "{}", ended.stderr);
 }

@@ -14,34 +14,32 @@ const LEAST_TREND: f64 = 128.0;
 const LEAST_TURN: f64 = 64.0;
 
 impl Fixed {
-    /// Refuses the first part that is too small next to `whole`, the largest difference of the angle, ″.
+    /// Refuses the first part that is too small next to `whole`, the largest difference of the angle, ″. The message states their
+    /// ratio, without a unit, because the record of an accelerometer is simulated in µg·s instead.
     pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Refusal> {
         let Model { noise, .. } = model;
-        let check = |key, what: &str, found: f64, unit: &str, units: f64, least: f64| {
+        let check = |key, what: &str, found: f64, units: f64, least: f64| {
             if found == 0.0 || units >= least {
                 return Ok(());
             }
             let lost = format!(
-                "{what} of {} {unit} is lost beside differences of the angle of up to {} ″ over {} samples in 32-bit arithmetic",
-                shown(found),
-                shown(whole),
-                model.samples
+                "{what} is lost in 32-bit arithmetic: over {} samples the record has differences up to {} times as large",
+                model.samples,
+                significant(whole / libm::fabs(found), 3)
             );
             let help = "make it larger, or 0; or what is large beside it smaller, or the record shorter";
             Err(Refusal::new(key, lost, help))
         };
-        let sigma =
-            |key, what, found, unit, word: u32| check(key, what, found, unit, word.into(), LEAST_UNITS);
-        const RATE: &str = "″ per sample";
+        let sigma = |key, what, found, word: u32| check(key, what, found, word.into(), LEAST_UNITS);
         let (key, what) = ("noise.quantisation", "quantisation noise");
-        sigma(key, what, noise.quantisation, "″", self.quantisation)?;
+        sigma(key, what, noise.quantisation, self.quantisation)?;
         let (key, what) = ("noise.angle_random_walk", "white noise");
-        check(key, what, noise.white, RATE, noise.white / self.lsb_arcsec * SIGMA_UNITS, LEAST_UNITS)?;
+        check(key, what, noise.white, noise.white / self.lsb_arcsec * SIGMA_UNITS, LEAST_UNITS)?;
         let (key, what) = ("noise.bias_instability", "flicker noise");
         for (&found, &word) in noise.octaves.iter().zip(core::iter::once(&self.white).chain(&self.flicker)) {
-            sigma(key, what, found, RATE, word)?;
+            sigma(key, what, found, word)?;
         }
-        sigma("noise.rate_random_walk", "a step of the rate", noise.walk, RATE, self.walk)?;
+        sigma("noise.rate_random_walk", "a step of the rate", noise.walk, self.walk)?;
         if let (Some(Markov { sigma: found, decay }), Some([loss, step, _])) = (noise.markov, self.markov) {
             if f64::from(loss) < LEAST_UNITS {
                 let found = format!(
@@ -50,7 +48,7 @@ impl Fixed {
                 );
                 return Err(Refusal::new("noise.markov", found, "take a rate random walk in its place"));
             }
-            sigma("noise.markov", "Markov noise", found, RATE, step)?;
+            sigma("noise.markov", "Markov noise", found, step)?;
         }
         if let (Some(Sine { amplitude, turns }), Some([_, word])) = (model.sine, self.sine) {
             if libm::fabs(turns - libm::round(turns)) * TURN < LEAST_TURN {
@@ -62,22 +60,22 @@ impl Fixed {
                 let help = "take another frequency, or a rate ramp in its place";
                 return Err(Refusal::new("noise.sine", found, help));
             }
-            sigma("noise.sine", "an angle", amplitude, "″", word)?;
+            sigma("noise.sine", "a sine", amplitude, word)?;
         }
         let m = model.longest(Difference::Second) as f64;
         let ramp = libm::fabs(model.ramp) * m * m / self.lsb_arcsec;
-        check("noise.rate_ramp", "a ramp", model.ramp, "″ per sample²", ramp, LEAST_TREND)?;
+        check("noise.rate_ramp", "a ramp", model.ramp, ramp, LEAST_TREND)?;
         for warm_up in &model.warm_ups {
             let part = libm::expm1(-warm_up.decay * m);
             let largest = libm::fabs(warm_up.reach) * part * part / self.lsb_arcsec;
-            check("noise.warm_up", "a rate", warm_up.rate(), RATE, largest, LEAST_TREND)?;
+            check("noise.warm_up", "a warm-up", warm_up.rate(), largest, LEAST_TREND)?;
         }
         if let Some(switching) = model.switching {
             let (key, what) = ("noise.switching.magnetic", "an alternating angle");
-            check(key, what, model.sawtooth, "″", model.sawtooth / self.lsb_arcsec, LEAST_TREND)?;
+            check(key, what, model.sawtooth, model.sawtooth / self.lsb_arcsec, LEAST_TREND)?;
             let [_, amplitude, noise] = self.switching.unwrap_or_default();
-            sigma("noise.switching.residual", "an amplitude", switching.residual, "″", amplitude)?;
-            sigma("noise.switching.residual_noise", "a noise", switching.residual_noise, "″", noise)?;
+            sigma("noise.switching.residual", "an amplitude", switching.residual, amplitude)?;
+            sigma("noise.switching.residual_noise", "a noise", switching.residual_noise, noise)?;
         }
         Ok(())
     }
