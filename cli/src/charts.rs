@@ -25,9 +25,17 @@ pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
 /// Writes figures by their stems, and removes those of earlier runs that no longer exist.
 ///
 /// # Errors
-/// A figure cannot be drawn or written.
+/// A figure cannot be drawn, written or removed.
 pub fn write_figures(folder: &Path, figures: &[(String, Option<Figure>)]) -> Result<(), Failure> {
-    figures.iter().try_for_each(|(stem, figure)| write_or_remove(folder, stem, figure.clone()))
+    for (stem, figure) in figures {
+        match figure {
+            Some(figure) => write_pictures(folder, stem, &Picture::Curves(figure.clone()))?,
+            None => ["svg", "png"]
+                .into_iter()
+                .try_for_each(|ending| remove(&folder.join(format!("{stem}.{ending}"))).map(drop))?,
+        }
+    }
+    Ok(())
 }
 
 /// The figures as text for the terminal.
@@ -45,19 +53,6 @@ pub fn write_pictures(folder: &Path, stem: &str, picture: &Picture) -> Result<()
         picture.png(2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
     write(&folder.join(format!("{stem}.svg")), picture.svg().as_bytes())?;
     write(&folder.join(format!("{stem}.png")), &png)
-}
-
-/// Writes a chart of curves, or removes that of an earlier run where there is none.
-///
-/// # Errors
-/// It cannot be drawn, written or removed.
-pub fn write_or_remove(folder: &Path, stem: &str, figure: Option<Figure>) -> Result<(), Failure> {
-    match figure {
-        Some(figure) => write_pictures(folder, stem, &Picture::Curves(figure)),
-        None => ["svg", "png"]
-            .into_iter()
-            .try_for_each(|ending| remove(&folder.join(format!("{stem}.{ending}"))).map(drop)),
-    }
 }
 
 /// Removes the pictures of charts beyond the first `charts`. Other files are kept.

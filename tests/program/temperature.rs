@@ -57,9 +57,22 @@ fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
     assert_eq!(column["coefficients"][2]["coefficient"], "T");
     assert_eq!(document["temperature"]["compensated"], false);
     assert!(column["coefficients_after"].as_array().is_some_and(|rows| !rows.is_empty()));
+    // Gyros and accelerometers have a chart each.
+    desk.done(&format!("{} --column gx,gy --temperature temp", WORDS.replace("deg/h", "deg/h,mg")));
+    for (stem, unit, [own, other]) in [
+        ("chart-temperature", "°/h", ["gx", "gy"]),
+        ("chart-temperature-accelerometers", "µg", ["gy", "gx"]),
+        ("chart-rate", "rate, °/h", ["gx", "gy"]),
+        ("chart-rate-accelerometers", "acceleration, µg", ["gy", "gx"]),
+    ] {
+        let svg = desk.read(&format!("out/{stem}.svg"));
+        assert!(svg.contains(unit) && svg.contains(&format!(">{own}<")), "{stem} lacks {unit} or {own}");
+        assert!(!svg.contains(&format!(">{other}<")), "{stem} has {other}");
+    }
     // Without a temperature the charts of before would be wrong.
     desk.done(&format!("{WORDS} --column gx"));
     assert!(!desk.path("out/chart-temperature.svg").exists());
+    assert!(!desk.path("out/chart-rate-accelerometers.png").exists());
 }
 
 #[test]

@@ -15,7 +15,7 @@ use sagnac::view::report::sections::Section;
 use serde_json::Value;
 
 use crate::allan::Options;
-use crate::charts::write_or_remove;
+use crate::charts::write_figures;
 use crate::failure::Failure;
 use crate::output::{remove, write_table};
 use crate::terminal::{headed, number};
@@ -86,16 +86,16 @@ const TABLES: [&str; 2] = ["temperature.csv", "compensation.csv"];
 /// Writes tables and charts, and removes those of an earlier run that this one lacks.
 pub fn save(thermal: Option<&Thermal>, analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     let [coefficients, compensation] = TABLES.map(|name| folder.join(name));
-    let Some(thermal) = thermal else {
-        [coefficients, compensation].iter().try_for_each(|path| remove(path).map(drop))?;
-        return figures::STEMS.into_iter().try_for_each(|stem| write_or_remove(folder, stem, None));
-    };
-    let temperature = &thermal.temperature;
-    write_table(&coefficients, &tables::coefficients(temperature))?;
-    write_table(&compensation, &tables::compensation(temperature))?;
-    let [before, after] = thermal.sides(analysis);
-    let drawn = figures::figures(temperature, before, after);
-    drawn.into_iter().try_for_each(|(stem, figure)| write_or_remove(folder, stem, figure))
+    let temperature = thermal.map(|thermal| &thermal.temperature);
+    match temperature {
+        Some(temperature) => {
+            write_table(&coefficients, &tables::coefficients(temperature))?;
+            write_table(&compensation, &tables::compensation(temperature))?;
+        }
+        None => [coefficients, compensation].iter().try_for_each(|path| remove(path).map(drop))?,
+    }
+    let sides = thermal.map_or([analysis; 2], |thermal| thermal.sides(analysis));
+    write_figures(folder, &figures::figures(temperature, sides))
 }
 
 fn coefficients(column: &Column) -> String {

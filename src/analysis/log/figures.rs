@@ -41,6 +41,12 @@ pub(crate) fn per_unit(
     [(stem.to_owned(), first.and_then(&figure))].into_iter().chain(further).collect()
 }
 
+/// The columns of a log as the colours of a chart.
+pub(crate) fn of_columns(names: impl Iterator<Item = String>) -> Grouping {
+    let names: Vec<String> = names.collect();
+    Grouping::of(if names.len() > 1 { "columns" } else { "column" }, names)
+}
+
 /// The figure of the `wanted` deviations of the columns of a unit; `None` without any.
 fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -> Option<Figure> {
     let all: Vec<&Column> = analysis.of_unit(unit).collect();
@@ -55,7 +61,7 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
     };
     let several = all.len() > 1;
     let columns = all.iter().map(|column| column.name.clone());
-    let columns = Grouping::of(if several { "columns" } else { "column" }, columns);
+    let columns = of_columns(columns);
     let names = Grouping::of("deviations", names);
     // With one column, colours distinguish the deviations instead of the columns.
     let (colours, dashes) = match (others.is_empty(), several) {
@@ -178,7 +184,7 @@ fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
 }
 
-fn capitalised(text: &str) -> String {
+pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

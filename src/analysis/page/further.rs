@@ -12,8 +12,8 @@ use crate::view::report::sections::{Block, Cell, Grid, Section};
 
 /// The section on the dependence of a log on temperature, with its analyses before and after compensation.
 pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) -> Section {
-    let charts = temperature::figures::figures(found, before, after);
-    let charts = charts.into_iter().filter_map(|(stem, figure)| Some(chart(stem, Picture::Curves(figure?))));
+    let charts = temperature::figures::figures(Some(found), [before, after]);
+    let charts = charts.into_iter().filter_map(|(stem, figure)| Some(chart(&stem, Picture::Curves(figure?))));
     let row = |(column, row): (&str, Row)| {
         let interval = row.interval.map_or_else(String::new, |[low, high]| {
             format!("{} … {}", significant(low, 4), significant(high, 4))

@@ -3,7 +3,7 @@
 use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
-use crate::analysis::log::figures::per_unit;
+use crate::analysis::log::figures::{of_columns, per_unit};
 use crate::analysis::log::notes::heading;
 use crate::analysis::spectrum::notes::symbol;
 use crate::analysis::spectrum::{Analysis, Spectrum};
@@ -11,7 +11,7 @@ use crate::quantity::number::significant;
 use crate::spectrum::Point;
 use crate::theory::allan::spectrum::density;
 use crate::theory::allan::{Part, Term};
-use crate::view::chart::figure::{self, Axis, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};
+use crate::view::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
 
 /// Points per octave.
 const PER_OCTAVE: f64 = 12.0;
@@ -45,7 +45,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
         )),
         x: Axis::new("frequency", "Hz"),
         y: Axis::new("density", symbol(unit)),
-        colours: Grouping::of(if several { "columns" } else { "column" }, names),
+        colours: of_columns(names),
         points: "mean over 1/12 octave".to_owned(),
         bands: format!("{} intervals", analysis.noise.percent()),
         lines: "fit of the Allan curve".to_owned(),
