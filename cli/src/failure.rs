@@ -197,7 +197,7 @@ impl From<LotError> for Failure {
     fn from(error: LotError) -> Failure {
         match error {
             LotError::Units { .. } => Failure::Record(in_options(&error)),
-            LotError::TooFew(_) | LotError::Twice(_) => Failure::Usage(in_options(&error)),
+            LotError::TooFew(_) | LotError::Twice(..) => Failure::Usage(in_options(&error)),
         }
     }
 }

@@ -22,6 +22,11 @@ pub fn significant(x: f64, digits: usize) -> String {
     }
 }
 
+/// A number with its unit, or alone if the unit is empty.
+pub fn with_unit(x: f64, digits: usize, unit: &str) -> String {
+    format!("{} {unit}", significant(x, digits)).trim_end().to_owned()
+}
+
 /// A large number with three digits and a word.
 pub fn short(number: f64) -> String {
     let (scale, unit) = match number {

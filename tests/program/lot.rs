@@ -49,7 +49,8 @@ fn an_odd_unit_is_named_in_table_csv_json_sentence_and_pictures() {
         "without odd",
         "next unit",
         "g4 is odd: its N",
-        "times that of the others (p",
+        "times the median of the others (p",
+        "Without odd units the median is 0.1",
         "No unit shows",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
@@ -92,6 +93,8 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
     let n = table(&desk, "even/lot.csv");
     let n = row(&n, &[("coefficient", "N")]);
     assert!(number(n, "p_equal") > 0.01 && number(n, "spread_lower") == 0.0, "{n:?}");
+    // The errors of the records allow some spread, whatever was found.
+    assert!(number(n, "spread_upper") > 0.01, "{n:?}");
     assert!(number(n, "lower") < 0.1 && 0.1 < number(n, "upper"), "{n:?}");
     let labels: Vec<String> = table(&desk, "even/units.csv").iter().map(|row| row["label"].clone()).collect();
     assert!(labels.iter().all(|label| ["a", "b", "c"].contains(&label.as_str())), "{labels:?}");
@@ -114,14 +117,14 @@ fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_le
     desk.write("bench.csv", &lines.collect::<String>());
     let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3 --fit N,K"));
     for piece in [
-        "g1 is odd: it has K of",
-        "above the bounds of the 2 others",
-        "K: 1 of 3 units show it; left out are g2, g3",
+        "g1 is odd: its K of",
+        "is above the upper bounds of all 2 others",
+        "K: 1 of 3 units show it; left out are g2, g3 (at most",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let k = table(&desk, "results/lot/lot.csv");
-    let k = row(&k, &[("coefficient", "K")]);
+    let k = row(&k, &[("coefficient", "K"), ("of", "those that show it")]);
     assert_eq!((k["units"].as_str(), k["bounded"].as_str(), k["value"].as_str()), ("1", "2", ""));
 }
 
@@ -130,12 +133,23 @@ fn what_is_no_lot_is_refused_with_what_to_do() {
     let desk = log(&[6.0, 6.0]);
     let rows: String = white(1.0, 5).iter().map(|y| format!("{y},{y}\n")).collect();
     desk.write("imu.csv", &format!("gx [deg/h],ax [m/s^2]\n{rows}"));
+    desk.write("copy.csv", &desk.read("bench.csv"));
     for (words, code, pieces) in [
         (format!("bench.csv {RATE} --column g1"), 2, vec!["at least two units, found 1", "--column gx,gy"]),
         (
             format!("bench.csv bench.csv {RATE} --column g1"),
             2,
-            vec!["bench.csv g1 is given twice", "each unit once"],
+            vec!["bench.csv g1 and bench.csv g1 are the same record", "each unit once"],
+        ),
+        (
+            format!("bench.csv ./bench.csv {RATE} --column g1"),
+            2,
+            vec!["bench.csv g1 and ./bench.csv g1 are the same"],
+        ),
+        (
+            format!("bench.csv copy.csv {RATE} --column g1"),
+            2,
+            vec!["bench.csv g1 and copy.csv g1 are the same record"],
         ),
         (
             "imu.csv --data rate --rate 1Hz --column gx,ax".to_owned(),

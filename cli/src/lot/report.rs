@@ -75,7 +75,7 @@ fn of_lot(shown: &[&Coefficient]) -> String {
     let line = |(one, name, pooled): (&&Coefficient, String, Pooled)| {
         vec![
             name,
-            pooled.units.to_string(),
+            format!("{} of {}", pooled.units, one.found.len()),
             significant(pooled.value, 4),
             range(pooled.interval, 4),
             one.symbol.to_owned(),

@@ -129,7 +129,7 @@ impl Column {
 }
 
 /// A deviation of a column.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Curve {
     /// Deviation.
     pub deviation: Deviation,

@@ -20,6 +20,7 @@ pub mod pool;
 pub mod tables;
 pub mod words;
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use crate::allan::{Unit as Curves, minimum};
@@ -60,9 +61,11 @@ pub enum LotError {
         /// Units of their curves.
         units: [Curves; 2],
     },
-    /// A record is given twice.
-    #[error("{0} is given twice\ngive each unit once, because equal records make the lot look too even")]
-    Twice(String),
+    /// A record is given twice, under one name, two names, or as a copy.
+    #[error(
+        "{0} and {1} are the same record\ngive each unit once, because equal records make the lot look too even"
+    )]
+    Twice(String, String),
 }
 
 /// A lot.
@@ -163,9 +166,11 @@ impl Coefficient {
         self.shown().filter_map(|(unit, found)| Some((unit, found.bound()?))).collect()
     }
 
-    /// Number of units that say nothing of it.
-    pub(crate) fn missing(&self) -> usize {
-        self.found.len() - self.estimates().len() - self.bounds().len()
+    /// The units that say nothing of it.
+    pub(crate) fn silent(&self) -> impl Iterator<Item = usize> {
+        let says = |found: &Found| found.estimate().is_some() || found.bound().is_some();
+        let is_silent = move |unit: &usize| !self.found[*unit].as_ref().is_some_and(says);
+        (0..self.found.len()).filter(is_silent)
     }
 
     /// The odd units.
@@ -224,11 +229,14 @@ impl Lot {
     /// The lot of all columns of some logs.
     ///
     /// # Errors
-    /// There are fewer than two columns, their quantities differ, or one is given twice.
+    /// There are fewer than two columns, their quantities differ, or two of them are the same record.
     pub fn of(logs: Vec<log::Analysis>) -> Result<Lot, LotError> {
         let units: Vec<(&log::Analysis, &Column)> = units(&logs).collect();
         let [(_, first), _, ..] = units[..] else { return Err(LotError::TooFew(units.len())) };
-        let labels = labels(&units, logs.len())?;
+        if let Some([first, again]) = twice(&units) {
+            return Err(LotError::Twice(whole(units[first]), whole(units[again])));
+        }
+        let labels = labels(&units, logs.len());
         if let Some(other) = units.iter().position(|(_, column)| column.unit != first.unit) {
             let units = [first.unit, units[other].1.unit];
             return Err(LotError::Units { first: labels[0].clone(), other: labels[other].clone(), units });
@@ -261,28 +269,36 @@ fn units(logs: &[log::Analysis]) -> impl Iterator<Item = (&log::Analysis, &Colum
     logs.iter().flat_map(|log| log.columns.iter().map(move |column| (log, column)))
 }
 
-/// Labels as short as possible: columns of a single log, else names of files, then both, then whole paths.
-fn labels(units: &[(&log::Analysis, &Column)], logs: usize) -> Result<Vec<String>, LotError> {
-    type Name = fn(&Path, &str) -> String;
-    let names: [Name; 4] = [
-        |_, column| column.to_owned(),
-        |path, _| stem(path),
-        |path, column| format!("{} {column}", stem(path)),
-        |path, column| format!("{} {column}", path.display()),
+/// Labels as short as possible: columns of a single log, else names of files, then both, then whole paths. Where even those are
+/// equal, as columns of a log may be called alike, units are numbered.
+fn labels(units: &[(&log::Analysis, &Column)], logs: usize) -> Vec<String> {
+    let names: [fn((&log::Analysis, &Column)) -> String; 4] = [
+        |(_, column)| column.name.clone(),
+        |(log, _)| stem(&log.path),
+        |(log, column)| format!("{} {}", stem(&log.path), column.name),
+        whole,
     ];
-    let first = usize::from(logs > 1);
-    let mut all = names[first..]
-        .iter()
-        .map(|name| units.iter().map(|(log, column)| name(&log.path, &column.name)).collect::<Vec<_>>());
-    let twice = |labels: &[String]| {
-        labels.iter().enumerate().find(|(i, one)| labels[..*i].contains(one)).map(|(i, _)| i)
-    };
-    let mut last = Vec::new();
-    let found = all.find(|labels| {
-        last.clone_from(labels);
-        twice(labels).is_none()
-    });
-    found.ok_or_else(|| LotError::Twice(last[twice(&last).unwrap_or(0)].clone()))
+    for name in &names[usize::from(logs > 1)..] {
+        let labels: Vec<String> = units.iter().copied().map(name).collect();
+        if labels.iter().collect::<HashSet<_>>().len() == labels.len() {
+            return labels;
+        }
+    }
+    (1..=units.len()).map(|place| format!("unit {place}")).collect()
+}
+
+/// Two units that are one record: the means and all deviations of copies are equal to the last bit.
+fn twice(units: &[(&log::Analysis, &Column)]) -> Option<[usize; 2]> {
+    let is_copy = |(a, b): (&Column, &Column)| a.mean_rate == b.mean_rate && a.curves == b.curves;
+    (1..units.len()).find_map(|again| {
+        let first = (0..again).find(|&first| is_copy((units[first].1, units[again].1)))?;
+        Some([first, again])
+    })
+}
+
+/// The path of a log with the name of a column.
+fn whole((log, column): (&log::Analysis, &Column)) -> String {
+    format!("{} {}", log.path.display(), column.name)
 }
 
 fn stem(path: &Path) -> String {

@@ -8,6 +8,10 @@
 //! lot and its next unit are normal numbers for each τ², and their intervals are those of the mixture over that distribution (as
 //! K. Nagashima et al., Stat. Methods Med. Res. 28, 1689, 2019). If the records are exact, these are the intervals of Student. The
 //! estimate of τ² has Q = k − 1 (R. C. Paule and J. Mandel, J. Res. NBS 87, 377, 1982).
+//!
+//! Units that happen to be closer than the errors of their records have a small Q even for τ² = 0, and the profile would end near
+//! 0, or at 0. Its upper end is therefore at least the bound that equal units with these errors have on average, where the
+//! expected Q(τ²) of such units is the 2.5 % quantile (a power-constrained limit: G. Cowan et al., arXiv:1105.3166).
 
 use crate::allan::chi_squared;
 use crate::fit::interval::WITHIN_95;
@@ -58,7 +62,7 @@ pub struct Pooled {
     pub interval: [f64; 2],
     /// Standard deviation between units as a part of their mean, that of a log-normal distribution: √(e^τ² − 1).
     pub spread: f64,
-    /// 95 % interval of the spread.
+    /// 95 % interval of the spread, from 0 where units may be equal.
     pub spread_interval: [f64; 2],
     /// Interval that contains the true value of the next unit with a probability of 95 %.
     pub next: [f64; 2],
@@ -82,16 +86,16 @@ pub fn pool(estimates: &[Estimate]) -> Option<Pooled> {
     let middle = Part::at(estimates, freedom as f64);
     let spread = |square: f64| libm::sqrt(libm::expm1(square));
     let ends = |of: &dyn Fn(f64) -> f64| [of(TAIL), of(1.0 - TAIL)];
-    let square = |deviate: f64| {
-        chi_squared::quantile(normal(-deviate), freedom as f64)
-            .map_or(0.0, |target| Part::at(estimates, target).square)
-    };
+    let target = |deviate: f64| chi_squared::quantile(normal(-deviate), freedom as f64);
+    let lowest = Part::at(estimates, target(-WITHIN_95)?).square;
+    let least = target(WITHIN_95)?;
+    let highest = Part::at(estimates, least).square.max(bound(estimates, least));
     Some(Pooled {
         units: estimates.len(),
         value: libm::exp(middle.mean),
         interval: ends(&|p| libm::exp(mixture.quantile(p, |part| part.variance))),
         spread: spread(middle.square),
-        spread_interval: [-WITHIN_95, WITHIN_95].map(|deviate| spread(square(deviate))),
+        spread_interval: [lowest, highest].map(spread),
         next: ends(&|p| libm::exp(mixture.quantile(p, |part| part.variance + part.square))),
         p_equal: survival(scatter(estimates, 0.0).0, freedom),
     })
@@ -120,19 +124,41 @@ impl Part {
         let count = estimates.len() as f64;
         let mean = estimates.iter().map(|one| one.log).sum::<f64>() / count;
         let squares: f64 = estimates.iter().map(|one| (one.log - mean) * (one.log - mean)).sum();
-        let (mut low, mut high) = (0.0, squares / target);
-        let is_above = |square: f64| scatter(estimates, square).0 > target;
-        // Q is below Σ(y − ȳ)²/τ², which brackets τ².
-        if is_above(0.0) {
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                if is_above(middle) { low = middle } else { high = middle }
-            }
-            low = 0.5 * (low + high);
-        }
-        let (_, mean, variance) = scatter(estimates, low);
-        Part { square: low, mean, variance }
+        // Q is below Σ(y − ȳ)²/τ².
+        let square = falling(target, squares / target, |square| scatter(estimates, square).0);
+        let (_, mean, variance) = scatter(estimates, square);
+        Part { square, mean, variance }
     }
+}
+
+/// The τ² between 0 and `most` at which a Q that falls with τ² is `target`; 0 if it is less for every τ².
+fn falling(target: f64, most: f64, q: impl Fn(f64) -> f64) -> f64 {
+    if q(0.0) <= target {
+        return 0.0;
+    }
+    let (mut low, mut high) = (0.0, most);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if q(middle) > target { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// The τ² for which the expected Q of equal units with the errors of `estimates` is `target`: Σ w_i v_i − Σ w_i² v_i/Σ w_i with
+/// w_i = 1/(v_i + τ²).
+fn bound(estimates: &[Estimate], target: f64) -> f64 {
+    let expected = |square: f64| {
+        let [mut all, mut first, mut second] = [0.0; 3];
+        for Estimate { variance, .. } in estimates {
+            let weight = 1.0 / (variance + square).max(f64::MIN_POSITIVE);
+            all += weight;
+            first += weight * variance;
+            second += weight * (weight * variance);
+        }
+        first - second / all
+    };
+    let variances: f64 = estimates.iter().map(|one| one.variance).sum();
+    falling(target, variances / target, expected)
 }
 
 /// Q, μ and the variance of μ for this τ².
@@ -244,11 +270,24 @@ mod tests {
     fn equal_units_have_no_spread_and_the_interval_of_their_weighted_mean() {
         let units = [0.1, 0.2, 0.1].map(|error: f64| Estimate { log: 1.0, variance: error * error });
         let found = pool(&units).unwrap();
-        assert_eq!((found.spread, found.spread_interval, found.p_equal), (0.0, [0.0; 2], 1.0));
+        assert_eq!((found.spread, found.spread_interval[0], found.p_equal), (0.0, 0.0, 1.0));
         let error = 1.0 / libm::sqrt(225.0);
         assert!((libm::log(found.interval[1]) - 1.0 - WITHIN_95 * error).abs() < 1e-9, "{found:?}");
         assert_eq!(found.interval, found.next);
         assert_eq!(pool(&units[..1]), None);
+    }
+
+    #[test]
+    fn the_spread_of_units_closer_than_their_errors_has_the_bound_of_equal_units() {
+        // For equal errors v, the expected Q is 7v/(v + τ²), and 1.69 is the 2.5 % quantile of χ² with 7 degrees of freedom.
+        let squared = 1e-4 * (7.0 / 1.689_869_180_677_357_9 - 1.0);
+        let expected = libm::sqrt(libm::expm1(squared));
+        for apart in [0.0, 1e-4, 1e-3] {
+            let units: Vec<Estimate> =
+                (0..8).map(|i| Estimate { log: apart * f64::from(i % 2), variance: 1e-4 }).collect();
+            let [lower, upper] = pool(&units).unwrap().spread_interval;
+            assert!(lower == 0.0 && (upper / expected - 1.0).abs() < 1e-6, "{apart}: {lower} … {upper}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::analysis::log;
-use crate::analysis::log::tables::text;
+use crate::analysis::log::tables::{document_of, text};
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
@@ -94,12 +94,12 @@ pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
             .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, \
                 the minimum of the curve."),
         Of::new("of", Unit::NONE, "of", |row| text(row.of))
-            .is(Role::Key, "`all` units that show the coefficient, or those `without odd` ones."),
+            .is(Role::Key, "`all` units, or `those that show it` where some do not; or the same units `without odd` ones."),
         Of::new("units", Unit::NONE, "units", |row| Cell::Integer(row.pooled.map_or(row.one.estimates().len(), |pooled| pooled.units) as i64))
             .is(Role::Count, "Number of units in the row, those that show the coefficient."),
         Of::new("bounded", Unit::NONE, "bounded", |row| Cell::Integer(row.one.bounds().len() as i64))
             .is(Role::Count, "Number of units left out because they have only an upper bound: the value is too high for the lot."),
-        Of::new("missing", Unit::NONE, "missing", |row| Cell::Integer(row.one.missing() as i64))
+        Of::new("missing", Unit::NONE, "missing", |row| Cell::Integer(row.one.silent().count() as i64))
             .is(Role::Count, "Number of units left out because they say nothing of the coefficient."),
         Of::new("value", Unit::NONE, "value", |row| row.finite(|pooled| pooled.value))
             .is(Role::Estimate, "Median of the lot in `unit`; blank for fewer than two units."),
@@ -114,7 +114,7 @@ pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
         Of::new("spread_lower", Unit::NONE, "spread_lower", |row| row.finite(|pooled| pooled.spread_interval[0]))
             .is_of("spread", Role::Lower, "Lower end of the 95 % interval of `spread`."),
         Of::new("spread_upper", Unit::NONE, "spread_upper", |row| row.finite(|pooled| pooled.spread_interval[1]))
-            .is_of("spread", Role::Upper, "Upper end of the 95 % interval of `spread`."),
+            .is_of("spread", Role::Upper, "Upper end of the 95 % interval of `spread`; a bound where `spread` is 0."),
         Of::new("next_lower", Unit::NONE, "next_lower", |row| row.finite(|pooled| pooled.next[0]))
             .is(Role::Estimate, "Lower end of the interval that contains the next unit of the lot with a probability of 95 %."),
         Of::new("next_upper", Unit::NONE, "next_upper", |row| row.finite(|pooled| pooled.next[1]))
@@ -128,7 +128,8 @@ pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
 pub fn lot(lot: &Lot) -> Table {
     let mut rows = Vec::new();
     for one in &lot.coefficients {
-        rows.push(LotRow { one, of: "all", pooled: one.pooled });
+        let of = if one.estimates().len() == one.found.len() { "all" } else { "those that show it" };
+        rows.push(LotRow { one, of, pooled: one.pooled });
         rows.extend(one.without_odd.map(|rest| LotRow { one, of: "without odd", pooled: Some(rest) }));
     }
     Table { columns: columns_of(&lot_columns(), &rows) }
@@ -167,17 +168,10 @@ pub fn document(lot: &Lot) -> Value {
 }
 
 fn of_found(found: &Found) -> Value {
-    let row = &found.row;
-    json!({
-        "coefficient": row.name,
-        "value": row.value,
-        "lower": row.interval.map(|ends| ends[0]),
-        "upper": row.interval.map(|ends| ends[1]),
-        "unit": row.unit,
-        "verdict": row.verdict,
-        "p": found.p,
-        "odd": found.odd.map(Odd::name),
-    })
+    let mut document = document_of(&found.row);
+    document["p"] = json!(found.p);
+    document["odd"] = json!(found.odd.map(Odd::name));
+    document
 }
 
 fn of_coefficient(one: &Coefficient) -> Value {
@@ -186,7 +180,7 @@ fn of_coefficient(one: &Coefficient) -> Value {
         "unit": one.unit,
         "units": one.estimates().len(),
         "bounded": one.bounds().len(),
-        "missing": one.missing(),
+        "missing": one.silent().count(),
         "all": one.pooled.as_ref().map(of_pooled),
         "without_odd": one.without_odd.as_ref().map(of_pooled),
     })

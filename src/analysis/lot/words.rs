@@ -1,33 +1,35 @@
 //! A lot as sentences.
 
 use crate::analysis::compare::words::{probability, times};
-use crate::quantity::number::significant;
+use crate::quantity::number::{significant, with_unit};
 
+use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, FALSE_ALARM, Found, Lot, Odd};
 
-/// All sentences: the odd units, then the units that are not pooled.
+/// All sentences: the odd units, then the units that are left out of a coefficient, and the coefficients that no unit shows.
 pub fn sentences(lot: &Lot) -> Vec<String> {
-    let odd = lot
-        .coefficients
-        .iter()
-        .flat_map(|one| one.odd().map(|(unit, found, odd)| of_odd(lot, one, unit, found, odd)));
-    let mut all: Vec<String> = odd.collect();
+    let mut all = Vec::new();
+    for one in &lot.coefficients {
+        all.extend(one.odd().map(|(unit, found, odd)| of_odd(lot, one, unit, found, odd)));
+    }
     if all.is_empty() {
         all.push(none(lot));
     }
     all.extend(lot.coefficients.iter().filter_map(|one| left_out(lot, one)));
-    let (hidden, symbols) = hidden(lot);
-    if hidden > 0 {
-        all.push(format!("No unit shows {symbols}."));
+    let is_hidden = |one: &&Coefficient| one.estimates().is_empty();
+    let hidden: Vec<String> = lot.coefficients.iter().filter(is_hidden).map(Coefficient::title).collect();
+    if !hidden.is_empty() {
+        all.push(format!("No unit shows {}.", hidden.join(", ")));
     }
     all
 }
 
 fn none(lot: &Lot) -> String {
     match lot.tests {
-        0 => "No test for an odd unit: it takes three units that show the same coefficient.".to_owned(),
+        0 => "No unit was tested for being odd, which takes three units that show the same coefficient."
+            .to_owned(),
         tests => format!(
-            "No unit is odd in {tests} tests, which find one by chance in at most {} % of lots.",
+            "No unit is odd in any of {tests} tests. At most {} % of lots without an odd unit fail one of them.",
             significant(100.0 * FALSE_ALARM, 2)
         ),
     }
@@ -35,75 +37,67 @@ fn none(lot: &Lot) -> String {
 
 fn of_odd(lot: &Lot, one: &Coefficient, unit: usize, found: &Found, odd: Odd) -> String {
     let (label, title) = (&lot.labels[unit], one.title());
-    let shown = |value: f64| format!("{} {}", significant(value, 3), one.symbol).trim_end().to_owned();
+    let shown = |value: f64| with_unit(value, 3, one.symbol);
     let value = found.row.value.unwrap_or_default();
+    let is_odd = format!("{label} is odd: its {title} of {}", shown(value));
+    if odd == Odd::Alone {
+        let others = one.shown().filter(|(other, _)| *other != unit);
+        let most = others.filter_map(|(_, other)| other.row.interval).map(|ends| ends[1]).fold(0.0, f64::max);
+        let count = one.found.len() - 1;
+        return format!(
+            "{is_odd} is above the upper bounds of all {count} others, which are at most {}.",
+            shown(most)
+        );
+    }
     let p = found.p.map(probability).unwrap_or_default();
+    let (whom, median) = match (one.without_odd, one.pooled) {
+        (Some(rest), _) => ("the others", rest.value),
+        (None, all) => ("the lot", all.map_or(value, |all| all.value)),
+    };
+    let ratio = times(value / median, 3);
     let rest = one.without_odd.map_or_else(String::new, |rest| {
-        let spread = significant(100.0 * rest.spread, 2);
-        format!("; without odd units the lot has {} and a spread of {spread} %", shown(rest.value))
+        format!(" Without odd units the median is {}, and {}.", shown(rest.value), spread(&rest))
     });
-    match odd {
-        Odd::Alone => {
-            let most = one.bounds().into_iter().map(|(_, most)| most).fold(0.0, f64::max);
-            let count = one.found.len() - 1;
-            format!(
-                "{label} is odd: it has {title} of {}, above the bounds of the {count} others, at most {}.",
-                shown(value),
-                shown(most)
-            )
-        }
-        Odd::Higher | Odd::Lower => {
-            let of_others = one.without_odd.or(one.pooled).map_or(1.0, |lot| lot.value);
-            format!(
-                "{label} is odd: its {title} of {} is {} times that of the others ({p}, counting {} tests){rest}.",
-                shown(value),
-                times(value / of_others, 3),
-                lot.tests
-            )
-        }
+    format!("{is_odd} is {ratio} times the median of {whom} ({p}, counting {} tests).{rest}", lot.tests)
+}
+
+/// The spread of a lot, or its bound where the units are no farther apart than the errors of their records make them.
+fn spread(pooled: &Pooled) -> String {
+    let percent = |spread: f64| format!("{} %", significant(100.0 * spread, 2));
+    if pooled.spread > 0.0 {
+        format!("the spread is {}", percent(pooled.spread))
+    } else {
+        format!("no spread was found, at most {}", percent(pooled.spread_interval[1]))
     }
 }
 
 /// The units that are not pooled, and what that does to the values of the lot.
 fn left_out(lot: &Lot, one: &Coefficient) -> Option<String> {
-    let shown = one.estimates().len();
-    let (bounds, missing) = (one.bounds(), one.missing());
-    if shown == 0 || bounds.is_empty() && missing == 0 {
+    let (shown, bounds) = (one.estimates().len(), one.bounds());
+    if shown == 0 || shown == one.found.len() {
         return None;
     }
-    let title = one.title();
-    let names = |units: &mut dyn Iterator<Item = usize>| {
-        units.map(|unit| lot.labels[unit].as_str()).collect::<Vec<_>>().join(", ")
-    };
-    let most = bounds.iter().map(|(_, most)| *most).fold(0.0, f64::max);
-    let bounded = (!bounds.is_empty()).then(|| {
-        let most = format!("{} {}", significant(most, 3), one.symbol);
-        format!("{} with at most {}", names(&mut bounds.iter().map(|(unit, _)| *unit)), most.trim_end())
-    });
-    let silent = (missing > 0).then(|| {
-        let is_silent = |unit: &usize| match &one.found[*unit] {
-            Some(found) => found.estimate().is_none() && found.bound().is_none(),
-            None => true,
-        };
-        format!("{} without a bound", names(&mut (0..one.found.len()).filter(is_silent)))
-    });
-    let left_out: Vec<String> = [bounded, silent].into_iter().flatten().collect();
+    let label = |unit: usize| lot.labels[unit].as_str();
+    let mut left_out = Vec::new();
+    if !bounds.is_empty() {
+        let most = bounds.iter().map(|(_, most)| *most).fold(0.0, f64::max);
+        let names: Vec<&str> = bounds.iter().map(|(unit, _)| label(*unit)).collect();
+        left_out.push(format!("{} (at most {})", names.join(", "), with_unit(most, 3, one.symbol)));
+    }
+    let silent: Vec<&str> = one.silent().map(label).collect();
+    if !silent.is_empty() {
+        left_out.push(format!("{} (no bound)", silent.join(", ")));
+    }
     let effect = match one.pooled {
         Some(_) if !bounds.is_empty() => {
-            "; the values are those of units that show it, so the median is too high for the lot, and the spread too low"
+            ". Median and spread are those of the units that show it; of the whole lot the median may be lower, and the spread larger"
         }
         _ => "",
     };
     Some(format!(
-        "{title}: {shown} of {} units show it; left out are {}{effect}.",
+        "{}: {shown} of {} units show it; left out are {}{effect}.",
+        one.title(),
         one.found.len(),
-        left_out.join(", and ")
+        left_out.join(" and ")
     ))
-}
-
-/// Number and names of the coefficients that no unit shows.
-fn hidden(lot: &Lot) -> (usize, String) {
-    let hidden: Vec<String> =
-        lot.coefficients.iter().filter(|one| one.estimates().is_empty()).map(Coefficient::title).collect();
-    (hidden.len(), hidden.join(", "))
 }
