@@ -19,7 +19,8 @@ use crate::output::{remove, unwritten, write};
 pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
     // In parallel: a chart of 10,000 points takes half a second.
     pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture))?;
-    remove_undrawn(folder, pictures.len())
+    let drawn: Vec<String> = (0..pictures.len()).map(|index| chart_stem(index, pictures.len())).collect();
+    remove_undrawn(folder, &drawn, is_chart_stem)
 }
 
 /// Writes figures by their stems, and removes those of earlier runs that no longer exist.
@@ -55,15 +56,21 @@ pub fn write_pictures(folder: &Path, stem: &str, picture: &Picture) -> Result<()
     write(&folder.join(format!("{stem}.png")), &png)
 }
 
-/// Removes the pictures of charts beyond the first `charts`. Other files are kept.
-fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
-    let drawn: Vec<String> = (0..charts).map(|index| chart_stem(index, charts)).collect();
+/// Removes pictures whose stem is one of ours and not among those that are `drawn`. Other files are kept.
+///
+/// # Errors
+/// The folder cannot be read, or a file not removed.
+pub fn remove_undrawn(
+    folder: &Path,
+    drawn: &[String],
+    is_ours: impl Fn(&str) -> bool,
+) -> Result<(), Failure> {
     for entry in std::fs::read_dir(folder).map_err(unwritten(folder))? {
         let path = entry.map_err(unwritten(folder))?.path();
         let stem = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
         let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
-        let picture = ["svg", "png"].contains(&ending) && is_chart_stem(stem);
-        if picture && !drawn.iter().any(|drawn| drawn == stem) {
+        let is_picture = ["svg", "png"].contains(&ending) && is_ours(stem);
+        if is_picture && !drawn.iter().any(|drawn| drawn == stem) {
             remove(&path)?;
         }
     }

@@ -1,8 +1,9 @@
 //! Writing of data to the standard output and to files.
 
 use std::io::{self, BufWriter, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use sagnac::store::whole::write_whole;
 use sagnac::table::Table;
 use sagnac::view::report::FILE as REPORT;
@@ -11,6 +12,33 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::failure::{Failure, in_options};
+use crate::progress::{How, Shown};
+
+/// Where a command on logs writes its results, and what it prints.
+#[derive(Debug, Args)]
+pub struct Output {
+    /// Results folder [default: that of the log's name in results/; of two logs A_vs_B, of a lot lot]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the results as JSON; those of several logs as an array
+    #[arg(help_heading = "Output", long)]
+    pub json: bool,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    pub quiet: bool,
+}
+
+impl Output {
+    /// The results folder; by default the one called `name` in `results/`.
+    pub fn folder(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("results").join(name))
+    }
+
+    /// Shows progress, unless only errors or JSON are printed.
+    pub fn progress(&self) -> Shown {
+        Shown::new(if self.quiet || self.json { How::None } else { How::Plain })
+    }
+}
 
 /// Prints `text` with a final line end.
 ///
@@ -94,6 +122,17 @@ pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
 pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
     make_folder(path.parent().unwrap_or(path))?;
     write(path, &csv(table, path)?)
+}
+
+/// Writes a table of a results folder, or removes that of an earlier run where there is none.
+///
+/// # Errors
+/// It cannot be written or removed.
+pub fn write_or_remove(path: &Path, table: Option<Table>) -> Result<(), Failure> {
+    match table {
+        Some(table) => write_table(path, &table),
+        None => remove(path).map(drop),
+    }
 }
 
 /// Writes the page of a results folder.

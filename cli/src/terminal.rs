@@ -149,6 +149,22 @@ pub(crate) fn headed_by(heading: Vec<String>, rows: impl Iterator<Item = Vec<Str
     aligned(&std::iter::once(heading).chain(rows).collect::<Vec<_>>())
 }
 
+/// The heading of a table of coefficients.
+pub(crate) const WITH_INTERVAL: [&str; 6] = ["", "value", "lower", "upper", "", ""];
+
+/// A line of a table of coefficients: name, value, the ends of its interval, unit and verdict.
+pub(crate) fn with_interval(
+    name: &str,
+    value: Option<f64>,
+    interval: Option<[f64; 2]>,
+    unit: &str,
+    verdict: &str,
+) -> Vec<String> {
+    let [value, lower, upper] = [value, interval.map(|ends| ends[0]), interval.map(|ends| ends[1])]
+        .map(|number_of| number(number_of, 4));
+    vec![name.to_owned(), value, lower, upper, unit.to_owned(), verdict.to_owned()]
+}
+
 /// Rows of cells, flush right, with every column as wide as its widest cell; on a narrower terminal as in [`fitted`].
 pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     fitted(rows, 1, look::columns())

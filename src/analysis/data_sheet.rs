@@ -31,6 +31,17 @@ pub struct Row {
     pub verdict: &'static str,
 }
 
+/// The first of the rows of each name, in their order.
+pub fn each_once<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a Row> {
+    let mut found: Vec<&Row> = Vec::new();
+    for row in rows {
+        if found.iter().all(|other| other.name != row.name) {
+            found.push(row);
+        }
+    }
+    found
+}
+
 /// The noise of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSheet {

@@ -71,7 +71,7 @@ impl Column {
 }
 
 /// A label with its unit; a pure number has an empty one.
-pub(crate) fn titled(label: &str, unit: &str) -> String {
+pub fn titled(label: &str, unit: &str) -> String {
     if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") }
 }
 

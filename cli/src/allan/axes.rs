@@ -3,11 +3,12 @@
 use sagnac::allan::curve::Minimum;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
-use sagnac::analysis::data_sheet::Row;
+use sagnac::analysis::data_sheet::{Row, each_once};
 use sagnac::analysis::log::{Analysis, Column, Curve};
 use sagnac::quantity::number::significant;
+use sagnac::table::titled;
 
-use crate::allan::report::MOST_LINES;
+use crate::allan::report::{MOST_LINES, removed};
 use crate::terminal::{aligned, number};
 
 /// The deviations and the coefficients of all columns of a unit.
@@ -24,8 +25,7 @@ pub fn report(analysis: &Analysis, unit: Unit) -> String {
 
 /// A row of a table: its name with its unit, and a cell for each column.
 fn row<T>(name: &str, unit: &str, columns: &[T], cell: impl Fn(&T) -> String) -> Vec<String> {
-    let comma = if unit.is_empty() { "" } else { ", " };
-    std::iter::once(format!("{name}{comma}{unit}")).chain(columns.iter().map(cell)).collect()
+    std::iter::once(titled(name, unit)).chain(columns.iter().map(cell)).collect()
 }
 
 /// The heading of a table.
@@ -36,8 +36,6 @@ fn heading(name: &str, names: &[&str]) -> Vec<String> {
 /// A deviation of all columns over τ, and its minimum.
 fn deviations(names: &[&str], curves: &[&Curve], unit: Unit) -> String {
     let Curve { deviation, points, .. } = curves[0];
-    let symbol = unit.symbol(*deviation);
-    let comma = if symbol.is_empty() { "" } else { ", " };
     let mut table = vec![heading("τ, s", names)];
     let step = points.len().div_ceil(MOST_LINES).max(1);
     table.extend((0..points.len()).step_by(step).map(|at| {
@@ -56,9 +54,9 @@ fn deviations(names: &[&str], curves: &[&Curve], unit: Unit) -> String {
         table.push(row("at τ", "s", &minima, tau));
     }
     let mut text = format!(
-        "\n{}: {}{comma}{symbol}; the minimum is the in-run stability, and curve.csv has the intervals\n{}",
+        "\n{}: {}; the minimum is the in-run stability, and curve.csv has the intervals\n{}",
         names.join(", "),
-        deviation.title(),
+        titled(deviation.title(), unit.symbol(*deviation)),
         aligned(&table)
     );
     if step > 1 {
@@ -72,12 +70,7 @@ fn deviations(names: &[&str], curves: &[&Curve], unit: Unit) -> String {
 
 /// The coefficients of all columns, with their verdicts; empty where none were fitted.
 fn coefficients(analysis: &Analysis, names: &[&str], columns: &[&Column]) -> String {
-    let mut rows: Vec<&Row> = Vec::new();
-    for row in columns.iter().flat_map(|column| column.coefficients()) {
-        if !rows.iter().any(|other| other.name == row.name) {
-            rows.push(row);
-        }
-    }
+    let rows = each_once(columns.iter().flat_map(|column| column.coefficients()));
     if rows.is_empty() {
         return String::new();
     }
@@ -94,12 +87,8 @@ fn coefficients(analysis: &Analysis, names: &[&str], columns: &[&Column]) -> Str
         row(name, "s", columns, |column| number(column.noise().map(|noise| noise.fit.tau_range[end]), 6))
     }));
     if analysis.treatment.trend == Trend::Linear {
-        let (unit, factor) = match columns[0].unit {
-            Unit::Angular => ("°/h/h", 3600.0),
-            Unit::Acceleration => ("µg/h", 3600.0),
-            Unit::Plain => ("1/s", 1.0),
-        };
-        table.push(row("removed trend", unit, columns, |column| significant(factor * column.slope, 4)));
+        let (_, unit) = removed(columns[0]);
+        table.push(row("removed trend", unit, columns, |column| removed(column).0));
     }
     format!(
         "\n{}: coefficients of the overlapping Allan curves; coefficients.csv has the 95 % intervals\n{}  ≤: not identified, at \

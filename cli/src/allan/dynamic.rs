@@ -6,38 +6,20 @@ use sagnac::analysis::dynamic::{Column, Dynamic, figures, tables, words};
 use sagnac::view::chart::picture::Picture;
 use serde_json::Value;
 
-use crate::charts::write_pictures;
+use crate::charts::{remove_undrawn, write_pictures};
 use crate::failure::Failure;
-use crate::output::{remove, write_table};
+use crate::output::write_or_remove;
 
-/// Names of the tables.
-const TABLES: [&str; 2] = ["dynamic.csv", "stationarity.csv"];
-
-/// Writes the tables and two maps for each column.
-pub fn save(dynamic: &Dynamic, folder: &Path) -> Result<(), Failure> {
-    let [windows, octaves] = TABLES.map(|name| folder.join(name));
-    write_table(&windows, &tables::windows(dynamic))?;
-    write_table(&octaves, &tables::octaves(dynamic))?;
-    for (place, column) in dynamic.columns.iter().enumerate() {
-        let stem = stem(place, dynamic.columns.len());
-        write_pictures(folder, &stem, &Picture::Map(figures::deviations(dynamic, column)))?;
-        write_pictures(folder, &format!("{stem}-ratio"), &Picture::Map(figures::ratios(dynamic, column)))?;
+/// Writes the tables and the maps, and removes those of an earlier run that this one lacks.
+pub fn save(dynamic: Option<&Dynamic>, folder: &Path) -> Result<(), Failure> {
+    write_or_remove(&folder.join("dynamic.csv"), dynamic.map(tables::windows))?;
+    write_or_remove(&folder.join("stationarity.csv"), dynamic.map(tables::octaves))?;
+    let mut drawn = Vec::new();
+    for (stem, map) in dynamic.map_or(vec![], figures::figures).into_iter().flatten() {
+        write_pictures(folder, &stem, &Picture::Map(map))?;
+        drawn.push(stem);
     }
-    Ok(())
-}
-
-/// Stem of the first map of a column.
-fn stem(place: usize, columns: usize) -> String {
-    if columns == 1 { "chart-dynamic".to_owned() } else { format!("chart-dynamic-{}", place + 1) }
-}
-
-/// Removes what an earlier run with `--dynamic` wrote for so many columns.
-pub fn remove_all(columns: usize, folder: &Path) -> Result<(), Failure> {
-    let stems =
-        (0..columns).map(|place| stem(place, columns)).flat_map(|stem| [format!("{stem}-ratio"), stem]);
-    let pictures = stems.flat_map(|stem| ["svg", "png"].map(|ending| format!("{stem}.{ending}")));
-    let mut names = TABLES.map(str::to_owned).into_iter().chain(pictures);
-    names.try_for_each(|name| remove(&folder.join(name)).map(|_| ()))
+    remove_undrawn(folder, &drawn, |stem| stem.starts_with(figures::STEM))
 }
 
 /// Adds the noise over time to the columns of a document.

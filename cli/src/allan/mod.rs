@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::Dynamic;
 use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
-use sagnac::analysis::page::{of_dynamic, of_log};
+use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities};
-use sagnac::progress::{Progress, Silent};
 use sagnac::record::log::channel::Log;
+use sagnac::record::log::read::Request;
 use sagnac::spectrum::Welch;
 use sagnac::view::chart::figure::Figure;
 use serde_json::Value;
@@ -23,7 +23,6 @@ use crate::allan::temperature::Thermal;
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
 use crate::output::{print, print_documents, remove, unwritten, whereabouts, write, write_page, write_table};
-use crate::progress::{How, Shown};
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -32,74 +31,79 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
     for (path, folder) in options.files.iter().zip(&folders) {
-        let treatment = options.reading.treatment();
-        let mut log = treatment.read(path, &request)?;
-        let progress: &dyn Progress = if options.is_silent() { &Silent } else { &Shown::new(How::Plain) };
-        let of =
-            |log: &Log, treatment: &Treatment| Analysis::of(log, path, treatment, &options.asked(), progress);
-        let mut analysis = of(&log, &treatment)?;
-        let thermal = Thermal::of(options, &mut log, &mut analysis, &treatment, of)?;
-        let dynamic = options.dynamic.map(|window_s| Dynamic::of(&log, &treatment, window_s)).transpose()?;
-        let welch = Welch { confidence: options.confidence, ..Welch::default() };
-        let (densities, without) = match densities(&log, &treatment, &welch) {
-            Ok(densities) => (densities, None),
-            Err(why) => (vec![], Some(why)),
-        };
-        let with_spectra = spectrum::Analysis::of(analysis, densities);
-        let analysis = &with_spectra.noise;
-        let figures = figures::figures(analysis);
-        save(analysis, &figures, folder)?;
-        temperature::save(thermal.as_ref(), analysis, folder)?;
-        let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
-        let further = of_temperature.chain(dynamic.as_ref().map(of_dynamic)).collect();
-        write_page(folder, &of_log(&log, &with_spectra, without.as_ref(), further))?;
-        match &dynamic {
-            Some(dynamic) => dynamic::save(dynamic, folder)?,
-            None => dynamic::remove_all(analysis.columns.len(), folder)?,
-        }
-        if let Some(path) = &options.kalibr {
-            write(path, kalibr::text(analysis)?.as_bytes())?;
-        }
-        if options.json {
-            let mut document = tables::document(analysis);
-            if let Some(thermal) = &thermal {
-                document["temperature"] = thermal.document(analysis);
-            }
-            dynamic.iter().for_each(|dynamic| dynamic::add(dynamic, &mut document));
-            documents.push(document);
-        } else if !options.quiet {
-            let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(analysis))?;
-            let about_files = noise_file::notes(analysis).into_iter().chain(about_kalibr);
-            let of_temperature = thermal.iter().flat_map(Thermal::notes);
-            let notes = notes::notes(analysis).into_iter().chain(of_temperature).chain(about_files);
-            notes.for_each(|note| say!("note: {}", in_options(&note)));
-            if options.plot {
-                print(&plotted(figures))?;
-            }
-            let of_temperature =
-                thermal.as_ref().map_or_else(String::new, |thermal| thermal.report(analysis));
-            let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
-            print(&(report::report(analysis) + &of_temperature + &over_time))?;
-            say!("{}", whereabouts(folder));
-            if let Some(path) = &options.kalibr {
-                say!("the Kalibr file is {}", path.display());
-            }
-        }
+        documents.extend(of_log(options, &request, path, folder)?);
     }
     print_documents(&documents, options.files.len())
 }
 
+/// Analyses a log and writes its results; prints them, or returns them as JSON.
+fn of_log(
+    options: &Options,
+    request: &Request,
+    path: &Path,
+    folder: &Path,
+) -> Result<Option<Value>, Failure> {
+    let treatment = options.reading.treatment();
+    let mut log = treatment.read(path, request)?;
+    let (asked, progress) = (options.asked(), options.output.progress());
+    let of = |log: &Log, treatment: &Treatment| Analysis::of(log, path, treatment, &asked, &progress);
+    let mut analysis = of(&log, &treatment)?;
+    let thermal = Thermal::of(options, &mut log, &mut analysis, &treatment, of)?;
+    let dynamic = options.dynamic.map(|window_s| Dynamic::of(&log, &treatment, window_s)).transpose()?;
+    let welch = Welch { confidence: options.confidence, ..Welch::default() };
+    let (densities, without) = match densities(&log, &treatment, &welch) {
+        Ok(densities) => (densities, None),
+        Err(why) => (vec![], Some(why)),
+    };
+    let with_spectra = spectrum::Analysis::of(analysis, densities);
+    let analysis = &with_spectra.noise;
+    let figures = figures::figures(analysis);
+    save(analysis, &figures, folder)?;
+    temperature::save(thermal.as_ref(), analysis, folder)?;
+    dynamic::save(dynamic.as_ref(), folder)?;
+    let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
+    let further = of_temperature.chain(dynamic.as_ref().map(page::of_dynamic)).collect();
+    write_page(folder, &page::of_log(&log, &with_spectra, without.as_ref(), further))?;
+    let mut notes = notes::notes(analysis);
+    notes.extend(thermal.iter().flat_map(Thermal::notes).chain(noise_file::notes(analysis)));
+    if let Some(path) = &options.kalibr {
+        write(path, kalibr::text(analysis)?.as_bytes())?;
+        notes.extend(kalibr::notes(analysis)?);
+    }
+    if options.output.json {
+        let mut document = tables::document(analysis);
+        if let Some(thermal) = &thermal {
+            document["temperature"] = thermal.document(analysis);
+        }
+        dynamic.iter().for_each(|dynamic| dynamic::add(dynamic, &mut document));
+        return Ok(Some(document));
+    }
+    if !options.output.quiet {
+        notes.iter().for_each(|note| say!("note: {}", in_options(note)));
+        if options.plot {
+            print(&plotted(figures))?;
+        }
+        let of_temperature = thermal.map_or_else(String::new, |thermal| thermal.report(analysis));
+        let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
+        print(&(report::report(analysis) + &of_temperature + &over_time))?;
+        say!("{}", whereabouts(folder));
+        if let Some(path) = &options.kalibr {
+            say!("the Kalibr file is {}", path.display());
+        }
+    }
+    Ok(None)
+}
+
 /// The results folder of each file.
 fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
-    if options.out.is_some() && options.files.len() > 1 {
+    if options.output.out.is_some() && options.files.len() > 1 {
         let message =
             "--out names one folder, but there are several files\ngive them one by one, or leave out --out";
         return Err(Failure::Usage(message.to_owned()));
     }
     let mut folders: Vec<PathBuf> = Vec::new();
     for path in &options.files {
-        let default = || Path::new("results").join(path.file_stem().unwrap_or_default());
-        let folder = options.out.clone().unwrap_or_else(default);
+        let folder = options.output.folder(path.file_stem().unwrap_or_default());
         if folders.contains(&folder) {
             let message = format!(
                 "several files would write to {}, the last one {}\ngive them one by one, each with its --out DIR",

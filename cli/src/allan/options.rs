@@ -15,6 +15,7 @@ use sagnac::record::log::read::Request;
 use sagnac::record::log::temperature::Thermometer;
 
 use crate::failure::Failure;
+use crate::output::Output;
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -73,25 +74,18 @@ pub struct Options {
     temperature_unit: Option<String>,
     /// Terms of the dependence: auto (T, and those of the others that the record needs), or a list of T, T2, dT, warm-up, aging
     #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = effects)]
-    temperature_terms: Effects,
+    pub temperature_terms: Effects,
     /// Compute all results from the record without the fitted dependence
     #[arg(help_heading = "Temperature", long, requires = "temperature")]
     pub compensate: bool,
-    /// Results folder [default: results/<name of the file>]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
     /// Also write an imu.yaml for Kalibr: noise density N and random walk K of gyros and accelerometers
     #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
     pub kalibr: Option<PathBuf>,
-    /// Print the results as JSON: one object, or an array of objects for several files
-    #[arg(help_heading = "Output", long)]
-    pub json: bool,
     /// Also draw the chart as text
     #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
     pub plot: bool,
-    /// Print only errors
-    #[arg(help_heading = "Output", long, short)]
-    pub quiet: bool,
 }
 
 impl Options {
@@ -115,16 +109,6 @@ impl Options {
         let unit = self.temperature_unit.clone();
         let temperature = self.temperature.clone().map(|column| Thermometer { column, unit });
         Ok(Request { temperature, ..self.reading.request()? })
-    }
-
-    /// The terms of the dependence on temperature.
-    pub fn effects(&self) -> &Effects {
-        &self.temperature_terms
-    }
-
-    /// Whether only errors are printed for people.
-    pub fn is_silent(&self) -> bool {
-        self.quiet || self.json
     }
 
     /// Checks that the options agree with each other.

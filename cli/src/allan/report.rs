@@ -9,9 +9,10 @@ use sagnac::analysis::log::notes::heading;
 use sagnac::analysis::log::{Analysis, Column, Curve};
 use sagnac::fit::coefficient::Fit;
 use sagnac::quantity::number::significant;
+use sagnac::table::titled;
 
 use crate::allan::axes;
-use crate::terminal::{headed, number};
+use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
 
 /// Most lines of a curve; of longer curves every second, third, … point is shown.
 pub(super) const MOST_LINES: usize = 48;
@@ -30,15 +31,12 @@ pub fn report(analysis: &Analysis) -> String {
 }
 
 fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
-    let unit = column.unit.symbol(curve.deviation);
-    let comma = if unit.is_empty() { "" } else { ", " };
-    let mut text = format!(
-        "{}: {}{comma}{unit}, with {} intervals",
-        column.name,
-        curve.deviation.title(),
-        analysis.percent()
-    );
-    text += &trend(analysis, column);
+    let title = titled(curve.deviation.title(), column.unit.symbol(curve.deviation));
+    let mut text = format!("{}: {title}, with {} intervals", column.name, analysis.percent());
+    if analysis.treatment.trend == Trend::Linear {
+        let (slope, unit) = removed(column);
+        text += &format!("; a trend of {slope} {unit} was removed");
+    }
     let heading = ["τ, s", "terms", curve.deviation.name(), "lower", "upper", "α", "noise"];
     let step = curve.points.len().div_ceil(MOST_LINES).max(1);
     text += &format!(
@@ -57,19 +55,13 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
 /// The coefficients of a column, one per line.
 fn coefficients(column: &Column) -> String {
     let Some(noise) = column.noise() else { return String::new() };
-    let line = |row: &Row| {
-        let [value, lower, upper] =
-            [row.value, row.interval.map(|ends| ends[0]), row.interval.map(|ends| ends[1])]
-                .map(|value| number(value, 4));
-        vec![row.name.to_owned(), value, lower, upper, row.symbol.to_owned(), row.verdict.to_owned()]
-    };
-    let heading = ["", "value", "lower", "upper", "", ""];
+    let line = |row: &Row| with_interval(row.name, row.value, row.interval, row.symbol, row.verdict);
     format!(
         "{}: coefficients of the overlapping Allan curve {}, with 95 % intervals {}\n{}",
         column.name,
         range(&noise.fit),
         noise.intervals.words(),
-        headed(heading, noise.rows.iter().map(line))
+        headed(WITH_INTERVAL, noise.rows.iter().map(line))
     )
 }
 
@@ -79,20 +71,14 @@ fn range(fit: &Fit) -> String {
     format!("from τ = {from} s to {to} s")
 }
 
-/// The slope that was removed.
-fn trend(analysis: &Analysis, column: &Column) -> String {
-    match (analysis.treatment.trend, column.unit) {
-        (Trend::Linear, Unit::Angular) => {
-            format!("; a trend of {} °/h per h was removed", significant(3600.0 * column.slope, 4))
-        }
-        (Trend::Linear, Unit::Acceleration) => {
-            format!("; a trend of {} µg per h was removed", significant(3600.0 * column.slope, 4))
-        }
-        (Trend::Linear, Unit::Plain) => {
-            format!("; a trend of {} per s was removed", significant(column.slope, 4))
-        }
-        (Trend::None, _) => String::new(),
-    }
+/// The slope that was removed, with its unit.
+pub(super) fn removed(column: &Column) -> (String, &'static str) {
+    let (factor, unit) = match column.unit {
+        Unit::Angular => (3600.0, "°/h/h"),
+        Unit::Acceleration => (3600.0, "µg/h"),
+        Unit::Plain => (1.0, "1/s"),
+    };
+    (significant(factor * column.slope, 4), unit)
 }
 
 fn line(point: &Point, unit: Unit) -> Vec<String> {
@@ -117,16 +103,16 @@ fn stability(curve: &Curve, unit: Unit) -> String {
     let Some(Minimum { point, at_end }) = curve.minimum.filter(|_| !curve.deviation.is_of_angle()) else {
         return String::new();
     };
-    let symbol = unit.symbol(curve.deviation);
     let shown = |value: f64| significant(value, 4);
+    let value = shown(point.value.unwrap_or_default());
     let interval = point
         .interval
         .map_or_else(String::new, |(lower, upper)| format!(" ({} … {})", shown(lower), shown(upper)));
+    let found = format!("{value}{interval} {}", unit.symbol(curve.deviation));
     let end = if at_end { "; the curve ends there, and a longer record may show a lower one" } else { "" };
     format!(
-        "  in-run stability, the minimum: {}{interval} {symbol}{}at τ = {} s{end}\n",
-        shown(point.value.unwrap_or_default()),
-        if symbol.is_empty() { "" } else { " " },
+        "  in-run stability, the minimum: {} at τ = {} s{end}\n",
+        found.trim_end(),
         significant(point.tau_s, 7)
     )
 }

@@ -17,8 +17,8 @@ use serde_json::Value;
 use crate::allan::Options;
 use crate::charts::write_figures;
 use crate::failure::Failure;
-use crate::output::{remove, write_table};
-use crate::terminal::{headed, number};
+use crate::output::write_or_remove;
+use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
 
 /// A dependence with the analysis that is not the main one: that of the compensated log, or of the log as it is.
 pub struct Thermal {
@@ -36,7 +36,9 @@ impl Thermal {
         treatment: &Treatment,
         of: impl Fn(&Log, &Treatment) -> Result<Analysis, TauError>,
     ) -> Result<Option<Thermal>, TauError> {
-        let Some(temperature) = Temperature::of(log, treatment, options.effects()) else { return Ok(None) };
+        let Some(temperature) = Temperature::of(log, treatment, &options.temperature_terms) else {
+            return Ok(None);
+        };
         let mut compensated = temperature.compensated(log);
         let is_compensated = temperature.has_model();
         let mut other = of(&compensated, &Treatment { is_compensated, ..*treatment })?;
@@ -80,38 +82,23 @@ impl Thermal {
     }
 }
 
-/// Names of the tables.
-const TABLES: [&str; 2] = ["temperature.csv", "compensation.csv"];
-
 /// Writes tables and charts, and removes those of an earlier run that this one lacks.
 pub fn save(thermal: Option<&Thermal>, analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
-    let [coefficients, compensation] = TABLES.map(|name| folder.join(name));
     let temperature = thermal.map(|thermal| &thermal.temperature);
-    match temperature {
-        Some(temperature) => {
-            write_table(&coefficients, &tables::coefficients(temperature))?;
-            write_table(&compensation, &tables::compensation(temperature))?;
-        }
-        None => [coefficients, compensation].iter().try_for_each(|path| remove(path).map(drop))?,
-    }
+    write_or_remove(&folder.join("temperature.csv"), temperature.map(tables::coefficients))?;
+    write_or_remove(&folder.join("compensation.csv"), temperature.map(tables::compensation))?;
     let sides = thermal.map_or([analysis; 2], |thermal| thermal.sides(analysis));
     write_figures(folder, &figures::figures(temperature, sides))
 }
 
 fn coefficients(column: &Column) -> String {
     let Ok(found) = &column.found else { return String::new() };
-    let line = |row: &Row| {
-        let [value, lower, upper] =
-            [row.value, row.interval.map(|ends| ends[0]), row.interval.map(|ends| ends[1])]
-                .map(|value| number(value, 4));
-        vec![row.name.to_owned(), value, lower, upper, row.unit[1].clone(), row.verdict.clone()]
-    };
+    let line = |row: &Row| with_interval(row.name, row.value, row.interval, &row.unit[1], &row.verdict);
     let [low, high] = found.averages.range_c.map(|end| significant(end, 4));
-    let heading = ["", "value", "lower", "upper", "", ""];
     format!(
         "\n{}: dependence on temperature from {low} to {high} °C, with 95 % intervals\n{}",
         column.name,
-        headed(heading, rows(column).iter().map(line))
+        headed(WITH_INTERVAL, rows(column).iter().map(line))
     )
 }
 

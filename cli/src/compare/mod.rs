@@ -14,7 +14,7 @@ use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json, remove, whereabouts, write_page, write_table};
+use crate::output::{Output, print, print_json, whereabouts, write_or_remove, write_page, write_table};
 use crate::reading::Reading;
 
 const EXAMPLES: &str = "\
@@ -39,15 +39,8 @@ pub struct Options {
     b: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Results folder [default: results/<A>_vs_<B>]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print the results as JSON
-    #[arg(help_heading = "Output", long)]
-    json: bool,
-    /// Print only errors
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 /// Compares two logs.
@@ -55,20 +48,18 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
     let [a, b] = logs(options)?;
     let analysis = analysis(options, [&a, &b])?;
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let default = || Path::new("results").join(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
-    let folder: PathBuf = options.out.clone().unwrap_or_else(default);
+    let folder = options.output.folder(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
     save(&analysis, &folder)?;
     write_page(&folder, &of_comparison([&a, &b], &analysis))?;
-    if options.json {
-        print_json(&tables::document(&analysis))
-    } else if !options.quiet {
-        notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
-        print(&crate::compare::report::report(&analysis))?;
-        say!("{}", whereabouts(&folder));
-        Ok(())
-    } else {
-        Ok(())
+    if options.output.json {
+        return print_json(&tables::document(&analysis));
     }
+    if !options.output.quiet {
+        notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
+        print(&report::report(&analysis))?;
+        say!("{}", whereabouts(&folder));
+    }
+    Ok(())
 }
 
 /// Reads the logs.
@@ -105,11 +96,8 @@ fn analysis(options: &Options, [a, b]: [&Log; 2]) -> Result<Analysis, Failure> {
 /// Writes the tables and the charts. Without coefficients, those of an earlier run are removed.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     write_table(&folder.join("compare.csv"), &tables::ratios(analysis))?;
-    let coefficients = folder.join("coefficients.csv");
-    match &analysis.rows {
-        Ok(_) => write_table(&coefficients, &tables::coefficients(analysis))?,
-        Err(_) => drop(remove(&coefficients)?),
-    }
+    let coefficients = analysis.rows.is_ok().then(|| tables::coefficients(analysis));
+    write_or_remove(&folder.join("coefficients.csv"), coefficients)?;
     write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(analysis)))?;
     write_pictures(folder, "chart-2", &Picture::Curves(figures::ratio(analysis)))
 }

@@ -1,10 +1,12 @@
 //! Output of `sagnac compare` for people.
 
+use sagnac::allan::deviation::Deviation;
 use sagnac::analysis::compare::logs::{Analysis, Side};
 use sagnac::analysis::compare::ratio::Ratio;
 use sagnac::analysis::compare::rows::Row;
 use sagnac::analysis::compare::words::{duration, length, probability, sentences, times};
 use sagnac::quantity::number::significant;
+use sagnac::table::titled;
 
 use crate::terminal::{headed, number};
 
@@ -32,8 +34,7 @@ fn heading(side: &Side) -> String {
 
 fn ratios(analysis: &Analysis) -> String {
     let [a, b] = &analysis.sides;
-    let symbol = analysis.unit.symbol(sagnac::allan::deviation::Deviation::Oadev);
-    let comma = if symbol.is_empty() { "" } else { ", " };
+    let title = titled("overlapping Allan deviations", analysis.unit.symbol(Deviation::Oadev));
     let heading = ["τ, s", &a.label, &b.label, "ratio", "lower", "upper", ""];
     let line = |ratio: &Ratio| {
         let end = |k: usize| of_ratio(ratio.interval.map(|ends| ends[k]));
@@ -49,7 +50,7 @@ fn ratios(analysis: &Analysis) -> String {
     let all = &analysis.comparison.ratios;
     let apart = all.iter().filter(|ratio| ratio.is_above().is_some()).count();
     format!(
-        "overlapping Allan deviations{comma}{symbol}, and the second over the first with 95 % interval\n{}  \
+        "{title}, and the second over the first with 95 % interval\n{}  \
          at {apart} of {} averaging times the interval excludes 1, as it would at 1 in 20 for equal noise\n",
         headed(heading, all.iter().map(line)),
         all.len()

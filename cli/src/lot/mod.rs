@@ -5,16 +5,14 @@ pub mod report;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::allan::deviation::Deviation;
-use sagnac::allan::tau::Taus;
-use sagnac::analysis::log::{self, Asked, Suppose};
+use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::lot::{Lot, figures, tables};
 use sagnac::progress::Silent;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
-use crate::output::{print, print_json, write_table};
+use crate::output::{Output, print, print_json, write_table};
 use crate::reading::Reading;
 
 const EXAMPLES: &str = "\
@@ -33,26 +31,19 @@ pub struct Options {
     files: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// Results folder [default: results/lot]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print the results as JSON
-    #[arg(help_heading = "Output", long)]
-    json: bool,
-    /// Print only errors
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 /// Pools the logs of a lot.
 pub fn lot(options: &Options) -> Result<(), Failure> {
     let lot = analysis(options)?;
-    let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join("lot"));
+    let folder = options.output.folder("lot");
     save(&lot, &folder)?;
-    if options.json {
+    if options.output.json {
         return print_json(&tables::document(&lot));
     }
-    if !options.quiet {
+    if !options.output.quiet {
         report::notes(&lot).iter().for_each(|note| say!("note: {note}"));
         print(&report::report(&lot))?;
         say!("results are in {}", folder.display());
@@ -64,14 +55,7 @@ pub fn lot(options: &Options) -> Result<(), Failure> {
 fn analysis(options: &Options) -> Result<Lot, Failure> {
     let reading = &options.reading;
     let (request, treatment) = (reading.request()?, reading.treatment());
-    let asked = Asked {
-        taus: Taus::Octave,
-        deviations: vec![Deviation::Oadev],
-        confidence: 0.95,
-        intervals: Suppose::Record,
-        fitting: reading.fitting(),
-        simulated: Some(0),
-    };
+    let asked = Asked { fitting: reading.fitting(), simulated: Some(0), ..Asked::default() };
     let of = |path: &PathBuf| -> Result<log::Analysis, Failure> {
         let log = treatment.read(path, &request)?;
         Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)

@@ -7,6 +7,7 @@ use sagnac::analysis::lot::pool::Pooled;
 use sagnac::analysis::lot::words::sentences;
 use sagnac::analysis::lot::{Coefficient, Found, Lot};
 use sagnac::quantity::number::significant;
+use sagnac::table::titled;
 
 use crate::failure::in_options;
 use crate::terminal::headed_by;
@@ -35,8 +36,7 @@ pub fn report(lot: &Lot) -> String {
 
 /// The coefficients of all units, a line for each unit.
 fn units(lot: &Lot, shown: &[&Coefficient]) -> String {
-    let titles =
-        shown.iter().map(|one| format!("{}, {}", one.title(), one.symbol).trim_end_matches(", ").to_owned());
+    let titles = shown.iter().map(|one| titled(&one.title(), one.symbol));
     let heading: Vec<String> = std::iter::once("unit".to_owned()).chain(titles).collect();
     let line = |(unit, label): (usize, &String)| {
         let cells = shown.iter().map(|one| one.found[unit].as_ref().map_or_else(String::new, cell));

@@ -9,6 +9,7 @@ use sagnac::analysis::spectrum::{Analysis, Spectrum, White};
 use sagnac::fit::quantity::Quantity;
 use sagnac::quantity::number::significant;
 use sagnac::spectrum::lines::FALSE_ALARM;
+use sagnac::table::titled;
 use sagnac::theory::allan::terms::Term;
 
 use crate::terminal::{aligned, headed, number};
@@ -26,8 +27,7 @@ pub fn report(analysis: &Analysis, unit: Unit) -> String {
 /// The lines that were found.
 fn lines(columns: &[(&Column, &Spectrum)], unit: Unit) -> String {
     let percent = significant(100.0 * FALSE_ALARM, 2);
-    let symbol = unit.symbol(Deviation::Oadev);
-    let amplitude = if symbol.is_empty() { "amplitude".to_owned() } else { format!("amplitude, {symbol}") };
+    let amplitude = titled("amplitude", unit.symbol(Deviation::Oadev));
     let rows: Vec<Vec<String>> = columns
         .iter()
         .flat_map(|(column, spectrum)| spectrum.lines.iter().map(|line| (&column.name, line)))

@@ -3,25 +3,21 @@
 mod axes;
 mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::TypedValueParser;
-use sagnac::allan::deviation::Deviation;
-use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
-use sagnac::analysis::log::{self, Asked, Suppose};
+use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::page::of_log;
 use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
-use sagnac::progress::{Progress, Silent};
 use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
 
 use crate::allan::options::{probability, simulated};
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json, whereabouts, write_page, write_table};
-use crate::progress::{How, Shown};
+use crate::output::{Output, print, print_json, whereabouts, write_page, write_table};
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -56,18 +52,11 @@ pub struct Options {
     /// Probability of the confidence intervals of densities and of the floor
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     confidence: f64,
-    /// Results folder [default: results/<name of the file>]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print the results as JSON
-    #[arg(help_heading = "Output", long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
     /// Also draw the chart as text
     #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
     plot: bool,
-    /// Print only errors
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
 }
 
 fn trend() -> impl TypedValueParser<Value = Trend> {
@@ -79,18 +68,17 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     let treatment = options.reading.treatment();
     let log = treatment.read(&options.file, &options.reading.request()?)?;
     let analysis = analysis(options, &log)?;
-    let default = || Path::new("results").join(options.file.file_stem().unwrap_or_default());
-    let folder: PathBuf = options.out.clone().unwrap_or_else(default);
+    let folder = options.output.folder(options.file.file_stem().unwrap_or_default());
     let figures = figures::figures(&analysis);
     write_table(&folder.join("psd.csv"), &tables::table(&analysis))?;
     write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
     write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
     write_figures(&folder, &figures)?;
     write_page(&folder, &of_log(&log, &analysis, None, vec![]))?;
-    if options.json {
+    if options.output.json {
         return print_json(&tables::document(&analysis));
     }
-    if !options.quiet {
+    if !options.output.quiet {
         notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
         if options.plot {
             print(&plotted(figures))?;
@@ -112,15 +100,11 @@ fn analysis(options: &Options, log: &Log) -> Result<Analysis, Failure> {
     let densities = densities(log, &treatment, &welch)?;
     // The curve is on the page, as `sagnac allan` draws it.
     let asked = Asked {
-        taus: Taus::Octave,
-        deviations: vec![Deviation::Oadev],
         confidence: options.confidence,
-        intervals: Suppose::Record,
         fitting: options.reading.fitting(),
         simulated: options.bootstrap,
+        ..Asked::default()
     };
-    let is_silent = options.quiet || options.json;
-    let progress: &dyn Progress = if is_silent { &Silent } else { &Shown::new(How::Plain) };
-    let noise = log::Analysis::of(log, &options.file, &treatment, &asked, progress)?;
+    let noise = log::Analysis::of(log, &options.file, &treatment, &asked, &options.output.progress())?;
     Ok(Analysis::of(noise, densities))
 }

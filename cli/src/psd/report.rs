@@ -8,9 +8,10 @@ use sagnac::analysis::spectrum::notes::{method, symbol};
 use sagnac::analysis::spectrum::{Analysis, Spectrum, White};
 use sagnac::quantity::number::significant;
 use sagnac::spectrum::lines::{FALSE_ALARM, Line};
+use sagnac::table::titled;
 
 use crate::psd::axes;
-use crate::terminal::{headed, number};
+use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
 
 /// Lines of a density per octave.
 const PER_OCTAVE: f64 = 2.0;
@@ -43,14 +44,13 @@ fn density(analysis: &Analysis, column: &Column, spectrum: &Spectrum) -> String 
             number(spectrum.model_at(point.frequency_hz), 4),
         ]
     };
-    let unit = symbol(column.unit);
-    let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
+    let title = titled("means over half an octave", symbol(column.unit));
     let table = headed(
         ["f, Hz", "density", "lower", "upper", "fit"],
         spectrum.means(PER_OCTAVE).into_iter().map(line),
     );
     format!(
-        "  means over half an octave{unit}, with {} intervals; psd.csv has all {} frequencies\n{table}",
+        "  {title}, with {} intervals; psd.csv has all {} frequencies\n{table}",
         analysis.noise.percent(),
         spectrum.density.points.len()
     )
@@ -70,8 +70,7 @@ fn lines(column: &Column, spectrum: &Spectrum) -> String {
             significant(line.p, 2),
         ]
     };
-    let unit = column.unit.symbol(Deviation::Oadev);
-    let amplitude = if unit.is_empty() { "amplitude".to_owned() } else { format!("amplitude, {unit}") };
+    let amplitude = titled("amplitude", column.unit.symbol(Deviation::Oadev));
     let heading = ["f, Hz", &amplitude, "over floor", "p"];
     format!(
         "  lines; noise alone shows one in {percent} % of records\n{}",
@@ -81,12 +80,8 @@ fn lines(column: &Column, spectrum: &Spectrum) -> String {
 
 /// N by the floor beside N by the fit.
 fn white(column: &Column, white: &White) -> String {
-    let line = |(from, row): (&str, &Row)| {
-        let [value, lower, upper] =
-            [row.value, row.interval.map(|ends| ends[0]), row.interval.map(|ends| ends[1])]
-                .map(|end| number(end, 4));
-        vec![from.to_owned(), value, lower, upper, row.symbol.to_owned(), row.verdict.to_owned()]
-    };
+    let line =
+        |(from, row): (&str, &Row)| with_interval(from, row.value, row.interval, row.symbol, row.verdict);
     let rows = [("N of the floor", &white.from_floor), ("N of the fit", &white.from_fit)];
     let rows = rows.into_iter().filter_map(|(from, row)| Some((from, row.as_ref()?)));
     let range = white.floor.as_ref().map_or_else(String::new, |floor| {
@@ -96,6 +91,6 @@ fn white(column: &Column, white: &White) -> String {
     let others = white.model.map_or_else(String::new, |[_, others]| {
         format!("; {} % of the fitted density there is of other terms", significant(100.0 * others, 2))
     });
-    let table = headed(["", "value", "lower", "upper", "", ""], rows.map(line));
+    let table = headed(WITH_INTERVAL, rows.map(line));
     format!("{}: white noise{range}: {}{others}\n{table}", column.name, white.verdict())
 }

@@ -9,18 +9,33 @@ use crate::view::chart::map::{Cells, Estimate, Layer, Map};
 use crate::analysis::dynamic::words::sentence;
 use crate::analysis::dynamic::{Column, Dynamic};
 
+/// Start of the file names of all maps.
+pub const STEM: &str = "chart-dynamic";
+
 /// Units of time: the longest record that is shown in each, its size in s, its name.
 const TIMES: [(f64, f64, &str); 3] =
     [(600.0, 1.0, "s"), (36_000.0, 60.0, "min"), (f64::INFINITY, 3600.0, "h")];
 
+/// Two maps of each column with the stems of their file names: of its deviations over time, and of these over the deviations of the
+/// whole record.
+pub fn figures(dynamic: &Dynamic) -> Vec<[(String, Map); 2]> {
+    let of = |(column, number): (&Column, usize)| {
+        let several = if dynamic.columns.len() > 1 { format!("-{number}") } else { String::new() };
+        let stem = format!("{STEM}{several}");
+        let ratio = (format!("{stem}-ratio"), ratios(dynamic, column));
+        [(stem, deviations(dynamic, column)), ratio]
+    };
+    dynamic.columns.iter().zip(1..).map(of).collect()
+}
+
 /// The map of the deviations of a column over time and τ.
-pub fn deviations(dynamic: &Dynamic, column: &Column) -> Map {
+fn deviations(dynamic: &Dynamic, column: &Column) -> Map {
     let z = Axis::new("deviation σ(τ)", column.unit.symbol(Deviation::Oadev));
     map(dynamic, column, "Overlapping Allan deviation over time", z, |point, _| cell(point, 1.0))
 }
 
-/// The map of the same deviations over those of the whole record, which shows changes of any τ alike.
-pub fn ratios(dynamic: &Dynamic, column: &Column) -> Map {
+/// The map of the deviations over those of the whole record, which shows changes of any τ alike.
+fn ratios(dynamic: &Dynamic, column: &Column) -> Map {
     let z = Axis::new("deviation over that of the record", "");
     map(dynamic, column, "Overlapping Allan deviation over that of the record", z, |point, whole| {
         cell(point, whole.value.filter(|value| *value > 0.0)?)

@@ -54,6 +54,20 @@ pub struct Asked {
     pub simulated: Option<usize>,
 }
 
+impl Default for Asked {
+    /// The overlapping Allan deviation at octaves with 95 % intervals, without a fit.
+    fn default() -> Asked {
+        Asked {
+            taus: Taus::Octave,
+            deviations: vec![Deviation::Oadev],
+            confidence: 0.95,
+            intervals: Suppose::Record,
+            fitting: None,
+            simulated: None,
+        }
+    }
+}
+
 /// The noise that the intervals of deviations suppose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Suppose {

@@ -24,7 +24,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use crate::allan::{Unit as Curves, minimum};
-use crate::analysis::data_sheet::Row;
+use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::tables::in_run_stability;
 use crate::analysis::log::{self, Column};
 
@@ -308,12 +308,6 @@ fn stem(path: &Path) -> String {
 /// The coefficients of all units, each under its name.
 fn coefficients(units: &[(&log::Analysis, &Column)]) -> Vec<Coefficient> {
     let rows: Vec<Vec<Row>> = units.iter().map(|(log, column)| rows(log, column)).collect();
-    let mut kinds: Vec<&Row> = Vec::new();
-    for row in rows.iter().flatten() {
-        if !kinds.iter().any(|known| known.name == row.name) {
-            kinds.push(row);
-        }
-    }
     let of_kind = |kind: &&Row| {
         let of_unit = |rows: &Vec<Row>| {
             let row = rows.iter().find(|row| row.name == kind.name)?.clone();
@@ -323,7 +317,7 @@ fn coefficients(units: &[(&log::Analysis, &Column)]) -> Vec<Coefficient> {
         let (name, unit, symbol) = (kind.name, kind.unit, kind.symbol);
         Coefficient { name, unit, symbol, found, pooled: None, without_odd: None }
     };
-    kinds.iter().map(of_kind).collect()
+    each_once(rows.iter().flatten()).iter().map(of_kind).collect()
 }
 
 /// The coefficients of a column and the minimum of its curve up to an eighth of the record. Where that is the last point, it is an

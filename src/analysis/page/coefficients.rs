@@ -1,7 +1,7 @@
 //! The coefficients of a log as small tables.
 
 use crate::allan::Unit;
-use crate::analysis::data_sheet::Row;
+use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::answer::stability;
 use crate::analysis::page::record::by_name;
@@ -47,12 +47,7 @@ fn of_one(column: &Column) -> Grid {
 
 /// A row for each coefficient, with a cell for each column.
 fn of_several(columns: &[&Column]) -> Grid {
-    let mut found: Vec<&Row> = Vec::new();
-    for row in columns.iter().flat_map(|column| column.coefficients()) {
-        if found.iter().all(|other| other.name != row.name) {
-            found.push(row);
-        }
-    }
+    let found = each_once(columns.iter().flat_map(|column| column.coefficients()));
     let row = |first: &&Row| {
         let cell = |column: &&Column| {
             let own = column.coefficients().iter().find(|row| row.name == first.name);

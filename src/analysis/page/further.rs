@@ -36,10 +36,8 @@ pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) 
 pub fn of_dynamic(found: &Dynamic) -> Section {
     let said = found.columns.iter().map(|column| (&*column.name, words::sentence(column))).collect();
     let said = by_name(said).into_iter().map(Block::Text);
-    let maps = found.columns.iter().enumerate().map(|(place, column)| {
-        let map = dynamic::figures::ratios(found, column);
-        chart(&format!("chart-dynamic-{}-ratio", place + 1), Picture::Map(map))
-    });
+    let maps = dynamic::figures::figures(found).into_iter();
+    let maps = maps.map(|[_, (stem, ratios)]| chart(&stem, Picture::Map(ratios)));
     Section { id: "dynamic", heading: "Over time", blocks: said.chain(maps).collect() }
 }
 
