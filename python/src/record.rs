@@ -230,8 +230,7 @@ pub fn curves<'py>(
             let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
             let mut points = curve(&record.angles, deviation, &factors, confidence);
             if let Some(model) = &model {
-                let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
-                suppose(&mut points, &record.angles, deviation, confidence, model);
+                suppose(&mut points, &record.angles, deviation, confidence, model.as_ref());
             }
             Ok((deviation, points))
         };

@@ -96,9 +96,9 @@ pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidenc
     points.collect()
 }
 
-/// Replaces degrees of freedom and intervals of a curve of `angles` by those of `model`, the noise of the whole record, from
-/// τ = `from_s` on, and at shorter τ by those of the autocorrelation of the differences. Where the record scatters more than
-/// Gaussian noise, degrees of freedom are as many fewer.
+/// Replaces degrees of freedom and intervals of a curve of `angles` by those of `model`, the noise of the whole record with the
+/// shortest τ that it describes, s; at shorter τ by those of the autocorrelation of the differences. Where the record scatters more
+/// than Gaussian noise, degrees of freedom are as many fewer.
 ///
 /// A point for which neither gives them keeps its own. Gaps count as in [`curve`].
 pub fn suppose(
@@ -106,13 +106,13 @@ pub fn suppose(
     angles: &Angles,
     deviation: Deviation,
     confidence: f64,
-    model: Option<(&Process, f64)>,
+    model: Option<&(Process, f64)>,
 ) {
     let samples = angles.len().saturating_sub(1) as u64;
     let spread = angles.spread();
     points.par_iter_mut().for_each(|point| {
         let m = point.m;
-        let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * from_s).and_then(|(process, _)| {
+        let by_model = model.filter(|(_, from_s)| point.tau_s > 0.99 * *from_s).and_then(|(process, _)| {
             freedom(process, deviation.estimator(), deviation.is_modified(), samples, m as u64)
         });
         let found = match by_model {

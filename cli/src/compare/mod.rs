@@ -5,7 +5,7 @@ pub mod report;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::compare::logs::{Analysis, CompareError};
+use sagnac::analysis::compare::logs::Analysis;
 use sagnac::analysis::compare::{figures, notes, tables};
 use sagnac::analysis::page::of_comparison;
 use sagnac::record::log::channel::Log;
@@ -87,10 +87,7 @@ fn logs(options: &Options) -> Result<[Log; 2], Failure> {
 fn analysis(options: &Options, [a, b]: [&Log; 2]) -> Result<Analysis, Failure> {
     let (treatment, fitting) = (options.reading.treatment(), options.reading.fitting());
     let logs = [(options.a.as_path(), a), (options.b.as_path(), b)];
-    Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| match &error {
-        CompareError::Units { .. } | CompareError::Columns { .. } => Failure::Record(in_options(&error)),
-        CompareError::NoCommonTime(_) => Failure::Record(error.to_string()),
-    })
+    Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| Failure::Record(in_options(&error)))
 }
 
 /// Writes the tables and the charts. Without coefficients, those of an earlier run are removed.

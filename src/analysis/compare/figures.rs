@@ -54,15 +54,13 @@ pub fn ratio(analysis: &Analysis) -> Figure {
     };
     let points: Vec<SeriesPoint> = analysis.comparison.ratios.iter().filter_map(point).collect();
     let ends = points.iter().flat_map(|point| point.band.map_or([point.y; 2], |(low, high)| [low, high]));
-    let (low, high) = ends.fold((1.0_f64, 1.0_f64), |(low, high), end| (low.min(end), high.max(end)));
-    // A logarithmic axis over a smaller range has hardly a tick above 1.
-    let scale = if high < NARROW * low { Scale::Linear } else { Scale::Log };
+    let y = of_ratios("ratio of the deviations", ends);
     let law = of_fits(&fits(analysis).unwrap_or_default());
     Figure {
         title: format!("{b} over {a}: ratio of overlapping Allan deviations"),
         subtitle: Some(found(analysis)),
         x: Axis::new(TIME, "s"),
-        y: Axis { scale, ..Axis::new("ratio of the deviations", "") },
+        y,
         colours: Grouping::of("ratio", [format!("{b} / {a}")]),
         points: measured(&law),
         bands: "95 % interval".to_owned(),
@@ -71,6 +69,13 @@ pub fn ratio(analysis: &Analysis) -> Figure {
         limit: Some(Limit { value: 1.0, label: "equal".to_owned() }),
         ..Figure::default()
     }
+}
+
+/// The axis of ratios to 1. It is linear over a narrow range, where a logarithmic axis would have hardly a tick above 1.
+pub(crate) fn of_ratios(label: &str, ratios: impl Iterator<Item = f64>) -> Axis {
+    let (low, high) = ratios.fold((1.0_f64, 1.0_f64), |(low, high), end| (low.min(end), high.max(end)));
+    let scale = if high < NARROW * low { Scale::Linear } else { Scale::Log };
+    Axis { scale, ..Axis::new(label, "") }
 }
 
 /// A line by its points.

@@ -109,7 +109,7 @@ impl Side {
             reading: log.notes.clone(),
             missing: treatment.missing(&samples, &outliers),
             outliers,
-            overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
+            overruled: channel.overruled(),
             unit: channel.unit.curves,
             treatment: Treatment { skip_s: log.start_s, ..*treatment },
             angles,

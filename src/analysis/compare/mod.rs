@@ -143,8 +143,7 @@ fn points(angles: &Angles, common: &[usize]) -> (Vec<Point>, Vec<Point>) {
     all.dedup();
     let mut points = curve(angles, Deviation::Oadev, &all, 0.95);
     let model = model(angles, Trend::None);
-    let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
-    suppose(&mut points, angles, Deviation::Oadev, 0.95, model);
+    suppose(&mut points, angles, Deviation::Oadev, 0.95, model.as_ref());
     let of = |factors: &[usize]| {
         points.iter().filter(|point| factors.contains(&point.m)).copied().collect::<Vec<Point>>()
     };

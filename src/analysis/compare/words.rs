@@ -2,7 +2,7 @@
 
 use crate::allan::Unit;
 use crate::analysis::compare::Length;
-use crate::quantity::number::significant;
+use crate::quantity::number::{significant, with_unit};
 
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
@@ -146,7 +146,7 @@ fn of_open(length: Length, ratio: f64) -> String {
 
 fn at_most(row: &Row, most: Option<f64>) -> String {
     match most {
-        Some(most) => format!("at most {} {}", significant(most, 3), row.symbol).trim_end().to_owned(),
+        Some(most) => format!("at most {}", with_unit(most, 3, row.symbol)),
         None => "an unknown amount".to_owned(),
     }
 }

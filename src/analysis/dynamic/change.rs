@@ -18,7 +18,7 @@ pub const PARTS: usize = 64;
 /// Fewest parts without long gaps that suffice.
 pub const FEWEST: usize = 16;
 /// Shortest part, in τ.
-const SHORTEST: usize = 8;
+pub(crate) const SHORTEST: usize = 8;
 
 /// Mean overshoot of a random walk over a limit, in steps.
 const OVERSHOOT: f64 = 0.5826;

@@ -13,6 +13,7 @@ pub mod words;
 use crate::allan::curve::{curve, suppose};
 use crate::allan::{Angles, Deviation, Point, Unit};
 use crate::analysis::log::{Treatment, model};
+use crate::quantity::number::significant;
 use crate::record::log::channel::{Channel, Log};
 use crate::theory::allan::Process;
 
@@ -34,7 +35,8 @@ const CONFIDENCE: f64 = 0.95;
 pub enum DynamicError {
     /// The window has too few samples.
     #[error(
-        "the window of {window_s} s is too short: it has {samples} samples and needs {SHORTEST}\ngive at least `dynamic = {least_s}s`"
+        "the window of {} s is too short: it has {samples} samples and needs {SHORTEST}\ngive at least `dynamic = {}s`",
+        shown(*window_s), shown(*least_s)
     )]
     Short {
         /// Length of the window, s.
@@ -46,7 +48,8 @@ pub enum DynamicError {
     },
     /// The record has too few windows to show a change.
     #[error(
-        "the window of {window_s} s is too long for a record of {length_s} s, which must contain at least two\ngive at most `dynamic = {most_s}s`"
+        "the window of {} s is too long for a record of {} s, which must contain at least two\ngive at most `dynamic = {}s`",
+        shown(*window_s), shown(*length_s), shown(*most_s)
     )]
     Long {
         /// Length of the window, s.
@@ -58,7 +61,8 @@ pub enum DynamicError {
     },
     /// The record has more windows than anything can show.
     #[error(
-        "the record of {length_s} s has more than {MOST} windows of {window_s} s\ngive at least `dynamic = {least_s}s`"
+        "the record of {} s has more than {MOST} windows of {} s\ngive at least `dynamic = {}s`",
+        shown(*length_s), shown(*window_s), shown(*least_s)
     )]
     Many {
         /// Length of the window, s.
@@ -68,6 +72,11 @@ pub enum DynamicError {
         /// Length of the shortest window that is accepted, s.
         least_s: f64,
     },
+}
+
+/// A time of a message, with digits enough to give it back.
+fn shown(time_s: f64) -> String {
+    significant(time_s, 9)
 }
 
 /// The noise of a log over time.
@@ -134,12 +143,11 @@ impl Dynamic {
         let column = |channel: &Channel| {
             let (angles, _) = treatment.angles(&channel.view(log.data, step_s));
             let model = model(&angles, treatment.trend);
-            let supposed = model.as_ref().map(|(process, from_s)| (process, *from_s));
             Column {
                 name: channel.name.clone(),
                 unit: channel.unit.curves,
-                whole: points(&angles, window, supposed),
-                windows: windows(&angles, window, log.start_s, supposed),
+                whole: points(&angles, window, model.as_ref()),
+                windows: windows(&angles, window, log.start_s, model.as_ref()),
                 octaves: octaves(&angles),
                 model: model.map(|(process, _)| process),
                 samples,
@@ -151,9 +159,8 @@ impl Dynamic {
 }
 
 /// The windows of a record that starts at this time.
-fn windows(angles: &Angles, window: usize, start_s: f64, model: Option<(&Process, f64)>) -> Vec<Window> {
-    let hop = (window / 2).max(1);
-    let starts = (0..).map(|place| place * hop).take_while(|start| start + window < angles.len());
+fn windows(angles: &Angles, window: usize, start_s: f64, model: Option<&(Process, f64)>) -> Vec<Window> {
+    let starts = (0..).step_by(window / 2).take_while(|start| start + window < angles.len());
     let of = |start: usize| Window {
         range_s: [start, start + window].map(|sample| start_s + sample as f64 * angles.step_s),
         points: points(&angles.part(start..start + window + 1), window, model),
@@ -162,7 +169,7 @@ fn windows(angles: &Angles, window: usize, start_s: f64, model: Option<(&Process
 }
 
 /// The deviations of a part of a record at the octaves of a window.
-fn points(angles: &Angles, window: usize, model: Option<(&Process, f64)>) -> Vec<Point> {
+fn points(angles: &Angles, window: usize, model: Option<&(Process, f64)>) -> Vec<Point> {
     let ms: Vec<usize> =
         (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= window).collect();
     let mut points = curve(angles, Deviation::Oadev, &ms, CONFIDENCE);

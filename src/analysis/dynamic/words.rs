@@ -3,11 +3,11 @@
 use crate::allan::Deviation;
 use crate::analysis::compare::words::{duration, probability};
 use crate::fit::Quantity;
-use crate::quantity::number::significant;
+use crate::quantity::number::{significant, with_unit};
 use crate::theory::allan::{Estimator, Process, Term};
 
 use crate::analysis::dynamic::Column;
-use crate::analysis::dynamic::change::{FALSE_ALARM, Octave, PARTS, clearest};
+use crate::analysis::dynamic::change::{FALSE_ALARM, FEWEST, Octave, PARTS, SHORTEST, clearest};
 
 /// Part of the variance that white noise must have at a τ for a change there to be one of N.
 const MOSTLY: f64 = 0.8;
@@ -17,7 +17,7 @@ pub fn sentence(column: &Column) -> String {
     let tests = column.octaves.len();
     let Some(octave) = clearest(&column.octaves) else {
         return format!(
-            "no test for a change: the record has fewer than {PARTS} parts of 8 samples that are neither missing nor constant"
+            "no test for a change, which takes {PARTS} parts of {SHORTEST} samples or more, {FEWEST} of them neither missing nor constant"
         );
     };
     let counted = format!("{}, counting {tests} averaging times", probability(octave.p));
@@ -38,20 +38,16 @@ pub fn sentence(column: &Column) -> String {
 
 /// The values before and after a change: of N where it makes up most of the noise at that τ, else of the deviation.
 fn change(column: &Column, octave: &Octave) -> String {
-    let shown = |value: f64| significant(value, 3);
     match white(column, octave) {
         Some(n) => {
             let (factor, _, symbol) = Quantity::Coefficient(Term::AngleRandomWalk).unit(column.unit);
-            let [before, after] =
-                [octave.before, octave.after].map(|end| shown(factor * n * end / octave.whole));
-            format!("N changes: {before} → {after} {symbol}").trim_end().to_owned()
+            let [before, after] = [octave.before, octave.after].map(|end| factor * n * end / octave.whole);
+            format!("N changes: {} → {}", significant(before, 3), with_unit(after, 3, symbol))
         }
         None => {
-            let symbol = column.unit.symbol(Deviation::Oadev);
-            let tau = significant(octave.tau_s, 4);
-            format!("σ({tau} s) changes: {} → {} {symbol}", shown(octave.before), shown(octave.after))
-                .trim_end()
-                .to_owned()
+            let (tau, before) = (significant(octave.tau_s, 4), significant(octave.before, 3));
+            let after = with_unit(octave.after, 3, column.unit.symbol(Deviation::Oadev));
+            format!("σ({tau} s) changes: {before} → {after}")
         }
     }
 }

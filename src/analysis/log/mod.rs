@@ -308,8 +308,7 @@ fn column(
         let factors = asked.taus.factors(angles.len(), step_s, deviation)?;
         let mut points = curve(&angles, deviation, &factors, asked.confidence);
         if let Some(model) = &model {
-            let model = model.as_ref().map(|(process, from_s)| (process, *from_s));
-            suppose(&mut points, &angles, deviation, asked.confidence, model);
+            suppose(&mut points, &angles, deviation, asked.confidence, model.as_ref());
         }
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
@@ -330,7 +329,7 @@ fn column(
     Ok(Column {
         name: channel.name.clone(),
         unit,
-        overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
+        overruled: channel.overruled(),
         missing: treatment.missing(&samples, &outliers),
         gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),

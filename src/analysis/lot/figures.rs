@@ -4,6 +4,7 @@ use crate::allan::{Deviation, Point};
 use crate::key::scale::Scale;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 
+use crate::analysis::compare::figures::of_ratios;
 use crate::analysis::compare::words::{duration, probability};
 use crate::analysis::log;
 use crate::analysis::lot::{Coefficient, Found, Lot};
@@ -11,9 +12,6 @@ use crate::analysis::lot::{Coefficient, Found, Lot};
 /// Distance of neighbouring coefficients of a unit, where units are 1 apart, and the most that all of them take.
 const APART: f64 = 0.12;
 const WIDEST: f64 = 0.7;
-
-/// Range of ratios below which the axis is linear.
-const NARROW: f64 = 3.0;
 
 /// The chart of the curves of all units, with the odd ones in colours of their own.
 pub fn curves(lot: &Lot) -> Figure {
@@ -23,17 +21,11 @@ pub fn curves(lot: &Lot) -> Figure {
         let positive = point.value.filter(|value| *value > 0.0)?;
         Some(SeriesPoint { x: point.tau_s, y: positive, band: None })
     };
-    let columns = lot.units().map(|(_, column)| column);
-    let mut series: Vec<Series> = columns
-        .enumerate()
-        .flat_map(|(unit, column)| column.curves.iter().take(1).map(move |curve| (unit, curve)))
-        .map(|(unit, curve)| Series {
-            colour: colour(unit),
-            dash: 0,
-            points: curve.points.iter().filter_map(point).collect(),
-            law: vec![],
-        })
-        .collect();
+    let mut series = Vec::new();
+    for (unit, (_, column)) in lot.units().enumerate() {
+        let points = column.curves.iter().take(1).flat_map(|curve| curve.points.iter().filter_map(point));
+        series.push(Series { colour: colour(unit), dash: 0, points: points.collect(), law: vec![] });
+    }
     // Odd units are drawn over the others.
     series.sort_by_key(|series| series.colour);
     let like = lot.labels.len() - odd.len();
@@ -84,14 +76,12 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
         next.map(|end| LawLine { colours: vec![place], points: ends.map(|x| (x, end / value)).into() })
     });
     let values = series.iter().flat_map(|series| &series.points).map(|point| point.y);
-    let (low, high) = values.fold((1.0_f64, 1.0_f64), |(low, high), y| (low.min(y), high.max(y)));
-    // A logarithmic axis over a smaller range has hardly a tick above 1.
-    let scale = if high < NARROW * low { Scale::Linear } else { Scale::Log };
+    let y = of_ratios("value over that of the lot", values);
     Some(Figure {
         title: format!("Coefficients of {} units over those of the lot", lot.labels.len()),
         subtitle: Some(found(lot)),
         x: Axis { scale: Scale::Linear, whole: true, names: lot.labels.clone(), ..Axis::new("unit", "") },
-        y: Axis { scale, ..Axis::new("value over that of the lot", "") },
+        y,
         colours: Grouping::of("coefficients", shown.iter().map(|(one, ..)| one.title())),
         bands: "95 % intervals".to_owned(),
         laws: vec![Law { label: "limits of the next unit".to_owned(), lines: lines.collect() }],

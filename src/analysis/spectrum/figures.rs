@@ -66,14 +66,15 @@ fn series(colour: usize, spectrum: &Spectrum) -> Series {
 
 /// The terms of the fitted model that have a density and an identified coefficient.
 fn parts(column: &Column, spectrum: &Spectrum) -> Parts {
+    let means = spectrum.means(PER_OCTAVE);
     let line = |part: &Part| {
         let row = column.coefficients().iter().find(|row| row.name == part.term.symbol())?;
-        let at = |point: Point| {
+        let at = |point: &Point| {
             let to_hz = spectrum.model.as_ref()?.to_hz;
             let density = density(part, spectrum.density.step_s, point.frequency_hz)?;
             (point.frequency_hz <= to_hz).then_some((point.frequency_hz, density))
         };
-        let points: Vec<(f64, f64)> = spectrum.means(PER_OCTAVE).into_iter().filter_map(at).collect();
+        let points: Vec<(f64, f64)> = means.iter().filter_map(at).collect();
         // The first colour is that of the density.
         let colour = 1 + Term::ALL.iter().position(|term| *term == part.term)?;
         (!points.is_empty()).then_some(figure::Part { label: label(row)?, colour, points })

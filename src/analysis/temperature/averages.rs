@@ -19,7 +19,8 @@ const DAY_S: f64 = 86_400.0;
 pub struct Averages {
     /// Number of samples of a block.
     pub m: usize,
-    step_s: f64,
+    /// Time between samples, s.
+    pub step_s: f64,
     /// Temperature from which differences count, °C: the mean of the blocks, to 0.1 K.
     pub reference_c: f64,
     /// Positions of the blocks.

@@ -14,6 +14,8 @@ pub mod notes;
 mod search;
 pub mod tables;
 
+use std::borrow::Cow;
+
 use crate::allan::Unit;
 use crate::analysis::log::{Treatment, model};
 use crate::analysis::temperature::averages::{Averages, LEAST_BLOCKS};
@@ -69,10 +71,11 @@ impl Temperature {
         let course = Course::of(measured, block);
         let unknown = |x: &[f64]| x.iter().filter(|x| x.is_nan()).count();
         let missing = [unknown(measured), unknown(&course.values)];
+        let of_rates = course_of(log.data, &course);
         let column = |channel: &Channel| Column {
             name: channel.name.clone(),
             unit: channel.unit.curves,
-            found: dependence(log, channel, &course, treatment, effects),
+            found: dependence(log, channel, &of_rates, treatment, effects),
         };
         let columns = log.channels.iter().map(column).collect();
         Some(Temperature { step_s: log.step_s, missing, columns, course })
@@ -126,10 +129,11 @@ impl Dependence {
 }
 
 /// The course at the rates of a log: midway between angles.
-fn course_of(data: Data, course: &Course) -> Course {
-    if data == Data::Angle { course.midway() } else { course.clone() }
+fn course_of(data: Data, course: &Course) -> Cow<'_, Course> {
+    if data == Data::Angle { Cow::Owned(course.midway()) } else { Cow::Borrowed(course) }
 }
 
+/// The dependence of a channel; `course` is that at its rates.
 fn dependence(
     log: &Log,
     channel: &Channel,
@@ -145,8 +149,7 @@ fn dependence(
     if treatment.outliers_removed {
         outliers.samples.iter().for_each(|&i| rates[i] = f64::NAN);
     }
-    let course = course_of(log.data, course);
-    let averages = Averages::of(&rates, &course, log.step_s).ok_or_else(|| {
+    let averages = Averages::of(&rates, course, log.step_s).ok_or_else(|| {
         format!(
             "fewer than {LEAST_BLOCKS} blocks of the record have both samples and temperatures: record longer, or give a \
              temperature for more of the samples"
@@ -155,12 +158,8 @@ fn dependence(
     let (changes, least) = (averages.scatter(), LEAST_CHANGE * course.error_of_mean(averages.m));
     let is_of_temperature =
         |effect: &Effect| matches!(effect, Effect::Temperature | Effect::Square | Effect::Change);
-    let candidates = match asked {
-        Effects::Auto => Effect::ALL.to_vec(),
-        Effects::Given(effects) => effects.clone(),
-    };
     // A constant temperature differs from its mean by rounding.
-    if changes <= least.max(1e-9) && candidates.iter().any(is_of_temperature) {
+    if changes <= least.max(1e-9) && asked.candidates().iter().any(is_of_temperature) {
         return Err(format!(
             "not identifiable: the temperature hardly changes, by a standard deviation of {} K, and its sensor has an error of {} K",
             significant(changes, 3),
@@ -168,6 +167,6 @@ fn dependence(
         ));
     }
     let fast = model(&angles, treatment.trend).map(|(process, _)| process);
-    let model = Model::of(&averages, &candidates, asked, fast.as_ref(), log.step_s)?;
+    let model = Model::of(&averages, asked, fast.as_ref())?;
     Ok(Dependence { model, averages })
 }

@@ -55,28 +55,31 @@ pub enum Effects {
     Given(Vec<Effect>),
 }
 
+impl Effects {
+    /// The effects in question.
+    pub fn candidates(&self) -> &[Effect] {
+        match self {
+            Effects::Auto => &Effect::ALL,
+            Effects::Given(effects) => effects,
+        }
+    }
+}
+
 impl Model {
-    /// Fits `candidates` to the averages of a record with samples every `step_s`; `fast` is the noise of the record at short
-    /// times, white unless it is known. `Auto` includes temperature where it is a candidate, and chooses the others.
+    /// Fits effects to the averages of a record; `fast` is the noise of the record at short times, white unless it is known.
+    /// `Auto` includes temperature and chooses the others.
     ///
     /// # Errors
     /// A sentence that says why there is no model.
-    pub fn of(
-        averages: &Averages,
-        candidates: &[Effect],
-        asked: &Effects,
-        fast: Option<&Process>,
-        step_s: f64,
-    ) -> Result<Model, String> {
-        let mut ends = [SHORTEST * step_s * averages.m as f64, LONGEST * averages.length_s()];
+    pub fn of(averages: &Averages, asked: &Effects, fast: Option<&Process>) -> Result<Model, String> {
+        let candidates = asked.candidates();
+        let mut ends = [SHORTEST * averages.step_s * averages.m as f64, LONGEST * averages.length_s()];
         loop {
-            let search = Search::new(averages, candidates, ends, fast, step_s)?;
+            let search = Search::new(averages, candidates, ends, fast)?;
             let choices = search.choices();
             let is_allowed = |effects: &[Effect]| match asked {
                 Effects::Given(_) => effects.len() == candidates.len(),
-                Effects::Auto => {
-                    effects.contains(&Effect::Temperature) || !candidates.contains(&Effect::Temperature)
-                }
+                Effects::Auto => effects.contains(&Effect::Temperature),
             };
             let allowed = choices.iter().filter(|choice| is_allowed(&choice.effects));
             let best = allowed.min_by(|a, b| a.score.total_cmp(&b.score));

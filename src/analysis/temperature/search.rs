@@ -49,7 +49,6 @@ impl Search {
         candidates: &[Effect],
         [shortest, longest]: [f64; 2],
         fast: Option<&Process>,
-        step_s: f64,
     ) -> Result<Search, String> {
         let effects: Vec<Effect> =
             candidates.iter().copied().filter(|effect| *effect != Effect::WarmUp).collect();
@@ -62,7 +61,7 @@ impl Search {
             .chain(times.iter().map(|&time_s| averages.column(Effect::WarmUp, time_s)))
             .collect();
         let reach = averages.places.last().map_or(0, |last| last + 1);
-        let means = |part: &Part| blocks::covariance(part, step_s, averages.m as u64, reach);
+        let means = |part: &Part| blocks::covariance(part, averages.step_s, averages.m as u64, reach);
         let white = means(&Part::angle_random_walk(1.0));
         let slow = [Part::bias_instability(1.0, holds::OCTAVES), Part::rate_random_walk(1.0)];
         let [flicker, walk] = slow.map(|part| means(&part));
@@ -178,26 +177,7 @@ impl Search {
                     found.map(|found| found.coefficient(1 + best.effects.len()))
                 }
             };
-            // Another choice that fits almost as well, with this effect instead of others or the other way round. An effect that
-            // the other choice hardly needs takes nobody's place.
-            let is_needed = |other: &&Choice| {
-                let rest: Vec<Effect> = other.effects.iter().copied().filter(|x| *x != effect).collect();
-                let without = choices.iter().find(|choice| choice.effects == rest);
-                place.is_some() || without.is_none_or(|without| without.fair() > other.fair() + RIVAL)
-            };
-            let rival = choices
-                .iter()
-                .filter(|other| other.effects.contains(&effect) != place.is_some())
-                .filter(|other| other.fair() < best.fair() + RIVAL)
-                .filter(is_needed)
-                .min_by(|a, b| a.fair().total_cmp(&b.fair()));
-            let without = |a: &Choice, b: &Choice| -> Vec<&'static str> {
-                a.effects.iter().filter(|x| !b.effects.contains(x)).map(|x| x.title()).collect()
-            };
-            let others = rival.map_or(vec![], |rival| match place {
-                Some(_) => without(rival, best),
-                None => without(best, rival),
-            });
+            let others = rivals(effect, best, choices);
             let verdict = match (estimate, place) {
                 _ if !others.is_empty() => format!("cannot be told from {}", others.join(" and ")),
                 (None, _) => "cannot be told from the other terms".to_owned(),
@@ -217,6 +197,27 @@ impl Search {
             best.effects.iter().copied().zip(means[1..].iter().copied()).collect();
         Ok(Model { findings, offset: means[0], coefficients, warm_up_s: time, p_value, is_robust, posterior })
     }
+}
+
+/// The effects from which another one cannot be told: those that a choice almost as good as the best has instead of it, or the best
+/// instead of it where it is in the other choice.
+fn rivals(effect: Effect, best: &Choice, choices: &[Choice]) -> Vec<&'static str> {
+    let is_used = best.effects.contains(&effect);
+    // An effect that the other choice hardly needs takes no other's place.
+    let is_needed = |other: &&Choice| {
+        let rest: Vec<Effect> = other.effects.iter().copied().filter(|x| *x != effect).collect();
+        let without = choices.iter().find(|choice| choice.effects == rest);
+        is_used || without.is_none_or(|without| without.fair() > other.fair() + RIVAL)
+    };
+    let rival = choices
+        .iter()
+        .filter(|other| other.effects.contains(&effect) != is_used)
+        .filter(|other| other.fair() < best.fair() + RIVAL)
+        .filter(is_needed)
+        .min_by(|a, b| a.fair().total_cmp(&b.fair()));
+    let Some(rival) = rival else { return vec![] };
+    let (with, without) = if is_used { (rival, best) } else { (best, rival) };
+    with.effects.iter().filter(|x| !without.effects.contains(x)).map(|x| x.title()).collect()
 }
 
 /// The covariance of blocks of the parts of a noise that are fast: white noise, quantisation and the band limit.

@@ -39,6 +39,13 @@ pub struct Channel {
     pub(crate) place: Option<Place>,
 }
 
+impl Channel {
+    /// The unit in the header, where another one was used.
+    pub fn overruled(&self) -> Option<String> {
+        self.unit_in_header.clone().filter(|text| *text != self.unit.text)
+    }
+}
+
 impl Log {
     /// The number of samples of a channel, including missing ones.
     pub fn samples(&self) -> usize {
