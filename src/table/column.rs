@@ -1,5 +1,7 @@
 //! Declared columns, each of which is one row with all its properties and the function that makes its cells.
 
+use serde_json::{Value, json};
+
 use crate::quantity::unit::{Unit, bare};
 use crate::table::{Cell, Column};
 
@@ -173,6 +175,12 @@ pub(crate) fn columns_of<R>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> 
         ..column.about.with(rows.iter().map(column.cell).collect())
     };
     columns.iter().map(of).collect()
+}
+
+/// A row as a JSON object: its cells by the headers of their columns, except those of the `omitted` names.
+pub(crate) fn object<R>(columns: &[ColumnOf<R>], row: &R, omitted: &[&str]) -> Value {
+    let shown = columns.iter().filter(|column| !omitted.contains(&column.about.name));
+    shown.map(|column| (column.about.with(vec![]).header(), json!((column.cell)(row)))).collect()
 }
 
 /// The properties of some columns, without their cells.

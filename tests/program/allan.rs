@@ -126,9 +126,13 @@ fn gaps_outliers_and_what_was_done_are_said() {
     for piece in ["g: 6 of 160 samples are missing (3.8 %)", "1 outlier", "at 60 s: kept"] {
         assert!(kept.stderr.contains(piece), "{piece} is missing in\n{}", kept.stderr);
     }
-    for piece in
-        ["from 20 s; until 180 s", "linear trend was removed", "R is gone", "above τ = 16 s", "°/h per h"]
-    {
+    for piece in [
+        "from 20 s; until 180 s",
+        "linear trend was removed",
+        "R is gone",
+        "above τ = 16 s",
+        "°/h/h was removed",
+    ] {
         assert!(kept.stdout.contains(piece), "{piece} is missing in\n{}", kept.stdout);
     }
     let treatment = &curve(&desk, "results/log")[0]["treatment"];

@@ -69,7 +69,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     let log = format!("{studies}/data/gyro_at_rest.csv");
     let read = "--data rate --rate 1Hz";
     desk.done(&format!("allan {log} {read} --bootstrap 0 --dynamic --out allan"));
-    let warm = |i: u32| format!("{},{}\n", i * i * 48_271 % 65_537, 20.0 + 0.01 * f64::from(i));
+    let warm = |i: u32| format!("{},{}\n", i * i % 65_537 * 48_271 % 65_537, 20.0 + 0.01 * f64::from(i));
     desk.write(
         "warm.csv",
         &(0..500).map(warm).fold("gz [deg/h],temp [degC]\n".to_owned(), |all, row| all + &row),

@@ -38,21 +38,16 @@ fn prepared() -> Desk {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
     };
-    let mut log = "stamp,gx,gy,gz,temp\n".to_owned();
-    for at in 0..4000_u64 {
-        log += &format!(
-            "{},{:.6},{:.6},{:.6},{}\n",
-            at * 10_000_000,
-            1e-5 * noise(),
-            1e-5 * noise(),
-            1e-5 * noise(),
-            20.0 + 0.001 * at as f64
-        );
-    }
-    for name in ["log.csv", "gyro.csv", "gyro1.csv", "gyro2.csv", "gyro3.csv"] {
+    for name in ["log.csv", "gyro.csv", "gyro1.csv", "gyro2.csv", "gyro3.csv", "bench.csv"] {
+        let mut log =
+            if name == "bench.csv" { "g01,g02,g03,g04,temp\n" } else { "stamp,gx,gy,gz,temp\n" }.to_owned();
+        for at in 0..4000_u64 {
+            let [x, y, z] = [noise(), noise(), noise()].map(|x| 1e-5 * x);
+            let (stamp, temp) = (at * 10_000_000, 20.0 + 0.001 * at as f64);
+            log += &format!("{stamp},{x:.6},{y:.6},{z:.6},{temp}\n");
+        }
         desk.write(name, &log);
     }
-    desk.write("bench.csv", &log.replacen("stamp,gx,gy,gz", "g01,g02,g03,g04", 1));
     let single: String = (0..4000).map(|_| format!("{:.6}\n", 0.01 * noise())).collect();
     for name in ["before.csv", "after.csv", "PHASE.DAT"] {
         desk.write(name, &single);

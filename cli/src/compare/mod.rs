@@ -25,8 +25,9 @@ Examples:
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
 
 Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
-columns, the first is read from A and the second from B, and so it is with units. If the logs have time stamps, their
-sampling rates may differ; the curves are compared at the averaging times that both have.";
+columns, the first is read from A and the second from B, and so it is with units. If the logs have
+time stamps, their sampling rates may differ; the curves are compared at the averaging times that
+both have.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]

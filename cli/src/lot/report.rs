@@ -12,12 +12,11 @@ use sagnac::table::titled;
 use crate::failure::in_options;
 use crate::terminal::headed_by;
 
-/// Notes attached to the results, each with the name of its log.
+/// Notes attached to the results, each with the path of its log.
 pub fn notes(lot: &Lot) -> Vec<String> {
     let of_log = |log: &log::Analysis| {
-        let name = log.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let notes = log::notes::notes(log).into_iter();
-        notes.map(|note| format!("{name}: {}", in_options(&note))).collect::<Vec<_>>()
+        notes.map(|note| format!("{}: {}", log.path.display(), in_options(&note))).collect::<Vec<_>>()
     };
     lot.logs.iter().flat_map(of_log).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::allan::{Deviation, Point};
 use crate::analysis::compare::{Length, Ratio};
-use crate::table::column::columns_of;
+use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
 
@@ -203,23 +203,8 @@ fn of_ratio(ratio: &Ratio) -> Value {
 }
 
 fn of_row(row: &Row) -> Value {
-    let found = &row.found;
-    json!({
-        "coefficient": row.name,
-        "unit": row.unit,
-        "a": found.values[0],
-        "b": found.values[1],
-        "a_at_most": found.at_most[0],
-        "b_at_most": found.at_most[1],
-        "difference": found.difference,
-        "lower": found.interval[0],
-        "upper": found.interval[1],
-        "ratio": found.ratio,
-        "ratio_lower": found.ratio_interval[0],
-        "ratio_upper": found.ratio_interval[1],
-        "p": found.p,
-        "length_needed_s": needed(row.length),
-        "length_beyond_s": beyond(row.length),
-        "verdict": row.verdict().name(),
-    })
+    let mut document = object(&coefficient_columns(), &row, &["described"]);
+    // Plain numbers have an empty unit.
+    document["unit"] = json!(row.unit);
+    document
 }

@@ -57,22 +57,20 @@ pub fn octaves(angles: &Angles) -> Vec<Octave> {
         (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| m * SHORTEST <= length).collect();
     let part = |i: usize| sums(&angles.part(i * length..(i + 1) * length + 1), Deviation::Oadev, &ms);
     let parts: Vec<Vec<Sum>> = (0..PARTS).into_par_iter().map(part).collect();
-    let of_octave = |(place, &m): (usize, &usize)| {
+    let mut tested: Vec<(usize, Vec<(usize, Sum)>)> = Vec::new();
+    for (place, &m) in ms.iter().enumerate() {
         // Half of the terms of a part without gaps: a variance of fewer would scatter more than the others.
         let least = (length + 2 - 2 * m) as u64 / 2;
         let is_known = |sum: &Sum| sum.terms >= least.max(1) && sum.squares > 0.0;
-        let known: Vec<(usize, Sum)> =
-            parts.iter().map(|sums| sums[place]).enumerate().filter(|(_, sum)| is_known(sum)).collect();
-        (known.len() >= FEWEST)
-            .then(|| octave(&known, m, m as f64 * angles.step_s, length as f64 * angles.step_s))
-    };
-    let mut found: Vec<Octave> = ms.iter().enumerate().filter_map(of_octave).collect();
-    let count = found.len() as f64;
-    for octave in &mut found {
-        octave.p = (octave.p * count).min(1.0);
-        octave.visible = visible(octave.visible, octave.parts as f64, FALSE_ALARM / count);
+        let sums = parts.iter().map(|sums| sums[place]).enumerate();
+        tested.push((m, sums.filter(|(_, sum)| is_known(sum)).collect()));
     }
-    found
+    tested.retain(|(_, known)| known.len() >= FEWEST);
+    let part_s = length as f64 * angles.step_s;
+    let of_octave = |(m, known): &(usize, Vec<(usize, Sum)>)| {
+        octave(known, *m, *m as f64 * angles.step_s, part_s, tested.len() as f64)
+    };
+    tested.iter().map(of_octave).collect()
 }
 
 /// The octave with the least p.
@@ -80,8 +78,8 @@ pub fn clearest(octaves: &[Octave]) -> Option<&Octave> {
     octaves.iter().min_by(|a, b| a.p.total_cmp(&b.p))
 }
 
-/// The test at one octave, with its own p, and the scatter of the logarithms in the place of the visible step.
-fn octave(known: &[(usize, Sum)], m: usize, tau_s: f64, length_s: f64) -> Octave {
+/// The test at one of `tests` octaves, from the sums of the parts that are known, each of which is `part_s` long.
+fn octave(known: &[(usize, Sum)], m: usize, tau_s: f64, part_s: f64, tests: f64) -> Octave {
     let count = known.len() as f64;
     let mean_of = |sums: &[(usize, Sum)]| {
         let all: f64 = sums.iter().map(|(_, sum)| sum.squares).sum();
@@ -106,12 +104,12 @@ fn octave(known: &[(usize, Sum)], m: usize, tau_s: f64, length_s: f64) -> Octave
         m,
         tau_s,
         parts: known.len(),
-        p: kolmogorov(statistic),
-        at_s: after.first().map_or(0, |(part, _)| *part) as f64 * length_s,
+        p: (kolmogorov(statistic) * tests).min(1.0),
+        at_s: after.first().map_or(0, |(part, _)| *part) as f64 * part_s,
         whole: mean_of(known),
         before: mean_of(before),
         after: mean_of(after),
-        visible: scatter,
+        visible: visible(scatter, count, FALSE_ALARM / tests),
     }
 }
 

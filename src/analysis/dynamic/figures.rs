@@ -16,30 +16,22 @@ pub const STEM: &str = "chart-dynamic";
 const TIMES: [(f64, f64, &str); 3] =
     [(600.0, 1.0, "s"), (36_000.0, 60.0, "min"), (f64::INFINITY, 3600.0, "h")];
 
-/// Two maps of each column with the stems of their file names: of its deviations over time, and of these over the deviations of the
-/// whole record.
+/// Two maps of each column with the stems of their file names: of its deviations over time and τ, and of these over the deviations
+/// of the whole record, which shows changes of any τ alike.
 pub fn figures(dynamic: &Dynamic) -> Vec<[(String, Map); 2]> {
     let of = |(column, number): (&Column, usize)| {
-        let several = if dynamic.columns.len() > 1 { format!("-{number}") } else { String::new() };
-        let stem = format!("{STEM}{several}");
-        let ratio = (format!("{stem}-ratio"), ratios(dynamic, column));
-        [(stem, deviations(dynamic, column)), ratio]
+        let title = "Overlapping Allan deviation over time";
+        let z = Axis::new("deviation σ(τ)", column.unit.symbol(Deviation::Oadev));
+        let deviations = map(dynamic, column, title, z, |point, _| cell(point, 1.0));
+        let title = "Overlapping Allan deviation over that of the record";
+        let z = Axis::new("deviation over that of the record", "");
+        let ratios = map(dynamic, column, title, z, |point, whole| {
+            cell(point, whole.value.filter(|value| *value > 0.0)?)
+        });
+        let stem = if dynamic.columns.len() > 1 { format!("{STEM}-{number}") } else { STEM.to_owned() };
+        [(stem.clone(), deviations), (format!("{stem}-ratio"), ratios)]
     };
     dynamic.columns.iter().zip(1..).map(of).collect()
-}
-
-/// The map of the deviations of a column over time and τ.
-fn deviations(dynamic: &Dynamic, column: &Column) -> Map {
-    let z = Axis::new("deviation σ(τ)", column.unit.symbol(Deviation::Oadev));
-    map(dynamic, column, "Overlapping Allan deviation over time", z, |point, _| cell(point, 1.0))
-}
-
-/// The map of the deviations over those of the whole record, which shows changes of any τ alike.
-fn ratios(dynamic: &Dynamic, column: &Column) -> Map {
-    let z = Axis::new("deviation over that of the record", "");
-    map(dynamic, column, "Overlapping Allan deviation over that of the record", z, |point, whole| {
-        cell(point, whole.value.filter(|value| *value > 0.0)?)
-    })
 }
 
 /// A value with its interval, over another one.

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::allan::{Deviation, Point};
-use crate::analysis::log::tables::text;
-use crate::table::column::columns_of;
+use crate::analysis::log::tables::{key, text};
+use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 use crate::analysis::dynamic::change::Octave;
@@ -23,8 +23,7 @@ pub(crate) struct PointRow<'a> {
 pub(crate) fn point_columns<'a>() -> Vec<ColumnOf<PointRow<'a>>> {
     type Of<'a> = ColumnOf<PointRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("start", Unit::S, "start", |row| Cell::Number(row.window.range_s[0]))
             .is(Role::Coordinate, "Start of the window, from the start of the file, s."),
         Of::new("end", Unit::S, "end", |row| Cell::Number(row.window.range_s[1]))
@@ -66,8 +65,7 @@ pub(crate) struct OctaveRow<'a> {
 pub(crate) fn octave_columns<'a>() -> Vec<ColumnOf<OctaveRow<'a>>> {
     type Of<'a> = ColumnOf<OctaveRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.octave.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("parts", Unit::NONE, "parts", |row| Cell::Integer(row.octave.parts as i64))
@@ -98,37 +96,22 @@ pub fn octaves(dynamic: &Dynamic) -> Table {
 
 /// The noise of a column over time as JSON.
 pub fn document(dynamic: &Dynamic, column: &Column) -> Value {
-    let of_octave = |octave: &Octave| {
-        json!({
-            "tau_s": octave.tau_s,
-            "parts": octave.parts,
-            "p": octave.p,
-            "at_s": column.skipped_s + octave.at_s,
-            "before": octave.before,
-            "after": octave.after,
-            "visible": octave.visible,
-        })
-    };
-    let of_point = |point: &Point| {
-        json!({
-            "tau_s": point.tau_s,
-            "terms": point.terms,
-            "lower": point.interval.map(|ends| ends.0),
-            "value": point.value,
-            "upper": point.interval.map(|ends| ends.1),
-        })
-    };
-    let of_window = |window: &Window| {
-        json!({
+    let (points, octaves) = (point_columns(), octave_columns());
+    let of_octave = |octave| object(&octaves, &OctaveRow { column, octave }, &["column", "unit"]);
+    let mut windows = Vec::new();
+    for window in &column.windows {
+        let omitted = ["column", "start", "end", "unit"];
+        let of_point = |point| object(&points, &PointRow { column, window, point }, &omitted);
+        windows.push(json!({
             "start_s": window.range_s[0],
             "end_s": window.range_s[1],
             "points": window.points.iter().map(of_point).collect::<Vec<_>>(),
-        })
-    };
+        }));
+    }
     json!({
         "window_s": dynamic.window_s,
         "unit": column.unit.in_files(Deviation::Oadev),
-        "windows": column.windows.iter().map(of_window).collect::<Vec<_>>(),
+        "windows": windows,
         "stationarity": column.octaves.iter().map(of_octave).collect::<Vec<_>>(),
         "sentence": sentence(column),
     })

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::analysis::log::tables::text;
+use crate::analysis::log::tables::{key, text};
 use crate::analysis::log::{Analysis, Column};
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -20,8 +20,7 @@ pub(crate) struct Event<'a> {
 pub(crate) fn columns<'a>() -> Vec<ColumnOf<Event<'a>>> {
     type Of<'a> = ColumnOf<Event<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |event| text(&event.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|event| text(&event.column.name)),
         Of::new("event", Unit::NONE, "event", |event| text(event.what))
             .is(Role::Key, "`gap` for missing samples, `outlier` for a sample that stands out from its neighbours."),
         Of::new("time", Unit::S, "time", |event| Cell::Number(event.analysis.time(event.samples.start)))

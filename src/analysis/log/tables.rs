@@ -21,8 +21,7 @@ pub(crate) struct CurveRow<'a> {
 pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
     type Of<'a> = ColumnOf<CurveRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
             .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
         Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
@@ -74,6 +73,12 @@ pub(crate) fn text(text: &str) -> Cell {
     if text.is_empty() { Cell::Blank } else { text.into() }
 }
 
+/// The column that names the column of a log.
+pub(crate) fn key<R>(name: fn(&R) -> Cell) -> ColumnOf<R> {
+    ColumnOf::new("column", Unit::NONE, "column", name)
+        .is(Role::Key, "Column of the log to which the row belongs.")
+}
+
 /// A row of `coefficients.csv`.
 pub(crate) struct Line<'a> {
     column: &'a str,
@@ -97,10 +102,9 @@ fn lines(column: &log::Column) -> Vec<Line<'_>> {
 pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
     type Of<'a> = ColumnOf<Line<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |line| text(line.column))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|line| text(line.column)),
         Of::new("coefficient", Unit::NONE, "coefficient", |line| text(line.row.name))
-            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, and \
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and \
                 `in_run_stability`, the minimum of the curve, with its `in_run_stability_tau`."),
         Of::new("value", Unit::NONE, "value", |line| line.row.value.into())
             .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),

@@ -4,12 +4,16 @@ use serde_json::{Value, json};
 
 use crate::analysis::log;
 use crate::analysis::log::tables::{document_of, text};
-use crate::table::column::columns_of;
+use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::words::sentences;
 use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
+
+/// Meaning of the column that names coefficients.
+const COEFFICIENT: &str = "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, the \
+     minimum of the curve.";
 
 /// A row of `units.csv`.
 pub(crate) struct UnitRow<'a> {
@@ -27,8 +31,7 @@ pub(crate) fn unit_columns<'a>() -> Vec<ColumnOf<UnitRow<'a>>> {
         Of::new("label", Unit::NONE, "label", |row| text(row.label))
             .is(Role::Key, "Label of the unit of the lot: the name of its file, of its column, or both."),
         Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.found.row.name))
-            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, \
-                the minimum of the curve."),
+            .is(Role::Key, COEFFICIENT),
         Of::new("value", Unit::NONE, "value", |row| row.found.row.value.into())
             .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),
         Of::new("lower", Unit::NONE, "lower", |row| row.found.row.interval.map(|ends| ends[0]).into())
@@ -91,8 +94,7 @@ pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
     type Of<'a> = ColumnOf<LotRow<'a>>;
     vec![
         Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.one.name))
-            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, \
-                the minimum of the curve."),
+            .is(Role::Key, COEFFICIENT),
         Of::new("of", Unit::NONE, "of", |row| text(row.of))
             .is(Role::Key, "`all` units, or `those that show it` where some do not; or the same units `without odd` ones."),
         Of::new("units", Unit::NONE, "units", |row| Cell::Integer(row.pooled.map_or(row.one.estimates().len(), |pooled| pooled.units) as i64))
@@ -175,28 +177,18 @@ fn of_found(found: &Found) -> Value {
 }
 
 fn of_coefficient(one: &Coefficient) -> Value {
+    let columns = lot_columns();
+    let of = |pooled| {
+        let omitted = ["coefficient", "of", "bounded", "missing", "unit"];
+        object(&columns, &LotRow { one, of: "", pooled: Some(pooled) }, &omitted)
+    };
     json!({
         "coefficient": one.name,
         "unit": one.unit,
         "units": one.estimates().len(),
         "bounded": one.bounds().len(),
         "missing": one.silent().count(),
-        "all": one.pooled.as_ref().map(of_pooled),
-        "without_odd": one.without_odd.as_ref().map(of_pooled),
-    })
-}
-
-fn of_pooled(pooled: &Pooled) -> Value {
-    json!({
-        "units": pooled.units,
-        "value": pooled.value,
-        "lower": pooled.interval[0],
-        "upper": pooled.interval[1],
-        "spread": pooled.spread,
-        "spread_lower": pooled.spread_interval[0],
-        "spread_upper": pooled.spread_interval[1],
-        "next_lower": pooled.next[0],
-        "next_upper": pooled.next[1],
-        "p_equal": pooled.p_equal,
+        "all": one.pooled.map(of),
+        "without_odd": one.without_odd.map(of),
     })
 }

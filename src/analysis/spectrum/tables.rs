@@ -5,10 +5,10 @@ use serde_json::{Value, json};
 use crate::allan::{Deviation, Trend, Unit as Curves};
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log;
-use crate::analysis::log::tables::text;
+use crate::analysis::log::tables::{key, text};
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
 use crate::spectrum::{FALSE_ALARM, Line, Point};
-use crate::table::column::columns_of;
+use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 /// Unit of densities in files.
@@ -33,8 +33,7 @@ pub(crate) struct DensityRow<'a> {
 pub(crate) fn density_columns<'a>() -> Vec<ColumnOf<DensityRow<'a>>> {
     type Of<'a> = ColumnOf<DensityRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("f", Unit::HZ, "frequency", |row| Cell::Number(row.point.frequency_hz))
             .is(Role::Coordinate, "Frequency, Hz."),
         Of::new("density", Unit::NONE, "density", |row| Cell::Number(row.point.value))
@@ -75,8 +74,7 @@ pub(crate) struct LineRow<'a> {
 pub(crate) fn line_columns<'a>() -> Vec<ColumnOf<LineRow<'a>>> {
     type Of<'a> = ColumnOf<LineRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("f", Unit::HZ, "frequency", |row| Cell::Number(row.line.frequency_hz))
             .is(Role::Coordinate, "Frequency of the line, interpolated, Hz."),
         Of::new("amplitude", Unit::NONE, "amplitude", |row| Cell::Number(row.line.amplitude))
@@ -112,8 +110,7 @@ pub(crate) struct WhiteRow<'a> {
 pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
     type Of<'a> = ColumnOf<WhiteRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("from", Unit::NONE, "from", |row| text(row.from))
             .is(Role::Key, "`floor` for N from the flat range of the density, `fit` for N from the Allan curve."),
         Of::new("n", Unit::NONE, "N", |row| row.row.value.into())
@@ -184,6 +181,11 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "verdict": row.verdict,
         })
     };
+    let columns = density_columns();
+    let of_point = |point| {
+        let row = DensityRow { column, spectrum, point, treatment: "" };
+        object(&columns, &row, &["column", "unit", "treatment"])
+    };
     json!({
         "segment_samples": density.segment,
         "segment_detrend": match density.trend { Trend::None => "constant", Trend::Linear => "linear" },
@@ -191,7 +193,7 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
         "unused_samples": density.unused,
         "degrees_of_freedom": density.freedom,
         "density_unit": in_files(column.unit),
-        "points": density.points.iter().map(|point| of_point(spectrum, point)).collect::<Vec<_>>(),
+        "points": density.points.iter().map(of_point).collect::<Vec<_>>(),
         "lines": spectrum.lines.iter().map(|line| json!({
             "f_hz": line.frequency_hz,
             "amplitude": line.amplitude,
@@ -207,15 +209,5 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "told_apart": white.is_told_apart(),
             "verdict": white.verdict(),
         },
-    })
-}
-
-fn of_point(spectrum: &Spectrum, point: &Point) -> Value {
-    json!({
-        "f_hz": point.frequency_hz,
-        "density": point.value,
-        "lower": point.interval.map(|ends| ends.0),
-        "upper": point.interval.map(|ends| ends.1),
-        "model": spectrum.model_at(point.frequency_hz),
     })
 }

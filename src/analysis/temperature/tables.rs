@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::allan::Deviation;
 use crate::analysis::log::Analysis;
-use crate::analysis::log::tables::{document_of, text};
+use crate::analysis::log::tables::{document_of, key, text};
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::Finding;
 use crate::analysis::temperature::{Column, Dependence, Temperature};
@@ -99,8 +99,7 @@ pub(crate) struct CoefficientRow<'a>(&'a str, Row);
 pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
     type Of<'a> = ColumnOf<CoefficientRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |CoefficientRow(column, _)| text(column))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|CoefficientRow(column, _)| text(column)),
         Of::new("coefficient", Unit::NONE, "coefficient", |CoefficientRow(_, row)| text(row.name))
             .is(Role::Key, "`reference_temperature`, from which temperatures count; `offset`, the rate there; `T` and `T2`, the \
                 coefficients of the temperature and its square; `dT`, that of its change; `warm-up`, the rate at the start of the \
@@ -141,8 +140,7 @@ pub(crate) struct CompensationRow<'a> {
 pub(crate) fn compensation_columns<'a>() -> Vec<ColumnOf<CompensationRow<'a>>> {
     type Of<'a> = ColumnOf<CompensationRow<'a>>;
     vec![
-        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log to which the row belongs."),
+        key(|row| text(&row.column.name)),
         Of::new("temperature", Unit::NONE, "temperature", |row| Some(row.temperature_c).into())
             .is(Role::Coordinate, "Temperature in °C, over the range of the record."),
         Of::new("rate", Unit::NONE, "rate", |row| Some(row.rate.value).into())
