@@ -15,7 +15,7 @@ use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use sagnac::theory::allan::terms::Term;
 
 use crate::failure::{Failure, in_options};
-use crate::words::one_of;
+use crate::words::{list_of, one_of};
 
 #[derive(Debug, Args)]
 pub struct Reading {
@@ -116,17 +116,10 @@ fn unit_check() -> impl TypedValueParser<Value = UnitCheck> {
 }
 
 fn fit_terms(text: &str) -> Result<Fitted, String> {
-    let term = |name: &str| {
-        let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name.trim()));
-        found.ok_or_else(|| {
-            let known = Term::ALL.map(Term::symbol).join(",");
-            format!("`{}` is not a term; accepted: auto, none, or some of {known}", name.trim())
-        })
-    };
     match text {
         "none" => Ok(Fitted::None),
         "auto" => Ok(Fitted::Auto),
-        list => list.split(',').map(term).collect::<Result<_, _>>().map(Fitted::Given),
+        list => list_of(list, &Term::ALL, Term::symbol, "auto, none").map(Fitted::Given),
     }
 }
 

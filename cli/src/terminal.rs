@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use sagnac::quantity::number::significant;
-use sagnac::table::{Column, ColumnError, Table};
+use sagnac::table::{Column, ColumnError, Table, titled};
 
 use crate::look;
 
@@ -163,6 +163,11 @@ pub(crate) fn with_interval(
     let [value, lower, upper] = [value, interval.map(|ends| ends[0]), interval.map(|ends| ends[1])]
         .map(|number_of| number(number_of, 4));
     vec![name.to_owned(), value, lower, upper, unit.to_owned(), verdict.to_owned()]
+}
+
+/// A row of a table over the columns of a log: its name with its unit, and a cell for each column.
+pub(crate) fn row<T>(name: &str, unit: &str, columns: &[T], cell: impl Fn(&T) -> String) -> Vec<String> {
+    std::iter::once(titled(name, unit)).chain(columns.iter().map(cell)).collect()
 }
 
 /// Rows of cells, flush right, with every column as wide as its widest cell; on a narrower terminal as in [`fitted`].

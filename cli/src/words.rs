@@ -1,4 +1,4 @@
-//! Options whose value is one of several words.
+//! Options whose value is one of several words, or a list of some.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -15,4 +15,21 @@ where
         let found = values.iter().find(|(known, _)| known.get_name() == word);
         found.unwrap_or(&values[0]).1.clone()
     })
+}
+
+/// Reads a list of names, separated by commas, of which `all` has the values; `others` are the words that stand for a list.
+pub fn list_of<T: Copy>(
+    text: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+    others: &str,
+) -> Result<Vec<T>, String> {
+    let value = |asked: &str| {
+        let found = all.iter().copied().find(|value| name(*value).eq_ignore_ascii_case(asked.trim()));
+        found.ok_or_else(|| {
+            let known: Vec<&str> = all.iter().map(|value| name(*value)).collect();
+            format!("`{}` is not a term; accepted: {others}, or some of {}", asked.trim(), known.join(","))
+        })
+    };
+    text.split(',').map(value).collect()
 }

@@ -9,7 +9,7 @@ use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
 use crate::allan::report::{MOST_LINES, removed};
-use crate::terminal::{aligned, number};
+use crate::terminal::{aligned, number, row};
 
 /// The deviations and the coefficients of all columns of a unit.
 pub fn report(analysis: &Analysis, unit: Unit) -> String {
@@ -23,27 +23,15 @@ pub fn report(analysis: &Analysis, unit: Unit) -> String {
     deviations.collect::<String>() + &coefficients(analysis, &names, &columns)
 }
 
-/// A row of a table: its name with its unit, and a cell for each column.
-fn row<T>(name: &str, unit: &str, columns: &[T], cell: impl Fn(&T) -> String) -> Vec<String> {
-    std::iter::once(titled(name, unit)).chain(columns.iter().map(cell)).collect()
-}
-
-/// The heading of a table.
-fn heading(name: &str, names: &[&str]) -> Vec<String> {
-    row(name, "", names, |name| (*name).to_owned())
-}
-
 /// A deviation of all columns over τ, and its minimum.
 fn deviations(names: &[&str], curves: &[&Curve], unit: Unit) -> String {
     let Curve { deviation, points, .. } = curves[0];
-    let mut table = vec![heading("τ, s", names)];
+    let mut table = vec![row("τ", "s", names, |name| (*name).to_owned())];
     let step = points.len().div_ceil(MOST_LINES).max(1);
     table.extend((0..points.len()).step_by(step).map(|at| {
         row(&significant(points[at].tau_s, 7), "", curves, |curve| number(curve.points[at].value, 4))
     }));
-    // A time deviation rises with τ, so its minimum does not describe stability.
-    let minima = curves.iter().map(|curve| curve.minimum.filter(|_| !deviation.is_of_angle()));
-    let minima: Vec<Option<Minimum>> = minima.collect();
+    let minima: Vec<Option<Minimum>> = curves.iter().map(|curve| curve.minimum).collect();
     if minima.iter().any(Option::is_some) {
         table.push(row("minimum", "", &minima, |minimum| {
             minimum.map_or_else(String::new, |Minimum { point, at_end }| {
@@ -74,7 +62,7 @@ fn coefficients(analysis: &Analysis, names: &[&str], columns: &[&Column]) -> Str
     if rows.is_empty() {
         return String::new();
     }
-    let mut table = vec![heading("", names)];
+    let mut table = vec![row("", "", names, |name| (*name).to_owned())];
     table.extend(rows.iter().map(|Row { name, symbol, .. }| {
         row(name, symbol, columns, |column| {
             let found = column.coefficients().iter().find(|other| other.name == *name);

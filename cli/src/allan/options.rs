@@ -17,7 +17,7 @@ use sagnac::record::log::temperature::Thermometer;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::reading::{Reading, seconds};
-use crate::words::one_of;
+use crate::words::{list_of, one_of};
 
 /// Examples, shown after the options.
 pub const EXAMPLES: &str = "\
@@ -148,17 +148,10 @@ pub(crate) fn simulated(text: &str) -> Result<usize, String> {
 }
 
 fn effects(text: &str) -> Result<Effects, String> {
-    let effect = |name: &str| {
-        let found = Effect::ALL.into_iter().find(|effect| effect.name().eq_ignore_ascii_case(name.trim()));
-        found.ok_or_else(|| {
-            let known = Effect::ALL.map(Effect::name).join(", ");
-            format!("`{}` is not a term; accepted: auto, or some of {known}", name.trim())
-        })
-    };
     if text == "auto" {
         return Ok(Effects::Auto);
     }
-    let named = text.split(',').map(effect).collect::<Result<Vec<_>, _>>()?;
+    let named = list_of(text, &Effect::ALL, Effect::name, "auto")?;
     // In the order of all of them, and each once.
     let effects: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| named.contains(effect)).collect();
     if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {

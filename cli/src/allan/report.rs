@@ -99,10 +99,7 @@ fn line(point: &Point, unit: Unit) -> Vec<String> {
 
 /// The minimum of a curve, and whether the curve ends there.
 fn stability(curve: &Curve, unit: Unit) -> String {
-    // A time deviation rises with τ, so its minimum does not describe stability.
-    let Some(Minimum { point, at_end }) = curve.minimum.filter(|_| !curve.deviation.is_of_angle()) else {
-        return String::new();
-    };
+    let Some(Minimum { point, at_end }) = curve.minimum else { return String::new() };
     let shown = |value: f64| significant(value, 4);
     let value = shown(point.value.unwrap_or_default());
     let interval = point

@@ -12,7 +12,8 @@ use sagnac::spectrum::lines::FALSE_ALARM;
 use sagnac::table::titled;
 use sagnac::theory::allan::terms::Term;
 
-use crate::terminal::{aligned, headed, number};
+use crate::psd::report::of_line;
+use crate::terminal::{self, aligned, headed, number};
 
 /// The lines and the white noise of all columns of a unit.
 pub fn report(analysis: &Analysis, unit: Unit) -> String {
@@ -31,11 +32,7 @@ fn lines(columns: &[(&Column, &Spectrum)], unit: Unit) -> String {
     let rows: Vec<Vec<String>> = columns
         .iter()
         .flat_map(|(column, spectrum)| spectrum.lines.iter().map(|line| (&column.name, line)))
-        .map(|(name, line)| {
-            let [f, amplitude] =
-                [(line.frequency_hz, 6), (line.amplitude, 4)].map(|(x, digits)| significant(x, digits));
-            vec![name.clone(), f, amplitude, significant(line.over_floor, 3), significant(line.p, 2)]
-        })
+        .map(|(name, line)| std::iter::once(name.clone()).chain(of_line(line)).collect())
         .collect();
     if rows.is_empty() {
         return format!("  no line; noise alone shows one in {percent} % of records of each column\n");
@@ -47,14 +44,12 @@ fn lines(columns: &[(&Column, &Spectrum)], unit: Unit) -> String {
 /// N by the floor beside N by the fit for each column.
 fn white(names: &[&str], columns: &[(&Column, &Spectrum)], unit: Unit) -> String {
     let row = |name: &str, cell: &dyn Fn(&White) -> String| {
-        let cells = columns.iter().map(|(_, spectrum)| cell(&spectrum.white));
-        std::iter::once(name.to_owned()).chain(cells).collect::<Vec<String>>()
+        terminal::row(name, "", columns, |(_, spectrum)| cell(&spectrum.white))
     };
     let floor = |white: &White, end: usize| number(white.floor.as_ref().map(|floor| floor.range_hz[end]), 3);
     let of = |row: &Option<Row>| number(row.as_ref().and_then(|row| row.value), 4);
-    let heading = std::iter::once("").chain(names.iter().copied()).map(str::to_owned).collect();
     let table = [
-        heading,
+        terminal::row("", "", names, |name| (*name).to_owned()),
         row("N of the floor", &|white| of(&white.from_floor)),
         row("N of the fit", &|white| of(&white.from_fit)),
         row("flat from, Hz", &|white| floor(white, 0)),

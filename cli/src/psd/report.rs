@@ -62,20 +62,18 @@ fn lines(column: &Column, spectrum: &Spectrum) -> String {
     if spectrum.lines.is_empty() {
         return format!("  no line; noise alone shows one in {percent} % of records\n");
     }
-    let line = |line: &Line| {
-        vec![
-            significant(line.frequency_hz, 6),
-            significant(line.amplitude, 4),
-            significant(line.over_floor, 3),
-            significant(line.p, 2),
-        ]
-    };
     let amplitude = titled("amplitude", column.unit.symbol(Deviation::Oadev));
     let heading = ["f, Hz", &amplitude, "over floor", "p"];
     format!(
         "  lines; noise alone shows one in {percent} % of records\n{}",
-        headed(heading, spectrum.lines.iter().map(line))
+        headed(heading, spectrum.lines.iter().map(|line| of_line(line).into()))
     )
+}
+
+/// Frequency, amplitude, height over the floor and p of a line.
+pub(super) fn of_line(line: &Line) -> [String; 4] {
+    [(line.frequency_hz, 6), (line.amplitude, 4), (line.over_floor, 3), (line.p, 2)]
+        .map(|(x, digits)| significant(x, digits))
 }
 
 /// N by the floor beside N by the fit.

@@ -149,7 +149,7 @@ pub struct Curve {
     pub deviation: Deviation,
     /// Points in the order of τ.
     pub points: Vec<Point>,
-    /// The lowest point.
+    /// The lowest point; absent for a time deviation, which rises with τ and does not describe stability.
     pub minimum: Option<Minimum>,
 }
 
@@ -310,7 +310,8 @@ fn column(
         if let Some(model) = &model {
             suppose(&mut points, &angles, deviation, asked.confidence, model.as_ref());
         }
-        Ok(Curve { deviation, minimum: minimum(&points), points })
+        let minimum = if deviation.is_of_angle() { None } else { minimum(&points) };
+        Ok(Curve { deviation, minimum, points })
     });
     let curves = curves.collect::<Result<_, TauError>>()?;
     let unit = channel.unit.curves;

@@ -236,7 +236,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
 
 fn of_curve(column: &log::Column, curve: &Curve) -> Value {
     let points: Vec<Value> = curve.points.iter().map(of_point).collect();
-    let minimum = curve.minimum.filter(|_| !curve.deviation.is_of_angle()).map(|minimum| {
+    let minimum = curve.minimum.map(|minimum| {
         let mut point = of_point(&minimum.point);
         point["at_end"] = json!(minimum.at_end);
         point

@@ -231,7 +231,7 @@ impl Lot {
     /// # Errors
     /// There are fewer than two columns, their quantities differ, or two of them are the same record.
     pub fn of(logs: Vec<log::Analysis>) -> Result<Lot, LotError> {
-        let units: Vec<(&log::Analysis, &Column)> = units(&logs).collect();
+        let units: Vec<Member<'_>> = units(&logs).collect();
         let [(_, first), _, ..] = units[..] else { return Err(LotError::TooFew(units.len())) };
         if let Some([first, again]) = twice(&units) {
             return Err(LotError::Twice(whole(units[first]), whole(units[again])));
@@ -251,7 +251,7 @@ impl Lot {
     }
 
     /// The units: each column of each log.
-    pub fn units(&self) -> impl Iterator<Item = (&log::Analysis, &Column)> {
+    pub fn units(&self) -> impl Iterator<Item = Member<'_>> {
         units(&self.logs)
     }
 
@@ -265,14 +265,17 @@ impl Lot {
     }
 }
 
-fn units(logs: &[log::Analysis]) -> impl Iterator<Item = (&log::Analysis, &Column)> {
+/// A unit of a lot: a column of a log.
+type Member<'a> = (&'a log::Analysis, &'a Column);
+
+fn units(logs: &[log::Analysis]) -> impl Iterator<Item = Member<'_>> {
     logs.iter().flat_map(|log| log.columns.iter().map(move |column| (log, column)))
 }
 
 /// Labels as short as possible: columns of a single log, else names of files, then both, then whole paths. Where even those are
 /// equal, as columns of a log may be called alike, units are numbered.
-fn labels(units: &[(&log::Analysis, &Column)], logs: usize) -> Vec<String> {
-    let names: [fn((&log::Analysis, &Column)) -> String; 4] = [
+fn labels(units: &[Member<'_>], logs: usize) -> Vec<String> {
+    let names: [fn(Member) -> String; 4] = [
         |(_, column)| column.name.clone(),
         |(log, _)| stem(&log.path),
         |(log, column)| format!("{} {}", stem(&log.path), column.name),
@@ -288,7 +291,7 @@ fn labels(units: &[(&log::Analysis, &Column)], logs: usize) -> Vec<String> {
 }
 
 /// Two units that are one record: the means and all deviations of copies are equal to the last bit.
-fn twice(units: &[(&log::Analysis, &Column)]) -> Option<[usize; 2]> {
+fn twice(units: &[Member<'_>]) -> Option<[usize; 2]> {
     let is_copy = |(a, b): (&Column, &Column)| a.mean_rate == b.mean_rate && a.curves == b.curves;
     (1..units.len()).find_map(|again| {
         let first = (0..again).find(|&first| is_copy((units[first].1, units[again].1)))?;
@@ -297,7 +300,7 @@ fn twice(units: &[(&log::Analysis, &Column)]) -> Option<[usize; 2]> {
 }
 
 /// The path of a log with the name of a column.
-fn whole((log, column): (&log::Analysis, &Column)) -> String {
+fn whole((log, column): Member<'_>) -> String {
     format!("{} {}", log.path.display(), column.name)
 }
 
@@ -306,7 +309,7 @@ fn stem(path: &Path) -> String {
 }
 
 /// The coefficients of all units, each under its name.
-fn coefficients(units: &[(&log::Analysis, &Column)]) -> Vec<Coefficient> {
+fn coefficients(units: &[Member<'_>]) -> Vec<Coefficient> {
     let rows: Vec<Vec<Row>> = units.iter().map(|(log, column)| rows(log, column)).collect();
     let of_kind = |kind: &&Row| {
         let of_unit = |rows: &Vec<Row>| {
