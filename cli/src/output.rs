@@ -17,10 +17,10 @@ use crate::progress::{How, Shown};
 /// Where a command on logs writes its results, and what it prints.
 #[derive(Debug, Args)]
 pub struct Output {
-    /// Results folder [default: that of the log's name in results/; of two logs A_vs_B, of a lot lot]
+    /// Results folder [default: results/<name of the log>, results/<A>_vs_<B> for two logs, results/lot for a lot]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print the results as JSON; those of several logs as an array
+    /// Print the results as JSON
     #[arg(help_heading = "Output", long)]
     pub json: bool,
     /// Print only errors

@@ -119,7 +119,7 @@ fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_le
     for piece in [
         "g1 is odd: its K of",
         "is above the upper bounds of all 2 others",
-        "K: 1 of 3 units show it; left out are g2, g3 (at most",
+        "K: 1 of 3 units show it; left out: g2, g3 (at most",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }

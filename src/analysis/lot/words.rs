@@ -95,7 +95,7 @@ fn left_out(lot: &Lot, one: &Coefficient) -> Option<String> {
         _ => "",
     };
     Some(format!(
-        "{}: {shown} of {} units show it; left out are {}{effect}.",
+        "{}: {shown} of {} units show it; left out: {}{effect}.",
         one.title(),
         one.found.len(),
         left_out.join(" and ")
