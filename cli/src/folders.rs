@@ -9,10 +9,11 @@ use sagnac::study::Study;
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 7] = [
+const WRITTEN: [(&str, &str); 8] = [
     ("curve.csv", "allan"),
     ("psd.csv", "psd"),
     ("compare.csv", "compare"),
+    ("lot.csv", "lot"),
     ("design/design.json", "design"),
     ("design.json", "design"),
     ("filler/weights.csv", "filler"),
