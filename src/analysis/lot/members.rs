@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::analysis::log::{self, Column};
 
 /// A unit of a lot: a column of a log.
-pub type Member<'a> = (&'a log::Analysis, &'a Column);
+pub(super) type Member<'a> = (&'a log::Analysis, &'a Column);
 
 /// The units of some logs, in their order.
 pub(super) fn units(logs: &[log::Analysis]) -> impl Iterator<Item = Member<'_>> {

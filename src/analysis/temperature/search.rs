@@ -199,8 +199,8 @@ impl Search {
     }
 }
 
-/// The effects from which another one cannot be told: those that a choice almost as good as the best has instead of it, or the best
-/// instead of it where it is in the other choice.
+/// The effects from which `effect` cannot be told; empty where it can. The rival is the best choice that differs from `best` in
+/// `effect` and is almost as good. If it lacks `effect`, these are the effects that it has instead, else those of `best` that it lacks.
 fn rivals(effect: Effect, best: &Choice, choices: &[Choice]) -> Vec<&'static str> {
     let is_used = best.effects.contains(&effect);
     // An effect that the other choice hardly needs takes no other's place.
