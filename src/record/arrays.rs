@@ -81,10 +81,7 @@ impl Arrays {
                 None,
             ));
         }
-        if let Some(&many) = wanted.iter().find(|column| rows(**column) > rules.most) {
-            let message = format!("{} has {} rows, more than {}", self.file, rows(many), rules.most);
-            return Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None));
-        }
+        rules.limit(&self.file, wanted.first().map_or(0, |&column| rows(column)))?;
         let mut columns = vec![Vec::new(); wanted.len()];
         let mut arrays: Vec<usize> = wanted.iter().map(|&column| self.places[column].0).collect();
         arrays.sort_unstable();

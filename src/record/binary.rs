@@ -112,7 +112,7 @@ impl Binary {
             let after = length.saturating_sub(self.skipped);
             return bad(format!("{after} bytes of numbers are no multiple of {row}, the bytes of a row"));
         }
-        let rows = (length - self.skipped) / row;
+        let rows = usize::try_from((length - self.skipped) / row).unwrap_or(usize::MAX);
         let names = match self.names.is_empty() {
             true => vec![],
             false => (1..=self.types.len())
@@ -136,7 +136,7 @@ struct Raw<'a> {
     layout: Binary,
     file: String,
     names: Vec<Name>,
-    rows: u64,
+    rows: usize,
     /// The bytes from the start of the file on.
     bytes: Bytes<'a>,
 }
@@ -151,18 +151,14 @@ impl Columns for Raw<'_> {
     }
 
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
-        if self.rows > rules.most as u64 {
-            let message = format!("{} has {} rows, more than {}", self.file, self.rows, rules.most);
-            return Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None));
-        }
+        rules.limit(&self.file, self.rows)?;
         let failed = |error| RecordError::unreadable(&self.file, &error);
         let sizes: Vec<usize> = self.layout.numbers().map(|number| number.size).collect();
         let row: usize = sizes.iter().sum();
         std::io::copy(&mut Read::take(&mut self.bytes, self.layout.skipped), &mut std::io::sink())
             .map_err(failed)?;
-        let mut columns: Vec<Vec<f64>> =
-            wanted.iter().map(|_| Vec::with_capacity(self.rows as usize)).collect();
-        let (mut left, mut block, mut cells) = (self.rows as usize, Vec::new(), Vec::new());
+        let mut columns: Vec<Vec<f64>> = wanted.iter().map(|_| Vec::with_capacity(self.rows)).collect();
+        let (mut left, mut block, mut cells) = (self.rows, Vec::new(), Vec::new());
         while left > 0 {
             let now = left.min((BLOCK / row).max(1));
             block.resize(now * row, 0);

@@ -66,10 +66,14 @@ impl Faults {
     /// The only fault, or one that lists all; there is at least one.
     pub(crate) fn into_error(self, file: &str) -> RecordError {
         let message = format!("{file} has {} problems, each with what settles it", self.0.len());
-        let mut faults = self.0;
-        match faults.len() {
-            1 => faults.remove(0),
-            _ => RecordError(StudyError::of_several(message, faults.into_iter().map(|fault| fault.0))),
+        self.listed(message)
+    }
+
+    /// The only fault, or all below a `message`.
+    pub(crate) fn listed(mut self, message: String) -> RecordError {
+        match self.0.len() {
+            1 => self.0.remove(0),
+            _ => RecordError(StudyError::of_several(message, self.0.into_iter().map(|fault| fault.0))),
         }
     }
 }

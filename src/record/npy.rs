@@ -42,12 +42,7 @@ impl Columns for Npy<'_> {
     }
 
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
-        if self.matrix.rows > rules.most {
-            return Err(bad(
-                &self.file,
-                &format!("it has {} rows, more than {}", self.matrix.rows, rules.most),
-            ));
-        }
+        rules.limit(&self.file, self.matrix.rows)?;
         self.matrix.read(&mut self.numbers, wanted).map_err(|error| cut_off(&self.file, &error))
     }
 }

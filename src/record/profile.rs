@@ -140,7 +140,7 @@ mod tests {
             (rows("0,1\n1e-300,2\n"), "1e-300 s apart", "r.csv:1:1", "accepted: 1e-9 s to 1e9 s"),
             (rows(""), "at least 2 samples, this one has 0", "r.csv:1:1", "add rows"),
             (rows("0,1\n"), "at least 2 samples, this one has 1", "r.csv:1:1", "add rows"),
-            (rows("0,1\n1,1\n2,1\n3,1\n4,1\n5,1\n6,1\n"), "more than 6 samples", "r.csv", "cut it"),
+            (rows("0,1\n1,1\n2,1\n3,1\n4,1\n5,1\n6,1\n"), "more than 6 rows", "r.csv", "cut it"),
         ];
         for (text, message, place, help) in table {
             let shown = record(&text, 6).unwrap_err();

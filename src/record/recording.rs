@@ -48,6 +48,17 @@ pub(crate) struct Rules {
     pub uneven: &'static str,
 }
 
+impl Rules {
+    /// Refuses `file` if it has too many rows.
+    pub(crate) fn limit(&self, file: &str, rows: usize) -> Result<(), RecordError> {
+        if rows <= self.most {
+            return Ok(());
+        }
+        let message = format!("{file} has more than {} rows", self.most);
+        Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None))
+    }
+}
+
 /// An open file of which no number has been read yet.
 pub(crate) struct Recording<'a> {
     /// Its name in messages.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::record::cells::{Cells, Decimal};
-use crate::record::error::RecordError;
+use crate::record::error::{Faults, RecordError};
 use crate::record::format::{Bytes, Columns, Origin, Source};
 use crate::record::layout::Layout;
 use crate::record::names::Name;
@@ -19,8 +19,17 @@ const BLOCK: usize = 16 << 20;
 /// Bytes parsed by one thread at a time.
 const PART: usize = 1 << 20;
 
-/// The columns and the number of lines of a part, or the line that cannot be read and the number of lines before it.
-type Part<'b> = Result<(Vec<Vec<f64>>, usize), (&'b [u8], usize)>;
+/// Faulty rows that a refusal shows; it counts all.
+const MOST_SHOWN: usize = 3;
+
+/// A part of a text.
+struct Part<'b> {
+    columns: Vec<Vec<f64>>,
+    lines: usize,
+    /// Number of lines that cannot be read, and the first of them, each with the number of lines before it.
+    faulty: usize,
+    shown: Vec<(usize, &'b [u8])>,
+}
 
 /// A text of which the layout is known.
 pub(crate) struct Text<'a> {
@@ -74,7 +83,7 @@ impl Columns for Text<'_> {
 /// Reads the `wanted` columns in the given order from the `bytes` of all rows, with NaN for missing values.
 ///
 /// # Errors
-/// The file cannot be read, has too many rows, or a row does not fit the layout; of several such rows the first is reported.
+/// The file cannot be read, has too many rows, or rows do not fit the layout; these are counted, and the first are shown.
 fn read(
     layout: &Layout,
     mut bytes: impl Read,
@@ -85,6 +94,7 @@ fn read(
     wanted.iter().enumerate().for_each(|(slot, &column)| slots[column] = Some(slot));
     let mut columns = vec![Vec::new(); wanted.len()];
     let (mut block, mut lines) = (Vec::with_capacity(BLOCK), layout.lines);
+    let (mut faults, mut faulty) = (Faults::default(), 0);
     loop {
         let room = BLOCK - block.len();
         let more = bytes.by_ref().take(room as u64).read_to_end(&mut block);
@@ -99,16 +109,21 @@ fn read(
         let parts: Vec<Part> =
             parts.par_iter().map(|part| parse(part, layout, &slots, wanted.len())).collect();
         for part in parts {
-            let (values, count) = part
-                .map_err(|(line, before)| refusal(layout, lines + before + 1, line, &slots, rules.missing))?;
-            lines += count;
-            columns.iter_mut().zip(values).for_each(|(column, values)| column.extend(values));
+            let shown = part.shown.into_iter().take(MOST_SHOWN.saturating_sub(faulty));
+            shown.for_each(|(before, line)| {
+                faults.add(refusal(layout, lines + before + 1, line, &slots, rules.missing));
+            });
+            faulty += part.faulty;
+            lines += part.lines;
+            columns.iter_mut().zip(part.columns).for_each(|(column, values)| column.extend(values));
         }
-        if columns.first().is_some_and(|column| column.len() > rules.most) {
-            let message = format!("{} has more than {} samples", layout.file, rules.most);
-            return Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None));
-        }
+        rules.limit(&layout.file, columns.first().map_or(0, Vec::len).max(faulty))?;
         block.drain(..whole);
+        if at_end && faulty > 0 {
+            let more = if faulty > MOST_SHOWN { "; the first of them are shown" } else { "" };
+            let message = format!("{faulty} rows of {} cannot be read{more}", layout.file);
+            return Err(faults.listed(message));
+        }
         if at_end {
             return Ok(columns);
         }
@@ -130,16 +145,19 @@ fn split(block: &[u8]) -> Vec<&[u8]> {
 
 fn parse<'b>(part: &'b [u8], layout: &Layout, slots: &[Option<usize>], wanted: usize) -> Part<'b> {
     let about = part.len() / 8 / layout.columns.max(1);
-    let mut columns: Vec<Vec<f64>> = (0..wanted).map(|_| Vec::with_capacity(about)).collect();
-    let mut lines = 0;
+    let columns = (0..wanted).map(|_| Vec::with_capacity(about)).collect();
+    let mut read = Part { columns, lines: 0, faulty: 0, shown: vec![] };
     for line in part.split_inclusive(|byte| *byte == b'\n') {
         let text = line.trim_ascii_end();
-        if !layout.delimiter.skips(text) && !parse_row(text, layout, slots, &mut columns) {
-            return Err((text, lines));
+        if !layout.delimiter.skips(text) && !parse_row(text, layout, slots, &mut read.columns) {
+            read.faulty += 1;
+            if read.faulty <= MOST_SHOWN {
+                read.shown.push((read.lines, text));
+            }
         }
-        lines += 1;
+        read.lines += 1;
     }
-    Ok((columns, lines))
+    read
 }
 
 /// Whether a row fits the layout and has finite or missing numbers in the wanted columns.

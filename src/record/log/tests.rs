@@ -186,16 +186,22 @@ fn arrays_that_are_no_records_are_refused_before_anything_is_allocated() {
 }
 
 #[test]
-fn the_first_fault_of_a_long_file_is_told_with_its_line_whatever_part_it_is_in() {
+fn the_first_faults_of_a_long_file_are_told_with_their_lines_and_the_number_of_all() {
     let desk = Desk::new();
-    // Several parts of 1 MiB, with the fault in one of the last and another one after it.
-    let mut text: String = (0..600_000).map(|i| format!("{i},{}\n", sample(i))).collect();
-    text += "600000,1\n600001,oops\n600002\n";
+    // Several parts of 1 MiB, two of which have a fault, and the last two.
+    let line = |i: usize| match i {
+        100_000 | 400_000 | 600_001 => format!("{i},oops\n"),
+        600_002 => format!("{i}\n"),
+        _ => format!("{i},{}\n", sample(i)),
+    };
+    let text: String = (0..=600_002).map(line).collect();
     let path = desk.write("g.csv", text.as_bytes());
     let said = refused(&path, &request(&["2"], Timing::Step(1.0)));
-    for piece in ["g.csv:600002:8", "\"oops\", which is not a number"] {
+    for piece in ["4 rows of", "g.csv:100001:8", "g.csv:400001:8", "g.csv:600002:8", "\"oops\", which is not"]
+    {
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
+    assert!(!said.contains("g.csv:600003"), "{said}");
     let good = text.replace("oops", "5").replace("600002\n", "599000,3\n");
     let said = refused(&desk.write("g.csv", good.as_bytes()), &request(&["2"], stamps("1", Some("s"))));
     for piece in ["g.csv:600003:1", "does not increase: 599000 after 600001"] {
