@@ -194,7 +194,8 @@ fn unpacked(header: &Fields, data: Vec<u8>) -> Result<Vec<u8>, Wrong> {
         "lz4" => {
             let mut decoder = lz4::Decoder::new(data.as_slice())?;
             let bytes = part(&mut decoder, size, LONGEST)?;
-            if decoder.read(&mut [0])? > 0 {
+            // A checksum behind the bytes is compared where the frame ends.
+            if decoder.read(&mut [0])? > 0 || decoder.finish().1.is_err() {
                 return malformed("a chunk has another length than its header says");
             }
             bytes

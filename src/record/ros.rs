@@ -55,7 +55,8 @@ pub(crate) fn sample(message: &[u8], encoding: Encoding) -> Option<[f64; 7]> {
     let begin = if encoding == Encoding::Cdr { after.checked_next_multiple_of(8)? } else { after };
     let numbers = body.get(begin..)?;
     // CDR may be padded to four bytes.
-    if nanoseconds >= 1_000_000_000 || !(8 * NUMBERS..8 * NUMBERS + 4).contains(&numbers.len()) {
+    let padding = if encoding == Encoding::Cdr { 3 } else { 0 };
+    if nanoseconds >= 1_000_000_000 || !(8 * NUMBERS..=8 * NUMBERS + padding).contains(&numbers.len()) {
         return None;
     }
     let number = |at: usize| {
@@ -166,6 +167,8 @@ mod tests {
 
     #[test]
     fn other_messages_are_none() {
+        let ros1 = message(Encoding::Ros1, &[]);
+        assert_eq!(sample(&[&ros1[..], &[0]].concat(), Encoding::Ros1), None);
         let whole = message(Encoding::Cdr, &[]);
         for length in 0..whole.len() {
             assert_eq!(sample(&whole[..length], Encoding::Cdr), None, "{length} bytes");

@@ -29,7 +29,7 @@ const GYRO: [&str; 3] = ["gyro.1", "gyro.2", "gyro.3"];
 
 pub const TEXT: Sample = sample("imu.csv", ["gx", "gy", "gz"], false);
 
-pub const BINARIES: [Sample; 11] = [
+pub const BINARIES: [Sample; 12] = [
     Sample { time: Some(("1", "s")), ..sample("imu.npy", ["2", "3", "4"], false) },
     sample("imu.npz", GYRO, true),
     sample("imu_packed.npz", GYRO, true),
@@ -40,6 +40,7 @@ pub const BINARIES: [Sample; 11] = [
     sample("imu_v73.mat", GYRO, false),
     sample("imu.mcap", ["gx", "gy", "gz"], true),
     sample("imu.bag", ["gx", "gy", "gz"], false),
+    sample("imu_packed.bag", ["gx", "gy", "gz"], true),
     Sample {
         binary: Some("f64 x4, little, time_s 1, gx 2, gy 3, gz 4"),
         ..sample("imu.bin", ["gx", "gy", "gz"], false)

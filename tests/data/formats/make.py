@@ -1,6 +1,6 @@
 """Writes the same 36 samples of an IMU in each format, by the tools that users have.
 
-    python -m venv env && env/bin/pip install numpy scipy h5py mcap-ros2-support rosbags
+    python -m venv env && env/bin/pip install numpy scipy h5py lz4 mcap-ros2-support rosbags
     env/bin/python tests/data/formats/make.py
 """
 
@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 
 import h5py
+import lz4.frame
 import numpy as np
 import scipy.io
 from mcap_ros2.writer import Writer as Mcap
@@ -73,7 +74,8 @@ def write_arrays():
 
 def write_hdf5():
     with h5py.File(FOLDER / "imu.h5", "w") as file:
-        file["imu/time_s"], file["imu/gyro"], file["fs"] = times, rates, 200.0
+        file["imu/time"], file["imu/gyro"], file["fs"] = times, rates, 200.0
+        file["imu/time"].attrs["units"], file["imu/gyro"].attrs["units"] = "s", "rad/s"
     with h5py.File(FOLDER / "imu_packed.h5", "w", libver="latest") as file:
         packed = {"compression": "gzip", "shuffle": True, "fletcher32": True}
         file.create_dataset("time_s", data=times, chunks=(16,), **packed)
@@ -109,14 +111,16 @@ def write_mcap(name, **options):
         writer.finish()
 
 
-def write_bag(name, compression):
+def write_bag(name, is_packed):
     store = get_typestore(Stores.ROS1_NOETIC)
     types = store.types
     vector, covariance = types["geometry_msgs/msg/Vector3"], np.zeros(9)
     (FOLDER / name).unlink(missing_ok=True)
     bag = Bag(FOLDER / name)
-    if compression:
-        bag.set_compression(compression)
+    if is_packed:
+        bag.set_compression(Bag.CompressionFormat.LZ4)
+        # With a checksum, as ROS writes it.
+        bag.compressor = lambda chunk: lz4.frame.compress(chunk, content_checksum=True)
     with bag:
         connection = bag.add_connection("/imu/data", "sensor_msgs/msg/Imu", typestore=store)
         for at, (stamp, rate, force) in enumerate(zip(stamps.tolist(), rates, forces)):
@@ -132,4 +136,5 @@ write_text()
 write_arrays()
 write_hdf5()
 write_mcap("imu.mcap")
-write_bag("imu.bag", Bag.CompressionFormat.LZ4)
+write_bag("imu.bag", False)
+write_bag("imu_packed.bag", True)
