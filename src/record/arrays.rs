@@ -9,12 +9,13 @@ pub(crate) const MOST_COLUMNS: usize = 1 << 20;
 
 /// An array of a file.
 pub(crate) struct Array {
-    pub name: String,
+    pub name: Name,
     pub rows: usize,
     pub columns: usize,
 }
 
-/// The columns of all arrays of a file with at least two rows. Those of a matrix `gyro` are called `gyro.1`, `gyro.2` and so on.
+/// The columns of all arrays of a file with at least two rows. Those of a matrix `gyro_dps` are called `gyro_dps.1`, `gyro_dps.2`
+/// and so on, and have its unit.
 pub(crate) struct Arrays {
     file: String,
     pub names: Vec<Name>,
@@ -36,8 +37,10 @@ impl Arrays {
                 return Err(RecordError::new(message, "", help, None));
             }
             for column in 0..array.columns {
-                let numbered = format!("{}.{}", array.name, column + 1);
-                names.push(Name::read(if array.columns == 1 { &array.name } else { &numbered }));
+                names.push(match array.columns {
+                    1 => array.name.clone(),
+                    _ => array.name.numbered(column + 1),
+                });
                 places.push((at, column, array.rows));
             }
         }

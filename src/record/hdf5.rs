@@ -159,6 +159,11 @@ impl Search {
             let name = format!("{path}{}", dataset.name());
             match self.matrix(&dataset) {
                 Ok(matrix) => {
+                    let mut name = Name::read(&name);
+                    if let Some(unit) = text(&dataset, "units") {
+                        // Times may be written as `seconds since 2026-01-01`.
+                        name.complete(unit.split(" since ").next().unwrap_or_default());
+                    }
                     self.about.push(Array { name, rows: matrix.rows, columns: matrix.columns });
                     self.datasets.push((dataset, matrix));
                 }
@@ -181,8 +186,7 @@ impl Search {
             _ => return Err("holds no real numbers"),
         };
         let number = Number::called(&name).ok_or("holds numbers of an unknown size")?;
-        let class = dataset.attribute("MATLAB_class").and_then(|class| class.read_string());
-        if class.is_ok_and(|class| class == "char") {
+        if text(dataset, "MATLAB_class").is_some_and(|class| class == "char") {
             return Err("is a text");
         }
         let shape: Vec<usize> = dataset.shape().iter().map(|extent| *extent as usize).collect();
@@ -200,6 +204,11 @@ impl Search {
             _ => Err("is larger than its file can hold"),
         }
     }
+}
+
+/// An attribute of a dataset, if it is a text.
+fn text(dataset: &Dataset, attribute: &str) -> Option<String> {
+    dataset.attribute(attribute).ok()?.read_string().ok()
 }
 
 fn bad(file: &str, why: &str) -> RecordError {

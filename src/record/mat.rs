@@ -105,7 +105,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
         let size = order.element_at(&mut bytes, start, length, false, &mut |_, found| {
             match found {
                 Ok((name, matrix)) => {
-                    about.push(Array { name, rows: matrix.rows, columns: matrix.columns });
+                    about.push(Array { name: Name::read(&name), rows: matrix.rows, columns: matrix.columns });
                     places.push((start, number));
                 }
                 Err(what) => left_out.push(what),

@@ -54,7 +54,13 @@ impl Name {
         Name { whole: whole.to_owned(), bare: whole.to_owned(), unit: None }
     }
 
-    /// Takes the unit from a line of units below the names.
+    /// The name of a column of a matrix with this name.
+    pub(crate) fn numbered(&self, number: usize) -> Name {
+        let [whole, bare] = [&self.whole, &self.bare].map(|name| format!("{name}.{number}"));
+        Name { whole, bare, unit: self.unit.clone() }
+    }
+
+    /// Takes the unit from elsewhere, such as a line of units below the names, if the name has none.
     pub(crate) fn complete(&mut self, unit: &str) {
         let unit = unit.trim_matches(['[', ']', '(', ')', ' ']);
         if self.unit.is_none() && !unit.is_empty() {
@@ -98,5 +104,8 @@ mod tests {
         ] {
             assert_eq!(read(cell), (bare.to_owned(), unit.to_owned()), "{cell}");
         }
+        let second = Name::read("gyro_dps").numbered(2);
+        let expected = ("gyro_dps.2", "gyro.2", Some("dps"));
+        assert_eq!((&*second.whole, &*second.bare, second.unit.as_deref()), expected);
     }
 }

@@ -40,7 +40,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
         read.map_err(|error| npy::cut_off(&file, &error))?;
         match npy::read(&format!("{file}, {name}"), &head, Some(length)) {
             Ok((matrix, start)) => {
-                about.push(Array { name: stem.to_owned(), rows: matrix.rows, columns: matrix.columns });
+                about.push(Array { name: Name::read(stem), rows: matrix.rows, columns: matrix.columns });
                 parts.push((at, matrix, start));
             }
             Err(error) => left_out.push(error.to_string()),

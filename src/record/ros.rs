@@ -107,7 +107,7 @@ impl Messages {
         let about = topics.iter().flat_map(|(topic, rows)| {
             COLUMNS.map(|name| {
                 let name = if is_single { name.to_owned() } else { format!("{topic}.{name}") };
-                Array { name, rows: rows.len(), columns: 1 }
+                Array { name: Name::read(&name), rows: rows.len(), columns: 1 }
             })
         });
         let arrays = Arrays::of(file, &about.collect::<Vec<_>>(), &[])?;

@@ -18,6 +18,22 @@ fn every_format_gives_the_bits_of_the_text() {
     }
 }
 
+#[test]
+fn attributes_of_hdf5_are_units() {
+    let request = Request {
+        columns: vec![],
+        timing: Timing::Stamps { step_s: None, column: None, unit: None },
+        data: Data::Rate,
+        units: vec![],
+        temperature: None,
+        hints: Hints::default(),
+    };
+    let path = TEXT.path().with_file_name("imu.h5");
+    let log = Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
+    assert_eq!(bits(&log), bits(&TEXT.read(&TEXT.path()).unwrap()));
+    assert!(log.channels.iter().all(|channel| channel.unit_in_header.as_deref() == Some("rad/s")), "{log:?}");
+}
+
 /// An element of a MATLAB file, padded to eight bytes.
 fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
