@@ -36,6 +36,7 @@ def probabilities(rates):
 
 def rates(records):
     rng = np.random.default_rng(5)
+    rng_of_sine = np.random.default_rng(6)
     for samples in (2**13, 2**15):
 
         def white():
@@ -45,6 +46,8 @@ def rates(records):
             return allan_numpy.flicker(rng, samples)
 
         step = np.where(np.arange(samples) < samples // 2, 1.0, 1.3)
+        # Of the power of the white noise, and a period of one sample less than a part.
+        sine = np.sqrt(2) * np.sin(2 * np.pi * np.arange(samples) / (samples // PARTS - 1))
         small = np.where(np.arange(samples) < samples // 2, 1.0, 1.1)
         kinds = {
             "white": white,
@@ -57,6 +60,7 @@ def rates(records):
             "step of 30 %": lambda: step * white(),
             "step of 30 % and flicker": lambda: step * white() + 0.3 * flicker(),
             "step of 10 %": lambda: small * white(),
+            "white and sine": lambda: rng_of_sine.standard_normal(samples) + sine,
         }
         print(f"{records} records of {samples} samples: records in percent with a change")
         for name, make in kinds.items():
