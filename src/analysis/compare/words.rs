@@ -86,7 +86,7 @@ fn of_row(row: &Row, unit: Unit, [a, b]: [&str; 2], shorter_s: f64) -> String {
     let found = &row.found;
     let p = found.p.map(probability).unwrap_or_default();
     let ratio = found.ratio.map(|ratio| times(ratio, 3)).unwrap_or_default();
-    let range = interval(found.ratio_interval);
+    let range = interval(found.ratio_interval, &|end| times(end, 3));
     let enough = of_significant(row.length, shorter_s);
     let (shows, other) = if found.values[1].is_some() { (b, a) } else { (a, b) };
     let most = at_most(row, found.at_most[usize::from(found.values[1].is_none())]);
@@ -158,8 +158,7 @@ pub fn times(ratio: f64, digits: usize) -> String {
 }
 
 /// An interval such as `0.6 … 1.3`, with words where an end is unknown.
-fn interval([low, high]: [Option<f64>; 2]) -> String {
-    let number = |end: f64| times(end, 3);
+pub(crate) fn interval([low, high]: [Option<f64>; 2], number: &dyn Fn(f64) -> String) -> String {
     match (low, high) {
         (Some(low), Some(high)) => format!("{} … {}", number(low), number(high)),
         (Some(low), None) => format!("at least {}", number(low)),

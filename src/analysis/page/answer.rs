@@ -4,6 +4,7 @@ use crate::allan::{Deviation, Minimum};
 use crate::analysis::data_sheet::{DataSheet, Row};
 use crate::analysis::log::{self, Column};
 use crate::analysis::spectrum::{Analysis, Spectrum};
+use crate::fit::Fit;
 use crate::quantity::number::significant;
 use crate::spectrum::Line;
 use crate::theory::allan::Term;
@@ -55,7 +56,7 @@ fn of_column(column: &Column) -> String {
 fn of_noise(noise: &DataSheet) -> String {
     let found: Vec<String> = noise.rows.iter().filter_map(value).collect();
     let missing: Vec<String> = noise.rows.iter().filter(|row| row.value.is_none()).map(bound).collect();
-    let [from, to] = noise.fit.tau_range.map(|tau_s| significant(tau_s, DIGITS));
+    let range = range(&noise.fit);
     match (noise.fit.is_described(), &found[..], &missing[..]) {
         (false, [], _) => {
             "not described: no range of τ follows the terms of the fit, so there are no coefficients"
@@ -63,15 +64,17 @@ fn of_noise(noise: &DataSheet) -> String {
         }
         (false, found, _) => format!("not described; the best fit all the same: {}", found.join(", ")),
         (true, [], missing) => format!("no coefficient is identified: {}", missing.join(", ")),
-        (true, found, []) => format!("{} (τ from {from} s to {to} s)", found.join(", ")),
+        (true, found, []) => format!("{} ({range})", found.join(", ")),
         (true, found, missing) => {
-            format!(
-                "{} (τ from {from} s to {to} s); not identified: {}",
-                found.join(", "),
-                missing.join(", ")
-            )
+            format!("{} ({range}); not identified: {}", found.join(", "), missing.join(", "))
         }
     }
+}
+
+/// The range of a fit.
+pub(crate) fn range(fit: &Fit) -> String {
+    let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, DIGITS));
+    format!("τ from {from} s to {to} s")
 }
 
 /// An identified coefficient, such as `N = 0.2 °/√h (0.199 … 0.201)`.
@@ -80,11 +83,13 @@ fn value(row: &Row) -> Option<String> {
 }
 
 /// A value with its interval, such as `0.2 °/√h (0.199 … 0.201)`.
-fn measured(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
-    let interval = interval.map_or_else(String::new, |[low, high]| {
-        format!(" ({} … {})", significant(low, DIGITS), significant(high, DIGITS))
-    });
-    in_unit(value, unit) + &interval
+fn measured(value: f64, ends: Option<[f64; 2]>, unit: &str) -> String {
+    in_unit(value, unit) + &ends.map(|ends| format!(" ({})", interval(ends))).unwrap_or_default()
+}
+
+/// An interval such as `0.199 … 0.201`.
+pub(crate) fn interval(ends: [f64; 2]) -> String {
+    ends.map(|end| significant(end, DIGITS)).join(" … ")
 }
 
 /// A value with its unit, if it has one.
@@ -106,8 +111,7 @@ fn bound(row: &Row) -> String {
 pub(crate) fn stability(column: &Column) -> Option<String> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
     let Minimum { point, at_end } = curve.minimum?;
-    let interval = point.interval.map(|(low, high)| [low, high]);
-    let minimum = measured(point.value?, interval, column.unit.symbol(curve.deviation));
+    let minimum = measured(point.value?, point.interval.map(Into::into), column.unit.symbol(curve.deviation));
     let end = if at_end { ", where the curve ends" } else { "" };
     Some(format!("{minimum} at τ = {} s{end}", significant(point.tau_s, DIGITS)))
 }

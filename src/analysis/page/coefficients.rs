@@ -3,7 +3,7 @@
 use crate::allan::Unit;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::{Analysis, Column};
-use crate::analysis::page::answer::stability;
+use crate::analysis::page::answer::{interval, range, stability};
 use crate::analysis::page::record::by_name;
 use crate::quantity::number::significant;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
@@ -33,7 +33,7 @@ pub(crate) fn section(noise: &Analysis) -> Section {
 fn of_one(column: &Column) -> Grid {
     let row = |row: &Row| {
         let interval = match (row.value, row.interval) {
-            (Some(_), Some([low, high])) => format!("{} … {}", significant(low, 4), significant(high, 4)),
+            (Some(_), Some(ends)) => interval(ends),
             _ => bound(row),
         };
         let value = row.value.map_or_else(String::new, |value| significant(value, 4));
@@ -64,10 +64,7 @@ fn of_several(columns: &[&Column]) -> Grid {
 /// A value over its interval, or a bound over the verdict.
 fn cell(row: &Row) -> Cell {
     match (row.value, row.interval) {
-        (Some(value), Some([low, high])) => {
-            let below = format!("{} … {}", significant(low, 4), significant(high, 4));
-            Cell { text: significant(value, 4), below }
-        }
+        (Some(value), Some(ends)) => Cell { text: significant(value, 4), below: interval(ends) },
         (Some(value), None) => significant(value, 4).into(),
         (None, _) => {
             // What the bound says already is left out.
@@ -85,12 +82,10 @@ fn bound(row: &Row) -> String {
 /// The range of a fit, and how well it describes the curve.
 fn fit(column: &Column) -> Option<String> {
     let fit = &column.noise()?.fit;
-    let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 4));
     let p = fit.p_value().map_or_else(String::new, |p| format!(", p = {}", significant(p, 2)));
     let described = if fit.is_described() { "" } else { "; not described" };
     let freedom = fit.degrees_of_freedom;
     let chi_squared = significant(fit.chi_squared, 3);
-    Some(format!(
-        "τ from {from} s to {to} s, χ² = {chi_squared} of {freedom} degrees of freedom{p}{described}"
-    ))
+    let range = range(fit);
+    Some(format!("{range}, χ² = {chi_squared} of {freedom} degrees of freedom{p}{described}"))
 }

@@ -2,26 +2,22 @@
 
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::notes::notes;
-use crate::analysis::compare::rows::Row;
-use crate::analysis::compare::words::{length, probability, sentences, times};
+use crate::analysis::compare::rows::{Row, Verdict};
+use crate::analysis::compare::words::{interval, length, probability, sentences, times};
 use crate::analysis::compare::{figures, tables};
+use crate::analysis::page::chart;
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, sampling};
 use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
-use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
-use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of two logs from their comparison.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis) -> Page {
     let [a, b] = &analysis.sides;
     let mut sentences = sentences(analysis).into_iter();
-    let chart = |stem: &str, figure: Figure| {
-        Block::Chart(Drawn { stem: stem.to_owned(), picture: Picture::Curves(figure), note: None })
-    };
-    let deviations =
-        vec![chart("chart-1", figures::curves(analysis)), chart("chart-2", figures::ratio(analysis))];
+    let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
+    let deviations = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure))).into();
     let coefficients = coefficients(analysis).into_iter().collect();
     let tables =
         [("coefficients.csv", tables::coefficients(analysis)), ("compare.csv", tables::ratios(analysis))];
@@ -44,15 +40,10 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
     let missing = logs.map(|log| log.channels[0].view(log.data, log.step_s).gaps());
     let sides = || analysis.sides.iter();
     let recorded = sides().zip(logs).zip(&missing);
-    let recorded = recorded.map(|((side, log), gaps)| Recorded {
-        name: &side.label,
-        log,
-        channel: &log.channels[0],
-        outliers: &side.outliers,
-        gaps,
-    });
-    let recorded: Vec<Recorded> = recorded.collect();
-    let mut blocks = charts(&recorded);
+    let recorded: Vec<Recorded> = recorded
+        .map(|((side, log), gaps)| Recorded::of(&side.label, log, &log.channels[0], &side.outliers, gaps))
+        .collect();
+    let mut blocks = charts(&recorded, "records");
     let of = |said: &dyn Fn(&Side, &Recorded) -> String| {
         by_name(sides().zip(&recorded).map(|(side, record)| (record.name, said(side, record))).collect())
     };
@@ -69,9 +60,9 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
 /// A row for each coefficient; `None` without any.
 fn coefficients(analysis: &Analysis) -> Option<Block> {
     let rows = analysis.rows.as_ref().ok().filter(|rows| !rows.is_empty())?;
-    let [a, b] = &analysis.sides;
-    let head =
-        ["coefficient", "unit", &a.label, &b.label, "ratio", "difference", "p", "verdict", "length needed"];
+    let labels = analysis.sides.each_ref().map(|side| &*side.label);
+    let found = ["ratio", "difference", "if equal", "verdict", "length needed"];
+    let head = ["coefficient", "unit"].iter().chain(&labels).chain(&found).map(|head| (*head).to_owned());
     let row = |row: &Row| {
         let found = &row.found;
         let value = |k: usize| match (found.values[k], found.at_most[k]) {
@@ -79,12 +70,15 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
             (None, Some(most)) => format!("< {}", significant(most, 3)),
             (None, None) => "–".to_owned(),
         };
-        let within = |value: Option<f64>, ends: [Option<f64>; 2], shown: &dyn Fn(f64) -> String| {
-            let [text, low, high] =
-                [value, ends[0], ends[1]].map(|x| x.map_or_else(|| "–".to_owned(), shown));
-            Cell { below: format!("{low} … {high}"), text }
+        let within = |value: Option<f64>, ends: [Option<f64>; 2], shown: &dyn Fn(f64) -> String| Cell {
+            text: value.map_or_else(|| "–".to_owned(), shown),
+            below: interval(ends, shown),
         };
-        let p = found.p.map(|p| probability(p).replace("p = ", "").replace("p ", ""));
+        let verdict = match row.verdict() {
+            Verdict::Higher => format!("higher in {}", labels[1]),
+            Verdict::Lower => format!("lower in {}", labels[1]),
+            other => other.name().to_owned(),
+        };
         vec![
             row.name.into(),
             row.symbol.into(),
@@ -92,10 +86,10 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
             value(1).into(),
             within(found.ratio, found.ratio_interval, &|ratio| times(ratio, 4)),
             within(found.difference, found.interval, &|difference| significant(difference, 4)),
-            p.unwrap_or_default().into(),
-            row.verdict().name().into(),
+            found.p.map(probability).unwrap_or_default().into(),
+            verdict.into(),
             length(row.length).into(),
         ]
     };
-    Some(Block::Grid(Grid { head: head.map(str::to_owned).into(), rows: rows.iter().map(row).collect() }))
+    Some(Block::Grid(Grid { head: head.collect(), rows: rows.iter().map(row).collect() }))
 }

@@ -2,12 +2,13 @@
 
 use crate::analysis::dynamic::{self, Dynamic, words};
 use crate::analysis::log::Analysis;
+use crate::analysis::page::answer::interval;
+use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
 use crate::analysis::temperature::tables::{Row, rows};
 use crate::analysis::temperature::{self, Temperature, notes::notes};
 use crate::quantity::number::significant;
 use crate::view::chart::picture::Picture;
-use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
 
 /// The section on the dependence of a log on temperature, with its analyses before and after compensation.
@@ -15,9 +16,7 @@ pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) 
     let charts = temperature::figures::figures(Some(found), [before, after]);
     let charts = charts.into_iter().filter_map(|(stem, figure)| Some(chart(&stem, Picture::Curves(figure?))));
     let row = |(column, row): (&str, Row)| {
-        let interval = row.interval.map_or_else(String::new, |[low, high]| {
-            format!("{} … {}", significant(low, 4), significant(high, 4))
-        });
+        let interval = row.interval.map(interval).unwrap_or_default();
         let value = row.value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
         let [_, unit] = row.unit;
         let cells = [column.to_owned(), row.name.to_owned(), value, interval, unit, row.verdict];
@@ -39,8 +38,4 @@ pub fn of_dynamic(found: &Dynamic) -> Section {
     let maps = dynamic::figures::figures(found).into_iter();
     let maps = maps.map(|[_, (stem, ratios)]| chart(&stem, Picture::Map(ratios)));
     Section { id: "dynamic", heading: "Over time", blocks: said.chain(maps).collect() }
-}
-
-fn chart(stem: &str, picture: Picture) -> Block {
-    Block::Chart(Drawn { stem: stem.to_owned(), picture, note: None })
 }

@@ -20,8 +20,8 @@ pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::further::{of_dynamic, of_temperature};
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
+use crate::analysis::page::answer::range;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
-use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
@@ -62,14 +62,17 @@ fn deviations(noise: &log::Analysis) -> Section {
         [column] => column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described()),
         _ => None,
     };
-    let chart = |(stem, figure): (String, Option<Figure>)| {
+    let of_figure = |(stem, figure): (String, Option<Figure>)| {
         let mut figure = figure?;
         if let Some(fit) = fit {
-            let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, 4));
-            figure.lines = format!("fit of τ from {from} s to {to} s");
+            figure.lines = format!("fit of {}", range(fit));
         }
-        Some(Block::Chart(Drawn { stem, picture: Picture::Curves(figure), note: None }))
+        Some(chart(&stem, Picture::Curves(figure)))
     };
-    let blocks = figures::figures(noise).into_iter().filter_map(chart).collect();
+    let blocks = figures::figures(noise).into_iter().filter_map(of_figure).collect();
     Section { id: "deviations", heading: "Deviations", blocks }
+}
+
+fn chart(stem: &str, picture: Picture) -> Block {
+    Block::Chart(Drawn { stem: stem.to_owned(), picture, note: None })
 }

@@ -38,11 +38,12 @@ fn identified(noise: &log::Analysis) -> &'static str {
     if noise.columns.iter().all(is_whole) { ", and every coefficient is identified" } else { "" }
 }
 
-/// The names of the columns for which something holds; `None` if there are none.
+/// The columns for which something holds, in words; `None` if there are none.
 fn named(noise: &log::Analysis, holds: impl Fn(&Column) -> bool) -> Option<String> {
     let names: Vec<&str> =
         noise.columns.iter().filter(|column| holds(column)).map(|column| &*column.name).collect();
-    (!names.is_empty()).then(|| names.join(", "))
+    let is_single = noise.columns.len() == 1;
+    (!names.is_empty()).then(|| if is_single { "the record".to_owned() } else { names.join(", ") })
 }
 
 fn misfit(noise: &log::Analysis) -> Option<String> {
@@ -62,7 +63,7 @@ fn outliers(noise: &log::Analysis) -> Option<String> {
     let has = |column: &Column| !column.outliers.samples.is_empty();
     let spikes = named(noise, |column| has(column) && few(column)).map(|names| {
         format!(
-            "There are outliers in {names}. Look at them in the record (events.csv has their times); if they are not noise, \
+            "There are outliers in {names}. Look at them in the chart (events.csv has their times); if they are not noise, \
              `remove_outliers = true` treats them as gaps."
         )
     });
@@ -106,7 +107,8 @@ fn lines(analysis: &Analysis) -> Option<String> {
         count => format!("the highest of {count} lines, at {}", shown.join(", ")),
     };
     Some(format!(
-        "Find what causes {lines}: a dither, a fan, the table, the mains. A line is not noise; below its period it raises the curve."
+        "Find what causes {lines}: a dither, a fan, the table, the mains. A line is not noise: it raises the curve, most of all at τ of about \
+         0.4 of its period."
     ))
 }
 
@@ -117,7 +119,8 @@ fn longer(noise: &log::Analysis) -> Vec<String> {
         let found =
             fit.coefficient(Term::BiasInstability).filter(|found| found.verdict != Verdict::Identified)?;
         let [_, most] = found.interval.filter(|_| fit.is_described())?;
-        let (name, most) = (&column.name, 0.5 * most);
+        let most = 0.5 * most;
+        let of = if noise.columns.len() == 1 { String::new() } else { format!(" of {}", column.name) };
         let row = column.coefficients().iter().find(|row| row.name == Term::BiasInstability.symbol())?;
         let half = format!("{} {}", significant(0.5 * row.interval?[1], 2), row.symbol);
         let half = half.trim_end();
@@ -127,17 +130,17 @@ fn longer(noise: &log::Analysis) -> Vec<String> {
         let shown = tried.iter().find(|factor| is_shown(fit, most, **factor * samples, &terms));
         Some(match (shown, tried.last()) {
             (Some(factor), _) => format!(
-                "The record is too short to show B of {name}. If B is {half}, half of its bound, a record of {}, {factor} times as long, \
+                "The record is too short to show B{of}. If B is {half}, half of its bound, a record of {}, {factor} times as long, \
                  shows it.",
                 duration(factor * noise.length_s())
             ),
             (None, Some(longest)) => format!(
-                "The record does not show B of {name}. If B is {half}, half of its bound, even a record of {} hides it under the other \
+                "The record does not show B{of}. If B is {half}, half of its bound, even a record of {} hides it under the other \
                  terms.",
                 duration(longest * noise.length_s())
             ),
             (None, None) => {
-                format!("The record does not show B of {name}, of which half the bound is {half}.")
+                format!("The record does not show B{of}, of which half the bound is {half}.")
             }
         })
     };

@@ -1,23 +1,24 @@
 //! Records themselves: their facts, and charts of their samples.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::allan::Deviation;
+use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::answer::in_unit;
 use crate::analysis::page::trace::{extremes, means};
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::record::log::channel::{Channel, Log};
-use crate::record::log::measure::Data;
+use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::Outliers;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Section};
 
-/// Most stretches of a chart, over all of its records and of each.
-const MOST_PARTS: [usize; 2] = [6000, 1000];
+/// Most stretches of all records together, which leaves room for the other charts of a page, and of each record.
+const MOST_PARTS: [usize; 2] = [4000, 1000];
 /// Most gaps that a chart marks; a chart has no room for more.
 const MOST_MARKED: usize = 200;
 
@@ -25,7 +26,9 @@ const MOST_MARKED: usize = 200;
 pub(crate) struct Recorded<'a> {
     pub name: &'a str,
     pub log: &'a Log,
-    pub channel: &'a Channel,
+    pub unit: &'a Unit,
+    /// Rates, or increments.
+    pub values: Cow<'a, [f64]>,
     pub outliers: &'a Outliers,
     pub gaps: &'a [Range<usize>],
 }
@@ -34,9 +37,9 @@ pub(crate) struct Recorded<'a> {
 pub(crate) fn section(log: &Log, analysis: &Analysis) -> Section {
     let recorded = log.channels.iter().zip(&analysis.columns).map(|(channel, column)| {
         let Column { name, outliers, gaps, .. } = column;
-        Recorded { name, log, channel, outliers, gaps }
+        Recorded::of(name, log, channel, outliers, gaps)
     });
-    let mut blocks = charts(&recorded.collect::<Vec<_>>());
+    let mut blocks = charts(&recorded.collect::<Vec<_>>(), "columns");
     blocks.push(Block::Facts(facts(analysis)));
     Section { id: "record", heading: "Record", blocks }
 }
@@ -85,59 +88,55 @@ pub(crate) fn outliers(outliers: &Outliers, time: impl Fn(usize) -> f64) -> Stri
     }
 }
 
-/// A line for each name, or one for all if they say the same.
+/// A line for each name, or a single one if all say the same.
 pub(crate) fn by_name(said: Vec<(&str, String)>) -> Vec<String> {
     match &said[..] {
-        [] => vec![],
-        [(_, only)] => vec![only.clone()],
-        [(_, first), others @ ..] if others.iter().all(|(_, other)| other == first) => {
-            vec![format!("each column: {first}")]
-        }
+        [(_, first), others @ ..] if others.iter().all(|(_, other)| other == first) => vec![first.clone()],
         _ => said.into_iter().map(|(name, text)| format!("{name}: {text}")).collect(),
     }
 }
 
-/// The charts of some records, two for each of their units: the extremes, and the means less their mean.
-pub(crate) fn charts(records: &[Recorded]) -> Vec<Block> {
-    let mut units: Vec<&str> = records.iter().map(|record| &*record.channel.unit.text).collect();
-    units.sort_unstable();
-    units.dedup();
-    let of_unit = |unit: &str| {
-        let alike = |(_, record): &(usize, &Recorded)| record.channel.unit.text == unit;
-        let records: Vec<(usize, &Recorded)> = records.iter().enumerate().filter(alike).collect();
-        [of_samples(&records), of_means(&records)]
-    };
-    let stem =
-        |(at, drawn): (usize, Drawn)| Block::Trace(Drawn { stem: format!("record-{}", at + 1), ..drawn });
-    units.into_iter().flat_map(of_unit).enumerate().map(stem).collect()
+/// The charts of some records, two for each of their units: the extremes, and the means less their mean. The legend calls
+/// them `columns` or `records`.
+pub(crate) fn charts(records: &[Recorded], called: &str) -> Vec<Block> {
+    let mut of_units: Vec<Vec<(usize, &Recorded)>> = Vec::new();
+    for (at, record) in records.iter().enumerate() {
+        let is_alike = |unit: &Unit| (unit.curves, unit.factor) == (record.unit.curves, record.unit.factor);
+        match of_units.iter_mut().find(|alike| is_alike(alike[0].1.unit)) {
+            Some(alike) => alike.push((at, record)),
+            None => of_units.push(vec![(at, record)]),
+        }
+    }
+    let parts = (MOST_PARTS[0] / records.len().max(1)).clamp(2, MOST_PARTS[1]);
+    let of_unit = |alike| [of_samples(alike, called, parts), of_means(alike, called, parts / 2)];
+    let drawn = of_units.iter().flat_map(|alike| of_unit(alike));
+    let stem = |(at, drawn)| Block::Trace(Drawn { stem: format!("record-{}", at + 1), ..drawn });
+    drawn.enumerate().map(stem).collect()
 }
 
 /// The samples themselves, of many the least and the largest of each stretch.
-fn of_samples(records: &[(usize, &Recorded)]) -> Drawn {
-    let parts = parts(records);
+fn of_samples(records: &[(usize, &Recorded)], called: &str, parts: usize) -> Drawn {
     let series = |(colour, record): &(usize, &Recorded), size: f64| {
-        let increments = record.values();
         let mut last = 0.0;
         let point = |place: Option<usize>| {
             if let Some(sample) = place {
                 last = record.time(sample as f64) / size;
             }
-            SeriesPoint { x: last, y: place.map_or(f64::NAN, |sample| increments[sample]), band: None }
+            SeriesPoint { x: last, y: place.map_or(f64::NAN, |sample| record.values[sample]), band: None }
         };
-        let points = extremes(&increments, parts).into_iter().map(point).collect();
+        let points = extremes(&record.values, parts).into_iter().map(point).collect();
         Series { colour: *colour, dash: 0, points, law: vec![] }
     };
     let thinned = stretch(records, parts);
     let note =
         thinned.map(|length| format!("The least and the largest sample of every {length} s are drawn."));
-    Drawn { note, ..drawn(records, "As recorded", &series) }
+    Drawn { note, ..drawn(records, called, "As recorded", &series) }
 }
 
 /// Means of stretches of the samples without outliers, less the mean of the whole.
-fn of_means(records: &[(usize, &Recorded)]) -> Drawn {
-    let parts = (parts(records) / 2).max(1);
+fn of_means(records: &[(usize, &Recorded)], called: &str, parts: usize) -> Drawn {
     let series = |(colour, record): &(usize, &Recorded), size: f64| {
-        let mut values = record.values().into_owned();
+        let mut values = record.values.to_vec();
         record.outliers.samples.iter().for_each(|&sample| values[sample] = f64::NAN);
         let whole = means(&values, 1).first().and_then(|(_, mean)| *mean).unwrap_or(0.0);
         let point = |(samples, mean): (Range<usize>, Option<f64>)| SeriesPoint {
@@ -152,30 +151,27 @@ fn of_means(records: &[(usize, &Recorded)]) -> Drawn {
         Some(length) => format!("Means over {length} s without outliers, less the mean of the record"),
         None => "Samples without outliers, less the mean of the record".to_owned(),
     };
-    drawn(records, &title, &series)
+    drawn(records, called, &title, &series)
 }
 
 /// A chart over time with the gaps of its records.
 fn drawn(
     records: &[(usize, &Recorded)],
+    called: &str,
     title: &str,
     series: &dyn Fn(&(usize, &Recorded), f64) -> Series,
 ) -> Drawn {
-    let end_s =
-        records.iter().map(|(_, record)| record.time(record.values().len() as f64)).fold(0.0, f64::max);
+    let end_s = records.iter().map(|(_, record)| record.time(record.values.len() as f64)).fold(0.0, f64::max);
     let (size, unit) = time_unit(end_s);
     let series: Vec<Series> = records.iter().map(|record| series(record, size)).collect();
     let linear = |label: &str, unit: &str| Axis { scale: Scale::Linear, ..Axis::new(label, unit) };
     let entry = |(style, record): &(usize, &Recorded)| Entry { style: *style, name: record.name.to_owned() };
-    let (label, unit_of_values) = records.first().map_or(("", ""), |(_, record)| record.axis());
+    let (label, unit_of_values) = records[0].1.axis();
     let figure = Figure {
         title: title.to_owned(),
         x: linear("time", unit),
         y: linear(label, unit_of_values),
-        colours: Grouping {
-            title: if records.len() > 1 { "columns" } else { "column" }.to_owned(),
-            entries: records.iter().map(entry).collect(),
-        },
+        colours: Grouping { title: called.to_owned(), entries: records.iter().map(entry).collect() },
         laws: marks(records, &series, size).into_iter().collect(),
         series,
         ..Figure::default()
@@ -197,20 +193,15 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64) -> Option
     gaps.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])).then(a[0].total_cmp(&b[0])));
     gaps.dedup();
     gaps.truncate(MOST_MARKED);
-    let points: Vec<(f64, f64)> =
-        gaps.iter().flatten().flat_map(|&at| [(at, low), (at, high), (f64::NAN, f64::NAN)]).collect();
-    let line = LawLine { colours: vec![], points };
-    (!line.points.is_empty()).then(|| Law { label: "gaps".to_owned(), lines: vec![line] })
-}
-
-/// The number of stretches of each record in a chart.
-fn parts(records: &[(usize, &Recorded)]) -> usize {
-    (MOST_PARTS[0] / records.len().max(1)).clamp(1, MOST_PARTS[1])
+    let ends = gaps.iter().flatten();
+    let lines: Vec<LawLine> =
+        ends.map(|&at| LawLine { colours: vec![], points: vec![(at, low), (at, high)] }).collect();
+    (!lines.is_empty()).then(|| Law { label: "gaps".to_owned(), lines })
 }
 
 /// The length of a stretch, s; `None` where it is a sample.
 fn stretch(records: &[(usize, &Recorded)], parts: usize) -> Option<String> {
-    let length = |record: &Recorded| record.values().len() as f64 / parts as f64;
+    let length = |record: &Recorded| record.values.len() as f64 / parts as f64;
     let (_, longest) = records.iter().max_by(|a, b| length(a.1).total_cmp(&length(b.1)))?;
     (length(longest) > 1.0).then(|| significant(length(longest) * longest.log.step_s, 3))
 }
@@ -225,24 +216,66 @@ fn time_unit(end_s: f64) -> (f64, &'static str) {
     }
 }
 
-impl Recorded<'_> {
-    fn values(&self) -> std::borrow::Cow<'_, [f64]> {
-        self.channel.view(self.log.data, self.log.step_s).increments()
+impl<'a> Recorded<'a> {
+    pub(crate) fn of(
+        name: &'a str,
+        log: &'a Log,
+        channel: &'a Channel,
+        outliers: &'a Outliers,
+        gaps: &'a [Range<usize>],
+    ) -> Recorded<'a> {
+        let values = channel.view(log.data, log.step_s).increments();
+        Recorded { name, log, unit: &channel.unit, values, outliers, gaps }
     }
 
     /// What the values are, and their unit.
     fn axis(&self) -> (&'static str, &str) {
-        let label = match self.log.data {
-            Data::Rate => self.channel.unit.curves.measured(),
-            Data::Increment => "increment",
-            Data::Angle => "increment of the angle",
-        };
-        let unit = &self.channel.unit.text;
-        (label, if unit == "none" { "" } else { unit })
+        match (self.log.data, self.unit.curves) {
+            (Data::Rate, Curves::Plain) => ("rate", ""),
+            (_, Curves::Plain) => ("increment", ""),
+            (Data::Rate, curves) => (curves.measured(), &self.unit.text),
+            (_, Curves::Angular) => ("angle increment", &self.unit.text),
+            (_, Curves::Acceleration) => ("velocity increment", &self.unit.text),
+        }
     }
 
     /// Time of a sample from the start of the file, s.
     pub(crate) fn time(&self, sample: f64) -> f64 {
         self.log.start_s + sample * self.log.step_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_of_a_unit_share_charts_that_name_what_they_show() {
+        for (data, units, expected) in [
+            (Data::Rate, ["deg/s", "g", "dps"], [("rate", "deg/s"), ("acceleration", "g")]),
+            (Data::Increment, ["none", "deg", "none"], [("increment", ""), ("angle increment", "deg")]),
+            (Data::Angle, ["m/s", "deg", "m/s"], [("velocity increment", "m/s"), ("angle increment", "deg")]),
+        ] {
+            let channels = units.map(|unit| {
+                let (name, unit) = (unit.to_owned(), Unit::parse(unit, data).unwrap());
+                Channel { name, unit, unit_in_header: None, samples: vec![1.0, 2.0, 4.0], place: None }
+            });
+            let (file, notes) = (String::new(), vec![]);
+            let channels = channels.into();
+            let log = Log { file, step_s: 1.0, data, start_s: 0.0, channels, temperature: None, notes };
+            let outliers = Outliers { samples: vec![], threshold: 1.0 };
+            let recorded = log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[]));
+            let axes: Vec<(String, String)> = charts(&recorded.collect::<Vec<_>>(), "columns")
+                .into_iter()
+                .map(|block| match block {
+                    Block::Trace(Drawn { picture: Picture::Curves(figure), .. }) => {
+                        (figure.y.label, figure.y.unit)
+                    }
+                    other => panic!("{other:?}"),
+                })
+                .collect();
+            let expected = expected.map(|(label, unit)| (label.to_owned(), unit.to_owned()));
+            assert_eq!(axes, [&expected[0], &expected[0], &expected[1], &expected[1]].map(Clone::clone));
+        }
     }
 }

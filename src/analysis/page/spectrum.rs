@@ -4,14 +4,14 @@ use crate::allan::Deviation;
 use crate::analysis::compare::words::probability;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
-use crate::analysis::page::answer::in_unit;
+use crate::analysis::page::answer::{in_unit, interval};
+use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
 use crate::analysis::spectrum::notes::method;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
 use crate::quantity::number::significant;
 use crate::spectrum::{FALSE_ALARM, Line};
 use crate::view::chart::picture::Picture;
-use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
 
 /// Most lines in the small table; `lines.csv` has all.
@@ -26,7 +26,7 @@ pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Sect
         if figure.series.len() > 1 {
             figure.laws.clear();
         }
-        Some(Block::Chart(Drawn { stem, picture: Picture::Curves(figure), note: None }))
+        Some(chart(&stem, Picture::Curves(figure)))
     });
     let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
     let method = by_name(methods).into_iter().map(Block::Note);
@@ -55,12 +55,14 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
     let said = match (count, analysis.spectra.len()) {
         (_, 0) => return vec![],
         (0, _) => {
-            return vec![Block::Text(format!("No line; noise alone shows one in {percent} % of records."))];
+            return vec![Block::Text(format!(
+                "There is no line; noise alone shows one in {percent} % of records."
+            ))];
         }
         (count, _) if count > MOST_LINES => {
-            format!("The {MOST_LINES} highest of {count} lines; lines.csv has all.")
+            format!("These are the {MOST_LINES} highest of {count} lines; lines.csv has all.")
         }
-        _ => format!("Lines; noise alone shows one in {percent} % of records."),
+        _ => format!("Noise alone shows a line in {percent} % of records."),
     };
     vec![Block::Text(said), Block::Grid(Grid { head, rows: all.iter().map(row).collect() })]
 }
@@ -68,12 +70,9 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
 /// N of the floor beside N of the fit.
 fn white(analysis: &Analysis) -> Option<Block> {
     let cell = |row: &Option<Row>| match row {
-        Some(Row { value: Some(value), interval, symbol, .. }) => Cell {
-            text: in_unit(*value, symbol),
-            below: interval.map_or_else(String::new, |[low, high]| {
-                format!("{} … {}", significant(low, 4), significant(high, 4))
-            }),
-        },
+        Some(Row { value: Some(value), interval: ends, symbol, .. }) => {
+            Cell { text: in_unit(*value, symbol), below: ends.map(interval).unwrap_or_default() }
+        }
         _ => "–".into(),
     };
     let row = |(column, Spectrum { white, .. }): (&Column, &Spectrum)| {

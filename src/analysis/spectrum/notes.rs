@@ -14,14 +14,15 @@ const SEVERAL: usize = 4;
 /// All notes on the results, after those on the log and its fit.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
     let of_column = |(column, spectrum): (&Column, &Spectrum)| {
-        let notes = of_spectrum(spectrum, analysis.noise.samples).into_iter().flatten();
+        let notes = of_spectrum(column, spectrum, &analysis.noise).into_iter().flatten();
         notes.map(|note| format!("{}: {note}", column.name)).collect::<Vec<_>>()
     };
     log::notes::notes(&analysis.noise).into_iter().chain(analysis.columns().flat_map(of_column)).collect()
 }
 
-fn of_spectrum(spectrum: &Spectrum, samples: usize) -> [Option<String>; 4] {
-    let density = &spectrum.density;
+fn of_spectrum(column: &Column, spectrum: &Spectrum, noise: &log::Analysis) -> [Option<String>; 4] {
+    let (density, samples) = (&spectrum.density, noise.samples);
+    let keeps_outliers = !column.outliers.samples.is_empty() && !noise.treatment.outliers_removed;
     let has = |term: Term| {
         spectrum.model.as_ref().is_some_and(|model| model.process.parts.iter().any(|part| part.term == term))
     };
@@ -39,8 +40,11 @@ fn of_spectrum(spectrum: &Spectrum, samples: usize) -> [Option<String>; 4] {
         }),
         has(Term::Sine).then(|| "the sine of the fit is a line, and not part of the density of the model".to_owned()),
         (spectrum.white.is_told_apart() == Some(true)).then(|| {
-            "the floor of the density and the fit are told apart: the fit does not describe the noise at these frequencies"
-                .to_owned()
+            let why = match keeps_outliers {
+                true => "outliers, which were kept, weigh differently in the two",
+                false => "the fit does not describe the noise at these frequencies",
+            };
+            format!("the floor of the density and the fit are told apart: {why}")
         }),
     ]
 }

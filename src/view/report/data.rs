@@ -112,19 +112,20 @@ fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
     }
     let mut figure = figure.clone();
     for series in &mut figure.series {
-        series.points = thin(&series.points, step);
-        series.law = thin(&series.law, step);
+        series.points = thin(&series.points, step, |point| point.y);
+        series.law = thin(&series.law, step, |point| point.1);
     }
     for line in figure.laws.iter_mut().flat_map(|law| &mut law.lines) {
-        line.points = thin(&line.points, step);
+        line.points = thin(&line.points, step, |point| point.1);
     }
     Cow::Owned(Picture::Curves(figure))
 }
 
-/// The first item, every `step`-th one, and the last.
-fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
+/// The first item, every `step`-th one, the last, and those without a value, where a line is interrupted.
+fn thin<T: Copy>(items: &[T], step: usize, value: impl Fn(&T) -> f64) -> Vec<T> {
     let last = items.len().saturating_sub(1);
-    let kept = |(at, item): (usize, &T)| (at % step == 0 || at == last).then_some(*item);
+    let kept =
+        |(at, item): (usize, &T)| (at % step == 0 || at == last || value(item).is_nan()).then_some(*item);
     items.iter().enumerate().filter_map(kept).collect()
 }
 
@@ -212,4 +213,15 @@ fn packed(text: &[u8]) -> String {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     let packed = encoder.write_all(text).and_then(|()| encoder.finish());
     BASE64_STANDARD.encode(packed.unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thin;
+
+    #[test]
+    fn thinned_curves_keep_their_ends_and_interruptions() {
+        let kept = thin(&[0.0, 1.0, f64::NAN, 3.0, 4.0, 5.0], 3, |y| *y);
+        assert_eq!(format!("{kept:?}"), "[0.0, NaN, 3.0, 5.0]");
+    }
 }

@@ -15,7 +15,7 @@ const MOST_NOTES: usize = 4;
 
 /// A page with an answer, sections and tables. Its texts may contain settings such as `force = true` in backticks, which
 /// the front end spells as its options.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Page {
     /// Title.
     pub title: String,
@@ -64,7 +64,7 @@ pub enum Block {
 }
 
 /// A small table to read: the first cell of each row names it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Grid {
     /// Headings of the columns.
     pub head: Vec<String>,
