@@ -129,29 +129,17 @@ impl Log {
             .enumerate()
             .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data));
         let channels: Vec<Option<Channel>> = channels.map(|channel| faults.take(channel)).collect();
-        if (1..columns.len()).any(|i| columns[..i].contains(&columns[i])) {
-            let message = "a column is requested twice";
-            faults.add(file.refuse(None, message, "these are the columns", "name each column once"));
-            return Err(faults.into_error(&file.file));
-        }
-        if let Some(found) =
-            taken.filter(|found| columns.contains(found) || time.is_some_and(|time| time.column == *found))
-        {
-            let message = "the column of the temperature is requested as samples or times too";
-            faults.add(file.refuse(Some(found), message, "this column", "name another column"));
-            return Err(faults.into_error(&file.file));
-        }
-        // The stamps may be requested as samples too.
         let all = time.iter().map(|time| time.column).chain(columns.iter().copied()).chain(taken);
         let all: Vec<usize> = all.collect();
-        if time.is_some_and(|time| columns.contains(&time.column)) {
-            let message = "the column of the time is requested as samples too";
-            faults.add(file.refuse(
-                time.map(|time| time.column),
-                message,
-                "this column",
-                "name another column",
-            ));
+        if let Some(&twice) = (1..all.len()).find_map(|i| all[..i].contains(&all[i]).then(|| &all[i])) {
+            let message = if taken == Some(twice) {
+                "the column of the temperature is requested as samples or times too"
+            } else if time.is_some_and(|time| time.column == twice) {
+                "the column of the time is requested as samples too"
+            } else {
+                "a column is requested twice"
+            };
+            faults.add(file.refuse(Some(twice), message, "this column", "name each column once"));
             return Err(faults.into_error(&file.file));
         }
         let Some(mut samples) = faults.take(file.read(&all, &RULES)) else {

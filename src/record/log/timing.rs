@@ -212,33 +212,26 @@ pub(crate) fn spread(
         }
         match (found.first, duplicates) {
             (None, _) => {}
-            (Some(row), None) => {
-                let message =
-                    format!("{} the time of the row before, but other numbers", have(found.differing));
-                let help = "give `duplicates = first` or `duplicates = last` to use one of them, or `duplicates = keep` with \
-                            `rate = 100Hz` if each is a sample and the stamps are coarse";
-                faults.add(file.refuse_row(
-                    row,
-                    time.column,
-                    [message, "the first one".to_owned(), help.to_owned()],
-                ));
-            }
-            (Some(row), Some(Duplicates::Keep)) if clock.step_s.is_none() => {
-                let message = format!("{} the time of the row before", have(found.differing));
-                let help = "`duplicates = keep` needs the sampling rate, as in `rate = 100Hz`";
-                faults.add(file.refuse_row(
-                    row,
-                    time.column,
-                    [message, "the first one".to_owned(), help.to_owned()],
-                ));
-            }
-            (Some(_), Some(duplicates)) => {
+            (Some(_), Some(duplicates)) if has_step || duplicates != Duplicates::Keep => {
                 let fate = match duplicates {
                     Duplicates::First => "the first is used",
                     Duplicates::Last => "the last is used",
                     Duplicates::Keep => "each is a sample",
                 };
                 notes.push(format!("{} the time of the row before: {fate}", have(found.differing)));
+            }
+            (Some(row), given) => {
+                let (numbers, help) = match given {
+                    None => (
+                        ", but other numbers",
+                        "give `duplicates = first` or `duplicates = last` to use one of them, or `duplicates = keep` with \
+                         `rate = 100Hz` if each is a sample and the stamps are coarse",
+                    ),
+                    Some(_) => ("", "`duplicates = keep` needs the sampling rate, as in `rate = 100Hz`"),
+                };
+                let message = format!("{} the time of the row before{numbers}", have(found.differing));
+                let words = [message, "the first one".to_owned(), help.to_owned()];
+                faults.add(file.refuse_row(row, time.column, words));
             }
         }
         for column in &mut samples {
