@@ -112,11 +112,31 @@ impl Desk {
     }
 
     /// The table of a results folder.
-    pub fn points(&self, folder: &str) -> Vec<BTreeMap<String, String>> {
-        let text = self.read(&format!("{folder}/points.csv"));
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        reader.deserialize().map(Result::unwrap).collect()
+    pub fn points(&self, folder: &str) -> Vec<Row> {
+        self.table(&format!("{folder}/points.csv"))
     }
+
+    pub fn table(&self, name: &str) -> Vec<Row> {
+        table(&self.read(name))
+    }
+}
+
+/// The cells of a row by the names of their columns.
+pub type Row = BTreeMap<String, String>;
+
+/// The rows of a table as text.
+pub fn table(text: &str) -> Vec<Row> {
+    csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect()
+}
+
+/// The first row with these cells.
+pub fn row<'a>(rows: &'a [Row], cells: &[(&str, &str)]) -> &'a Row {
+    let found = rows.iter().find(|row| cells.iter().all(|(name, value)| row[*name] == *value));
+    found.unwrap_or_else(|| panic!("no row with {cells:?} in {rows:?}"))
+}
+
+pub fn number(row: &Row, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
 /// A report without the line breaks and the frame that the width of the terminal gives it.

@@ -4,8 +4,8 @@
 
 use core::f64::consts::{LN_2, PI, TAU};
 
-use rand::RngExt;
 use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 use sagnac::theory::allan::holds;
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
@@ -15,6 +15,12 @@ use sagnac::theory::allan::terms::Term;
 pub fn normal(rng: &mut StdRng) -> f64 {
     let (radius, turn): (f64, f64) = (rng.random(), rng.random());
     (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * turn).cos()
+}
+
+/// White noise of this standard deviation.
+pub fn white(count: usize, sigma: f64, seed: u64) -> Vec<f64> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    (0..count).map(|_| sigma * normal(&mut rng)).collect()
 }
 
 /// The angles of one part of a record of `samples` rates, one more than these.

@@ -1,40 +1,28 @@
 //! Accelerometers, and all axes of an IMU, as a user meets them.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use rand::SeedableRng;
-use rand::rngs::StdRng;
 use serde_json::Value;
 
-use crate::desk::{Desk, unwrapped};
+use crate::desk::{Desk, Row, number, row, table, unwrapped};
 use crate::logs::desk_with;
+use crate::noise;
 
 const LOG: &str = include_str!("../data/imu/log.csv");
 const DEVIATIONS: &str = include_str!("../data/imu/deviations.csv");
 const AXES: [&str; 6] = ["gx", "gy", "gz", "ax", "ay", "az"];
 const G: f64 = 9.80665;
 
-type Row = BTreeMap<String, String>;
-
-fn rows(text: &str) -> Vec<Row> {
-    csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect()
-}
-
-fn number(row: &Row, key: &str) -> f64 {
-    row[key].parse().unwrap_or_else(|_| panic!("{key} of {row:?}"))
-}
-
-fn find<'a>(rows: &'a [Row], wanted: &[(&str, &str)]) -> &'a Row {
-    rows.iter()
-        .find(|row| wanted.iter().all(|(key, value)| row[*key] == *value))
-        .unwrap_or_else(|| panic!("{wanted:?}"))
-}
-
 /// White noise of this standard deviation, one sample a line.
 fn white(count: usize, sigma: f64, seed: u64) -> String {
-    let mut rng = StdRng::seed_from_u64(seed);
-    (0..count).map(|_| format!("{}\n", sigma * crate::noise::normal(&mut rng))).collect()
+    noise::white(count, sigma, seed).iter().map(|y| format!("{y}\n")).collect()
+}
+
+/// The row of a curve at the column and the τ of a point, of which it has the value.
+fn same<'a>(curve: &'a [Row], point: &Row) -> &'a Row {
+    let found = row(curve, &[("column", &point["column"]), ("m", &point["m"])]);
+    assert!((number(found, "value") / number(point, "value") - 1.0).abs() < 1e-8, "{found:?}, not {point:?}");
+    found
 }
 
 #[test]
@@ -49,14 +37,11 @@ fn six_axes_of_a_numpy_log_have_numpys_deviations_in_two_tables_and_two_charts()
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
     assert!(!said.contains("may be in"), "{said}");
-    let curve = rows(&desk.read("results/imu/curve.csv"));
-    let expected = rows(DEVIATIONS);
+    let curve = desk.table("results/imu/curve.csv");
+    let expected = table(DEVIATIONS);
     assert_eq!(expected.len(), 42);
-    for row in &expected {
-        let found = find(&curve, &[("column", &row["column"]), ("m", &row["m"])]);
-        let (value, wanted) = (number(found, "value"), number(row, "value"));
-        assert!((value / wanted - 1.0).abs() < 1e-8, "{value}, not {row:?}");
-        assert_eq!(found["unit"], row["unit"]);
+    for point in &expected {
+        assert_eq!(same(&curve, point)["unit"], point["unit"]);
     }
     for piece in [
         "gx, gy, gz: overlapping Allan deviation, °/h",
@@ -96,7 +81,7 @@ fn an_imu_of_ros_needs_no_columns() {
     let desk = Desk::with("");
     let read = |words: &str| {
         desk.done(&format!("allan {words} --data rate --bootstrap 0 --quiet --out out"));
-        rows(&desk.read("out/coefficients.csv"))
+        desk.table("out/coefficients.csv")
     };
     let text = read(&format!("{}/imu.csv", folder.display()));
     let columns: Vec<&str> =
@@ -118,8 +103,8 @@ fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
         "{}",
         ended.stdout
     );
-    let found = rows(&desk.read("results/acc/coefficients.csv"));
-    let n = find(&found, &[("coefficient", "N")]);
+    let found = desk.table("results/acc/coefficients.csv");
+    let n = row(&found, &[("coefficient", "N")]);
     let expected = 100e-6 * G * 60.0;
     assert_eq!((n["unit"].as_str(), n["verdict"].as_str()), ("m/s/sqrt(h)", "identified"));
     assert!(number(n, "lower") < expected && expected < number(n, "upper"), "{expected}: {n:?}");
@@ -127,8 +112,8 @@ fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
     let units: Vec<&str> = found.iter().map(|row| row["unit"].as_str()).collect();
     assert_eq!(units[..5], ["m/s", "m/s/sqrt(h)", "ug", "ug/sqrt(h)", "ug/h"]);
     // The deviation of white noise at 1 s is its density.
-    let curve = rows(&desk.read("results/acc/curve.csv"));
-    assert!((number(find(&curve, &[("m", "128")]), "value") / 100.0 * 1.28_f64.sqrt() - 1.0).abs() < 0.1);
+    let curve = desk.table("results/acc/curve.csv");
+    assert!((number(row(&curve, &[("m", "128")]), "value") / 100.0 * 1.28_f64.sqrt() - 1.0).abs() < 0.1);
     let yaml = desk.read("imu.yaml");
     let line = yaml.lines().find(|line| line.starts_with("accelerometer_noise_density: ")).unwrap();
     let density: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
@@ -138,7 +123,7 @@ fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
     let ended = desk.done("psd acc.csv --data rate --unit m/s^2 --rate 100Hz --bootstrap 0 --out psd");
     assert!(ended.stdout.contains("µg²/Hz") && ended.stdout.contains("m/s/√h"), "{}", ended.stdout);
     assert!(desk.read("psd/psd.svg").contains("density of the acceleration"));
-    let white = rows(&desk.read("psd/white_noise.csv"));
+    let white = desk.table("psd/white_noise.csv");
     assert!((number(&white[0], "n") / expected - 1.0).abs() < 0.05, "{white:?}");
 }
 
@@ -157,7 +142,7 @@ fn increments_and_pulses_of_velocity_are_the_same_as_accelerations() {
     ]
     .map(|words| {
         desk.done(&format!("allan {words} --rate 100Hz --bootstrap 0 --quiet --out out"));
-        rows(&desk.read("out/curve.csv"))
+        desk.table("out/curve.csv")
     });
     for (i, row) in curves[0].iter().enumerate() {
         for other in &curves[1..] {
@@ -172,10 +157,9 @@ fn units_are_one_for_all_columns_or_one_for_each() {
     let desk = desk_with("imu.csv", bare);
     let words = "allan imu.csv --data rate --bootstrap 0 --column gx,ax";
     desk.done(&format!("{words} --unit deg/s,m/s^2"));
-    let curve = rows(&desk.read("results/imu/curve.csv"));
-    for row in rows(DEVIATIONS).iter().filter(|row| ["gx", "ax"].contains(&row["column"].as_str())) {
-        let found = find(&curve, &[("column", &row["column"]), ("m", &row["m"])]);
-        assert!((number(found, "value") / number(row, "value") - 1.0).abs() < 1e-8, "{row:?}");
+    let curve = desk.table("results/imu/curve.csv");
+    for point in table(DEVIATIONS).iter().filter(|point| ["gx", "ax"].contains(&point["column"].as_str())) {
+        same(&curve, point);
     }
     desk.fails(&format!("{words},ay --unit deg/s,m/s^2"), 3, &["2 units for 3 columns", "one for each"]);
     desk.fails("allan imu.csv --data rate", 3, &["select some of them", "2 gx"]);

@@ -1,8 +1,6 @@
 //! `sagnac allan` as a user meets it: tables, files and pictures of good logs.
 
-use std::collections::BTreeMap;
-
-use crate::desk::{Desk, Ended};
+use crate::desk::{Desk, Ended, Row};
 use crate::logs::{desk_with, log, noise, rows};
 use serde_json::Value;
 
@@ -12,9 +10,8 @@ fn done(desk: &Desk, words: &str) -> Ended {
     desk.done(&format!("allan {words}"))
 }
 
-fn curve(desk: &Desk, folder: &str) -> Vec<BTreeMap<String, String>> {
-    let text = desk.read(&format!("{folder}/curve.csv"));
-    csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect()
+fn curve(desk: &Desk, folder: &str) -> Vec<Row> {
+    desk.table(&format!("{folder}/curve.csv"))
 }
 
 #[test]
@@ -159,18 +156,16 @@ fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
     let desk = desk_with("rest.csv", text);
     let ended = done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out out");
     assert!(ended.stdout.contains("coefficients of the overlapping Allan curve"), "{}", ended.stdout);
-    let text = desk.read("out/coefficients.csv");
-    let rows: Vec<BTreeMap<String, String>> =
-        csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect();
-    let row = |name: &str| rows.iter().find(|row| row["coefficient"] == name).unwrap();
-    let number = |name: &str, column: &str| row(name)[column].parse::<f64>().unwrap();
+    let rows = desk.table("out/coefficients.csv");
+    let row = |name: &str| crate::desk::row(&rows, &[("coefficient", name)]);
+    let number = |name: &str, column: &str| crate::desk::number(row(name), column);
     // 1/√3 °/h of white rate in samples of 1 s.
     let n = 1.0 / 3.0_f64.sqrt() / 60.0;
     assert_eq!((row("N")["unit"].as_str(), row("N")["verdict"].as_str()), ("deg/sqrt(h)", "identified"));
-    assert!(number("N", "lower") < n && n < number("N", "upper"), "{text}");
-    assert!((number("N", "value") / n - 1.0).abs() < 0.03, "{text}");
+    assert!(number("N", "lower") < n && n < number("N", "upper"), "{rows:?}");
+    assert!((number("N", "value") / n - 1.0).abs() < 0.03, "{rows:?}");
     for other in ["Q", "B", "K", "R"] {
-        assert!(row(other)["value"].is_empty() && row(other)["verdict"] != "identified", "{text}");
+        assert!(row(other)["value"].is_empty() && row(other)["verdict"] != "identified", "{rows:?}");
     }
     let curve_rows = curve(&desk, "out");
     let least = curve_rows.iter().map(|row| row["value"].parse::<f64>().unwrap()).fold(f64::MAX, f64::min);
@@ -195,7 +190,7 @@ fn intervals_suppose_the_noise_of_the_record_or_that_of_stable32() {
         done(&desk, &format!("rest.csv --data rate --unit deg/h --rate 1Hz --out out {words}"));
         curve(&desk, "out")
     };
-    let edf = |row: &BTreeMap<String, String>| row["edf"].parse::<f64>().unwrap();
+    let edf = |row: &Row| row["edf"].parse::<f64>().unwrap();
     let (record, stable32) = (rows_of(""), rows_of("--intervals stable32"));
     assert!(record.iter().all(|row| row["edf_from"] == "model"));
     assert!(stable32.iter().all(|row| row["edf_from"] == "alpha"));

@@ -1,31 +1,20 @@
 //! `sagnac allan --dynamic`: the deviation over time, and a change that is named.
 
-use std::collections::BTreeMap;
-
-use crate::desk::Desk;
+use crate::desk::{Desk, number, row};
 use crate::logs::desk_with;
-use rand::SeedableRng;
-use rand::rngs::StdRng;
+use crate::noise::white;
 use serde_json::Value;
 
 const READ: &str = "allan log.csv --data rate --unit deg/h --rate 1Hz --bootstrap 0";
 
 /// White rates of 6 °/h, after 5000 of 8192 samples of `factor` times as much, without those from 1000 to 1600.
 fn log(factor: f64) -> Desk {
-    let mut rng = StdRng::seed_from_u64(3);
-    let row = |i: usize| {
-        let rate = 6.0 * crate::noise::normal(&mut rng) * if i < 5000 { 1.0 } else { factor };
-        if (1000..1600).contains(&i) { "nan\n".to_owned() } else { format!("{rate:.6}\n") }
+    let row = |(i, rate): (usize, &f64)| match i {
+        1000..1600 => "nan\n".to_owned(),
+        ..5000 => format!("{rate:.6}\n"),
+        _ => format!("{:.6}\n", factor * rate),
     };
-    desk_with("log.csv", (0..8192).map(row).collect::<String>())
-}
-
-fn table(desk: &Desk, name: &str) -> Vec<BTreeMap<String, String>> {
-    csv::Reader::from_reader(desk.read(name).as_bytes()).deserialize().map(Result::unwrap).collect()
-}
-
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+    desk_with("log.csv", white(8192, 6.0, 3).iter().enumerate().map(row).collect::<String>())
 }
 
 #[test]
@@ -34,15 +23,15 @@ fn a_step_of_n_is_named_with_its_time_and_windows_within_a_gap_are_blank() {
     let ended = desk.done(&format!("{READ} --dynamic 512s"));
     // 6 °/h in samples of 1 s are 0.1 °/√h.
     assert!(ended.stdout.contains("1: N changes: 0.1"), "{}", ended.stdout);
-    let windows = table(&desk, "results/log/dynamic.csv");
+    let windows = desk.table("results/log/dynamic.csv");
     // Windows of 512 samples every 256, each with the octaves up to a quarter.
     assert_eq!(windows.len(), 31 * 8);
-    let at = |start: &str| windows.iter().find(|row| row["start_s"] == start && row["tau_s"] == "1").unwrap();
+    let at = |start: &str| row(&windows, &[("start_s", start), ("tau_s", "1")]);
     assert!((number(at("0"), "value") / 6.0 - 1.0).abs() < 0.1, "{:?}", at("0"));
     assert!((number(at("7168"), "value") / 7.8 - 1.0).abs() < 0.1, "{:?}", at("7168"));
     let within = at("1024");
     assert!(within["value"].is_empty() && within["upper"].is_empty(), "{within:?}");
-    let tests = table(&desk, "results/log/stationarity.csv");
+    let tests = desk.table("results/log/stationarity.csv");
     assert!(
         number(&tests[0], "p") < 1e-6 && (number(&tests[0], "at_s") - 5000.0).abs() < 400.0,
         "{:?}",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::desk::{Desk, Ended};
+use crate::desk::{Desk, Ended, row};
 use crate::logs::desk_with;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
@@ -45,21 +45,18 @@ fn noise_of(desk: &Desk, name: &str) -> Table {
 
 /// Coefficients as files have them: column and name to value, upper end and unit.
 fn coefficients(desk: &Desk) -> BTreeMap<(String, String), (String, String, String)> {
-    let text = desk.read("out/coefficients.csv");
-    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize::<BTreeMap<String, String>>();
-    rows.map(Result::unwrap)
-        .map(|row| {
-            let of = |name: &str| row[name].clone();
-            ((of("column"), of("coefficient")), (of("value"), of("upper"), of("unit")))
-        })
-        .collect()
+    let rows = desk.table("out/coefficients.csv").into_iter();
+    rows.map(|row| {
+        let of = |name: &str| row[name].clone();
+        ((of("column"), of("coefficient")), (of("value"), of("upper"), of("unit")))
+    })
+    .collect()
 }
 
 /// Value and verdict of a coefficient.
 fn verdict(desk: &Desk, name: &str) -> (String, String) {
-    let text = desk.read("out/coefficients.csv");
-    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize::<BTreeMap<String, String>>();
-    let row = rows.map(Result::unwrap).find(|row| row["coefficient"] == name).unwrap();
+    let rows = desk.table("out/coefficients.csv");
+    let row = row(&rows, &[("coefficient", name)]);
     (row["value"].clone(), row["verdict"].clone())
 }
 

@@ -1,20 +1,11 @@
 //! `sagnac compare` as a user meets it: tables, files, pictures and sentences, and what it refuses.
 
-use std::collections::BTreeMap;
-
-use crate::desk::{Desk, Ended, unwrapped};
+use crate::desk::{Desk, Ended, number, unwrapped};
 use crate::logs::desk_with;
-use rand::SeedableRng;
-use rand::rngs::StdRng;
+use crate::noise::white;
 use serde_json::Value;
 
 const RATE: &str = "--data rate --unit deg/h --rate 1Hz";
-
-/// White rates of standard deviation `sigma`.
-fn white(count: usize, sigma: f64, seed: u64) -> Vec<f64> {
-    let mut rng = StdRng::seed_from_u64(seed);
-    (0..count).map(|_| sigma * crate::noise::normal(&mut rng)).collect()
-}
 
 fn lines(rates: &[f64]) -> String {
     rates.iter().map(|rate| format!("{rate:.6}\n")).collect()
@@ -36,14 +27,6 @@ fn refused(desk: &Desk, words: &str, code: i32, pieces: &[&str]) {
     assert!(!desk.path("results").exists(), "compare {words} left results");
 }
 
-fn table(desk: &Desk, name: &str) -> Vec<BTreeMap<String, String>> {
-    csv::Reader::from_reader(desk.read(name).as_bytes()).deserialize().map(Result::unwrap).collect()
-}
-
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
-}
-
 #[test]
 fn half_the_noise_is_found_in_table_csv_json_sentences_and_pictures() {
     let desk = two(lines(&white(4096, 6.0, 1)), lines(&white(4096, 3.0, 2)));
@@ -61,7 +44,7 @@ fn half_the_noise_is_found_in_table_csv_json_sentences_and_pictures() {
         let said = format!("{}{}", ended.stdout, ended.stderr);
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
-    let ratios = table(&desk, "results/a_vs_b/compare.csv");
+    let ratios = desk.table("results/a_vs_b/compare.csv");
     assert_eq!(ratios.len(), 12);
     assert_eq!(
         (ratios[3]["tau_s"].as_str(), ratios[3]["m_a"].as_str(), ratios[3]["m_b"].as_str()),
@@ -69,7 +52,7 @@ fn half_the_noise_is_found_in_table_csv_json_sentences_and_pictures() {
     );
     assert!(number(&ratios[0], "lower") < 0.5 && number(&ratios[0], "upper") > 0.5, "{:?}", ratios[0]);
     assert_eq!((ratios[0]["unit"].as_str(), ratios[0]["verdict"].as_str()), ("deg/h", "B lower"));
-    let coefficients = table(&desk, "results/a_vs_b/coefficients.csv");
+    let coefficients = desk.table("results/a_vs_b/coefficients.csv");
     let n = &coefficients[0];
     assert_eq!(
         (n["coefficient"].as_str(), n["unit"].as_str(), n["verdict"].as_str()),
@@ -127,7 +110,7 @@ fn equal_noise_is_not_told_apart_and_the_length_that_would_is_named() {
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let n = &table(&desk, "results/a_vs_b/coefficients.csv")[0];
+    let n = &desk.table("results/a_vs_b/coefficients.csv")[0];
     assert_eq!(n["verdict"], "not told apart");
     assert!(number(n, "p") > 0.05 && number(n, "lower") < 0.0 && number(n, "upper") > 0.0, "{n:?}");
     let length =
@@ -140,10 +123,10 @@ fn one_record_twice_is_said_to_be_one() {
     let desk = two(lines(&white(4096, 6.0, 1)), "");
     let ended = done(&desk, &format!("a.csv a.csv {RATE}"));
     assert!(ended.stdout.contains("A and B are one record"), "{}", ended.stdout);
-    for row in table(&desk, "results/a_vs_a/compare.csv") {
+    for row in desk.table("results/a_vs_a/compare.csv") {
         assert_eq!((row["ratio"].as_str(), row["p"].as_str()), ("1", "1"), "{row:?}");
     }
-    let n = &table(&desk, "results/a_vs_a/coefficients.csv")[0];
+    let n = &desk.table("results/a_vs_a/coefficients.csv")[0];
     assert_eq!((n["p"].as_str(), n["difference"].as_str(), n["verdict"].as_str()), ("1", "0", "equal"));
     assert!(n["length_needed_s"].is_empty() && n["length_beyond_s"].is_empty(), "{n:?}");
 }
@@ -175,7 +158,7 @@ fn logs_at_other_rates_meet_at_the_times_that_both_have() {
     let desk = two(stamped(0.1, &white(20_000, 10.0_f64.sqrt(), 1)), stamped(1.0, &white(2000, 1.0, 2)));
     let ended = done(&desk, "a.csv b.csv --data rate --time t");
     assert!(ended.stdout.contains("No evidence that the noise differs"), "{}", ended.stdout);
-    let rows = table(&desk, "results/a_vs_b/compare.csv");
+    let rows = desk.table("results/a_vs_b/compare.csv");
     assert_eq!(
         (rows[0]["tau_s"].as_str(), rows[0]["m_a"].as_str(), rows[0]["m_b"].as_str()),
         ("1", "10", "1")
@@ -209,11 +192,11 @@ fn gaps_and_outliers_are_said_and_no_fit_leaves_the_curves() {
         assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
     }
     assert!(ended.stdout.contains("the least p of 10 averaging times"), "{}", ended.stdout);
-    assert!(table(&desk, "results/a_vs_b/coefficients.csv").is_empty());
+    assert!(desk.table("results/a_vs_b/coefficients.csv").is_empty());
     // Terms that were given are there whether or not the records show them.
     std::fs::write(desk.path("a.csv"), lines(&white(2000, 1.0, 3))).unwrap();
     done(&desk, &format!("a.csv b.csv {RATE} --fit N,K"));
-    let rows = table(&desk, "results/a_vs_b/coefficients.csv");
+    let rows = desk.table("results/a_vs_b/coefficients.csv");
     assert_eq!((rows[1]["coefficient"].as_str(), rows[1]["verdict"].as_str()), ("K", "in neither record"));
     assert!(
         rows[1]["a"].is_empty() && rows[1]["p"].is_empty() && number(&rows[1], "a_at_most") > 0.0,
@@ -240,7 +223,7 @@ fn noise_that_only_one_record_shows_has_a_p_and_no_value_of_the_other() {
         "{}",
         ended.stdout
     );
-    let rows = table(&desk, "results/a_vs_b/coefficients.csv");
+    let rows = desk.table("results/a_vs_b/coefficients.csv");
     let k = rows.iter().find(|row| row["coefficient"] == "K").unwrap();
     assert!(k["b"].is_empty() && k["difference"].is_empty() && number(k, "upper") < 0.0, "{k:?}");
     assert!(number(k, "p") < 0.05 && k["verdict"] == "B lower", "{k:?}");

@@ -1,19 +1,15 @@
 //! `sagnac lot` as a user meets it: tables, files, pictures and sentences, and what it refuses.
 
-use std::collections::BTreeMap;
-
-use crate::desk::Desk;
+use crate::desk::{Desk, number, row};
 use crate::logs::desk_with;
-use rand::SeedableRng;
-use rand::rngs::StdRng;
+use crate::noise;
 use serde_json::Value;
 
 const RATE: &str = "--data rate --unit deg/h --rate 1Hz";
 
 /// White rates of standard deviation `sigma`.
 fn white(sigma: f64, seed: u64) -> Vec<f64> {
-    let mut rng = StdRng::seed_from_u64(seed);
-    (0..4096).map(|_| sigma * crate::noise::normal(&mut rng)).collect()
+    noise::white(4096, sigma, seed)
 }
 
 /// A log with a column for each standard deviation, called g1, g2, ….
@@ -25,19 +21,6 @@ fn log(sigmas: &[f64]) -> Desk {
         cells.join(",") + "\n"
     };
     desk_with("bench.csv", format!("{}\n{}", names.join(","), (0..4096).map(row).collect::<String>()))
-}
-
-fn table(desk: &Desk, name: &str) -> Vec<BTreeMap<String, String>> {
-    csv::Reader::from_reader(desk.read(name).as_bytes()).deserialize().map(Result::unwrap).collect()
-}
-
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
-}
-
-fn row<'a>(rows: &'a [BTreeMap<String, String>], cells: &[(&str, &str)]) -> &'a BTreeMap<String, String> {
-    let found = rows.iter().find(|row| cells.iter().all(|(name, value)| row[*name] == *value));
-    found.unwrap_or_else(|| panic!("no row with {cells:?} in {rows:?}"))
 }
 
 #[test]
@@ -55,12 +38,12 @@ fn an_odd_unit_is_named_in_table_csv_json_sentence_and_pictures() {
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let units = table(&desk, "results/lot/units.csv");
+    let units = desk.table("results/lot/units.csv");
     let odd = row(&units, &[("label", "g4"), ("coefficient", "N")]);
     assert_eq!((odd["odd"].as_str(), odd["unit"].as_str()), ("higher", "deg/sqrt(h)"));
     assert!(number(odd, "p") < 0.01, "{odd:?}");
     assert_eq!(units.iter().filter(|row| !row["odd"].is_empty()).count(), 1);
-    let lot = table(&desk, "results/lot/lot.csv");
+    let lot = desk.table("results/lot/lot.csv");
     let all = row(&lot, &[("coefficient", "N"), ("of", "all")]);
     let rest = row(&lot, &[("coefficient", "N"), ("of", "without odd")]);
     assert_eq!((all["units"].as_str(), rest["units"].as_str()), ("6", "5"));
@@ -90,13 +73,13 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
     }
     let ended = desk.done(&format!("lot a.csv b.csv c.csv {RATE} --out even"));
     assert!(ended.stdout.contains("No unit is odd in"), "{}", ended.stdout);
-    let n = table(&desk, "even/lot.csv");
+    let n = desk.table("even/lot.csv");
     let n = row(&n, &[("coefficient", "N")]);
     assert!(number(n, "p_equal") > 0.01 && number(n, "spread_lower") == 0.0, "{n:?}");
     // The errors of the records allow some spread, whatever was found.
     assert!(number(n, "spread_upper") > 0.01, "{n:?}");
     assert!(number(n, "lower") < 0.1 && 0.1 < number(n, "upper"), "{n:?}");
-    let labels: Vec<String> = table(&desk, "even/units.csv").iter().map(|row| row["label"].clone()).collect();
+    let labels: Vec<String> = desk.table("even/units.csv").iter().map(|row| row["label"].clone()).collect();
     assert!(labels.iter().all(|label| ["a", "b", "c"].contains(&label.as_str())), "{labels:?}");
 }
 
@@ -123,7 +106,7 @@ fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_le
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let k = table(&desk, "results/lot/lot.csv");
+    let k = desk.table("results/lot/lot.csv");
     let k = row(&k, &[("coefficient", "K"), ("of", "those that show it")]);
     assert_eq!((k["units"].as_str(), k["bounded"].as_str(), k["value"].as_str()), ("1", "2", ""));
 }

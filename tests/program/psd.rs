@@ -1,8 +1,6 @@
 //! `sagnac psd` as a user meets it.
 
-use std::collections::BTreeMap;
-
-use crate::desk::Desk;
+use crate::desk::number;
 use crate::logs::{desk_with, noise};
 use serde_json::Value;
 
@@ -17,10 +15,6 @@ fn rates(count: usize) -> Vec<f64> {
 
 fn text(rates: &[f64]) -> String {
     rates.iter().map(|rate| format!("{rate}\n")).collect()
-}
-
-fn rows(desk: &Desk, file: &str) -> Vec<BTreeMap<String, String>> {
-    csv::Reader::from_reader(desk.read(file).as_bytes()).deserialize().map(Result::unwrap).collect()
 }
 
 #[test]
@@ -38,19 +32,18 @@ fn density_line_and_floor_of_a_log_are_in_files_text_chart_and_json() {
     assert!(!ended.stderr.contains("note: 1: the density"), "{}", ended.stderr);
     let header = "column,f_hz,density,lower,upper,model,unit,treatment";
     assert_eq!(desk.read("results/gyro/psd.csv").lines().next(), Some(header));
-    let densities = rows(&desk, "results/gyro/psd.csv");
+    let densities = desk.table("results/gyro/psd.csv");
     assert_eq!(densities.len(), 1024);
-    let number = |row: &BTreeMap<String, String>, key: &str| -> f64 { row[key].parse().unwrap() };
     // 2·4 (°/h)² over 100 Hz, and half of the square of the amplitude besides.
     let sum: f64 = densities.iter().map(|row| number(row, "density") * 100.0 / 2048.0).sum();
     assert!((sum / 4.045 - 1.0).abs() < 0.05, "{sum}");
     assert!((number(&densities[500], "model") / 0.08 - 1.0).abs() < 0.1, "{:?}", densities[500]);
-    let lines = rows(&desk, "results/gyro/lines.csv");
+    let lines = desk.table("results/gyro/lines.csv");
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert!(
         (number(&lines[0], "f_hz") - 20.0).abs() < 0.01 && (number(&lines[0], "amplitude") - 0.3).abs() < 0.1
     );
-    let white = rows(&desk, "results/gyro/white_noise.csv");
+    let white = desk.table("results/gyro/white_noise.csv");
     let [floor, fit] = &white[..] else { panic!("{white:?}") };
     // √(4 (°/h)²/100 Hz) in °/√h.
     assert!((60.0 * number(floor, "n") / 0.2 - 1.0).abs() < 0.05, "{floor:?}");
@@ -85,7 +78,7 @@ fn axes_gaps_and_plain_numbers_have_spectra_too() {
     for piece in ["gx: 400 of 4000 samples are in no segment", "gx: 100 of 4000 samples are missing"] {
         assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
     }
-    let densities = rows(&desk, "results/log/psd.csv");
+    let densities = desk.table("results/log/psd.csv");
     assert_eq!(densities.len(), 1000);
     assert!(densities.iter().all(|row| row["unit"].is_empty() && row["model"].is_empty()));
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::desk::Desk;
+use crate::desk::{Desk, number, row, table};
 use crate::logs::{desk_with, noise};
 
 /// 4000 samples of 1 s in °/h with 0.5 °/h/K, `temp` of a unit, and a second column without dependence.
@@ -19,11 +19,6 @@ fn log(header: &str, temperature: impl Fn(f64) -> f64) -> Desk {
 
 const WORDS: &str = "allan log.csv --data rate --unit deg/h --bootstrap 0 --out out";
 
-fn table(desk: &Desk, name: &str) -> Vec<std::collections::BTreeMap<String, String>> {
-    let text = desk.read(&format!("out/{name}"));
-    csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect()
-}
-
 #[test]
 fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
     let desk = log("time_s,gx,gy,temp [degC]", |celsius| celsius);
@@ -33,22 +28,18 @@ fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
     {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let rows = table(&desk, "temperature.csv");
-    let of = |column: &str, name: &str| {
-        rows.iter().find(|row| row["column"] == column && row["coefficient"] == name).unwrap().clone()
-    };
-    let number = |text: &str| text.parse::<f64>().unwrap();
+    let rows = desk.table("out/temperature.csv");
+    let of = |column: &str, name: &str| row(&rows, &[("column", column), ("coefficient", name)]);
     let c1 = of("gx", "T");
     assert_eq!((c1["verdict"].as_str(), c1["unit"].as_str()), ("identified", "deg/h/K"));
-    assert!(number(&c1["lower"]) < 0.5 && 0.5 < number(&c1["upper"]), "{c1:?}");
-    assert!((number(&c1["value"]) - 0.5).abs() < 0.05, "{c1:?}");
-    assert!(number(&of("gy", "T")["lower"]) < 0.0, "{:?}", of("gy", "T"));
-    let compensation = table(&desk, "compensation.csv");
-    let rate = |row: &std::collections::BTreeMap<String, String>| number(&row["rate"]);
+    assert!(number(c1, "lower") < 0.5 && 0.5 < number(c1, "upper"), "{c1:?}");
+    assert!((number(c1, "value") - 0.5).abs() < 0.05, "{c1:?}");
+    assert!(number(of("gy", "T"), "lower") < 0.0, "{:?}", of("gy", "T"));
+    let compensation = desk.table("out/compensation.csv");
     let of_gx: Vec<_> = compensation.iter().filter(|row| row["column"] == "gx").collect();
     let [first, last] = [of_gx[0], of_gx[of_gx.len() - 1]];
-    assert!((number(&first["temperature"]) - 15.0).abs() < 1e-3, "{first:?}");
-    assert!((rate(last) - rate(first) - 5.0).abs() < 0.5, "{first:?} to {last:?}");
+    assert!((number(first, "temperature") - 15.0).abs() < 1e-3, "{first:?}");
+    assert!((number(last, "rate") - number(first, "rate") - 5.0).abs() < 0.5, "{first:?} to {last:?}");
     for stem in ["chart-temperature", "chart-rate"] {
         assert!(desk.read(&format!("out/{stem}.svg")).contains("<svg"), "{stem}");
     }
@@ -83,16 +74,13 @@ fn results_are_those_of_the_record_unless_it_is_to_be_compensated() {
     desk.done(&format!("{WORDS} --column gx --temperature temp"));
     assert_eq!(desk.read("out/curve.csv"), raw);
     desk.done(&format!("{WORDS} --column gx --temperature temp --compensate"));
-    let rows = table(&desk, "curve.csv");
+    let rows = desk.table("out/curve.csv");
     assert!(
         rows.iter().all(|row| row["treatment"] == "temperature compensated; no trend removed"),
         "{rows:?}"
     );
-    let long = |rows: &[std::collections::BTreeMap<String, String>]| {
-        rows.iter().find(|row| row["m"] == "512").unwrap()["value"].parse::<f64>().unwrap()
-    };
-    let before: Vec<_> = csv::Reader::from_reader(raw.as_bytes()).deserialize().map(Result::unwrap).collect();
-    assert!(long(&rows) < 0.1 * long(&before), "{} after {}", long(&rows), long(&before));
+    let [before, after] = [table(&raw), rows].map(|rows| number(row(&rows, &[("m", "512")]), "value"));
+    assert!(after < 0.1 * before, "{after} after {before}");
 }
 
 #[test]
@@ -124,7 +112,7 @@ fn a_wrong_temperature_is_refused_with_what_is_accepted() {
         (
             "--temperature gx --temperature-unit C",
             3,
-            ["the column of the temperature is requested as samples", "name another column"],
+            ["the column of the temperature is requested as samples", "name each column once"],
         ),
         ("--temperature temp --temperature-terms T2", 2, ["T2 needs T", "T,T2"]),
         ("--temperature temp --temperature-terms T,x", 2, ["`x` is not a term", "warm-up"]),
