@@ -6,9 +6,9 @@
 use std::collections::HashMap;
 use std::io::{self, Read};
 
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, malformed, told};
 use crate::record::format::{Columns, Source};
-use crate::record::ros::{Encoding, Messages, is_imu, sample};
+use crate::record::ros::{Encoding, Messages, is_imu};
 
 /// Length of the first line.
 const MAGIC: usize = b"#ROSBAG V2.0\n".len();
@@ -29,32 +29,12 @@ const CONNECTION: u8 = 7;
 pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
     let mut bag = Bag::default();
-    bag.read(&mut source.from(MAGIC)).map_err(|wrong| {
-        let why = match wrong {
-            Wrong::Unreadable(error) if error.kind() == io::ErrorKind::UnexpectedEof => "it ends too early".to_owned(),
-            Wrong::Unreadable(error) => error.to_string(),
-            Wrong::Malformed(why) => why,
-        };
+    bag.read(&mut source.from(MAGIC)).map_err(|error| {
         let help = "if the recording was cut short, `rosbag reindex` saves what is intact; `rosbag compress --lz4` or \
                     `rosbag decompress` change the compression";
-        RecordError::new(format!("{file} cannot be taken as a ROS bag: {why}"), "", help, None)
+        RecordError::new(format!("{file} cannot be taken as a ROS bag: {}", told(&error)), "", help, None)
     })?;
     bag.messages.columns(&file)
-}
-
-enum Wrong {
-    Unreadable(io::Error),
-    Malformed(String),
-}
-
-impl From<io::Error> for Wrong {
-    fn from(error: io::Error) -> Wrong {
-        Wrong::Unreadable(error)
-    }
-}
-
-fn malformed<T>(why: &str) -> Result<T, Wrong> {
-    Err(Wrong::Malformed(why.to_owned()))
 }
 
 /// What has been read.
@@ -72,7 +52,7 @@ struct Bag {
 struct Fields(HashMap<String, Vec<u8>>);
 
 impl Fields {
-    fn of(mut header: &[u8]) -> Result<Fields, Wrong> {
+    fn of(mut header: &[u8]) -> io::Result<Fields> {
         let mut fields = HashMap::new();
         while !header.is_empty() {
             let field = header
@@ -89,12 +69,12 @@ impl Fields {
         Ok(Fields(fields))
     }
 
-    fn bytes<const N: usize>(&self, name: &str) -> Result<[u8; N], Wrong> {
+    fn bytes<const N: usize>(&self, name: &str) -> io::Result<[u8; N]> {
         let bytes = self.0.get(name).and_then(|value| value.as_slice().try_into().ok());
         bytes.map_or_else(|| malformed(&format!("a header has no `{name}`")), Ok)
     }
 
-    fn word(&self, name: &str) -> Result<u32, Wrong> {
+    fn word(&self, name: &str) -> io::Result<u32> {
         self.bytes(name).map(u32::from_le_bytes)
     }
 
@@ -104,7 +84,7 @@ impl Fields {
 }
 
 /// The next record, if there is one.
-fn record(reader: &mut dyn Read) -> Result<Option<(Fields, Vec<u8>)>, Wrong> {
+fn record(reader: &mut dyn Read) -> io::Result<Option<(Fields, Vec<u8>)>> {
     let mut length = [0; 4];
     if reader.read(&mut length[..1])? == 0 {
         return Ok(None);
@@ -116,7 +96,7 @@ fn record(reader: &mut dyn Read) -> Result<Option<(Fields, Vec<u8>)>, Wrong> {
 }
 
 /// The next `length` bytes; memory is taken only for those that are there.
-fn part(reader: &mut dyn Read, length: u32, most: u32) -> Result<Vec<u8>, Wrong> {
+fn part(reader: &mut dyn Read, length: u32, most: u32) -> io::Result<Vec<u8>> {
     if length > most {
         return malformed("a record is too long");
     }
@@ -128,7 +108,7 @@ fn part(reader: &mut dyn Read, length: u32, most: u32) -> Result<Vec<u8>, Wrong>
 }
 
 impl Bag {
-    fn read(&mut self, reader: &mut dyn Read) -> Result<(), Wrong> {
+    fn read(&mut self, reader: &mut dyn Read) -> io::Result<()> {
         let Some((header, _)) = record(reader)? else { return malformed("it ends too early") };
         if header.bytes::<1>("op")? != [BAG] {
             return malformed("its first record is not the header of a bag");
@@ -159,7 +139,7 @@ impl Bag {
     }
 
     /// Takes a connection or a message.
-    fn take(&mut self, header: &Fields, data: &[u8]) -> Result<(), Wrong> {
+    fn take(&mut self, header: &Fields, data: &[u8]) -> io::Result<()> {
         match header.bytes::<1>("op")? {
             [CONNECTION] => {
                 let kind = Fields::of(data)?.text("type");
@@ -173,13 +153,7 @@ impl Bag {
             [MESSAGE] => match self.connections.get(&header.word("conn")?) {
                 None => malformed("a message belongs to no connection"),
                 Some(None) => Ok(()),
-                Some(Some(topic)) => {
-                    let Some(sample) = sample(data, Encoding::Ros1) else {
-                        return malformed(&format!("a message of {topic} is no sensor_msgs/Imu"));
-                    };
-                    self.messages.topics.entry(topic.clone()).or_default().push(sample);
-                    Ok(())
-                }
+                Some(Some(topic)) => self.messages.take(topic, data, Encoding::Ros1),
             },
             _ => malformed("a record is of an unknown type"),
         }
@@ -187,7 +161,7 @@ impl Bag {
 }
 
 /// The contents of a chunk.
-fn unpacked(header: &Fields, data: Vec<u8>) -> Result<Vec<u8>, Wrong> {
+fn unpacked(header: &Fields, data: Vec<u8>) -> io::Result<Vec<u8>> {
     let (size, compression) = (header.word("size")?, header.text("compression"));
     let bytes = match compression.as_str() {
         "none" => data,

@@ -105,9 +105,7 @@ impl Binary {
                 "correct the layout in `binary = \"f64 x7, little\"`: all rows must have the same length";
             Err(RecordError::new(format!("{} does not fit the layout: {why}", source.file), "", help, None))
         };
-        let Some(length) = source.length else {
-            return bad("it is not a regular file".to_owned());
-        };
+        let length = source.size()?;
         if length < self.skipped || !(length - self.skipped).is_multiple_of(row) {
             let after = length.saturating_sub(self.skipped);
             return bad(format!("{after} bytes of numbers are no multiple of {row}, the bytes of a row"));

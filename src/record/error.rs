@@ -1,5 +1,7 @@
 //! Errors of recorded data, with the line at fault.
 
+use std::io;
+
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::source::place::Place;
 
@@ -24,7 +26,7 @@ impl RecordError {
     }
 
     /// The error for a file that cannot be read.
-    pub(crate) fn unreadable(file: &str, error: &std::io::Error) -> RecordError {
+    pub(crate) fn unreadable(file: &str, error: &io::Error) -> RecordError {
         RecordError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)
     }
 
@@ -42,6 +44,19 @@ impl RecordError {
     /// `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         self.0.render(color, width)
+    }
+}
+
+/// The error of bytes without the structure of their format.
+pub(crate) fn malformed<T>(why: &str) -> io::Result<T> {
+    Err(io::Error::other(why))
+}
+
+/// Why bytes cannot be read, in words.
+pub(crate) fn told(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => "it ends too early".to_owned(),
+        _ => error.to_string(),
     }
 }
 

@@ -161,20 +161,23 @@ impl<'a> Source<'a> {
         head.chain(self.rest)
     }
 
+    /// Its length in bytes.
+    ///
+    /// # Errors
+    /// It is a pipe.
+    pub(crate) fn size(&self) -> Result<u64, RecordError> {
+        self.length.ok_or_else(|| {
+            let message = format!("{} is not a regular file", self.file);
+            RecordError::new(message, "", "save it as a file first; text and .npy can be piped", None)
+        })
+    }
+
     /// The bytes in any order.
     ///
     /// # Errors
     /// The file cannot be read, or is a pipe.
     pub(crate) fn seekable(&self) -> Result<Box<dyn Seekable + 'a>, RecordError> {
-        if self.length.is_none() {
-            let message = format!("{} is not a regular file", self.file);
-            return Err(RecordError::new(
-                message,
-                "",
-                "save it as a file first; text and .npy can be piped",
-                None,
-            ));
-        }
+        self.size()?;
         match self.origin {
             Origin::Path(path) => {
                 let file = File::open(path).map_err(|error| RecordError::unreadable(&self.file, &error))?;

@@ -29,10 +29,7 @@ const DENSEST: u64 = 1100;
 /// Opens the file and finds all its datasets of numbers in one or two dimensions.
 pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
-    let Some(length) = source.length else {
-        let message = format!("{file} is not a regular file");
-        return Err(RecordError::new(message, "", "save it as a file first", None));
-    };
+    let length = source.size()?;
     let options = OpenOptions::default()
         .with_max_read_bytes(length.try_into().unwrap_or(usize::MAX))
         .with_max_chunk_bytes(LARGEST_CHUNK);

@@ -8,7 +8,7 @@ use std::io::{self, Cursor, Read, SeekFrom, Take};
 use flate2::read::ZlibDecoder;
 
 use crate::record::arrays::{Array, Arrays};
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, malformed, told};
 use crate::record::format::{Columns, Format, Seekable, Source};
 use crate::record::matrix::{Matrix, Number};
 use crate::record::names::Name;
@@ -81,22 +81,10 @@ struct Path {
     depth: usize,
 }
 
-/// Why a file cannot be read.
-enum Wrong {
-    Malformed(&'static str),
-    Unreadable(io::Error),
-}
-
-impl From<io::Error> for Wrong {
-    fn from(error: io::Error) -> Wrong {
-        Wrong::Unreadable(error)
-    }
-}
-
 fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
     let order = Order { big_endian: source.head[126] == b'M' };
-    let length = source.length.unwrap_or_default();
+    let length = source.size()?;
     let mut bytes = source.seekable()?;
     let (mut places, mut about, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     let mut start = HEADER as u64;
@@ -113,7 +101,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
             number += 1;
             Ok(())
         });
-        start += size.map_err(|wrong| refusal(&file, wrong))?;
+        start += size.map_err(|error| refusal(&file, &error))?;
     }
     let arrays = Arrays::of(&file, &about, &left_out)?;
     Ok(Box::new(Mat { file, bytes, order, arrays, places }))
@@ -139,7 +127,7 @@ impl Columns for Mat<'_> {
                 number += 1;
                 Ok(())
             });
-            read.map_err(|wrong| refusal(file, wrong))?;
+            read.map_err(|error| refusal(file, &error))?;
             Ok(columns)
         })
     }
@@ -149,7 +137,7 @@ impl Columns for Mat<'_> {
 type Found = Result<(String, Matrix), String>;
 
 /// Takes each variable of an element, with a reader of its numbers.
-type Visitor<'v> = &'v mut dyn FnMut(&mut dyn Read, Found) -> Result<(), Wrong>;
+type Visitor<'v> = &'v mut dyn FnMut(&mut dyn Read, Found) -> io::Result<()>;
 
 /// The order of the bytes.
 #[derive(Clone, Copy)]
@@ -167,12 +155,12 @@ impl Order {
         length: u64,
         to_end: bool,
         visit: Visitor,
-    ) -> Result<u64, Wrong> {
+    ) -> io::Result<u64> {
         bytes.seek(SeekFrom::Start(start))?;
         let (kind, size) = (self.word(bytes)?, self.word(bytes)?);
         let whole = 8 + u64::from(size);
         if start.saturating_add(whole) > length {
-            return Err(Wrong::Malformed("it ends too early"));
+            return malformed("it ends too early");
         }
         let mut element = Read::take(&mut *bytes, size.into());
         match kind {
@@ -180,15 +168,15 @@ impl Order {
                 let mut inner = ZlibDecoder::new(element);
                 let (kind, size) = (self.word(&mut inner)?, self.word(&mut inner)?);
                 if kind != MATRIX {
-                    return Err(Wrong::Malformed("a compressed element holds no variable"));
+                    return malformed("a compressed element holds no variable");
                 }
                 self.variable(&mut inner, size, Path::default(), to_end, visit)?;
                 if to_end && io::copy(&mut inner, &mut io::sink())? > 0 {
-                    return Err(Wrong::Malformed("a compressed element is longer than its variable"));
+                    return malformed("a compressed element is longer than its variable");
                 }
             }
             MATRIX => self.variable(&mut element, size, Path::default(), to_end, visit)?,
-            _ => return Err(Wrong::Malformed("an element is no variable")),
+            _ => return malformed("an element is no variable"),
         }
         Ok(whole)
     }
@@ -201,14 +189,14 @@ impl Order {
         path: Path,
         to_end: bool,
         visit: Visitor,
-    ) -> Result<(), Wrong> {
+    ) -> io::Result<()> {
         if size == 0 {
             return visit(reader, Err(format!("the empty `{}`", path.name)));
         }
         let reader = &mut Read::take(reader, size.into());
         let flags = self.element(reader, 6)?;
         if flags.len() != 8 {
-            return Err(Wrong::Malformed("the header of a variable is damaged"));
+            return malformed("the header of a variable is damaged");
         }
         let flags = self.number(&flags[..4]);
         let class = (flags & 0xff) as u8;
@@ -217,7 +205,7 @@ impl Order {
         let name = self.element(reader, 1)?;
         let name = if path.depth == 0 { String::from_utf8_lossy(&name).into_owned() } else { path.name };
         if dims.len() % 4 != 0 {
-            return Err(Wrong::Malformed("the header of a variable is damaged"));
+            return malformed("the header of a variable is damaged");
         }
         let dims: Vec<usize> = dims.chunks_exact(4).map(|raw| self.number(raw) as usize).collect();
         match OTHERS.iter().find(|(other, _)| *other == class) {
@@ -227,7 +215,7 @@ impl Order {
             Some((_, what)) => visit(reader, Err(format!("{what} `{name}`")))?,
             None if name.is_empty() => visit(reader, Err("the contents of objects".to_owned()))?,
             None if !(6..=15).contains(&class) => {
-                return Err(Wrong::Malformed("a variable is of an unknown class"));
+                return malformed("a variable is of an unknown class");
             }
             None => self.matrix(reader, name, &dims, flags & COMPLEX != 0, visit)?,
         }
@@ -235,15 +223,15 @@ impl Order {
         if to_end || path.depth > 0 {
             io::copy(reader, &mut io::sink())?;
             if reader.limit() > 0 {
-                return Err(Wrong::Malformed("it ends too early"));
+                return malformed("it ends too early");
             }
         }
         Ok(())
     }
 
     /// Passes on the fields of a struct.
-    fn fields(self, reader: &mut dyn Read, path: &Path, visit: Visitor) -> Result<(), Wrong> {
-        let damaged = Err(Wrong::Malformed("the fields of a struct are damaged"));
+    fn fields(self, reader: &mut dyn Read, path: &Path, visit: Visitor) -> io::Result<()> {
+        let damaged = malformed("the fields of a struct are damaged");
         let length = self.element(reader, 5)?;
         let names = self.element(reader, 1)?;
         let length = if length.len() == 4 { self.number(&length) as usize } else { 0 };
@@ -270,7 +258,7 @@ impl Order {
         dims: &[usize],
         is_complex: bool,
         visit: Visitor,
-    ) -> Result<(), Wrong> {
+    ) -> io::Result<()> {
         if is_complex {
             return visit(reader, Err(format!("the complex matrix `{name}`")));
         }
@@ -283,13 +271,13 @@ impl Order {
         let number =
             NUMBERS.iter().find(|(known, _)| *known == kind).and_then(|(_, name)| Number::called(name));
         let Some(number) = number else {
-            return Err(Wrong::Malformed("the numbers of a variable are of an unknown type"));
+            return malformed("the numbers of a variable are of an unknown type");
         };
         let matrix = Matrix { number, big_endian: self.big_endian, by_columns: true, rows, columns };
         // Up to seven bytes of padding follow.
         let is_whole = short.is_some() || (bytes.into()..u64::from(bytes) + 8).contains(&reader.limit());
         if matrix.bytes() != Some(bytes.into()) || !is_whole {
-            return Err(Wrong::Malformed("the dimensions of a variable do not fit its numbers"));
+            return malformed("the dimensions of a variable do not fit its numbers");
         }
         match short {
             Some(data) => visit(&mut Cursor::new(&data[..bytes as usize]), Ok((name, matrix))),
@@ -302,14 +290,14 @@ impl Order {
         if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
     }
 
-    fn word(self, reader: &mut dyn Read) -> Result<u32, Wrong> {
+    fn word(self, reader: &mut dyn Read) -> io::Result<u32> {
         let mut bytes = [0; 4];
         reader.read_exact(&mut bytes)?;
         Ok(self.number(&bytes))
     }
 
     /// The type and the size of the next element; one of at most four bytes holds its data in the second half of the tag.
-    fn tag(self, reader: &mut dyn Read) -> Result<(u32, u32, Option<[u8; 4]>), Wrong> {
+    fn tag(self, reader: &mut dyn Read) -> io::Result<(u32, u32, Option<[u8; 4]>)> {
         let kind = self.word(reader)?;
         if kind >> 16 == 0 {
             return Ok((kind, self.word(reader)?, None));
@@ -318,15 +306,15 @@ impl Order {
         reader.read_exact(&mut data)?;
         match kind >> 16 {
             size @ 1..=4 => Ok((kind & 0xffff, size, Some(data))),
-            _ => Err(Wrong::Malformed("a short element has more than four bytes")),
+            _ => malformed("a short element has more than four bytes"),
         }
     }
 
     /// The bytes of the next element, which is of this type.
-    fn element(self, reader: &mut dyn Read, wanted: u32) -> Result<Vec<u8>, Wrong> {
+    fn element(self, reader: &mut dyn Read, wanted: u32) -> io::Result<Vec<u8>> {
         let (kind, size, short) = self.tag(reader)?;
         if kind != wanted || size > LONGEST {
-            return Err(Wrong::Malformed("the header of a variable is damaged"));
+            return malformed("the header of a variable is damaged");
         }
         if let Some(data) = short {
             return Ok(data[..size as usize].to_vec());
@@ -338,14 +326,8 @@ impl Order {
     }
 }
 
-fn refusal(file: &str, wrong: Wrong) -> RecordError {
-    let why = match wrong {
-        Wrong::Unreadable(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-            "it ends too early".to_owned()
-        }
-        Wrong::Unreadable(error) => error.to_string(),
-        Wrong::Malformed(why) => why.to_owned(),
-    };
+fn refusal(file: &str, error: &io::Error) -> RecordError {
     let help = "save it again, as in save('log.mat', 'time', 'gyro') with a row for each sample";
-    RecordError::new(format!("{file} cannot be taken as a MATLAB file: {why}"), "", help, None)
+    let message = format!("{file} cannot be taken as a MATLAB file: {}", told(error));
+    RecordError::new(message, "", help, None)
 }

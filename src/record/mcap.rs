@@ -2,14 +2,14 @@
 //! checksums that the file has.
 
 use std::collections::HashMap;
-use std::io::Read;
+use std::io::{self, Read};
 
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, malformed};
 use crate::record::format::{Columns, Source};
-use crate::record::ros::{Encoding, Messages, is_imu, sample};
+use crate::record::ros::{Encoding, Messages, is_imu};
 
 /// Longest record or chunk, in bytes.
 const LONGEST: usize = 1 << 27;
@@ -32,7 +32,7 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
                 reader.notify_read(read.map_err(|error| RecordError::unreadable(&file, &error))?);
             }
             LinearReadEvent::Record { data, opcode } => {
-                topics.take(opcode, data).map_err(|why| bad(&file, &why))?;
+                topics.take(opcode, data).map_err(|error| bad(&file, &error.to_string()))?;
             }
         }
     }
@@ -71,12 +71,12 @@ impl<'d> Rest<'d> {
 }
 
 impl Topics {
-    fn take(&mut self, opcode: u8, data: &[u8]) -> Result<(), String> {
+    fn take(&mut self, opcode: u8, data: &[u8]) -> io::Result<()> {
         let mut rest = Rest(data);
         match opcode {
             op::SCHEMA => {
                 let (Some(id), Some(name)) = (rest.id(), rest.text()) else {
-                    return Err("a schema is damaged".to_owned());
+                    return malformed("a schema is damaged");
                 };
                 self.schemas.insert(id, name.to_owned());
             }
@@ -84,7 +84,7 @@ impl Topics {
                 let (id, schema, topic, encoding) = (rest.id(), rest.id(), rest.text(), rest.text());
                 let (Some(id), Some(schema), Some(topic), Some(encoding)) = (id, schema, topic, encoding)
                 else {
-                    return Err("a channel is damaged".to_owned());
+                    return malformed("a channel is damaged");
                 };
                 let schema = self.schemas.get(&schema).cloned().unwrap_or_default();
                 let encoding = match encoding {
@@ -101,17 +101,12 @@ impl Topics {
             op::MESSAGE => {
                 // The number in sequence and two times stand before the message.
                 let (Some(id), Some(_)) = (rest.id(), rest.bytes::<20>()) else {
-                    return Err("a message is damaged".to_owned());
+                    return malformed("a message is damaged");
                 };
                 match self.channels.get(&id) {
-                    None => return Err("a message belongs to no channel".to_owned()),
+                    None => return malformed("a message belongs to no channel"),
                     Some(None) => {}
-                    Some(Some((topic, encoding))) => {
-                        let sample = sample(rest.0, *encoding);
-                        let sample =
-                            sample.ok_or_else(|| format!("a message of {topic} is no sensor_msgs/Imu"))?;
-                        self.messages.topics.entry(topic.clone()).or_default().push(sample);
-                    }
+                    Some(Some((topic, encoding))) => self.messages.take(topic, rest.0, *encoding)?,
                 }
             }
             _ => {}

@@ -1,9 +1,10 @@
 //! Messages of type `sensor_msgs/Imu` of ROS 1 and ROS 2, and the columns that they make.
 
 use std::collections::BTreeMap;
+use std::io;
 
 use crate::record::arrays::{Array, Arrays};
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, malformed};
 use crate::record::format::Columns;
 use crate::record::names::Name;
 use crate::record::recording::Rules;
@@ -32,7 +33,7 @@ pub(crate) enum Encoding {
 
 /// Reads a message: its time in ns since the epoch, the angular rate and the acceleration; a part is NaN where its covariance
 /// says that it was not measured.
-pub(crate) fn sample(message: &[u8], encoding: Encoding) -> Option<[f64; 7]> {
+fn sample(message: &[u8], encoding: Encoding) -> Option<[f64; 7]> {
     let (body, start, big_endian) = match encoding {
         Encoding::Ros1 => (message, 4, false),
         // Plain CDR only, in either order.
@@ -77,12 +78,24 @@ pub(crate) fn sample(message: &[u8], encoding: Encoding) -> Option<[f64; 7]> {
 /// The messages of each topic.
 #[derive(Default)]
 pub(crate) struct Messages {
-    pub topics: BTreeMap<String, Vec<[f64; 7]>>,
+    topics: BTreeMap<String, Vec<[f64; 7]>>,
     /// Other types of messages, for a refusal.
     pub others: Vec<String>,
 }
 
 impl Messages {
+    /// Takes a message of a topic.
+    pub(crate) fn take(&mut self, topic: &str, message: &[u8], encoding: Encoding) -> io::Result<()> {
+        let Some(sample) = sample(message, encoding) else {
+            return malformed(&format!("a message of {topic} is no sensor_msgs/Imu"));
+        };
+        match self.topics.get_mut(topic) {
+            Some(samples) => samples.push(sample),
+            None => drop(self.topics.insert(topic.to_owned(), vec![sample])),
+        }
+        Ok(())
+    }
+
     /// The columns of all topics with messages; `file` is the name in messages.
     ///
     /// # Errors
