@@ -1,5 +1,7 @@
 //! Every format of recorded data gives the same samples, with the same gap.
 
+use std::path::Path;
+
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Hints, Request, Timing};
@@ -18,18 +20,17 @@ fn every_format_gives_the_bits_of_the_text() {
     }
 }
 
+/// The columns that a file of rates has.
+fn read(path: &Path, timing: Timing, units: Vec<Unit>) -> Log {
+    let (columns, data, hints) = (vec![], Data::Rate, Hints::default());
+    let request = Request { columns, timing, data, units, temperature: None, hints };
+    Log::read(path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)))
+}
+
 #[test]
 fn attributes_of_hdf5_are_units() {
-    let request = Request {
-        columns: vec![],
-        timing: Timing::Stamps { step_s: None, column: None, unit: None },
-        data: Data::Rate,
-        units: vec![],
-        temperature: None,
-        hints: Hints::default(),
-    };
     let path = TEXT.path().with_file_name("imu.h5");
-    let log = Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
+    let log = read(&path, Timing::Stamps { step_s: None, column: None, unit: None }, vec![]);
     assert_eq!(bits(&log), bits(&TEXT.read(&TEXT.path()).unwrap()));
     assert!(log.channels.iter().all(|channel| channel.unit_in_header.as_deref() == Some("rad/s")), "{log:?}");
 }
@@ -65,14 +66,6 @@ fn strings_and_tables_of_matlab_are_left_out_of_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mat");
     std::fs::write(&path, file).unwrap();
-    let request = Request {
-        columns: vec![],
-        timing: Timing::Step(0.01),
-        data: Data::Rate,
-        units: vec![Unit::parse("deg/h", Data::Rate).unwrap()],
-        temperature: None,
-        hints: Hints::default(),
-    };
-    let log = Log::read(&path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
+    let log = read(&path, Timing::Step(0.01), vec![Unit::parse("deg/h", Data::Rate).unwrap()]);
     assert_eq!(log.channels[0].samples, [1.0, 2.5, -3.0, 4.0]);
 }
