@@ -47,10 +47,11 @@ def chamber():
     return 20 + settled[:SAMPLES]
 
 
+# Each with the terms that it tells from each other.
 COURSES = {
-    "ramp": 20 + 10 * TIME / SAMPLES,
-    "chamber": chamber(),
-    "day": 20 + 5 * np.sin(2 * np.pi * TIME / SAMPLES + 0.7),
+    "ramp": (20 + 10 * TIME / SAMPLES, ["T", "T2"]),
+    "chamber": (chamber(), ["T", "T2", "dT"]),
+    "day": (20 + 5 * np.sin(2 * np.pi * TIME / SAMPLES + 0.7), ["T", "T2", "dT"]),
 }
 # °/h/K, °/h/K², °/h/(K/min)
 TRUTH = {"T": 0.1, "T2": 0.01, "dT": 0.5}
@@ -100,8 +101,7 @@ def terms(records):
     rng = np.random.default_rng(29)
     for noise, make in NOISES.items():
         made = [make(rng) for _ in range(records)]
-        for name, course in COURSES.items():
-            wanted = ["T", "T2"] if name == "ramp" else ["T", "T2", "dT"]
+        for name, (course, wanted) in COURSES.items():
             rates = sum(part(term, course) for term in wanted)
             found = list(program([x + rates for x in made], course, "--temperature-terms", ",".join(wanted)))
             cells = [f"{term} {covered(found, term, TRUTH[term])}" for term in wanted]
@@ -142,8 +142,7 @@ def method(records):
     inverses, constants = np.array(inverses), np.array(constants)
     for noise, make in NOISES.items():
         values = inverses @ means(np.stack([make(rng) for _ in range(records)], axis=1))
-        for name, course in COURSES.items():
-            wanted = ["T", "T2"] if name == "ramp" else ["T", "T2", "dT"]
+        for name, (course, wanted) in COURSES.items():
             columns = np.stack([np.ones(SAMPLES), *[part(term, course - course.mean()) for term in wanted]], axis=1)
             whitened = inverses @ means(columns)
             products = np.einsum("gia,gib->gab", whitened, whitened)
@@ -169,7 +168,7 @@ def chosen(records):
     rng = np.random.default_rng(31)
     for noise, make in NOISES.items():
         made = [make(rng) for _ in range(records)]
-        for name, course in COURSES.items():
+        for name, (course, _) in COURSES.items():
             found = list(program(made, course))
             line = f"{noise:22} {name:8} {covered(found, 'T', 0)} of T covered;"
             for term in ("T", "T2", "dT", "aging", "warm-up"):
