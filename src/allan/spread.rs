@@ -119,7 +119,7 @@ mod tests {
         let mut places = 1_u64;
         for x in &mut rates {
             places = 16807 * places % 2_147_483_647;
-            *x *= if places % 100 == 0 { 10.0 } else { 1.0 };
+            *x *= if places.is_multiple_of(100) { 10.0 } else { 1.0 };
         }
         let found = spread(&rates);
         assert!(found.at(1) > 0.005 && found.at(64) < 0.005, "{found:?}");
