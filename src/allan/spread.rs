@@ -19,7 +19,7 @@ const SURE: f64 = 0.999;
 
 /// Relative standard deviations that the Allan variances of a record have beyond those of Gaussian noise, one for each octave of the
 /// averaging factor.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spread(Vec<f64>);
 
 impl Spread {
@@ -47,6 +47,11 @@ impl Spread {
     pub fn at(&self, m: u64) -> f64 {
         let octave = m.max(1).ilog2() as usize;
         self.0.get(octave).or(self.0.last()).copied().unwrap_or(0.0)
+    }
+
+    /// That of a record of the same noise that is `times` as long.
+    pub(crate) fn over(&self, times: f64) -> Spread {
+        Spread(self.0.iter().map(|spread| spread / libm::sqrt(times)).collect())
     }
 
     /// The greatest one.
@@ -112,16 +117,19 @@ mod tests {
         }
     }
 
-    /// One sample in a hundred is ten times as large, so the variance of a square is 27 times that of Gaussian noise.
+    /// One sample in a hundred is ten times as large: the excess kurtosis is 73.5, and a quadratic form of many such samples with
+    /// equal weights has the relative variance of a Gaussian one and 73.5 divided by their number more, whatever the averaging time.
     #[test]
-    fn the_long_tails_of_independent_samples_average_out() {
+    fn long_tails_spread_all_averaging_times_alike() {
         let mut rates = white(1 << 17);
         let mut places = 1_u64;
         for x in &mut rates {
             places = 16807 * places % 2_147_483_647;
             *x *= if places.is_multiple_of(100) { 10.0 } else { 1.0 };
         }
-        let found = spread(&rates);
-        assert!(found.at(1) > 0.005 && found.at(64) < 0.005, "{found:?}");
+        let (found, expected) = (spread(&rates), libm::sqrt(73.5 / f64::from(1 << 17)));
+        for m in [1, 2, 4, 8, 16] {
+            assert!((found.at(m) / expected - 1.0).abs() < 0.15, "{found:?}, not {expected}");
+        }
     }
 }

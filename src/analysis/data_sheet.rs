@@ -51,7 +51,7 @@ pub struct DataSheet {
     pub fit: Fit,
     /// Source of the intervals.
     pub intervals: Intervals,
-    /// Whether the curve falls as that of quantisation noise, but its shortest τ or the spectrum contradicts it.
+    /// Whether the curve falls as that of quantisation noise, but the spectrum contradicts it.
     pub is_hump: bool,
 }
 
@@ -136,12 +136,12 @@ impl DataSheet {
             (described.fit.clone(), Intervals { records: 0, without })
         });
         let mut fit = described.judged(fit, asked.is_forced);
-        let mut is_hump = described.square_left(Term::Quantisation).is_some();
+        let mut is_hump = false;
         if let Some(found) = fit.coefficients.iter_mut().find(|found| is_identified_quantisation(found)) {
             is_hump = hump::is_hump(angles, &described.fit);
             if is_hump {
-                *found = found
-                    .without_value(Verdict::NotIdentifiable { below: found.interval.map(|ends| ends[1]) });
+                let below = found.interval.map(|ends| ends[1]);
+                *found = found.without_value(Verdict::NotIdentifiable { below });
             }
         }
         Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump })

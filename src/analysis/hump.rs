@@ -1,32 +1,52 @@
 //! Whether the spectrum of a record has the quantisation noise that a fit to its Allan curve finds.
 //!
 //! At the octaves of τ, a line, a hump or its alias makes a curve fall as 1/τ, as quantisation noise does. Quantisation noise
-//! has its highest density at half the sampling rate, and there a line or hump at lower frequencies adds nothing.
+//! has its highest density at half the sampling rate, and there a line or hump at lower frequencies adds nothing. Only pulses
+//! that are larger than the noise of a sample have quantisation errors that depend on each other from sample to sample; their
+//! density is another one, and Q is not tested.
 
 use crate::allan::Angles;
 use crate::fit::Fit;
 use crate::spectrum::{Density, Floor, Welch, lines};
-use crate::theory::allan::{Process, Term};
+use crate::theory::allan::{Part, Process, Term};
 
 /// Part of the density of the quantisation noise that the spectrum must have.
 const PART: f64 = 0.5;
 
-/// Whether the density of a record above a third of its sampling rate is, with its 95 % interval, below half of the quantisation
-/// noise of a fit to its whole Allan curve. The density is a median, which lines there do not change.
+/// Part of equal neighbouring increments from which on pulses are so large: the noise of a sample is below 1.4 pulses.
+const COARSE: f64 = 0.2;
+/// Difference of neighbouring increments, relative to that of most, which counts as none.
+const EQUAL: f64 = 1e-6;
+
+/// Whether the density of a record above a third of its sampling rate is, with its 95 % interval, below half of that of the
+/// quantisation noise of a fit, beside the other noise. If the fit leaves out the shortest τ, where a filter may lower the other
+/// noise, that counts as none. The density is a median, which lines do not change.
 pub(crate) fn is_hump(angles: &Angles, fit: &Fit) -> bool {
     let lacks = || {
         let density = Density::of(angles, &Welch::default()).ok()?;
         let places = density.segment / 3..density.segment.div_ceil(2) - 1;
         let points = &density.points[places.clone()];
-        let rest = fit.process.parts.iter().copied().filter(|part| part.term != Term::Quantisation);
-        let rest = Process { parts: rest.collect(), ..fit.process };
-        let expected = |process: &Process| {
+        let expected = |is_meant: fn(&Part) -> bool| {
+            let parts = fit.process.parts.iter().copied().filter(is_meant).collect();
+            let process = Process { parts, ..fit.process };
             let densities = points.iter().filter_map(|point| process.density(point.frequency_hz));
             densities.sum::<f64>() / points.len() as f64
         };
-        let (with, without) = (expected(&fit.process), expected(&rest));
+        let is_whole = fit.tau_range[0] <= 1.01 * angles.step_s;
+        let other = if is_whole { expected(|part| part.term != Term::Quantisation) } else { 0.0 };
         let found = Floor::over(&density, &lines(&density), places)?;
-        Some(found.interval.1 < without + PART * (with - without))
+        Some(found.interval.1 < other + PART * expected(|part| part.term == Term::Quantisation))
     };
-    fit.tau_range[0] <= 1.01 * angles.step_s && lacks().unwrap_or(false)
+    !is_coarse(angles) && lacks().unwrap_or(false)
+}
+
+fn is_coarse(angles: &Angles) -> bool {
+    let differences = |run: &[f64]| -> Vec<f64> {
+        run.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).filter(|x| x.is_finite()).collect()
+    };
+    let all: Vec<f64> =
+        angles.runs().iter().flat_map(|run| differences(&angles.values()[run.clone()])).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let equal = all.iter().filter(|x| **x < EQUAL * mean).count();
+    equal as f64 > COARSE * all.len() as f64
 }

@@ -136,10 +136,10 @@ impl Growth {
             Components::new(&curve.process(&unit), curve.difference(), curve.samples(), curve.ms());
         let of_term = |fitted: &Fitted| {
             let column = curve.of_term(fitted.term, 1.0, fitted.shape);
-            column.iter().zip(curve.spread()).map(|(x, spread)| x * spread).collect()
+            column.iter().zip(curve.ms()).map(|(x, m)| x * curve.spread().at(*m)).collect()
         };
-        let is_spread = curve.spread().iter().any(|spread| *spread > 0.0);
-        let common = if is_spread { terms.iter().map(of_term).collect() } else { Vec::new() };
+        let common =
+            if curve.spread().most() > 0.0 { terms.iter().map(of_term).collect() } else { Vec::new() };
         Growth { terms: terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect(), components, common }
     }
 

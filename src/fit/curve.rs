@@ -12,8 +12,7 @@ pub struct Curve {
     ms: Vec<u64>,
     variances: Vec<f64>,
     octaves: usize,
-    /// Common relative deviation of the estimates beyond that of Gaussian noise.
-    spread: Vec<f64>,
+    spread: Spread,
 }
 
 /// Why a curve cannot be fitted.
@@ -101,14 +100,12 @@ impl Curve {
             return Err(FitError::TooLong { m, samples });
         }
         let octaves = holds::octaves(samples).ok_or(FitError::TooManySamples(samples))?;
-        let spread = vec![0.0; ms.len()];
-        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread })
+        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread: Spread::default() })
     }
 
     /// The curve with the spread of its record.
-    pub(crate) fn spread_by(mut self, spread: &Spread) -> Curve {
-        self.spread = self.ms.iter().map(|&m| spread.at(m)).collect();
-        self
+    pub(crate) fn spread_by(self, spread: Spread) -> Curve {
+        Curve { spread, ..self }
     }
 
     /// Another curve with the same averaging factors and length.
@@ -125,7 +122,7 @@ impl Curve {
         Curve {
             ms: self.ms[start..].to_vec(),
             variances: self.variances[start..].to_vec(),
-            spread: self.spread[start..].to_vec(),
+            spread: self.spread.clone(),
             ..*self
         }
     }
@@ -155,8 +152,8 @@ impl Curve {
         &self.variances
     }
 
-    /// Relative standard deviation that the estimates have in common beyond that of Gaussian noise; see [`Spread`].
-    pub(crate) fn spread(&self) -> &[f64] {
+    /// Deviations that the estimates have in common beyond those of Gaussian noise.
+    pub(crate) fn spread(&self) -> &Spread {
         &self.spread
     }
 

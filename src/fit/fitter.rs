@@ -139,7 +139,7 @@ impl Fitter {
         let found: Vec<Fitted> = found.collect();
         let (growth, model) = self.model(&self.complete(&found), None)?;
         let covariance = Covariance::of_realisations(realisations, &model)?;
-        let realisations = spread_by(realisations, curve.spread());
+        let realisations = with_spread(realisations, &curve);
         self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), &realisations)
     }
 
@@ -215,12 +215,12 @@ impl Fitter {
 
 /// Simulated curves of Gaussian noise with the deviations that the estimates of their record have in common. Any order of normal
 /// quantiles will do, because the rows are in none; that of a golden section leaves no pattern.
-fn spread_by(rows: &[Vec<f64>], spread: &[f64]) -> Vec<Vec<f64>> {
+fn with_spread(rows: &[Vec<f64>], curve: &Curve) -> Vec<Vec<f64>> {
     let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
     let of_row = |(i, row): (usize, &Vec<f64>)| {
         let place = (i as f64 + 0.5) * golden;
         let normal = normal_quantile(place - libm::floor(place));
-        row.iter().zip(spread).map(|(x, spread)| x * (1.0 + spread * normal)).collect()
+        row.iter().zip(curve.ms()).map(|(x, m)| x * (1.0 + curve.spread().at(*m) * normal)).collect()
     };
     rows.iter().enumerate().map(of_row).collect()
 }

@@ -15,9 +15,8 @@
 //! 5. If there is none, the fit of all octaves is the result unless its χ² is impossible. Then every coefficient is
 //!    [not described](Verdict::NotDescribed).
 //!
-//! Terms that are given are first fitted without a band limit. The octaves that a fit leaves out may still contradict what it finds:
-//! quantisation noise would exceed the curve there if the spectrum has a hump instead, and so does the noise that a band limit leaves
-//! where noise of long correlation is added to white noise. Such a term is not identified.
+//! Terms that are given are first fitted without a band limit. A band limit is left out where the variance at the shortest τ is
+//! larger than what such a filter leaves, as where noise with a correlation time is added to white noise.
 
 use crate::allan::{Angles, Deviation};
 use crate::fit::record::{curve_at, factors};
@@ -75,11 +74,9 @@ impl Fitting {
                 && self.to_s.is_none_or(|to_s| is_at_least(to_s, tau_s))
         };
         let within: Vec<usize> = octaves.into_iter().filter(is_within).collect();
-        let parameters = self.terms.fewest_parameters();
-        if within.len() < parameters {
-            return Err(FitError::TooFewPoints { points: within.len(), parameters });
-        }
-        curve_at(angles, &within)
+        let curve = curve_at(angles, &within)?;
+        let (points, parameters) = (curve.ms().len(), self.terms.fewest_parameters());
+        if points < parameters { Err(FitError::TooFewPoints { points, parameters }) } else { Ok(curve) }
     }
 }
 
@@ -97,8 +94,8 @@ pub struct Described {
     pub fit: Fit,
     /// Whether the fit describes the curve.
     pub is_described: bool,
-    /// Terms of the fit that the shortest τ of the curve contradicts, with the largest square that it leaves.
-    contradicted: Vec<(Term, f64)>,
+    /// Whether the shortest τ of the curve agrees with the band limit of the fit, if it has one.
+    is_filter: bool,
 }
 
 /// Fits the terms over the range of `curve` that they describe.
@@ -113,8 +110,8 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
     };
     let fit = whole.fit_record(curve.variances())?;
     let described = |fitter, fit| {
-        let contradicted = contradicted(&fit, curve);
-        Described { fitter, fit, is_described: true, contradicted }
+        let is_filter = is_filter(&fit, curve);
+        Described { fitter, fit, is_described: true, is_filter }
     };
     if is_likely(&fit) && !is_limited(&fit) {
         return Ok(described(whole, fit));
@@ -138,14 +135,12 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
         }
     }
     match found {
-        Some((start, described)) if start < LOST && described.square_left(Term::BandLimit).is_none() => {
-            Ok(described)
-        }
+        Some((start, described)) if start < LOST && described.is_filter => Ok(described),
         found => {
             let other = with_shape(curve, &asked.terms)?.map(|(fitter, fit)| described(fitter, fit));
             let other = other.or(found.map(|(_, described)| described));
             let is_described = fit.p_value().is_some_and(|p| p > IMPOSSIBLE_P);
-            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described, contradicted: Vec::new() }))
+            Ok(other.unwrap_or(Described { fitter: whole, fit, is_described, is_filter: true }))
         }
     }
 }
@@ -168,24 +163,17 @@ fn with_shape(curve: &Curve, terms: &Terms) -> Result<Option<(Fitter, Fit)>, Fit
     Ok(best)
 }
 
-/// The terms of a fit to a part of a curve that its shortest τ contradicts, each with the largest square that it leaves.
-fn contradicted(fit: &Fit, curve: &Curve) -> Vec<(Term, f64)> {
-    let mut found = Vec::new();
-    let [tau_s, _] = curve.tau_range();
-    let Some(variance) = curve.variances().first().filter(|_| fit.tau_range[0] > tau_s) else { return found };
+/// Whether the variance at the shortest τ of a curve is no more than what the band limit of a fit leaves, as if it were that of a
+/// first-order low-pass.
+fn is_filter(fit: &Fit, curve: &Curve) -> bool {
     let square = |term: Term| fit.process.parts.iter().find(|part| part.term == term).map(Part::square);
-    let most = variance / curve.of_term(Term::Quantisation, 1.0, 1.0)[0];
-    if square(Term::Quantisation).is_some_and(|square| square > most) {
-        found.push((Term::Quantisation, most));
-    }
-    if let (Some(limit), Some(white)) = (square(Term::BandLimit), square(Term::AngleRandomWalk)) {
+    let terms = square(Term::BandLimit).zip(square(Term::AngleRandomWalk)).zip(curve.variances().first());
+    terms.is_none_or(|((limit, white), variance)| {
+        let [tau_s, _] = curve.tau_range();
         let x = tau_s * white / (2.0 * limit);
         let left = 1.0 - (3.0 - 4.0 * libm::exp(-x) + libm::exp(-2.0 * x)) / (2.0 * x);
-        if *variance > SURPLUS * left * white / tau_s {
-            found.push((Term::BandLimit, 0.0));
-        }
-    }
-    found
+        *variance <= SURPLUS * left * white / tau_s
+    })
 }
 
 /// Whether a fit contains a band limit.
@@ -198,26 +186,14 @@ fn is_likely(fit: &Fit) -> bool {
 }
 
 impl Described {
-    /// The largest square of a term that the shortest τ of the curve leaves, if that of the fit is larger.
-    pub(crate) fn square_left(&self, term: Term) -> Option<f64> {
-        self.contradicted.iter().find(|(other, _)| *other == term).map(|(_, square)| *square)
-    }
-
-    /// Leaves out a band limit that is not identified, and the value of a term that the shortest τ contradicts. If the fit does not
-    /// describe the curve, marks its coefficients and, unless `is_forced`, takes their values.
+    /// Leaves out a band limit that is not identified or is no filter. If the fit does not describe the curve, marks its
+    /// coefficients and, unless `is_forced`, takes their values.
     pub fn judged(&self, fit: Fit, is_forced: bool) -> Fit {
+        let is_shown = |found: &Coefficient| {
+            found.term != Term::BandLimit || self.is_filter && found.verdict == Verdict::Identified
+        };
         if self.is_described {
-            let bounded = |found: Coefficient| match self.square_left(found.term) {
-                Some(square) if found.verdict == Verdict::Identified => {
-                    let below = found.interval.map_or(f64::INFINITY, |ends| ends[1]).min(libm::sqrt(square));
-                    found.without_value(Verdict::NotIdentifiable { below: Some(below) })
-                }
-                _ => found,
-            };
-            let is_shown =
-                |found: &Coefficient| found.term != Term::BandLimit || found.verdict == Verdict::Identified;
-            let coefficients = fit.coefficients.into_iter().map(bounded).filter(is_shown).collect();
-            return Fit { coefficients, ..fit };
+            return Fit { coefficients: fit.coefficients.into_iter().filter(is_shown).collect(), ..fit };
         }
         let is_asked = |found: &Coefficient| found.term != Term::BandLimit;
         let of = |found: Coefficient| match is_forced {

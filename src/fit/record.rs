@@ -32,7 +32,7 @@ pub(crate) fn curve_at(angles: &Angles, factors: &[usize]) -> Result<Curve, FitE
     let known: Vec<(u64, f64)> = points.iter().filter(is_left).filter_map(square).collect();
     let (ms, variances) = known.into_iter().unzip();
     let curve = Curve::new(angles.step_s, samples as u64, Difference::Second, ms, variances)?;
-    Ok(curve.spread_by(angles.spread()))
+    Ok(curve.spread_by(angles.spread().clone()))
 }
 
 /// The averaging factors of a fit to a record of `samples` samples.

@@ -80,3 +80,28 @@ fn a_line_is_no_quantisation_noise() {
     let found = sheet(&quantised);
     assert!(!found.is_hump && covers(&found.fit, Term::Quantisation, 1.0), "{found:?}");
 }
+
+/// A laser gyro counts pulses, which may be larger than its noise: their errors are no white noise, yet Q is that of a pulse.
+#[test]
+fn coarse_pulses_have_their_quantisation_noise() {
+    let mut angle = 0.0;
+    let pulses: Vec<f64> = white(5)
+        .iter()
+        .map(|x| {
+            let before = libm::floor(angle);
+            angle += 0.37 + 0.05 * x;
+            libm::floor(angle) - before
+        })
+        .collect();
+    let found = sheet(&pulses);
+    assert!(!found.is_hump && covers(&found.fit, Term::Quantisation, 1.0 / libm::sqrt(12.0)), "{found:?}");
+}
+
+#[test]
+fn a_record_with_every_second_sample_missing_is_refused() {
+    let mut rates = white(6);
+    rates.iter_mut().step_by(2).for_each(|x| *x = f64::NAN);
+    let angles = Angles::from_increments(&rates, 1.0, 1.0, Trend::None);
+    let closed = Intervals { records: 0, without: None };
+    assert!(DataSheet::of(&angles, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).is_err());
+}

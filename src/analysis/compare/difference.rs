@@ -102,7 +102,7 @@ impl Fits {
     }
 
     /// Required lengths of the records for each of `differences`; unknown where the values to distinguish are unknown.
-    pub(crate) fn lengths(&self, differences: &[Difference], steps: [f64; 2]) -> Vec<Length> {
+    pub(crate) fn lengths(&self, differences: &[Difference]) -> Vec<Length> {
         let is_open = |found: &&Difference| {
             found.difference.is_some_and(|difference| difference != 0.0)
                 || found.p.is_some_and(|p| p < SIGNIFICANT)
@@ -111,7 +111,7 @@ impl Fits {
         let [a, b] = &self.fits;
         let from_s = self.curves[0].tau_range()[0].max(self.curves[1].tau_range()[0]);
         let mut found =
-            length::needed([&a.process, &b.process], steps, from_s, &self.terms, &open).into_iter();
+            length::needed([&a.process, &b.process], &self.curves, from_s, &self.terms, &open).into_iter();
         let of = |difference| match is_open(&difference) {
             true => found.next().unwrap_or(Length::Unknown),
             false => Length::Unknown,

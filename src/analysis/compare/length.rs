@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::allan::Spread;
 use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::difference::two;
 use crate::fit::record::factors;
@@ -28,20 +29,20 @@ pub enum Length {
     Unknown,
 }
 
-/// The lengths for each of `quantities`, for records of two `processes` sampled in these `steps`, s, and fitted with
-/// `terms` from τ = `from_s` on.
+/// The lengths for each of `quantities`, for records of two `processes` with the samplings and spreads of these `curves`, fitted
+/// with `terms` from τ = `from_s` on.
 ///
 /// The closed-form curve of each process is fitted with the covariance of the estimates of a record of that length, up
 /// to an eighth of it. The fit is then the process itself, with the uncertainty of such a record. The uncertainty falls
 /// faster than the square root of the length, because longer τ become available.
 pub(crate) fn needed(
     processes: [&Process; 2],
-    steps: [f64; 2],
+    curves: &[Curve; 2],
     from_s: f64,
     terms: &[Term],
     quantities: &[Quantity],
 ) -> Vec<Length> {
-    let mut search = Search { processes, steps, from_s, terms, fits: BTreeMap::new() };
+    let mut search = Search { processes, curves, from_s, terms, fits: BTreeMap::new() };
     let mut open: Vec<usize> = (0..quantities.len()).collect();
     let mut lengths = vec![Length::Beyond(search.length(LONGEST * STEPS)); quantities.len()];
     for octave in SHORTEST..=LONGEST {
@@ -62,7 +63,7 @@ pub(crate) fn needed(
 
 struct Search<'a> {
     processes: [&'a Process; 2],
-    steps: [f64; 2],
+    curves: &'a [Curve; 2],
     from_s: f64,
     terms: &'a [Term],
     /// Fits by the logarithm of the length.
@@ -71,17 +72,21 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn length(&self, at: u32) -> f64 {
-        libm::exp2(f64::from(at) / f64::from(STEPS)) * self.steps[0].min(self.steps[1])
+        libm::exp2(f64::from(at) / f64::from(STEPS))
+            * self.curves[0].sample_s().min(self.curves[1].sample_s())
     }
 
     /// The distance between the expected estimates of a quantity.
     fn distance(&mut self, at: u32, quantity: Quantity) -> Option<f64> {
         let length = self.length(at);
-        let (processes, steps, from_s, terms) = (self.processes, self.steps, self.from_s, self.terms);
+        let (processes, curves, from_s, terms) = (self.processes, self.curves, self.from_s, self.terms);
         let fits = self.fits.entry(at).or_insert_with(|| {
             let terms = Terms::Given(terms.to_vec());
-            let fit =
-                |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, from_s, &terms);
+            let fit = |i: usize| {
+                let samples = libm::round(length / curves[i].sample_s()) as u64;
+                let spread = curves[i].spread().over(samples as f64 / curves[i].samples() as f64);
+                expected(processes[i], samples, spread, from_s, &terms)
+            };
             let (a, b) = rayon::join(|| fit(0), || fit(1));
             Some([a?, b?])
         });
@@ -103,8 +108,14 @@ impl Search<'_> {
     }
 }
 
-/// The fit of the expected curve of records of `samples` samples from τ = `from_s` on.
-pub(crate) fn expected(process: &Process, samples: u64, from_s: f64, terms: &Terms) -> Option<Fit> {
+/// The fit of the expected curve of records of `samples` samples with this spread from τ = `from_s` on.
+pub(crate) fn expected(
+    process: &Process,
+    samples: u64,
+    spread: Spread,
+    from_s: f64,
+    terms: &Terms,
+) -> Option<Fit> {
     let octaves = holds::octaves(samples)?;
     let of_length = |part: &Part| Part { octaves, ..*part };
     let process =
@@ -114,5 +125,5 @@ pub(crate) fn expected(process: &Process, samples: u64, from_s: f64, terms: &Ter
     let variances: Option<Vec<f64>> =
         ms.iter().map(|&m| process.expected(Estimator::OVERLAPPING, samples, m)).collect();
     let curve = Curve::new(process.sample_s, samples, Difference::Second, ms, variances?).ok()?;
-    fit_record(&curve, terms).ok()
+    fit_record(&curve.spread_by(spread), terms).ok()
 }

@@ -88,9 +88,8 @@ impl Comparison {
 
     /// The record length required for each of the differences; takes a second or two.
     pub fn lengths(&self) -> Vec<Length> {
-        let steps = self.ratios.first().map_or([0.0; 2], |ratio| ratio.points.map(|p| p.tau_s / p.m as f64));
         let differences = self.differences.as_deref().unwrap_or_default();
-        self.fits.as_ref().map_or_else(Vec::new, |fits| fits.lengths(differences, steps))
+        self.fits.as_ref().map_or_else(Vec::new, |fits| fits.lengths(differences))
     }
 }
 

@@ -30,6 +30,8 @@ pub struct Same {
 /// closed form gives the expected logarithms, even where the samplings differ, and their covariance: that of the
 /// estimates relative to their means, with mean and variance of the logarithm of a χ² with the same degrees of freedom.
 ///
+/// The deviations beyond those of Gaussian noise that the estimates of a record have in common are added to it.
+///
 /// `left` is the fraction of the differences of each record that remain despite gaps, for each ratio.
 pub(crate) fn by_fits(
     ratios: &[Ratio],
@@ -71,11 +73,13 @@ pub(crate) fn by_fits(
             covariance[j][k] / (means[j] * means[k] * libm::sqrt(left[j][i] * left[k][i]))
         };
         let moments: Vec<(f64, f64)> = (0..ms.len()).map(|j| moments_of_logarithm(relative(j, j))).collect();
+        let spread: Vec<f64> = ms.iter().map(|&m| curves[i].spread().at(m)).collect();
         for j in 0..ms.len() {
             logarithms[j] -= sign * (libm::log(means[j]) + moments[j].0);
             for k in 0..ms.len() {
                 rows[j][k] += relative(j, k)
-                    * libm::sqrt(moments[j].1 / relative(j, j) * moments[k].1 / relative(k, k));
+                    * libm::sqrt(moments[j].1 / relative(j, j) * moments[k].1 / relative(k, k))
+                    + spread[j] * spread[k];
             }
         }
     }

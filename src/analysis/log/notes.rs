@@ -6,8 +6,13 @@ use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
 
-/// All notes on the results; equal ones of several columns are one.
+/// All notes on a log and its results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
+    analysis.reading.iter().cloned().chain(of_columns(analysis)).collect()
+}
+
+/// The notes on the results; equal ones of several columns are one.
+pub(crate) fn of_columns(analysis: &Analysis) -> Vec<String> {
     let mut found: Vec<(String, Vec<&str>)> = Vec::new();
     for column in &analysis.columns {
         for note in of_column(column, analysis).into_iter().flatten() {
@@ -17,8 +22,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
             }
         }
     }
-    let of_columns = found.into_iter().map(|(note, names)| format!("{}: {note}", names.join(", ")));
-    analysis.reading.iter().cloned().chain(of_columns).collect()
+    found.into_iter().map(|(note, names)| format!("{}: {note}", names.join(", "))).collect()
 }
 
 fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 10] {
@@ -77,8 +81,9 @@ fn spread(column: &Column) -> Option<String> {
     let error = 0.5 * column.spread.most();
     (error > 0.0).then(|| {
         format!(
-            "the noise has long tails, or its size changes: parts of the record differ by more than those of Gaussian noise, which adds \
-             a standard error of {} % to deviations and coefficients; intervals contain it",
+            "parts of the record differ by more than those of steady Gaussian noise, as with long tails, bursts, a changing size or a \
+             resonance. This adds a standard error of {} % to deviations and coefficients, which is part of all intervals but those of \
+             Stable32",
             significant(100.0 * error, 2)
         )
     })

@@ -6,6 +6,7 @@ use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
 
+use crate::analysis::log::notes::of_columns;
 use crate::analysis::log::{self, Analysis, Curve};
 
 /// A row of `curve.csv`.
@@ -200,6 +201,7 @@ pub fn document(analysis: &Analysis) -> Value {
         },
         "reading": analysis.reading,
         "columns": columns,
+        "notes": of_columns(analysis),
     })
 }
 

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::allan::Spread;
 use crate::analysis::compare::length::expected;
 use crate::analysis::compare::words::duration;
 use crate::analysis::log::{self, Column, noise_file};
@@ -127,7 +128,9 @@ fn longer(noise: &log::Analysis) -> Vec<String> {
         let terms = Terms::of_model(noise.treatment.trend);
         let samples = noise.samples as f64;
         let tried: Vec<f64> = LONGER.into_iter().filter(|factor| factor * samples <= MOST_SAMPLES).collect();
-        let shown = tried.iter().find(|factor| is_shown(fit, most, **factor * samples, &terms));
+        let shown = tried
+            .iter()
+            .find(|factor| is_shown(fit, most, **factor * samples, &terms, column.spread.over(**factor)));
         Some(match (shown, tried.last()) {
             (Some(factor), _) => format!(
                 "The record is too short to show B{of}. If B is {half}, half of its bound, a record of {}, {factor} times as long, \
@@ -148,11 +151,11 @@ fn longer(noise: &log::Analysis) -> Vec<String> {
 }
 
 /// Whether the mean curve of records of this length shows a bias instability b besides the other terms of a fit.
-fn is_shown(fit: &Fit, b: f64, samples: f64, terms: &Terms) -> bool {
+fn is_shown(fit: &Fit, b: f64, samples: f64, terms: &Terms, spread: Spread) -> bool {
     let others = fit.process.parts.iter().filter(|part| part.term != Term::BiasInstability);
     let part = Term::BiasInstability.part(b * b, 1.0, 1);
     let process = Process { parts: others.copied().chain([part]).collect(), ..fit.process };
-    let fit = expected(&process, samples as u64, fit.tau_range[0], terms);
+    let fit = expected(&process, samples as u64, spread, fit.tau_range[0], terms);
     let found = fit.as_ref().and_then(|fit| fit.coefficient(Term::BiasInstability));
     found.is_some_and(|found| found.verdict == Verdict::Identified)
 }

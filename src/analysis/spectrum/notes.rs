@@ -20,7 +20,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     log::notes::notes(&analysis.noise).into_iter().chain(analysis.columns().flat_map(of_column)).collect()
 }
 
-fn of_spectrum(column: &Column, spectrum: &Spectrum, noise: &log::Analysis) -> [Option<String>; 4] {
+fn of_spectrum(column: &Column, spectrum: &Spectrum, noise: &log::Analysis) -> [Option<String>; 5] {
     let (density, samples) = (&spectrum.density, noise.samples);
     let keeps_outliers = !column.outliers.samples.is_empty() && !noise.treatment.outliers_removed;
     let has = |term: Term| {
@@ -28,6 +28,8 @@ fn of_spectrum(column: &Column, spectrum: &Spectrum, noise: &log::Analysis) -> [
     };
     let unused = density.unused as f64 > FEW * samples as f64;
     [
+        (column.spread.most() > 0.0)
+            .then(|| "intervals of the density, its lines and its floor are those of steady Gaussian noise".to_owned()),
         unused.then(|| {
             format!(
                 "{} of {samples} samples are in no segment of the density: a shorter segment takes more of the stretches \
