@@ -11,13 +11,21 @@ const FEW: f64 = 0.05;
 /// Number of segments below which a note says that intervals are wide.
 const SEVERAL: usize = 4;
 
-/// All notes on the results, after those on the log and its fit.
+/// All notes on the log and its results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
+    analysis.noise.reading.iter().cloned().chain(of_columns(analysis)).collect()
+}
+
+/// The notes on the fits and the spectra.
+pub(crate) fn of_columns(analysis: &Analysis) -> Vec<String> {
     let of_column = |(column, spectrum): (&Column, &Spectrum)| {
         let notes = of_spectrum(column, spectrum, &analysis.noise).into_iter().flatten();
         notes.map(|note| format!("{}: {note}", column.name)).collect::<Vec<_>>()
     };
-    log::notes::notes(&analysis.noise).into_iter().chain(analysis.columns().flat_map(of_column)).collect()
+    log::notes::of_columns(&analysis.noise)
+        .into_iter()
+        .chain(analysis.columns().flat_map(of_column))
+        .collect()
 }
 
 fn of_spectrum(column: &Column, spectrum: &Spectrum, noise: &log::Analysis) -> [Option<String>; 5] {

@@ -6,6 +6,7 @@ use crate::allan::{Deviation, Trend, Unit as Curves};
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log;
 use crate::analysis::log::tables::{key, text};
+use crate::analysis::spectrum::notes::of_columns;
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
 use crate::spectrum::{FALSE_ALARM, Line, Point};
 use crate::table::column::{columns_of, object};
@@ -156,6 +157,7 @@ pub fn white_noise(analysis: &Analysis) -> Table {
 pub fn document(analysis: &Analysis) -> Value {
     let mut document = log::tables::document(&analysis.noise);
     document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });
+    document["notes"] = json!(of_columns(analysis));
     if let Value::Array(columns) = &mut document["columns"] {
         for (column, (own, spectrum)) in columns.iter_mut().zip(analysis.columns()) {
             let (Value::Object(column), Value::Object(of_density)) = (column, of_column(own, spectrum))
