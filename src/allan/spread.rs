@@ -29,6 +29,9 @@ impl Spread {
         let length = angles.len() / PARTS;
         let octaves: Vec<usize> =
             (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| 2 * m < length).collect();
+        if octaves.is_empty() {
+            return Spread::default();
+        }
         let of_part = |i: usize| sums(&angles.part(i * length..(i + 1) * length), Deviation::Oadev, &octaves);
         let parts: Vec<Vec<Sum>> = (0..PARTS).map(of_part).collect();
         let scatter = |(octave, m): (usize, &usize)| {
