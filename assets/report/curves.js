@@ -232,7 +232,7 @@ class Curves {
 
   /** All curves at the x that is read off, the one pointed at first. */
   text(found) {
-    const { x } = found.series.points[found.at];
+    const { x, key } = found.series.points[found.at];
     const rows = this.series().map((series) => ({ series, point: series.points.find((point) => point.x === x) }))
       .filter(({ point }) => point && Number.isFinite(point.y));
     const first = (a, b) => (b.series === found.series) - (a.series === found.series);
@@ -248,7 +248,7 @@ class Curves {
         element("td", {}, value, element("small", {}, band, law ? ` ${this.figure.lines || "closed form"}: ${significant(law[1])}` : "")));
     });
     const more = rows.length > shown.length ? element("p", {}, `and ${rows.length - shown.length} more`) : null;
-    return [element("p", { class: "at" }, axisValue(this.x, x)), element("table", {}, ...lines), more].filter(Boolean);
+    return [element("p", { class: "at" }, axisValue(this.x, x), key === undefined ? "" : ` (${axisValue(this.figure.key, key)})`), element("table", {}, ...lines), more].filter(Boolean);
   }
 
   // The legend.

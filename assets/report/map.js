@@ -36,13 +36,33 @@ class CellMap {
     return estimate && Range.shows(this.zLog, estimate[0]) ? estimate[0] : null;
   }
 
+  /** The scale of the colours, which reaches as far on either side of a limit. */
   colours() {
     let [low, high] = [Infinity, -Infinity];
     for (let cell = 0; cell < this.map.columns.length * this.map.rows.length; cell++) {
       const value = this.value(cell);
       if (value !== null) [low, high] = [Math.min(low, value), Math.max(high, value)];
     }
+    const limit = this.limitOfColours();
+    if (limit !== null && (low < limit || limit < high)) {
+      const shown = new Range(this.zLog, low, high);
+      const [from, middle, to] = [low, limit, high].map((value) => shown.coordinate(value));
+      const reach = Math.max(to - middle, middle - from);
+      const [lower, upper] = [middle - reach, middle + reach].map((at) => (this.zLog ? 10 ** at : at));
+      return new Range(this.zLog, lower, upper);
+    }
     return low < high ? new Range(this.zLog, low, high) : Range.around(this.zLog, low === high ? [low] : []);
+  }
+
+  /** The limit about which the colours diverge, or null. */
+  limitOfColours() {
+    const limit = this.map.limit?.value;
+    return limit !== undefined && Range.shows(this.zLog, limit) ? limit : null;
+  }
+
+  shade(fraction) {
+    const shades = this.limitOfColours() === null ? looks.viridis : looks.diverging;
+    return shades[Math.round(Math.min(Math.max(fraction, 0), 1) * (shades.length - 1))];
   }
 
   draw(plot, under, over) {
@@ -57,7 +77,7 @@ class CellMap {
       const value = this.value(cell);
       if (value === null) return;
       const won = winners?.won[cell];
-      const look = won ? `cell c${won.style % 8}${won.certain ? "" : " pale"}` : viridis(colours.fraction(value));
+      const look = won ? `cell c${won.style % 8}${won.certain ? "" : " pale"}` : this.shade(colours.fraction(value));
       paths.set(look, (paths.get(look) ?? "") + rectangle);
       if (won && map.limit && value > map.limit.value) hatched += rectangle;
     });
@@ -219,7 +239,7 @@ class CellMap {
     const place = (value) => 250 - 240 * colours.fraction(value);
     const made = [];
     for (let step = 0; step < 48; step++) {
-      made.push(shape("rect", { x: 4, y: 245 - 5 * step, width: 22, height: 5.5, fill: viridis((step + 0.5) / 48) }));
+      made.push(shape("rect", { x: 4, y: 245 - 5 * step, width: 22, height: 5.5, fill: this.shade((step + 0.5) / 48) }));
     }
     for (const { value, label } of colours.ticks(7, this.map.z.ladders).major) {
       made.push(shape("path", { class: "tick", d: `M26,${place(value)}h5` }), shape("text", { x: 35, y: place(value) + 4.5 }, label));
@@ -235,11 +255,6 @@ function isWide(series) {
   const values = series.flatMap(({ points }) => points.map((point) => point.y));
   const [least, most] = [Math.min(...values), Math.max(...values)];
   return least > 0 && most > 30 * least;
-}
-
-/** The colour at a fraction of the scale. */
-function viridis(fraction) {
-  return looks.viridis[Math.round(Math.min(Math.max(fraction, 0), 1) * (looks.viridis.length - 1))];
 }
 
 function hatching(id) {

@@ -28,7 +28,8 @@ function measured(x, unit) {
 
 /** The title of an axis. */
 function axisTitle(axis) {
-  return axis.unit ? `${axis.label}, ${axis.unit}` : axis.label;
+  const title = axis.unit ? `${axis.label}, ${axis.unit}` : axis.label;
+  return axis.defined ? `${title} with ${axis.defined}` : title;
 }
 
 /** What stands at a place of an axis, as a sentence has it. */

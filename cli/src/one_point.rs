@@ -63,13 +63,13 @@ fn least(mut levels: Vec<Level>) -> Option<String> {
     // Equal to the nine digits that files show.
     let equal = others.iter().take_while(|level| level.value - first.value <= 1e-9 * level.value).count();
     let names: Vec<&str> = levels[..=equal].iter().map(|level| level.name).collect();
-    let best = format!("{}, {} ″", names.join(" = "), significant(first.value, 4));
+    let best = format!("{}, {} arcsec", names.join(" = "), significant(first.value, 4));
     let Some(next) = others.get(equal) else { return Some(best) };
     let ratio = next.value / first.value;
     let more = match ratio {
         r if r < 1.1 => format!("{} % more", significant(100.0 * (r - 1.0), 2)),
         r if r.is_finite() => format!("{} times that", significant(r, 3)),
-        _ => format!("{} ″", significant(next.value, 4)),
+        _ => format!("{} arcsec", significant(next.value, 4)),
     };
     let close = match (first.band, next.band) {
         (Some((_, high)), Some((low, _))) if low > high => "",
@@ -91,21 +91,24 @@ mod tests {
 
     #[test]
     fn equal_fillers_share_the_first_place() {
-        assert_eq!(said(&[("quadratic", 986.7, 1.0), ("mine", 986.7, 1.0)]), "quadratic = mine, 986.7 ″");
+        assert_eq!(
+            said(&[("quadratic", 986.7, 1.0), ("mine", 986.7, 1.0)]),
+            "quadratic = mine, 986.7 arcsec"
+        );
         let three = said(&[("const", 156.0, 1.0), ("mine", 312.0, 1.0), ("linear", 156.0, 1.0)]);
-        assert_eq!(three, "const = linear, 156 ″; next mine, 2 times that");
+        assert_eq!(three, "const = linear, 156 arcsec; next mine, 2 times that");
     }
 
     #[test]
     fn a_lead_within_the_uncertainty_is_said_to_be_such() {
         assert_eq!(
             said(&[("a", 100.0, 2.0), ("b", 103.0, 2.0)]),
-            "a, 100 ″; next b, 3 % more, and the 95 % intervals overlap"
+            "a, 100 arcsec; next b, 3 % more, and the 95 % intervals overlap"
         );
-        assert_eq!(said(&[("a", 100.0, 1.0), ("b", 103.0, 1.0)]), "a, 100 ″; next b, 3 % more");
-        assert_eq!(said(&[("a", 0.0, 0.0), ("b", 103.0, 1.0)]), "a, 0 ″; next b, 103 ″");
+        assert_eq!(said(&[("a", 100.0, 1.0), ("b", 103.0, 1.0)]), "a, 100 arcsec; next b, 3 % more");
+        assert_eq!(said(&[("a", 0.0, 0.0), ("b", 103.0, 1.0)]), "a, 0 arcsec; next b, 103 arcsec");
         assert_eq!(said(&[("a", 100.0, 2.0)]), "");
         let unbounded = ["a", "b"].map(|name| Level { name, value: name.len() as f64, band: None });
-        assert_eq!(least(unbounded.into()).as_deref(), Some("a = b, 1 ″"));
+        assert_eq!(least(unbounded.into()).as_deref(), Some("a = b, 1 arcsec"));
     }
 }

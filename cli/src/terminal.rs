@@ -7,7 +7,7 @@ use sagnac::table::{Column, ColumnError, Table, titled};
 
 use crate::look;
 
-/// Most rows of a table that are shown; of longer ones every second, third, … row.
+/// Most rows of a table that are shown; of longer ones every second, third, … row, and those that are the best of a curve.
 const MOST_ROWS: usize = 48;
 
 /// Significant digits of a number: as few as distinguish it from its neighbours.
@@ -52,28 +52,43 @@ pub fn pivot(
     let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
     let mut grid = vec![vec![String::new(); across.len() + columns.len()]; lines.len() + 1];
     for (place, names) in across.iter().enumerate() {
-        grid[0][place] = names.column.title();
+        grid[0][place] = names.column.heading();
         for (line, &at) in lines.iter().enumerate() {
             grid[line + 1][place] = names.at(at).to_owned();
         }
     }
     for (place, &at) in columns.iter().enumerate() {
         let words: Vec<&str> = curves.iter().map(|names| names.at(at)).collect();
-        grid[0][across.len() + place] = if words.is_empty() { y.title() } else { words.join(" ") };
+        grid[0][across.len() + place] = if words.is_empty() { y.heading() } else { words.join(" ") };
     }
     for (at, &row) in rows.iter().enumerate() {
         grid[line_of[at] + 1][across.len() + curve_of[at]] = y.cells[row].rounded(*DIGITS.start());
     }
+    let best: Vec<usize> = match y.role.less_is_better() {
+        true => (0..columns.len())
+            .filter_map(|curve| {
+                let of_curve = (0..rows.len()).filter(|&at| curve_of[at] == curve);
+                let known = of_curve.filter_map(|at| Some((at, y.cells[rows[at]].number()?)));
+                known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| line_of[at])
+            })
+            .collect(),
+        false => vec![],
+    };
+    let is_shown = |line: usize| line.is_multiple_of(step) || best.contains(&line);
     let shown: Vec<Vec<String>> = grid
         .into_iter()
         .enumerate()
-        .filter(|(i, _)| *i == 0 || (i - 1) % step == 0)
+        .filter(|(i, _)| *i == 0 || is_shown(i - 1))
         .map(|(_, row)| row)
         .collect();
-    let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
-    let names: Vec<String> = curves.iter().map(|names| names.column.title()).collect();
+    let note = match (step > 1, best.is_empty()) {
+        (false, _) => String::new(),
+        (true, true) => format!(" (one line in {step})"),
+        (true, false) => format!(" (one line in {step}, and those with the least of a column)"),
+    };
+    let names: Vec<String> = curves.iter().map(|names| names.column.heading()).collect();
     let by = if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) };
-    Ok(format!("{}{by}{note}\n{}", y.title(), fitted(&shown, across.len(), look::columns())))
+    Ok(format!("{}{by}{note}\n{}", y.heading(), fitted(&shown, across.len(), look::columns())))
 }
 
 /// The different values of a column in the shown rows.

@@ -1,5 +1,5 @@
 //! Selection of devices: `auto`, `all`, or one or a list of `cpu`, a width of the CPU, `gpu`, `gpu:0`, part of an
-//! adapter's name, and its PCI address.
+//! adapter's name, and its PCI address. Capitals do not matter, nor do hyphens and blanks in a width.
 
 use std::cell::LazyCell;
 
@@ -152,10 +152,10 @@ struct Machine {
 
 impl Machine {
     fn select(&self, wanted: &str) -> Result<Selection, SelectError> {
-        match wanted {
+        match wanted.to_lowercase().as_str() {
             "auto" => self.auto(),
             "all" => self.all(),
-            names => selection(self.named(names)?, "as asked"),
+            _ => selection(self.named(wanted)?, "as asked"),
         }
     }
 
@@ -235,7 +235,7 @@ impl Machine {
         }
         let mut choices: Vec<(&str, Choice)> = Vec::new();
         for name in names.split(',').map(str::trim) {
-            if matches!(name, "auto" | "all") {
+            if ["auto", "all"].iter().any(|word| name.eq_ignore_ascii_case(word)) {
                 return Err(SelectError::Alone { name: name.to_owned() });
             }
             let choice = self.choice(name)?;
@@ -249,15 +249,15 @@ impl Machine {
     }
 
     fn choice(&self, name: &str) -> Result<Choice, SelectError> {
-        let is_named = |width: &Width| width.name().eq_ignore_ascii_case(name);
-        if name == "cpu" {
+        let is_named = |width: &Width| spelled(width.name()) == spelled(name);
+        if name.eq_ignore_ascii_case("cpu") {
             return Ok(Choice::Cpu(Width::widest()));
         }
         if let Some(width) = Width::available().into_iter().find(is_named) {
             return Ok(Choice::Cpu(width));
         }
         let adapters = &*self.adapters;
-        let found = match name.strip_prefix("gpu") {
+        let found = match name.to_lowercase().strip_prefix("gpu") {
             Some("") if adapters.is_empty() => return Err(SelectError::NoGpu),
             Some("") => Some(self.real().first().copied().unwrap_or(0)),
             Some(number) if number.starts_with(':') => {
@@ -299,6 +299,11 @@ impl Machine {
     fn cpu(&self) -> Result<Device, SelectError> {
         self.open(Choice::Cpu(Width::widest()))
     }
+}
+
+/// The letters and figures of a name, in lower case: `avx512` for `AVX-512`.
+fn spelled(name: &str) -> String {
+    name.chars().filter(|sign| sign.is_alphanumeric()).collect::<String>().to_lowercase()
 }
 
 /// Whether `wanted` is part of an adapter's name, or its PCI address.
@@ -374,6 +379,23 @@ mod tests {
         let second = machine.first_of([Err(lost()), machine.cpu()].into_iter()).unwrap();
         assert_eq!(second.reason, "a GPU that passed its self-test", "the next is tried");
         assert_eq!(second.left_out, left_out);
+    }
+
+    #[test]
+    fn widths_are_found_however_they_are_spelled() {
+        let machine = Machine { adapters: LazyCell::new(Vec::new), threads: 0, self_test: None };
+        for width in Width::available() {
+            let name = width.name();
+            for spelling in
+                [name.to_uppercase(), name.to_lowercase(), name.replace('-', ""), name.replace('-', "_")]
+            {
+                let found = machine.choice(&spelling);
+                assert!(matches!(found, Ok(Choice::Cpu(found)) if found == width), "{spelling}");
+            }
+        }
+        assert!(machine.select("CPU").is_ok() && machine.select("Auto").is_ok());
+        assert!(matches!(machine.select("cpu, ALL"), Err(SelectError::Alone { .. })));
+        assert!(matches!(machine.choice("-"), Err(SelectError::Unknown { .. })));
     }
 
     #[test]

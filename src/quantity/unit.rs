@@ -5,7 +5,7 @@
 pub struct Unit {
     /// Suffix of a column's name in files, such as `arcsec` or `hz`; empty for a pure number.
     pub suffix: &'static str,
-    /// Symbol on an axis, such as `″` or `Hz`.
+    /// Symbol on an axis and in sentences, such as `arcsec` or `Hz`.
     pub symbol: &'static str,
 }
 
@@ -13,11 +13,11 @@ impl Unit {
     /// The unit of counts, ratios and names.
     pub const NONE: Unit = Unit { suffix: "", symbol: "" };
     /// Angles.
-    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
+    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "arcsec" };
     /// Rates.
-    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
+    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "arcsec/s" };
     /// Angular accelerations; rate ramps.
-    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "arcsec/s²" };
     /// Angle random walk N.
     pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
     /// Rate random walk K.
@@ -27,9 +27,10 @@ impl Unit {
     /// Allan variances.
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
     /// Densities of rate, one-sided.
-    pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
+    pub const ARCSEC2_PER_S2_PER_HZ: Unit =
+        Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(arcsec/s)²/Hz" };
     /// Response of a suspension.
-    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
+    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "arcsec/s/g" };
     /// Accelerations.
     pub const G: Unit = Unit { suffix: "g", symbol: "g" };
     /// Velocities, as the integral of an acceleration.
@@ -44,6 +45,11 @@ impl Unit {
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     /// Times.
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
+
+    /// The symbol in tables, whose columns are narrow: `″` for `arcsec`.
+    pub fn sign(&self) -> String {
+        self.symbol.replace("arcsec", "″")
+    }
 
     /// All units in which a header may end.
     pub const ALL: [Unit; 14] = [

@@ -74,6 +74,10 @@ pub struct About {
     pub brief: bool,
     /// The purpose for which it is the default.
     pub usual: Option<Usual>,
+    /// What the label stands for, as a formula; empty where it needs none.
+    pub defined: &'static str,
+    /// The names among its cells that look the same in every chart.
+    pub styled: &'static [&'static str],
 }
 
 impl Role {
@@ -87,7 +91,18 @@ impl About {
     /// A column of which only the name is known.
     pub(crate) const fn named(name: &'static str) -> About {
         let (unit, label, role) = (Unit::NONE, name, Role::Key);
-        About { name, unit, label, role, of: "", meaning: "", brief: false, usual: None }
+        About {
+            name,
+            unit,
+            label,
+            role,
+            of: "",
+            meaning: "",
+            brief: false,
+            usual: None,
+            defined: "",
+            styled: &[],
+        }
     }
 
     /// Whether `name` names the column, with or without its unit.
@@ -110,6 +125,8 @@ impl About {
             meaning: self.meaning.to_owned(),
             brief: self.brief,
             usual: self.usual,
+            defined: self.defined,
+            styled: self.styled,
             cells,
             band: None,
         }
@@ -160,6 +177,16 @@ impl<R> ColumnOf<R> {
     /// Makes the column the default for this purpose.
     pub(crate) const fn usual(self, usual: Usual) -> ColumnOf<R> {
         ColumnOf { about: About { usual: Some(usual), ..self.about }, ..self }
+    }
+
+    /// Sets what the label stands for.
+    pub(crate) const fn defined(self, formula: &'static str) -> ColumnOf<R> {
+        ColumnOf { about: About { defined: formula, ..self.about }, ..self }
+    }
+
+    /// Sets the names that look the same in every chart.
+    pub(crate) const fn styled(self, names: &'static [&'static str]) -> ColumnOf<R> {
+        ColumnOf { about: About { styled: names, ..self.about }, ..self }
     }
 
     /// Sets the function that computes the 95 % interval of each cell.

@@ -30,6 +30,10 @@ pub struct Column {
     pub brief: bool,
     /// The purpose for which it is the default.
     pub usual: Option<Usual>,
+    /// What the label stands for, as a formula; empty where it needs none.
+    pub defined: &'static str,
+    /// The names among its cells that look the same in every chart.
+    pub styled: &'static [&'static str],
     /// Cells, one for each row.
     pub cells: Vec<Cell>,
     /// Lower and upper ends of the 95 % interval of each cell, where there is one.
@@ -46,9 +50,14 @@ impl Column {
         }
     }
 
-    /// The label with the unit, as in the title of an axis: `rms error, ″`.
+    /// The label with the unit, as in the title of an axis: `rms error, arcsec`.
     pub fn title(&self) -> String {
         titled(&self.label, self.unit.symbol)
+    }
+
+    /// The label with the short sign of the unit, as in the heading of a table: `rms error, ″`.
+    pub fn heading(&self) -> String {
+        titled(&self.label, &self.unit.sign())
     }
 
     /// The value of a cell; NaN where it is not a number.
@@ -318,6 +327,6 @@ mod tests {
     fn a_value_is_said_with_label_and_unit() {
         assert_eq!(column("upper frequency", Unit::HZ).valued("4.36"), "upper frequency 4.36 Hz");
         assert_eq!(column("lost ticks n", Unit::NONE).valued("3"), "lost ticks n = 3");
-        assert_eq!(column("error", Unit::ARCSEC).title(), "error, ″");
+        assert_eq!(column("error", Unit::ARCSEC).title(), "error, arcsec");
     }
 }

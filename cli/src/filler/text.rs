@@ -84,11 +84,12 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
     );
     if let (Some(amplitude), Some((rate, nu))) = (closed.amplitude, firmware.tone) {
         let (amplitude, rate, nu) = (number(amplitude), number(rate), number(nu));
-        text += &format!("    amplitude {amplitude} ″ at {nu} Hz and {rate} ″/s");
-        text += &closed.rms.map_or_else(String::new, |rms| format!(", rms with noise {} ″", number(rms)));
+        text += &format!("    amplitude {amplitude} arcsec at {nu} Hz and {rate} arcsec/s");
+        text +=
+            &closed.rms.map_or_else(String::new, |rms| format!(", rms with noise {} arcsec", number(rms)));
         text += "\n";
     } else if let Some(rms) = closed.rms.filter(|rms| *rms > 0.0) {
-        text += &format!("    rms with noise {} ″\n", number(rms));
+        text += &format!("    rms with noise {} arcsec\n", number(rms));
     }
     text
 }

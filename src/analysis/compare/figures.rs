@@ -26,7 +26,7 @@ pub fn curves(analysis: &Analysis) -> Figure {
     let series = |colour: usize| {
         let point = |point: &Point| {
             let positive = point.value.filter(|value| *value > 0.0)?;
-            Some(SeriesPoint { x: point.tau_s, y: positive, band: point.interval })
+            Some(SeriesPoint { x: point.tau_s, y: positive, band: point.interval, key: None })
         };
         let points = analysis.comparison.curves[colour].iter().filter_map(point).collect();
         Series { colour, dash: 0, points, law: fits[colour].clone() }
@@ -50,7 +50,7 @@ pub fn ratio(analysis: &Analysis) -> Figure {
     let [a, b] = [0, 1].map(|i| analysis.sides[i].label.clone());
     let point = |ratio: &Ratio| {
         let band = ratio.interval.map(|ends| (ends[0], ends[1]));
-        Some(SeriesPoint { x: ratio.tau_s(), y: ratio.value?, band })
+        Some(SeriesPoint { x: ratio.tau_s(), y: ratio.value?, band, key: None })
     };
     let points: Vec<SeriesPoint> = analysis.comparison.ratios.iter().filter_map(point).collect();
     let ends = points.iter().flat_map(|point| point.band.map_or([point.y; 2], |(low, high)| [low, high]));

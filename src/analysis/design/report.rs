@@ -172,7 +172,7 @@ pub fn recommendation(found: &Design) -> String {
         let [residual, bound, drift] = [best.residual_max, *bound, tried.drift.value].map(three_digits);
         let [times, from, to] = [times.value, low, high].map(three_digits);
         sentences.push(format!(
-            "The paper's bound with δP_max = {residual} ″ has its minimum at {interval} s, where it allows {bound} °/h; \
+            "The paper's bound with δP_max = {residual} arcsec has its minimum at {interval} s, where it allows {bound} °/h; \
              switched every {tried_interval} s the gyro would drift by {drift} °/h, {times} times as much as at best \
              ({from} to {to})."
         ));

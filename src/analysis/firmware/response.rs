@@ -29,8 +29,12 @@ impl Firmware {
         for (colour, design) in self.designs.iter().enumerate() {
             for (error, rule, _) in design.rules() {
                 let weights = rule.whole();
-                let point =
-                    |i: usize| SeriesPoint { x: frequency(i), y: of(&weights, frequency(i)), band: None };
+                let point = |i: usize| SeriesPoint {
+                    x: frequency(i),
+                    y: of(&weights, frequency(i)),
+                    band: None,
+                    key: None,
+                };
                 let visible = |point: &SeriesPoint| point.y >= LEAST * tick_s * f64::from(self.gap_ticks);
                 series.push(Series {
                     colour,
@@ -60,9 +64,9 @@ impl Firmware {
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
         let (frequency_unit, error_unit) = if self.tick_s.is_some() {
-            ("Hz", "″ per ″/s")
+            ("Hz", "arcsec per arcsec/s")
         } else {
-            ("cycles per tick", "″ per ″ a tick")
+            ("cycles per tick", "arcsec per arcsec a tick")
         };
         let mut figure = Figure {
             title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),

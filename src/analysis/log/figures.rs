@@ -97,10 +97,9 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
 }
 
 fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (usize, usize)) -> Series {
-    let points = curve
-        .points
-        .iter()
-        .filter_map(|point| Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval }));
+    let points = curve.points.iter().filter_map(|point| {
+        Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval, key: None })
+    });
     let law = column.noise().map(|noise| {
         let points = described(&noise.fit, &curve.points);
         line(&noise.fit.process, curve.deviation, points, analysis.samples)

@@ -19,7 +19,7 @@ pub fn curves(lot: &Lot) -> Figure {
     let colour = |unit: usize| odd.iter().position(|other| *other == unit).map_or(0, |place| place + 1);
     let point = |point: &Point| {
         let positive = point.value.filter(|value| *value > 0.0)?;
-        Some(SeriesPoint { x: point.tau_s, y: positive, band: None })
+        Some(SeriesPoint { x: point.tau_s, y: positive, band: None, key: None })
     };
     let mut series = Vec::new();
     for (unit, (_, column)) in lot.units().enumerate() {
@@ -66,7 +66,7 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
         let point = |(unit, found): (usize, &Found)| {
             let band = found.row.interval.map(|[lower, upper]| (lower / value, upper / value));
             found.estimate()?;
-            Some(SeriesPoint { x: across(unit, place), y: found.row.value? / value, band })
+            Some(SeriesPoint { x: across(unit, place), y: found.row.value? / value, band, key: None })
         };
         Series { colour: place, dash: 0, points: one.shown().filter_map(point).collect(), law: vec![] }
     });

@@ -122,7 +122,12 @@ fn of_samples(records: &[(usize, &Recorded)], called: &str, parts: usize) -> Dra
             if let Some(sample) = place {
                 last = record.time(sample as f64) / size;
             }
-            SeriesPoint { x: last, y: place.map_or(f64::NAN, |sample| record.values[sample]), band: None }
+            SeriesPoint {
+                x: last,
+                y: place.map_or(f64::NAN, |sample| record.values[sample]),
+                band: None,
+                key: None,
+            }
         };
         let points = extremes(&record.values, parts).into_iter().map(point).collect();
         Series { colour: *colour, dash: 0, points, law: vec![] }
@@ -143,6 +148,7 @@ fn of_means(records: &[(usize, &Recorded)], called: &str, parts: usize) -> Drawn
             x: record.time(0.5 * (samples.start + samples.end) as f64) / size,
             y: mean.map_or(f64::NAN, |mean| mean - whole),
             band: None,
+            key: None,
         };
         let points = means(&values, parts).into_iter().map(point).collect();
         Series { colour: *colour, dash: 0, points, law: vec![] }

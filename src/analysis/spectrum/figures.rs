@@ -58,7 +58,12 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
 
 fn series(colour: usize, spectrum: &Spectrum) -> Series {
     let means = spectrum.means(PER_OCTAVE);
-    let point = |point: &Point| SeriesPoint { x: point.frequency_hz, y: point.value, band: point.interval };
+    let point = |point: &Point| SeriesPoint {
+        x: point.frequency_hz,
+        y: point.value,
+        band: point.interval,
+        key: None,
+    };
     let law =
         means.iter().filter_map(|point| Some((point.frequency_hz, spectrum.model_at(point.frequency_hz)?)));
     Series { colour, dash: 0, law: law.collect(), points: means.iter().map(point).collect() }

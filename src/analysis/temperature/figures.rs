@@ -29,7 +29,7 @@ fn deviations([before, after]: [&Analysis; 2], unit: Unit) -> Option<Figure> {
     let series = |colour: usize, dash: usize, column: &Column| {
         let point = |point: &Point| {
             let band = point.interval.filter(|_| dash == 1);
-            Some(SeriesPoint { x: point.tau_s, y: point.value?, band })
+            Some(SeriesPoint { x: point.tau_s, y: point.value?, band, key: None })
         };
         let points = column.curves.iter().take(1).flat_map(|curve| curve.points.iter().filter_map(point));
         Series { colour, dash, points: points.collect(), law: vec![] }
@@ -90,6 +90,6 @@ impl Dependence {
             rates.iter_mut().zip(&column).for_each(|(rate, x)| *rate -= size * x);
         }
         let temperatures = self.averages.temperatures.iter().map(|from| from + self.averages.reference_c);
-        temperatures.zip(rates).map(|(x, y)| SeriesPoint { x, y, band: None }).collect()
+        temperatures.zip(rates).map(|(x, y)| SeriesPoint { x, y, band: None, key: None }).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! The columns of a gap-fill study, with a row for each point, filler and error.
 
 use crate::chart::law::Law;
+use crate::filler::closed::LISTED;
 use crate::filler::{FILLERS, Filler};
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::point::Point;
@@ -41,12 +42,14 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     vec![
         Of::new("dt_nu", Unit::NONE, "Δt·ν", |row| row.point.inputs.dt_nu().into())
             .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
-                one tone of fixed frequency, else blank."),
+                one tone of fixed frequency, else blank.")
+            .defined("Δt = (n+1)T/2"),
         Of::new("amplitude_noise", Unit::NONE, "rate amplitude · T / σ", |row| row.point.inputs.amplitude_noise().into())
             .is(Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate, divided by the noise of the tick (1 σ); for one \
                 tone of fixed frequency and amplitude, else blank."),
         Of::new("filler", Unit::NONE, "filler", |row| row.filler.name.as_str().into())
-            .is_of(FILLERS, Role::Key, FILLER),
+            .is_of(FILLERS, Role::Key, FILLER)
+            .styled(LISTED),
         Of::new("error", Unit::NONE, "error", |row| row.estimate.error.name().into())
             .is_of("switching.errors", Role::Key, "The error: `residual` after the gap is closed and corrected; `extrapolation` at the end of the gap, before the \
                 correction; `in-gap`, the largest error while the gap is open."),

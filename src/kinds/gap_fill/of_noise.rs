@@ -66,17 +66,17 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
         .over(gap_s)
         .into_iter()
         .chain(quantisation)
-        .map(|(name, arcsec)| format!("{name} ({} ″)", significant(arcsec, 2)))
+        .map(|(name, arcsec)| format!("{name} ({} arcsec)", significant(arcsec, 2)))
         .collect();
     let readout = longest(READOUT_LSB.name, inputs.readout_lsb);
     let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
     (!parts.is_empty()).then(|| {
         format!(
-            "of [noise], a gap of up to {} s includes angle random walk, {} ″ in a tick{}; left out, with the angle \
+            "of [noise], a gap of up to {} s includes angle random walk, {} arcsec in a tick{}; left out, with the angle \
              accumulated over the gap: {}",
             significant(gap_s, 4),
             significant(sigma, 3),
-            if readout > 0.0 { format!(", and pulses of {} ″", significant(readout, 3)) } else { String::new() },
+            if readout > 0.0 { format!(", and pulses of {} arcsec", significant(readout, 3)) } else { String::new() },
             parts.join(", ")
         )
     })

@@ -1,6 +1,7 @@
 //! The columns of a study of whole runs, with a row for each point, filler and angle, and of their trajectories.
 
 use crate::filler::FILLERS;
+use crate::filler::closed::LISTED;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::kinds::switched_run::Angle;
 use crate::kinds::switched_run::lower::{FilledRun, RunEstimate};
@@ -69,7 +70,7 @@ impl Row<'_> {
 
 /// The column of fillers.
 const fn filler<R>(cell: fn(&R) -> Cell) -> ColumnOf<R> {
-    ColumnOf::new("filler", Unit::NONE, "filler", cell).is_of(FILLERS, Role::Key, FILLER)
+    ColumnOf::new("filler", Unit::NONE, "filler", cell).is_of(FILLERS, Role::Key, FILLER).styled(LISTED)
 }
 
 /// The columns except the swept keys, in the order of the file, with that of fillers where the runs have any.

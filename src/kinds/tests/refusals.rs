@@ -78,7 +78,7 @@ fn wrong_values_are_named_with_what_is_accepted() {
     refused(&chart("series = [\"a\", \"b\", \"c\"]"), &["a.toml:15:10", "names 3 columns"]);
     refused(&chart("limit = 10"), &["a.toml:15:9", "chart.limit", "accepted: an angle"]);
     for limit in ["0 arcsec", "-1 arcsec"] {
-        let pieces = [&format!("chart.limit = {}", limit.replace("arcsec", "″")), "not above 0"];
+        let pieces = [&format!("chart.limit = {limit}"), "not above 0"];
         refused(&chart(&format!("limit = \"{limit}\"")), &["a.toml:15:9", pieces[0], pieces[1]]);
     }
 }
@@ -131,7 +131,7 @@ fn sweeps_that_make_no_sense_are_refused() {
     );
     refused(
         &amplitude("log = { from = \"0 ″\", to = \"1 ″\", points = 2 }"),
-        &["a.toml:14:16", "cannot contain 0 ″", "linear"],
+        &["a.toml:14:16", "cannot contain 0 arcsec", "linear"],
     );
     let gap = "linear = { from = 1, to = 4, points = 3 }";
     refused(

@@ -107,8 +107,11 @@ mod tests {
     use crate::view::chart::figure::{Grouping, SeriesPoint};
 
     fn curve(colour: usize, dash: usize, ys: &[f64]) -> Series {
-        let points =
-            ys.iter().zip(1..).map(|(&y, x)| SeriesPoint { x: f64::from(x), y, band: None }).collect();
+        let points = ys
+            .iter()
+            .zip(1..)
+            .map(|(&y, x)| SeriesPoint { x: f64::from(x), y, band: None, key: None })
+            .collect();
         Series { colour, dash, points, law: vec![] }
     }
 

@@ -16,6 +16,8 @@ pub struct Figure {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
+    /// The key from which x follows, such as the frequency of Δt·ν.
+    pub key: Option<Axis>,
     /// The distinctions made by colours. Without entries the legend has no such part.
     pub colours: Grouping,
     /// The distinctions made by dashes and markers. Without entries they follow the colour, for readers in greyscale.
@@ -43,7 +45,9 @@ pub struct Figure {
 pub struct Axis {
     /// Label, such as `rms error`.
     pub label: String,
-    /// Unit, such as `″`; empty for a pure number.
+    /// What the label stands for, such as `Δt = (n+1)T/2`; empty where it needs no formula.
+    pub defined: String,
+    /// Unit, such as `arcsec`; empty for a pure number.
     pub unit: String,
     /// Scale.
     pub scale: Scale,
@@ -59,9 +63,12 @@ impl Axis {
         Axis { label: label.to_owned(), unit: unit.to_owned(), ..Axis::default() }
     }
 
-    /// The axis title: `rms error, ″`.
+    /// The axis title: `rms error, arcsec`.
     pub fn title(&self) -> String {
-        titled(&self.label, &self.unit)
+        match self.defined.as_str() {
+            "" => titled(&self.label, &self.unit),
+            formula => format!("{} with {formula}", titled(&self.label, &self.unit)),
+        }
     }
 }
 
@@ -114,6 +121,9 @@ pub struct SeriesPoint {
     pub y: f64,
     /// Lower and upper end of the 95 % interval.
     pub band: Option<(f64, f64)>,
+    /// The key from which x follows, in the unit of [`Figure::key`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key: Option<f64>,
 }
 
 /// A law that is not the closed form of the curves, such as a published one, drawn as broad pale lines under them.
@@ -173,6 +183,18 @@ impl Figure {
     /// Number of points that the axes cannot show: not finite, or not positive on a logarithmic axis.
     pub fn left_out(&self) -> usize {
         self.all_points().filter(|point| !self.shows((point.x, point.y))).count()
+    }
+
+    /// Leaves out of the legend what has no point and no law on the axes.
+    pub(crate) fn leave_out_unseen(&mut self) {
+        let seen = |series: &&Series| {
+            let points = series.points.iter().map(|point| (point.x, point.y));
+            points.chain(series.law.iter().copied()).any(|place| self.shows(place))
+        };
+        let (colours, dashes): (Vec<usize>, Vec<usize>) =
+            self.series.iter().filter(seen).map(|series| (series.colour, series.dash)).unzip();
+        self.colours.entries.retain(|entry| colours.contains(&entry.style));
+        self.dashes.entries.retain(|entry| dashes.contains(&entry.style));
     }
 
     /// The points of all series.

@@ -24,6 +24,8 @@ impl Figure {
         let laws =
             chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
         let oracle = table.beside(y, Role::Oracle);
+        let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
+        let key = table.columns.iter().find(is_key);
         let (colours, dashes) = match &series[..] {
             [] => (None, None),
             [colour] => (Some(table.column(colour)?), None),
@@ -38,8 +40,9 @@ impl Figure {
             subtitle: chart.subtitle(),
             x: named_axis(x, &rows).unwrap_or_else(|| axis(x, chart.x_scale)),
             y: axis(y, chart.y_scale),
-            colours: grouping(colours, &rows),
-            dashes: grouping(dashes, &rows),
+            key: key.map(|key| axis(key, Scale::Linear)),
+            colours: styled(colours, &rows),
+            dashes: styled(dashes, &rows),
             // The closed form is not sampled.
             points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
             bands: chart.bands.clone(),
@@ -69,7 +72,12 @@ impl Figure {
             rows.retain(|&row| place(row).is_some());
             rows.sort_by(|&a, &b| place(a).unwrap_or(f64::NAN).total_cmp(&place(b).unwrap_or(f64::NAN)));
             let point = |&row: &usize| {
-                Some(SeriesPoint { x: place(row)?, y: y.cells[row].number()?, band: y.interval(row) })
+                Some(SeriesPoint {
+                    x: place(row)?,
+                    y: y.cells[row].number()?,
+                    band: y.interval(row),
+                    key: key.and_then(|key| key.cells[row].number()),
+                })
             };
             let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
             notes.blank += all - points.len();
@@ -92,6 +100,7 @@ impl Figure {
             })
             .collect();
         notes.left_out = figure.left_out();
+        figure.leave_out_unseen();
         notes.merged = figure.merge_coincident();
         notes.coincident = figure.coincident();
         figure.merge_laws();
@@ -126,7 +135,9 @@ pub(crate) fn check_unit<const N: usize>(
 pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
     let mut cells = column.cells.iter().filter(|cell| **cell != Cell::Blank).peekable();
     let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
-    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole, names: vec![] }
+    let unit = column.unit.symbol.to_owned();
+    let (label, defined) = (column.label.clone(), column.defined.to_owned());
+    Axis { label, defined, unit, scale, whole, names: vec![] }
 }
 
 /// An axis with the different texts of a column side by side, in the order of their first rows; `None` for numbers.
@@ -144,6 +155,24 @@ fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
 
 pub(crate) fn limit(limit: chart::Limit) -> Limit {
     Limit { value: limit.value, label: format!("limit {}", limit.text()) }
+}
+
+/// The different values of a column, in the order of their first rows, with the styles of their names.
+fn styled(column: Option<&Column>, rows: &[usize]) -> Grouping {
+    let mut grouping = grouping(column, rows);
+    let styles = styles(column, &grouping.entries);
+    grouping.entries.iter_mut().zip(styles).for_each(|(entry, style)| entry.style = style);
+    grouping
+}
+
+/// The styles of the values of a column: fixed ones of the names that look the same everywhere, and the next of the others.
+pub(crate) fn styles(column: Option<&Column>, entries: &[Entry]) -> Vec<usize> {
+    let fixed = column.map_or(&[][..], |column| column.styled);
+    let mut next = fixed.len()..;
+    let style = |entry: &Entry| {
+        fixed.iter().position(|name| *name == entry.name).or_else(|| next.next()).unwrap_or_default()
+    };
+    entries.iter().map(style).collect()
 }
 
 /// The different values of a column, in the order of their first rows.
@@ -236,7 +265,7 @@ mod tests {
     fn rows_become_curves_in_order_of_appearance_sorted_by_x_with_band_law_unit_and_limit() {
         let (figure, notes) = Figure::from_table(&table(), &spec()).unwrap();
         assert_eq!(figure.x.title(), "motion.frequency, Hz");
-        assert_eq!(figure.limit.unwrap().label, "limit 10 ″");
+        assert_eq!(figure.limit.unwrap().label, "limit 10 arcsec");
         let names = |grouping: &Grouping| grouping.entries.iter().map(|e| e.name.clone()).collect::<Vec<_>>();
         assert_eq!(names(&figure.colours), ["const = copy", "quad"]);
         assert_eq!(names(&figure.dashes), ["2", "1"]);
@@ -367,14 +396,14 @@ mod tests {
     fn limits_and_laws_are_drawn_on_angles_only() {
         let frequency = Chart { y: "frequency".into(), ..spec() };
         let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
-        assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
+        assert_eq!(error, "`frequency` is in Hz, a limit in arcsec cannot be drawn on it");
         let law = Chart {
             limit: None,
             shows: Shows::Curves { series: vec![], laws: vec![Law::Noise] },
             ..frequency.clone()
         };
         let error = Figure::from_table(&table(), &law).unwrap_err().to_string();
-        assert_eq!(error, "`frequency` is in Hz, a law in ″ cannot be drawn on it");
+        assert_eq!(error, "`frequency` is in Hz, a law in arcsec cannot be drawn on it");
         assert!(Figure::from_table(&table(), &Chart { limit: None, ..frequency }).is_ok());
     }
 }

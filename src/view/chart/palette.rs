@@ -58,6 +58,8 @@ pub(crate) struct Looks {
     markers: &'static [&'static [(f64, f64)]],
     /// Colours from the least to the greatest value, evenly spaced.
     viridis: Vec<String>,
+    /// Colours from far within a limit to far beyond it, evenly spaced.
+    diverging: Vec<String>,
     /// Most points of a line that all have markers, and the number of markers of a line with more.
     most_marked: usize,
     marked: usize,
@@ -67,13 +69,16 @@ impl Looks {
     pub(crate) fn new() -> Looks {
         /// Number of colours, more than can be distinguished.
         const COLOURS: u8 = 200;
-        let colour = |at: u8| shade(f64::from(at) / f64::from(COLOURS));
+        let all = |shades: Shades| {
+            (0..=COLOURS).map(|at| shades.colour(f64::from(at) / f64::from(COLOURS))).collect()
+        };
         Looks {
             dashes: &DASHES,
             thin_dashes: &THIN_DASHES,
             broad_dashes: &BROAD_DASHES,
             markers: &MARKERS,
-            viridis: (0..=COLOURS).map(colour).collect(),
+            viridis: all(Shades::Rising),
+            diverging: all(Shades::AboutLimit),
             most_marked: MOST_MARKED,
             marked: MARKED,
         }
@@ -128,16 +133,35 @@ const VIRIDIS: [u32; 11] = [
     0xfde725,
 ];
 
-/// The colour at a fraction of the scale, 0 … 1, in SVG notation; beyond the ends, the colour of the end.
-pub(crate) fn shade(fraction: f64) -> String {
-    let last = VIRIDIS.len() - 1;
-    let at = fraction.clamp(0.0, 1.0) * last as f64;
-    let lower = (at as usize).min(last - 1);
-    let mix = |part: usize| {
-        let [a, b] = [lower, lower + 1].map(|anchor| f64::from(VIRIDIS[anchor].to_be_bytes()[part]));
-        libm::round(a + (b - a) * (at - lower as f64)) as u8
-    };
-    format!("#{:02x}{:02x}{:02x}", mix(1), mix(2), mix(3))
+/// Blue to red through nearly white, in eighths, which colour-blind readers can distinguish. By C. Brewer (RdBu, Apache 2.0).
+const DIVERGING: [u32; 9] =
+    [0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b];
+
+/// The colours of the values of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shades {
+    /// From the least value to the greatest.
+    Rising,
+    /// From far within a limit to far beyond it; the limit itself is nearly white.
+    AboutLimit,
+}
+
+impl Shades {
+    /// The colour at a fraction of the scale, 0 … 1, in SVG notation; beyond the ends, the colour of the end.
+    pub(crate) fn colour(self, fraction: f64) -> String {
+        let anchors: &[u32] = match self {
+            Shades::Rising => &VIRIDIS,
+            Shades::AboutLimit => &DIVERGING,
+        };
+        let last = anchors.len() - 1;
+        let at = fraction.clamp(0.0, 1.0) * last as f64;
+        let lower = (at as usize).min(last - 1);
+        let mix = |part: usize| {
+            let [a, b] = [lower, lower + 1].map(|anchor| f64::from(anchors[anchor].to_be_bytes()[part]));
+            libm::round(a + (b - a) * (at - lower as f64)) as u8
+        };
+        format!("#{:02x}{:02x}{:02x}", mix(1), mix(2), mix(3))
+    }
 }
 
 #[cfg(test)]
@@ -173,7 +197,8 @@ mod tests {
 
     #[test]
     fn lightness_rises_in_even_steps() {
-        let all: Vec<f64> = (0..=40).map(|step| lightness(&shade(f64::from(step) / 40.0))).collect();
+        let all: Vec<f64> =
+            (0..=40).map(|step| lightness(&Shades::Rising.colour(f64::from(step) / 40.0))).collect();
         let mean = (all[40] - all[0]) / 40.0;
         assert!(all[0] < 20.0 && all[40] > 88.0, "from {} to {}", all[0], all[40]);
         for (step, pair) in all.windows(2).enumerate() {
@@ -184,7 +209,17 @@ mod tests {
 
     #[test]
     fn the_ends_are_the_anchors_and_hold_beyond() {
-        assert_eq!([shade(0.0), shade(-3.0)], ["#440154", "#440154"]);
-        assert_eq!([shade(1.0), shade(20.0)], ["#fde725", "#fde725"]);
+        let of = |fractions: [f64; 2]| fractions.map(|fraction| Shades::Rising.colour(fraction));
+        assert_eq!(of([0.0, -3.0]), ["#440154", "#440154"]);
+        assert_eq!(of([1.0, 20.0]), ["#fde725", "#fde725"]);
+    }
+
+    #[test]
+    fn colours_about_a_limit_are_palest_at_it_and_as_dark_on_either_side() {
+        let at = |fraction: f64| lightness(&Shades::AboutLimit.colour(fraction));
+        for step in 0..20 {
+            let far = 0.5 - f64::from(step) / 40.0;
+            assert!(at(0.5 - far) < at(0.5) && (at(0.5 - far) - at(0.5 + far)).abs() < 6.0, "{far}");
+        }
     }
 }

@@ -29,9 +29,9 @@ impl Picture {
     /// # use sagnac::view::chart::figure::*;
     /// # use sagnac::view::chart::picture::Picture;
     /// let axis = |label: &str, unit: &str| Axis {
-    ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
+    ///     label: label.into(), defined: String::new(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
     /// };
-    /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None };
+    /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None, key: None };
     /// let figure = Figure {
     ///     title: "Residual of the constant filler".into(),
     ///     subtitle: None,

@@ -61,6 +61,7 @@ mod tests {
     fn axis(label: &str, unit: &str) -> Axis {
         Axis {
             label: label.to_owned(),
+            defined: String::new(),
             unit: unit.to_owned(),
             scale: Scale::Log,
             whole: false,
@@ -75,16 +76,17 @@ mod tests {
             colour,
             dash,
             points: points(slope)
-                .map(|(x, y)| SeriesPoint { x, y, band: Some((0.9 * y, 1.2 * y)) })
+                .map(|(x, y)| SeriesPoint { x, y, band: Some((0.9 * y, 1.2 * y)), key: None })
                 .collect(),
             law: points(1.02 * slope).collect(),
         };
         let line = |colours: Vec<usize>, slope: f64| LawLine { colours, points: points(slope).collect() };
         Figure {
-            title: "Residual < 10 ″ & more".to_owned(),
+            key: None,
+            title: "Residual < 10 arcsec & more".to_owned(),
             subtitle: Some("n = 1, 3".to_owned()),
             x: axis("Δt·ν", ""),
-            y: axis("rms error", "″"),
+            y: axis("rms error", "arcsec"),
             colours: grouping("filler", &["const = linear", "quadratic"]),
             dashes: grouping("gap ticks", &["1", "3"]),
             points: "Monte Carlo".to_owned(),
@@ -96,7 +98,7 @@ mod tests {
                 lines: vec![line(vec![1], 0.3), line(vec![0, 1], 1.0)],
             }],
             parts: Parts::default(),
-            limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
+            limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".to_owned() }),
             chosen: vec![],
         }
     }
@@ -195,7 +197,7 @@ mod tests {
                 figure.series[0].law.clear();
                 figure.series[0].points = ys
                     .iter()
-                    .map(|&y| SeriesPoint { x: 1.0, y, band: Some((f64::NAN, f64::INFINITY)) })
+                    .map(|&y| SeriesPoint { x: 1.0, y, band: Some((f64::NAN, f64::INFINITY)), key: None })
                     .collect();
                 let svg = figure.canvas().svg();
                 assert!(!svg.contains("NaN") && !svg.contains("inf"), "{scale:?} {ys:?}");

@@ -24,6 +24,26 @@ impl Ticks {
     }
 }
 
+/// What the distances between even ticks are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Steps {
+    /// 1, 2 and 5 times powers of ten.
+    Decimal,
+    /// Above 10°, the half of a right angle, a right angle, a half turn and a whole one.
+    Phase,
+}
+
+impl Steps {
+    /// The least distance that is at least `least`.
+    fn step(self, least: f64) -> Decimal {
+        let of_turn = [45, 90, 180, 360].into_iter().find(|&count| least <= count as f64 + 1e-9);
+        match (self, of_turn) {
+            (Steps::Phase, Some(count)) if least > 10.0 => Decimal { count, exponent: 0 },
+            _ => Decimal::step(least),
+        }
+    }
+}
+
 /// The number `count · 10^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Decimal {
@@ -71,20 +91,13 @@ impl Decimal {
         }
     }
 
-    /// The next longer step.
-    fn next(self) -> Decimal {
-        match self.count {
-            1 => Decimal { count: 2, ..self },
-            2 => Decimal { count: 5, ..self },
-            _ => Decimal { count: 1, exponent: self.exponent + 1 },
-        }
-    }
-
     /// The step of the ticks without labels between those of this step.
     fn minor(self) -> Decimal {
         match self.count {
             1 => Decimal { count: 2, exponent: self.exponent - 1 },
             2 => Decimal { count: 5, exponent: self.exponent - 1 },
+            45 => Decimal { count: 15, ..self },
+            90 | 180 | 360 => Decimal { count: 45, ..self },
             _ => Decimal { count: 1, ..self },
         }
     }
@@ -102,10 +115,10 @@ impl Decimal {
 
 impl Range {
     /// Ticks inside the range, with at most about `most` labels.
-    pub(crate) fn ticks(&self, most: usize) -> Ticks {
+    pub(crate) fn ticks(&self, most: usize, steps: Steps) -> Ticks {
         match self.scale {
             Scale::Log => self.log_ticks(most),
-            Scale::Linear => self.linear_ticks(most),
+            Scale::Linear => self.linear_ticks(most, steps),
         }
     }
 
@@ -115,7 +128,7 @@ impl Range {
 
     fn log_ticks(&self, most: usize) -> Ticks {
         let few = |ticks: &Ticks| (3..=most).contains(&ticks.major.len());
-        self.log_levels().into_iter().find(few).unwrap_or_else(|| self.linear_ticks(most))
+        self.log_levels().into_iter().find(few).unwrap_or_else(|| self.linear_ticks(most, Steps::Decimal))
     }
 
     /// Ticks of a logarithmic axis: all decades, some of them, 1, 2 and 5 of each, or every digit. The first with at
@@ -138,14 +151,14 @@ impl Range {
         levels
     }
 
-    fn linear_ticks(&self, most: usize) -> Ticks {
-        let major = Decimal::step((self.high / most as f64) - (self.low / most as f64));
+    fn linear_ticks(&self, most: usize, steps: Steps) -> Ticks {
+        let major = steps.step((self.high / most as f64) - (self.low / most as f64));
         let labels = linear_labels(&self.multiples(major));
         Ticks { minor: without(&self.multiples(major.minor()), &labels), major: labels }
     }
 
     /// All ticks that parts of the range and its surroundings may have; only at whole numbers if the axis counts.
-    pub(crate) fn ladder(&self, whole: bool) -> Ladder {
+    pub(crate) fn ladder(&self, whole: bool, of: Steps) -> Ladder {
         /// Factor by which a reader may go beyond a logarithmic axis.
         const BEYOND: f64 = 100.0;
         let wider = Range { low: self.low / BEYOND, high: self.high * BEYOND, ..*self };
@@ -157,13 +170,13 @@ impl Range {
         // Down to a thousandth of the axis; on a logarithmic axis small values have as much room as large ones.
         let smallest = if self.scale == Scale::Log { self.low } else { self.high - self.low };
         let least = 1e-3 * smallest;
-        let mut step = Decimal::step(if whole { least.max(1.0) } else { least });
+        let mut step = of.step(if whole { least.max(1.0) } else { least });
         let mut steps = vec![];
         while steps.is_empty() || step.value() < self.high - self.low {
             // A logarithmic axis has even distances only within less than a decade.
             let shown = if self.scale == Scale::Log { largest.min(30.0 * step.value()) } else { largest };
             steps.push(Step::new(step, shown));
-            step = step.next();
+            step = of.step(1.001 * step.value());
         }
         Ladder { levels, steps }
     }
@@ -240,12 +253,17 @@ mod tests {
     use super::*;
 
     fn labels(scale: Scale, low: f64, high: f64) -> Vec<String> {
-        Range { scale, low, high }.ticks(9).major.into_iter().map(|(_, label)| label).collect()
+        Range { scale, low, high }
+            .ticks(9, Steps::Decimal)
+            .major
+            .into_iter()
+            .map(|(_, label)| label)
+            .collect()
     }
 
     #[test]
     fn decades_are_labelled_in_full_and_have_minor_ticks_at_2_to_9() {
-        let ticks = Range { scale: Scale::Log, low: 0.01, high: 100.0 }.ticks(9);
+        let ticks = Range { scale: Scale::Log, low: 0.01, high: 100.0 }.ticks(9, Steps::Decimal);
         let labels: Vec<_> = ticks.major.iter().map(|(_, label)| label.as_str()).collect();
         assert_eq!(labels, ["0.01", "0.1", "1", "10", "100"]);
         assert_eq!(ticks.minor.len(), 4 * 8);
@@ -265,7 +283,7 @@ mod tests {
             labels(Scale::Log, 1e-6, 200.0),
             ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10", "10²"]
         );
-        let ticks = Range { scale: Scale::Log, low: 1e-12, high: 1e12 }.ticks(9);
+        let ticks = Range { scale: Scale::Log, low: 1e-12, high: 1e12 }.ticks(9, Steps::Decimal);
         let shown: Vec<_> = ticks.major.iter().map(|(_, label)| label.as_str()).collect();
         assert_eq!(shown, ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1", "10³", "10⁶", "10⁹", "10¹²"]);
         assert_eq!(ticks.minor.len(), 16);
@@ -283,16 +301,30 @@ mod tests {
     }
 
     #[test]
+    fn phases_have_ticks_at_parts_of_a_turn() {
+        let labels = |low: f64, high: f64| -> Vec<String> {
+            let ticks = Range { scale: Scale::Linear, low, high }.ticks(9, Steps::Phase);
+            ticks.major.into_iter().map(|(_, label)| label).collect()
+        };
+        assert_eq!(labels(-185.0, 5.0), ["−180", "−135", "−90", "−45", "0"]);
+        assert_eq!(labels(-180.0, 360.0), ["−180", "−90", "0", "90", "180", "270", "360"]);
+        assert_eq!(labels(0.0, 40.0), ["0", "5", "10", "15", "20", "25", "30", "35", "40"]);
+        let ladder = Range { scale: Scale::Linear, low: -185.0, high: 5.0 }.ladder(false, Steps::Phase);
+        let last = ladder.steps[ladder.steps.len() - 3..].iter().map(|step| step.step);
+        assert_eq!(last.collect::<Vec<_>>(), [45.0, 90.0, 180.0]);
+    }
+
+    #[test]
     fn a_ladder_has_the_steps_of_every_part_of_an_axis() {
-        let ladder = Range { scale: Scale::Linear, low: 0.0, high: 1.05 }.ladder(false);
+        let ladder = Range { scale: Scale::Linear, low: 0.0, high: 1.05 }.ladder(false, Steps::Decimal);
         assert!(ladder.levels.is_empty());
         let written = |step: &Step| format!("{:.*}{}", step.decimals, 3.0 * step.shown, step.power);
         let shown: Vec<String> = ladder.steps.iter().map(written).collect();
         assert_eq!(shown[..4], ["0.006", "0.015", "0.03", "0.06"]);
         assert_eq!(shown.last().map(String::as_str), Some("3"));
-        let ladder = Range { scale: Scale::Linear, low: 0.0, high: 2.5e6 }.ladder(false);
+        let ladder = Range { scale: Scale::Linear, low: 0.0, high: 2.5e6 }.ladder(false, Steps::Decimal);
         assert_eq!(written(ladder.steps.last().unwrap()), "6·10⁶");
-        let ladder = Range { scale: Scale::Log, low: 0.01, high: 100.0 }.ladder(false);
+        let ladder = Range { scale: Scale::Log, low: 0.01, high: 100.0 }.ladder(false, Steps::Decimal);
         assert_eq!(ladder.levels[0].major.len(), 9, "two decades beyond either end");
         assert!(ladder.steps[0].step <= 1e-5 && ladder.steps.last().unwrap().step >= 50.0);
     }
@@ -304,7 +336,7 @@ mod tests {
                 for scale in [Scale::Log, Scale::Linear] {
                     let low = Decimal { count: 3, exponent }.value();
                     let range = Range { scale, low, high: low * width };
-                    let ticks = range.ticks(9);
+                    let ticks = range.ticks(9, Steps::Decimal);
                     assert!((2..=12).contains(&ticks.major.len()), "{range:?}: {:?}", ticks.major);
                     assert!(ticks.major.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 != w[1].1), "{ticks:?}");
                     assert!(ticks.minor.len() <= 100, "{range:?}: {} minor ticks", ticks.minor.len());
@@ -320,7 +352,7 @@ mod tests {
         {
             for scale in [Scale::Log, Scale::Linear] {
                 let range = Range::around(scale, values.iter().copied());
-                let ticks = range.ticks(9);
+                let ticks = range.ticks(9, Steps::Decimal);
                 assert!((2..=12).contains(&ticks.major.len()), "{values:?} {range:?}: {:?}", ticks.major);
             }
         }

@@ -1,10 +1,11 @@
-//! Axes and their ticks, which are at whole numbers only for counts and names.
+//! Axes and their ticks, which are at whole numbers for counts and names, and at parts of a turn for phases.
 
 use crate::key::scale::Scale;
+use crate::table::Unit;
 use crate::view::chart::figure::Axis;
 use crate::view::chart::layout::MOST_LABELS;
 use crate::view::chart::scale::{Range, extent};
-use crate::view::chart::ticks::Ticks;
+use crate::view::chart::ticks::{Ladder, Steps, Ticks};
 
 /// Number of whole numbers that all get a label.
 const FEW: f64 = 12.0;
@@ -32,7 +33,7 @@ impl Axis {
             let major = (1..).zip(&self.names).map(|(place, name)| (f64::from(place), name.clone()));
             return Ticks { major: major.collect(), minor: vec![] };
         }
-        let mut ticks = range.ticks(MOST_LABELS);
+        let mut ticks = range.ticks(MOST_LABELS, self.steps());
         if !self.whole {
             return ticks;
         }
@@ -44,6 +45,16 @@ impl Axis {
         ticks.keep_whole();
         ticks
     }
+
+    /// All ticks that parts of a range and its surroundings may have.
+    pub(crate) fn ladder(&self, range: Range) -> Ladder {
+        range.ladder(self.whole, self.steps())
+    }
+
+    /// The distances between even ticks.
+    fn steps(&self) -> Steps {
+        if self.unit == Unit::DEG.symbol { Steps::Phase } else { Steps::Decimal }
+    }
 }
 
 #[cfg(test)]
@@ -52,7 +63,14 @@ mod tests {
 
     /// Labels, and the ticks without one, of an axis around these values.
     fn ticks(scale: Scale, whole: bool, values: &[f64]) -> (Vec<String>, Vec<f64>) {
-        let axis = Axis { label: String::new(), unit: String::new(), scale, whole, names: vec![] };
+        let axis = Axis {
+            label: String::new(),
+            defined: String::new(),
+            unit: String::new(),
+            scale,
+            whole,
+            names: vec![],
+        };
         let ticks = axis.ticks(axis.around(values.iter().copied()));
         (ticks.major.into_iter().map(|(_, label)| label).collect(), ticks.minor)
     }

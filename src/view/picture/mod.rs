@@ -121,7 +121,6 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         ChartError::OtherUnit { column, beside, wanted, .. } => {
             let instead = match *wanted {
                 "" => "a relative column".to_owned(),
-                "″" => "an error in ″".to_owned(),
                 unit => format!("an estimate in {unit}"),
             };
             let help = format!("name {instead} instead, or leave out the {beside}");

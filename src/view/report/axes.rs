@@ -67,7 +67,7 @@ fn of_curves(figure: &Figure) -> Axes {
 }
 
 fn ladders(axis: &Axis, values: &[f64]) -> Either<Ladder> {
-    Either::of(|scale| Range::around(scale, values.iter().copied()).ladder(axis.whole))
+    Either::of(|scale| axis.ladder(Range::around(scale, values.iter().copied())))
 }
 
 fn edges(values: &[f64]) -> Either<Vec<f64>> {

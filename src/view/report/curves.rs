@@ -122,19 +122,24 @@ mod tests {
     #[test]
     fn each_curve_is_told_where_it_is_least_and_largest() {
         let (least, largest, worst) = said(&[("a", [3.0, 2.0, 5.0]), ("b", [4.0, 4.0, 4.0])]);
-        assert_eq!(least, ["a: 2 ″ at frequency 2 Hz", "b: 4 ″ everywhere"]);
-        assert_eq!(largest, ["a: 5 ″ at frequency 4 Hz, the end of its range", "b: 4 ″ everywhere"]);
-        let expected =
-            "The rms of b is at most 4 ″, at frequency 4 Hz, the least of 2 curves; next is a, at most 5 ″.";
+        assert_eq!(least, ["a: 2 arcsec at frequency 2 Hz", "b: 4 arcsec everywhere"]);
+        assert_eq!(
+            largest,
+            ["a: 5 arcsec at frequency 4 Hz, the end of its range", "b: 4 arcsec everywhere"]
+        );
+        let expected = "The rms of b is at most 4 arcsec, at frequency 4 Hz, the least of 2 curves; next is a, at most 5 arcsec.";
         assert_eq!(worst.as_deref(), Some(expected));
     }
 
     #[test]
     fn one_curve_has_no_next_and_equal_ones_are_counted() {
-        assert_eq!(said(&[("a", [1.0, 3.0, 2.0])]).2.unwrap(), "The rms is at most 3 ″, at frequency 2 Hz.");
+        assert_eq!(
+            said(&[("a", [1.0, 3.0, 2.0])]).2.unwrap(),
+            "The rms is at most 3 arcsec, at frequency 2 Hz."
+        );
         let equal =
             said(&[("a", [1.0, 3.0, 2.0]), ("b", [1.0, 3.0, 2.0]), ("c", [9.0, 9.0, 9.0])]).2.unwrap();
-        assert_eq!(equal, "The rms of 2 of 3 curves is at most 3 ″, the least: a, …");
+        assert_eq!(equal, "The rms of 2 of 3 curves is at most 3 arcsec, the least: a, …");
         assert_eq!(said(&[]).2, None);
     }
 
@@ -146,11 +151,9 @@ mod tests {
             Curves::of(x, y, rows, given).least_for_each([given, chosen], most)
         };
         let all = [0, 1, 2, 3, 4, 5];
-        let expected =
-            "The rms is least at frequency 2 Hz (a: 2 ″) and 4 Hz, the end of its range (b: 1.5 ″).";
+        let expected = "The rms is least at frequency 2 Hz (a: 2 arcsec) and 4 Hz, the end of its range (b: 1.5 arcsec).";
         assert_eq!(least(&all, [&[filler], &[]], 4).as_deref(), Some(expected));
-        let expected =
-            "The rms is least at frequency 2 Hz to 4 Hz, which depends on the filler: 1.5 ″ to 2 ″.";
+        let expected = "The rms is least at frequency 2 Hz to 4 Hz, which depends on the filler: 1.5 arcsec to 2 arcsec.";
         assert_eq!(least(&all, [&[filler], &[]], 1).as_deref(), Some(expected));
         // A chosen column is stated with the place; a single one, or one without a range, is stated elsewhere.
         assert_eq!(least(&all, [&[], &[filler]], 4), None);

@@ -160,11 +160,11 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
 
 /// The heading of a column, which is unique in its table.
 fn title(column: &Column, table: &Table) -> String {
-    let first = table.columns.iter().find(|other| other.title() == column.title());
+    let first = table.columns.iter().find(|other| other.heading() == column.heading());
     match first.is_some_and(|other| other.name != column.name) {
         // As for the name of a tick and its number.
-        true => titled(&column.name.replace('_', " "), column.unit.symbol),
-        false => column.title(),
+        true => titled(&column.name.replace('_', " "), &column.unit.sign()),
+        false => column.heading(),
     }
 }
 

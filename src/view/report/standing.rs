@@ -126,9 +126,9 @@ mod tests {
         let early = [("a", [5.0, 20.0, 40.0]), ("b", [5.0, 20.0, 40.0])];
         assert_eq!(
             judged(&[early[0], late, early[1]]),
-            "Longest within 10 ″: late, up to frequency 2.83 Hz; shortest: a and b, up to frequency 1.41 Hz."
+            "Longest within 10 arcsec: late, up to frequency 2.83 Hz; shortest: a and b, up to frequency 1.41 Hz."
         );
-        assert_eq!(judged(&early), "Within 10 ″: a and b, up to frequency 1.41 Hz.");
+        assert_eq!(judged(&early), "Within 10 arcsec: a and b, up to frequency 1.41 Hz.");
     }
 
     #[test]
@@ -136,28 +136,28 @@ mod tests {
         let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
         assert_eq!(
             judged(&[good, ("fine", [1.0; 3])]),
-            "All 2 curves stay within 10 ″ (fine, at most 1 ″; good, at most 3 ″)."
+            "All 2 curves stay within 10 arcsec (fine, at most 1 arcsec; good, at most 3 arcsec)."
         );
-        assert_eq!(judged(&[good]), "Good: within 10 ″ up to the last point, frequency 4 Hz.");
+        assert_eq!(judged(&[good]), "Good: within 10 arcsec up to the last point, frequency 4 Hz.");
         assert_eq!(
             judged(&[good, bad]),
-            "1 of 2 curves stays within 10 ″ (good, at most 3 ″); 1 of 2 curves is nowhere within 10 ″ (bad)."
+            "1 of 2 curves stays within 10 arcsec (good, at most 3 arcsec); 1 of 2 curves is nowhere within 10 arcsec (bad)."
         );
-        assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 ″.");
+        assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 arcsec.");
     }
 
     #[test]
     fn curves_that_come_to_the_limit_and_that_leave_it_have_no_order() {
         let (comes, leaves, between) =
             (("comes", [20.0, 5.0, 2.0]), ("leaves", [2.0, 5.0, 20.0]), ("between", [20.0, 5.0, 20.0]));
-        assert_eq!(judged(&[comes, leaves]), "2 are within 10 ″ in part (comes and leaves).");
+        assert_eq!(judged(&[comes, leaves]), "2 are within 10 arcsec in part (comes and leaves).");
         assert_eq!(
             judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
-            "First within 10 ″: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
+            "First within 10 arcsec: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
         );
         assert_eq!(
             judged(&[between, ("bad", [20.0; 3])]),
-            "Between: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 ″ (bad)."
+            "Between: within 10 arcsec from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 arcsec (bad)."
         );
     }
 
@@ -165,9 +165,11 @@ mod tests {
     fn values_that_are_missing_at_the_end_are_not_taken_for_within() {
         let open = ("open", [1.0, 2.0, f64::NAN]);
         let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
-        assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good, at most 3 ″)"), "{said}");
+        assert!(said.starts_with("1 of 2 curves stays within 10 arcsec (good, at most 3 arcsec)"), "{said}");
         assert!(
-            said.contains("1 of 2 curves stays within 10 ″ as far as there are values (open, at most 2 ″)"),
+            said.contains(
+                "1 of 2 curves stays within 10 arcsec as far as there are values (open, at most 2 arcsec)"
+            ),
             "{said}"
         );
         // It has not exceeded the limit where its values end, and cannot be ordered among those that do.
@@ -177,7 +179,7 @@ mod tests {
             ("early", [1.0, 20.0, 20.0]),
             ("late", [1.0, 2.0, 20.0]),
         ]);
-        assert!(early.contains("of the others longest within 10 ″: late, up to "), "{early}");
+        assert!(early.contains("of the others longest within 10 arcsec: late, up to "), "{early}");
         assert!(early.contains("; shortest: early, up to "), "{early}");
     }
 }

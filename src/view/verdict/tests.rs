@@ -44,7 +44,7 @@ fn the_crossing_is_found_between_sorted_points_on_logarithmic_scales() {
     assert_eq!(column.header(), "motion.frequency_hz");
     assert!((at - libm::sqrt(2.0)).abs() < 1e-12, "{at}");
     assert_eq!(answers[1].at[0].1, 4.0);
-    assert_eq!(answers[0].sentence("10 ″"), "a: rises above 10 ″ at frequency 1.41 Hz");
+    assert_eq!(answers[0].sentence("10 arcsec"), "a: rises above 10 arcsec at frequency 1.41 Hz");
 }
 
 #[test]
@@ -62,8 +62,8 @@ fn signed_values_are_judged_by_their_magnitude_and_a_curve_without_its_last_valu
     table.columns[3].cells[5] = Cell::Blank;
     let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
     assert!(!answers[0].open && answers[1].open);
-    let said = "b: within 10 ″ up to the last point that has a value, frequency 2 Hz";
-    assert_eq!(answers[1].sentence("10 ″"), said);
+    let said = "b: within 10 arcsec up to the last point that has a value, frequency 2 Hz";
+    assert_eq!(answers[1].sentence("10 arcsec"), said);
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn a_curve_above_the_limit_from_the_start_is_said_to_be() {
     let table = over_frequency();
     let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
     assert_eq!((answers[0].outcome, answers[0].at[0].1), (Outcome::AboveFrom, 1.0));
-    assert_eq!(answers[0].sentence("1 ″"), "a: above 1 ″ from the first point on, frequency 1 Hz");
+    assert_eq!(answers[0].sentence("1 arcsec"), "a: above 1 arcsec from the first point on, frequency 1 Hz");
 }
 
 #[test]
@@ -81,18 +81,18 @@ fn a_curve_that_comes_below_the_limit_is_told_from_where_and_until_where() {
         let all = [levels[2], levels[0], levels[1], 0.1, 0.2, 0.3];
         table.columns[3].cells = all.map(Cell::Number).to_vec();
         let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
-        (answers[0].outcome, answers[0].sentence("10 ″"))
+        (answers[0].outcome, answers[0].sentence("10 arcsec"))
     };
     assert_eq!(
         of([40.0, 20.0, 5.0]),
-        (Outcome::WithinFrom, "a: within 10 ″ from frequency 2.83 Hz on".to_owned())
+        (Outcome::WithinFrom, "a: within 10 arcsec from frequency 2.83 Hz on".to_owned())
     );
-    let between = "a: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz".to_owned();
+    let between = "a: within 10 arcsec from frequency 1.41 Hz to frequency 2.83 Hz".to_owned();
     assert_eq!(of([20.0, 5.0, 20.0]), (Outcome::WithinBetween, between));
     assert_eq!(of([20.0, 15.0, 20.0]).0, Outcome::AboveFrom);
     let alone = over_frequency();
     let question = Question { series: vec![], filter: vec![], ..asked("frequency", "rms", 10.0) };
-    assert!(verdict(&alone, &question).unwrap()[0].sentence("10 ″").starts_with("the curve: "));
+    assert!(verdict(&alone, &question).unwrap()[0].sentence("10 arcsec").starts_with("the curve: "));
 }
 
 #[test]
@@ -107,12 +107,12 @@ fn along_a_count_the_last_value_within_is_told_and_nothing_between() {
     let mut table = table();
     table.columns.remove(0);
     let answers = verdict(&table, &asked("gap_ticks", "q9973", 10.0)).unwrap();
-    assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to n = 1");
-    assert_eq!(answers[1].sentence("10 ″"), "b: within 10 ″ up to the last point, n = 4");
+    assert_eq!(answers[0].sentence("10 arcsec"), "a: within 10 arcsec up to n = 1");
+    assert_eq!(answers[1].sentence("10 arcsec"), "b: within 10 arcsec up to the last point, n = 4");
     // Over another column that varies with the count.
     table.columns[1].cells = table.columns[0].cells.iter().map(|n| n.number().into()).collect();
     let answers = verdict(&table, &asked("dt_nu", "q9973", 10.0)).unwrap();
-    assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to Δt·ν = 1");
+    assert_eq!(answers[0].sentence("10 arcsec"), "a: within 10 arcsec up to Δt·ν = 1");
 }
 
 #[test]
@@ -122,14 +122,17 @@ fn values_that_are_missing_at_first_and_a_second_time_within_are_told() {
     table.columns[3].cells[1] = Cell::Blank;
     let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
     assert_eq!(
-        answers[0].sentence("10 ″"),
-        "a: rises above 10 ″ at frequency 2.83 Hz, without a value before frequency 2 Hz"
+        answers[0].sentence("10 arcsec"),
+        "a: rises above 10 arcsec at frequency 2.83 Hz, without a value before frequency 2 Hz"
     );
-    let said = answers[1].sentence("10 ″");
-    assert!(said.starts_with("b: rises above 10 ″ at") && said.ends_with(", and again further on"), "{said}");
+    let said = answers[1].sentence("10 arcsec");
+    assert!(
+        said.starts_with("b: rises above 10 arcsec at") && said.ends_with(", and again further on"),
+        "{said}"
+    );
     let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
-    let said = "a: above 1 ″ from its first value on, frequency 2 Hz, without one before";
-    assert_eq!(answers[0].sentence("1 ″"), said);
+    let said = "a: above 1 arcsec from its first value on, frequency 2 Hz, without one before";
+    assert_eq!(answers[0].sentence("1 arcsec"), said);
 }
 
 #[test]
@@ -139,8 +142,8 @@ fn names_side_by_side_are_judged_each_for_itself() {
     let filter = vec![("frequency".to_owned(), "4".to_owned())];
     let question = Question { series: vec![], filter, ..asked("filler", "q9973", 10.0) };
     let answers = verdict(&table, &question).unwrap();
-    let said: Vec<String> = answers.iter().map(|answer| answer.sentence("10 ″")).collect();
-    assert_eq!(said, ["a: above 10 ″", "b: within 10 ″"]);
+    let said: Vec<String> = answers.iter().map(|answer| answer.sentence("10 arcsec")).collect();
+    assert_eq!(said, ["a: above 10 arcsec", "b: within 10 arcsec"]);
     assert_eq!((answers[0].outcome, answers[1].most), (Outcome::AboveFrom, 0.3));
 }
 
@@ -162,7 +165,7 @@ fn curves_are_named_by_values_with_label_and_unit() {
     let question = Question { series: vec!["filler", "frequency"], ..asked("dt_nu", "rms", 10.0) };
     let answers = verdict(&table, &question).unwrap();
     assert_eq!(
-        answers[0].sentence("10 ″"),
-        "a, frequency 4 Hz: within 10 ″ up to the last point, Δt·ν = 0.5"
+        answers[0].sentence("10 arcsec"),
+        "a, frequency 4 Hz: within 10 arcsec up to the last point, Δt·ν = 0.5"
     );
 }

@@ -9,7 +9,7 @@ pub(super) static ROW: Row = Row {
     symbol: "Q",
     title: "quantisation noise Q",
     name: ["", "quantisation"],
-    unit: (1.0, "arcsec", "″"),
+    unit: (1.0, "arcsec", "arcsec"),
     unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
     plain: ("s", "· s"),
     // Σc² of the coefficients of the angles.

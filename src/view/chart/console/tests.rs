@@ -9,7 +9,14 @@ use crate::view::chart::picture::Picture;
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 
 fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
+    Axis {
+        label: label.to_owned(),
+        defined: String::new(),
+        unit: unit.to_owned(),
+        scale: Scale::Log,
+        whole: false,
+        names: vec![],
+    }
 }
 
 /// y = x² and y = x over two decades, with a limit of 10.
@@ -17,14 +24,15 @@ fn figure() -> Figure {
     let entry = |style, name: &str| Entry { style, name: name.to_owned() };
     let curve = |colour: usize, power: f64| {
         let xs = [1.0, 3.0, 10.0, 30.0, 100.0];
-        let point = |&x: &f64| SeriesPoint { x, y: libm::pow(x, power), band: None };
+        let point = |&x: &f64| SeriesPoint { x, y: libm::pow(x, power), band: None, key: None };
         Series { colour, dash: 0, points: xs.iter().map(point).collect(), law: vec![] }
     };
     Figure {
+        key: None,
         title: "Powers".to_owned(),
         subtitle: None,
         x: axis("x", "Hz"),
-        y: axis("error", "″"),
+        y: axis("error", "arcsec"),
         colours: Grouping { title: "power".to_owned(), entries: vec![entry(0, "square"), entry(1, "first")] },
         dashes: Grouping::default(),
         points: String::new(),
@@ -33,7 +41,7 @@ fn figure() -> Figure {
         series: vec![curve(0, 2.0), curve(1, 1.0)],
         laws: vec![],
         parts: Parts::default(),
-        limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
+        limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".to_owned() }),
         chosen: vec![],
     }
 }
@@ -46,7 +54,7 @@ fn text(figure: Figure, look: Look) -> String {
 fn a_figure_has_its_title_units_ticks_limit_and_legend_in_no_more_columns_than_there_are() {
     for look in [PLAIN, Look { unicode: true, ..PLAIN }, Look { width: 120, ..PLAIN }] {
         let text = text(figure(), look);
-        let unit = if look.unicode { "error, ″" } else { "error, arcsec" };
+        let unit = if look.unicode { "error, arcsec" } else { "error, arcsec" };
         for piece in ["Powers\n", unit, "x, Hz", " 100 ", "square", "first", "limit 10"] {
             assert!(text.contains(piece), "{piece} is missing in\n{text}");
         }
@@ -86,11 +94,11 @@ fn the_shades_of_a_map_end_at_its_limit() {
         subtitle: None,
         x: axis("x", "Hz"),
         y: axis("y", ""),
-        z: axis("z", "″"),
+        z: axis("z", "arcsec"),
         columns: vec![1.0, 10.0],
         rows: vec![1.0, 10.0],
         cells: Cells::Values(vec![Some(1.0), Some(9.9), Some(10.1), None]),
-        limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
+        limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".to_owned() }),
         chosen: vec![],
         layers: vec![],
     };

@@ -4,7 +4,7 @@ use crate::view::chart::axes::{TICK_SIZE, widest};
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::view::chart::layout::draw_axis_title;
 use crate::view::chart::map::limit_line;
-use crate::view::chart::palette::{INK, shade};
+use crate::view::chart::palette::{INK, Shades};
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
@@ -20,6 +20,7 @@ const PIECES: usize = 160;
 #[derive(Debug)]
 pub(crate) struct ColourBar<'a> {
     pub range: Range,
+    pub shades: Shades,
     pub ticks: &'a Ticks,
     pub title: &'a str,
     /// Place of the limit, if it is on the scale.
@@ -39,7 +40,11 @@ impl ColourBar<'_> {
         canvas.crisp_group("colour scale", |canvas| {
             for piece in 0..PIECES {
                 let [low, high] = [piece, piece + 1].map(|piece| piece as f64 / PIECES as f64);
-                canvas.block((left, height(high)), (right, height(low)), shade(0.5 * (low + high)));
+                canvas.block(
+                    (left, height(high)),
+                    (right, height(low)),
+                    self.shades.colour(0.5 * (low + high)),
+                );
             }
         });
         let line = Stroke { colour: INK, width: 1.1, dash: "" };

@@ -3,7 +3,7 @@
 use crate::view::chart::canvas::{Canvas, Colour, Stroke};
 use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::map::{Cells, Map, Won};
-use crate::view::chart::palette::{self, INK};
+use crate::view::chart::palette::{self, INK, Shades};
 use crate::view::chart::scale::Range;
 
 /// Distance between hatching lines, measured horizontally.
@@ -34,11 +34,11 @@ impl Edges {
 }
 
 /// Draws the cells: values in the colour of their place on the `range`, winners in their own colour.
-pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, range: Range) {
+pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, (shades, range): (Shades, Range)) {
     let colours: Vec<Option<Colour>> = match &map.cells {
         Cells::Values(values) => values
             .iter()
-            .map(|value| value.map(|value| palette::shade(range.fraction(value)).into()))
+            .map(|value| value.map(|value| shades.colour(range.fraction(value)).into()))
             .collect(),
         Cells::Winners { won, .. } => {
             won.iter().map(|won| Some(winner_colour(won.as_ref()?).into())).collect()

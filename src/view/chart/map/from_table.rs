@@ -6,7 +6,7 @@ use crate::chart::{Chart, Shows};
 use crate::key::scale::Scale;
 use crate::table::{Column, Table};
 use crate::view::chart::figure::Entry;
-use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
+use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style, styles};
 use crate::view::chart::map::winners::winners;
 use crate::view::chart::map::{Cells, Estimate, Layer, Map};
 use crate::view::chart::notes::{ChartError, MapNotes};
@@ -58,14 +58,22 @@ impl Map {
             }
             _ => {
                 estimates.truncate(competing.entries.len());
-                let (won, merged) = winners(&mut competing.entries, &estimates);
+                // Ties come behind the competitors.
+                let of_names = styles(of, &competing.entries);
+                let first = of_names.iter().copied().max().map_or(0, |most| most + 1);
+                let styled = |place: usize| {
+                    of_names.get(place).copied().unwrap_or_else(|| first + place - of_names.len())
+                };
+                let (mut won, merged) = winners(&mut competing.entries, &estimates);
                 notes.merged = merged;
                 // Neither merged entries nor those of ties, which come last.
                 let layer = |entry: &Entry| {
                     let values = estimates.get_mut(entry.style).map(std::mem::take)?;
-                    Some(Layer { style: entry.style, name: entry.name.clone(), values })
+                    Some(Layer { style: styled(entry.style), name: entry.name.clone(), values })
                 };
                 let layers = competing.entries.iter().filter_map(layer).collect();
+                won.iter_mut().flatten().for_each(|won| won.style = styled(won.style));
+                competing.entries.iter_mut().for_each(|entry| entry.style = styled(entry.style));
                 (Cells::Winners { of: competing, won, banded: z.band.is_some() }, layers, Scale::Linear)
             }
         };

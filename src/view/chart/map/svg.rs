@@ -8,7 +8,7 @@ use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
 use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
 use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
-use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
+use crate::view::chart::palette::{self, LIMIT, PALE_MUTED, Shades};
 use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::ticks::Ticks;
 
@@ -18,11 +18,12 @@ impl Map {
         let range = |scale: Scale, values| Range::between(scale, &scale.edges(values));
         let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
         let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
-        let colours = self.colours();
-        let colour_ticks = colours.ticks(MOST_LABELS);
+        let (shades, colours) = self.colours();
+        let colour_ticks = self.z.ticks(colours);
         let (z_title, limit) = (self.z.title(), self.limit.as_ref().map(|limit| limit.value));
         let bar = matches!(self.cells, Cells::Values(_)).then_some(ColourBar {
             range: colours,
+            shades,
             ticks: &colour_ticks,
             title: &z_title,
             limit: limit.filter(|limit| (colours.low..=colours.high).contains(limit)),
@@ -36,7 +37,7 @@ impl Map {
 
         let mut canvas = Canvas::new(&self.title);
         titles.draw(&mut canvas, frame);
-        draw::draw_cells(&mut canvas, self, &edges, colours);
+        draw::draw_cells(&mut canvas, self, &edges, (shades, colours));
         self.draw_over(&mut canvas, &area, &edges);
         draw::draw_frame(&mut canvas, frame);
         canvas.group("axes", |canvas| axes::draw_axes(canvas, &area, &x_ticks, &y_ticks));
@@ -54,13 +55,21 @@ impl Map {
         canvas
     }
 
-    /// The scale of the colours: exactly the range of the values shown, or a range around a single one.
-    fn colours(&self) -> Range {
+    /// The scale of the colours. Around a limit it reaches as far on either side as the values on one; else it is exactly the range of
+    /// the values shown, or a range around a single one.
+    fn colours(&self) -> (Shades, Range) {
         let (scale, values) = (self.z.scale, self.values());
         let values = || values.iter().copied().flatten();
-        match extent(values()) {
-            Some((low, high)) if low < high => Range { scale, low, high },
-            _ => Range::around(scale, values()),
+        let limit = self.limit.as_ref().map(|limit| limit.value).filter(|limit| scale.shows(*limit));
+        match (extent(values()), limit) {
+            (Some((low, high)), Some(limit)) if low < limit || limit < high => {
+                let [low, limit, high] = [low, limit, high].map(|value| scale.coordinate(value));
+                let reach = (high - limit).max(limit - low);
+                let [low, high] = [limit - reach, limit + reach].map(|coordinate| scale.value(coordinate));
+                (Shades::AboutLimit, Range { scale, low, high })
+            }
+            (Some((low, high)), _) if low < high => (Shades::Rising, Range { scale, low, high }),
+            _ => (Shades::Rising, Range::around(scale, values())),
         }
     }
 
@@ -155,6 +164,7 @@ mod tests {
         let labels_of = |whole: bool, values: &[f64]| -> Vec<String> {
             let axis = Axis {
                 label: String::new(),
+                defined: String::new(),
                 unit: String::new(),
                 scale: Scale::Linear,
                 whole,
