@@ -171,7 +171,7 @@ fn noise_below_the_finest_unit_is_not_blamed_on_a_motion_that_is_not_there() {
     let shown = lower(&tiny).unwrap_err().to_string();
     assert_eq!(
         shown,
-        "gyro.tick_noise: 1e-9 ″ of noise per tick are too few units of 2^-24 ″, the finest unit of angle"
+        "gyro.tick_noise: 1e-9 arcsec of noise per tick are too few units of 2^-24 arcsec, the finest unit of angle"
     );
 }
 
@@ -183,9 +183,11 @@ fn motion_that_the_arithmetic_would_lose_is_refused_by_name() {
             c.inputs.tick_noise = TickNoise::Std(sigma);
         })
     };
-    for (rate, sigma, cause) in
-        [(1e-2, 1.0, "beside motion and noise of up to 6."), (1e-4, 0.0, "2^-24 ″"), (1e-9, 0.0, "2^-24 ″")]
-    {
+    for (rate, sigma, cause) in [
+        (1e-2, 1.0, "beside motion and noise of up to 6."),
+        (1e-4, 0.0, "2^-24 arcsec"),
+        (1e-9, 0.0, "2^-24 arcsec"),
+    ] {
         let error = lower(&motion(rate, sigma)).unwrap_err();
         assert!(error.to_string().contains("of motion per tick"), "{rate} ″/s beside {sigma} ″: {error}");
         let shown = error.to_string();

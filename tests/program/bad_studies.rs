@@ -198,11 +198,11 @@ fn charts_that_name_what_is_not_there_are_refused() {
         "15:23",
         &["no point has motion.frequency = 6 Hz", "accepted: 5 Hz, 20 Hz"],
     );
-    refused(&chart("y = \"rms\"\nlimit = \"0 arcsec\""), "15:9", &["chart.limit = 0 ″", "not above 0"]);
+    refused(&chart("y = \"rms\"\nlimit = \"0 arcsec\""), "15:9", &["chart.limit = 0 arcsec", "not above 0"]);
     refused(
         &chart("y = \"z\"\nlimit = \"10 arcsec\""),
         "14:5",
-        &["`z` is a number without unit, a limit in ″ cannot be drawn on it", "leave out the limit"],
+        &["`z` is a number without unit, a limit in arcsec cannot be drawn on it", "leave out the limit"],
     );
     refused(&swept("y = \"frequency_hz\"\nlimit = \"10 arcsec\""), "14:5", &["`frequency_hz` is in Hz"]);
 }
@@ -225,7 +225,10 @@ fn charts_with_keys_of_another_kind_are_refused() {
     refused(
         &swept_chart(&format!("{map}z = \"z\"\nlimit = \"10 arcsec\"")),
         "22:5",
-        &["a limit in ″ cannot be drawn on it", "name an error in ″ instead, or leave out the limit"],
+        &[
+            "a limit in arcsec cannot be drawn on it",
+            "name an estimate in arcsec instead, or leave out the limit",
+        ],
     );
     let twice = map.replace("amplitude", "frequency_hz");
     refused(&swept_chart(&format!("{twice}z = \"rms\"")), "21:5", &["both x and y", "another column as y"]);
@@ -246,7 +249,7 @@ fn a_map_of_several_rows_on_one_cell_is_refused_with_what_tells_them_apart() {
         "22:5",
         &[
             "differ in motion.amplitude (10, 12000)",
-            "where = { amplitude = \"10 ″/s\" }",
+            "where = { amplitude = \"10 arcsec/s\" }",
             "amplitude an axis",
         ],
     );
@@ -263,7 +266,7 @@ fn laws_are_refused_where_they_cannot_be_drawn() {
     refused(
         &laws("x = \"dt_nu\"\ny = \"z\""),
         "20:5",
-        &["a law in ″ cannot be drawn on it", "leave out the law"],
+        &["a law in arcsec cannot be drawn on it", "leave out the law"],
     );
     refused(
         &laws("x = \"dt_nu\"\ny = \"rms\"").replace("noise\"]", "nose\"]"),

@@ -99,7 +99,7 @@ fn the_answer_of_a_relock_is_what_is_left_of_all_ticks_and_its_columns_have_name
     let desk = Desk::with(RELOCK);
     let said = headline(&desk);
     assert!(
-        said.starts_with("All ticks together, rms angle left: ") && said.contains(" ″ (frequency), "),
+        said.starts_with("All ticks together, rms angle left: ") && said.contains(" arcsec (frequency), "),
         "{said}"
     );
     let shown = desk.done("run study.toml --device cpu --trials 5000").stdout;
@@ -127,7 +127,7 @@ fn the_answer_over_what_a_gyro_meets_is_the_filler_that_is_best_at_worst() {
     );
     desk.write("study.toml", &with(&format!("{SWEEP}{chart}limit = \"1000 arcsec\"\n")));
     let said = headline(&desk);
-    assert!(said.starts_with("All 2 curves stay within 1000 ″ (quadratic, at most "), "{said}");
+    assert!(said.starts_with("All 2 curves stay within 1000 arcsec (quadratic, at most "), "{said}");
 }
 
 #[test]

@@ -70,9 +70,9 @@ fn sentences_have_labels_units_and_numbers_without_exponents() {
     let chart = chart("q9973", "").replace("10 arcsec", "200 arcsec");
     let (text, _) = said(&format!("{AMPLITUDES}{chart}"));
     let lines = under(&text, "chart: 99.73 % error");
-    assert!(lines[0].starts_with("const: rises above 200 ″ at vibration amplitude 15"), "{text}");
-    assert!(lines[0].ends_with("00 ″/s"), "{text}");
-    let within = "quadratic: within 200 ″ up to the last point, vibration amplitude 20000 ″/s";
+    assert!(lines[0].starts_with("const: rises above 200 arcsec at vibration amplitude 15"), "{text}");
+    assert!(lines[0].ends_with("00 arcsec/s"), "{text}");
+    let within = "quadratic: within 200 arcsec up to the last point, vibration amplitude 20000 arcsec/s";
     assert_eq!(lines[1], within, "{text}");
     assert!(text.contains("vibration amplitude, ″/s") && !text.contains("e3"), "{text}");
 }
@@ -85,7 +85,7 @@ fn a_count_is_told_as_the_last_one_within() {
     ));
     let text = desk.done("run study.toml --device cpu --trials 5000").stdout;
     let lines = under(&text, "chart: 99.73 % error");
-    assert_eq!(lines[0], "const: within 10 ″ up to lost ticks n = 2, Δt·ν = 0.15", "{text}");
+    assert_eq!(lines[0], "const: within 10 arcsec up to lost ticks n = 2, Δt·ν = 0.15", "{text}");
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn a_curve_through_rows_that_belong_on_several_is_refused_with_what_tells_them_a
         "20:5",
         &[
             "one curve, that of filler = const, runs through rows that differ in motion.amplitude (10, 12000)",
-            "where = { amplitude = \"10 ″/s\" }, or name amplitude in `series` too",
+            "where = { amplitude = \"10 arcsec/s\" }, or name amplitude in `series` too",
         ],
     );
     refused(

@@ -121,7 +121,7 @@ fn the_terminal_shows_exact_fractions_and_says_what_a_filler_does_not_give() {
         "127/20",
         "√Σw² = 3.8079",
         "√Σw² = 18.181",
-        "amplitude 26.848 ″ at 20 Hz and 12000 ″/s, rms with noise 19.09",
+        "amplitude 26.848 arcsec at 20 Hz and 12000 arcsec/s, rms with noise 19.09",
         "× 2^24",
         "rounded to the nearest with Σw kept, over 2^24",
         "exact, over 130",

@@ -57,8 +57,8 @@ fn reads_as_in_the_table(
     for step in 0..24 {
         point_at(browser, PICTURE, (0.12 + 0.035 * f64::from(step), 0.3 + 0.02 * f64::from(step % 12)));
         let Some((at, lines)) = tip(browser) else { continue };
-        // `averaging time τ 10 s`, `Δt·ν = 0.02`
-        let words: Vec<&str> = at[0].split(' ').collect();
+        // `averaging time τ 10 s`, `Δt·ν = 0.02 (vibration frequency 4 Hz)`
+        let words: Vec<&str> = at[0].split(" (").next().unwrap().split(' ').collect();
         let number = words.iter().rev().find(|word| word.starts_with(|c: char| c.is_ascii_digit())).unwrap();
         for (name, said) in lines {
             // A curve that stands for several is named `const = linear`.
@@ -128,12 +128,10 @@ fn what_is_read_off_switched_enlarged_and_sorted_is_what_the_table_has() {
     let (first, _) = tip(&browser).unwrap();
     browser.press(PICTURE, key::RIGHT);
     let (second, lines) = tip(&browser).unwrap();
-    let xs =
-        results.column("dt_nu", &[("error", "residual"), ("filler", "const"), ("switching.gap_ticks", "1")]);
-    assert_eq!(
-        [&first[0], &second[0]],
-        [&format!("Δt·ν = {}", shown(xs[0])), &format!("Δt·ν = {}", shown(xs[1]))]
-    );
+    let of_curve = [("error", "residual"), ("filler", "const"), ("switching.gap_ticks", "1")];
+    let [xs, hertz] = ["dt_nu", "motion.frequency_hz"].map(|name| results.column(name, &of_curve));
+    let place = |at: usize| format!("Δt·ν = {} (vibration frequency {} Hz)", shown(xs[at]), shown(hertz[at]));
+    assert_eq!([&first[0], &second[0]], [&place(0), &place(1)]);
     browser.press(PICTURE, key::DOWN);
     assert_ne!(tip(&browser).unwrap().1[0].0, lines[0].0, "the next curve");
 
@@ -178,7 +176,7 @@ fn a_map_tells_its_cells_and_the_slices_through_them() {
             let row = results.row(&[("dt_nu", &x), ("amplitude_noise", &y)], &filter).unwrap();
             let [level, low, high] =
                 ["q9973_arcsec", "q9973_lo_arcsec", "q9973_hi_arcsec"].map(|name| row.shown(name));
-            assert_eq!(*said, format!("{level} ″ 95 %: {low} … {high}"), "{name} at {x}, {y}");
+            assert_eq!(*said, format!("{level} arcsec 95 %: {low} … {high}"), "{name} at {x}, {y}");
         }
         let slices = browser.ask(
             "return [...document.querySelectorAll(\"[data-chart='0'] .slice h4\")].map((h) => h.textContent)",

@@ -114,11 +114,14 @@ impl Map {
         let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
             return vec![];
         };
-        let (known, label) = (self.known(), limit.label.replace(' ', "\u{a0}"));
+        let (known, label) = (self.known(), unbroken(&limit.label));
         let (sample, text) = match self.cells {
             Cells::Values(_) => {
                 let line = Stroke { colour: LIMIT, width: 2.2, dash: "" };
-                (Sample::Line(line), format!("{label}, within: {}", share(within, known)))
+                (
+                    Sample::Line(line),
+                    format!("{label}, {}", unbroken(&format!("within: {}", share(within, known)))),
+                )
             }
             Cells::Winners { .. } => {
                 let over = share(known - within, known);
@@ -127,6 +130,11 @@ impl Map {
         };
         wrapped_entry(sample, &text)
     }
+}
+
+/// A text that stays in one line.
+fn unbroken(text: &str) -> String {
+    text.replace(' ', "\u{a0}")
 }
 
 /// Rows on the leads of the winners: the number of uncertain ones, if there are any, or that no intervals are known.
