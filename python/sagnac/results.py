@@ -31,7 +31,7 @@ class Table(Mapping[str, Column]):
         self.labels: dict[str, str] = {}
         """The label of each column, for people."""
         self.units: dict[str, str] = {}
-        """The unit of each column as on an axis, such as ``″``; empty for plain numbers."""
+        """The unit of each column as on an axis, such as ``arcsec``; empty for plain numbers."""
         for name, label, unit, values in columns:
             if isinstance(values, list):
                 texts = np.empty(len(values), dtype=object)
