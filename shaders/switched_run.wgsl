@@ -89,9 +89,9 @@ fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
 }
 //#end
 
-// The angle at a row of the table in interval `k`, with the random part `more` added since the last switch.
-fn angle(run: Run, k: u32, row: u32, more: Wide) -> u32 {
-    let words = row * ROW;
+// The angle at a row of the table in interval `k`, with the random part `more` added since the last switch; `words` is
+// the place of the row.
+fn angle(run: Run, k: u32, words: u32, more: Wide) -> u32 {
     var random = add_wide(add_wide(run.random, more), wide(HALF, 0u));
     var magnetic = wide(0u, 0u);
     var at = words + 1u;
@@ -161,6 +161,10 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     var run = start(address);
     var error: array<u32, ESTIMATES>;
     let nothing = wide(0u, 0u);
+    //#if ANY_END
+    let end = (intervals + TIMES) * ROW + (draw(address, FOR_RUN_END, 0u)[0] >> (32u - END_BITS)) * END_ROW;
+    let end_interval = table_word(end + ROW);
+    //#end
     for (var k = 0u; k < intervals; k++) {
         let words = draw(address, FOR_INTERVAL, k);
         let is_last = k + 1u == intervals;
@@ -174,16 +178,33 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
             let bridge = normal(draw(address, FOR_BRIDGE, k)[0]);
             part = add_wide(mul_wide(step, p[TIME_WALK + t]), mul_wide(bridge, p[TIME_BRIDGE + t]));
             //#end
-            error[FIRST_TIME + t] = angle(run, k, intervals + t, part);
+            error[FIRST_TIME + t] = angle(run, k, (intervals + t) * ROW, part);
+        }
+        //#end
+        // A run that ends before the end of this interval has no angle there.
+        var counts = 0xffffffffu;
+        //#if ANY_END
+        counts = sar(k - end_interval, 31u);
+        if k == end_interval {
+            var part = nothing;
+            //#if WALK
+            let bridge = normal(draw(address, FOR_BRIDGE, k)[0]);
+            part = add_wide(mul_wide(step, table_word(end + ROW + 1u)), mul_wide(bridge, table_word(end + ROW + 2u)));
+            //#end
+            error[0] = angle(run, k, end, part);
+            error[1] = max_signed(error[1], with_sign(error[0], error[0]));
         }
         //#end
         //#if WALK
         run.random = add_wide(run.random, mul_wide(step, select(p[WALK_SIGMA], p[WALK_SIGMA + 1u], is_last)));
         //#end
-        let before = angle(run, k, k, nothing);
+        let before = angle(run, k, k * ROW, nothing);
         //#if ENDS
+        //#if ANY_END
+        //#else
         error[0] = before;
-        error[1] = max_signed(error[1], with_sign(before, before));
+        //#end
+        error[1] = max_signed(error[1], with_sign(before, before) & counts);
         //#end
         if !is_last {
             run.random = add_wide(run.random, residual(&run, address, k, words));
@@ -191,8 +212,8 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
             run.relocked += relocked(run, address, k);
             //#end
             //#if ENDS
-            let after = angle(run, k, k, nothing);
-            error[1] = max_signed(error[1], with_sign(after, after));
+            let after = angle(run, k, k * ROW, nothing);
+            error[1] = max_signed(error[1], with_sign(after, after) & counts);
             //#end
             //#if WARM_UP
             run.warm_up.last = heating(run.warm_up, k, (k + 1u) * ROW - 2u)[1];

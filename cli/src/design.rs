@@ -140,7 +140,9 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
 /// A line for each filler at its best interval.
 fn summary(found: &Design, table: &Table) -> String {
     let label = found.measure.label();
-    let heading = ["filler", "best interval, s", "95 % interval, s", "switches", label, "times the least"];
+    let angle = format!("″ after {}", report::duration(found.duration_s));
+    let heading =
+        ["filler", "best interval, s", "95 % interval, s", "switches", label, &angle, "times the least"];
     let lines = found.fillers.iter().map(|filler| {
         let best = filler.best();
         let range = match filler.optimum.interval {
@@ -155,9 +157,10 @@ fn summary(found: &Design, table: &Table) -> String {
             range,
             best.switches.to_string(),
             format!("{} °/h", significant(best.drift.value, 3)),
+            significant(found.angle(best.drift.value), 3),
             significant(worse.value, 3),
         ]
     });
-    let (tried, runs, seconds) = (table.rows(), found.trials, significant(found.duration_s, 6));
-    format!("{tried} candidates, {runs} runs each of about {seconds} s\n{}", headed(heading, lines))
+    let (tried, runs, time) = (table.rows(), found.trials, report::duration(found.duration_s));
+    format!("{tried} candidates, {runs} runs each of {time}\n{}", headed(heading, lines))
 }

@@ -79,6 +79,8 @@ purposes! {
         /// Word 0: the bridge of the random walk within an interval, at a time in it. Two times in the same interval
         /// share the draw, so that only the distribution of each by itself is right.
         Bridge = 25,
+        /// Once for a run: word 0 its end.
+        RunEnd = 26,
         /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 its
         /// noise.
         FillResidual = 14,

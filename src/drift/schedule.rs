@@ -1,6 +1,7 @@
 //! The schedule of a gyro: its switching interval and run time.
 
-use crate::key::holds::{Holds, measure};
+use crate::kernel::switched_run::ENDS;
+use crate::key::holds::{Holds, measure, words};
 use crate::key::places::Places;
 use crate::key::row::keys;
 use crate::key::setting::Setting;
@@ -8,13 +9,26 @@ use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
 
-/// Times in s, with 12 significant digits.
+words! {
+    /// When a run ends.
+    pub enum End {
+        /// At any phase of switching: at 64 equally likely times over one cycle of two intervals, centred on the run time. How
+        /// far the last interval has come then does not matter.
+        Any = "any",
+        /// Exactly at the run time, wherever in an interval that is.
+        Exact = "exact",
+    }
+}
+
+/// Times in s, with 12 significant digits, and what the run time means.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Schedule {
     /// Switching interval MT.
     pub interval_s: f64,
     /// Run time t, from switch-on to the end.
     pub duration_s: f64,
+    /// Whether a run ends exactly then.
+    pub end: End,
 }
 
 const TIMES: Holds = measure(&[Dimension::Time], 1e-3, 1e9, "1 ms to 1e9 s");
@@ -30,6 +44,11 @@ keys! {
     RUN = "run", "", Holds::Table, "[run]\nduration = \"1 h\"";
     /// Run time t from switch-on: "1 h".
     DURATION = "run.duration", "run time", TIMES, r#"duration = "1 h""#, required;
+    /// The end of a run. "any", the default, averages it over the phase of switching: the angle at the end is read at 64
+    /// equally likely times over one cycle of two intervals, centred on run.duration. "exact" reads it at run.duration,
+    /// where the drift depends on how far the last interval has come. Rates are angles divided by run.duration, and the
+    /// non-magnetic drift acts for exactly that time. Times and trajectories are exact in both cases.
+    pub(crate) END = "run.end", "", Holds::Word(End::WORDS), r#"end = "any""#;
 }
 
 /// The settings of these keys.
@@ -39,6 +58,23 @@ pub(crate) static SETTINGS: [Setting<Schedule>; 2] = [
 ];
 
 impl Schedule {
+    /// The equally likely times at which a run ends, s.
+    pub fn ends(&self) -> Vec<f64> {
+        let part = |step: usize| (2 * step + 1) as f64 / ENDS as f64 - 1.0;
+        match self.end {
+            End::Any => (0..ENDS).map(|step| self.duration_s + part(step) * self.interval_s).collect(),
+            End::Exact => vec![self.duration_s],
+        }
+    }
+
+    /// Bound of the time that a run lasts, s.
+    pub(crate) fn longest_s(&self) -> f64 {
+        match self.end {
+            End::Any => self.duration_s + self.interval_s,
+            End::Exact => self.duration_s,
+        }
+    }
+
     /// Refuses a run that is shorter than an interval.
     pub(crate) fn check(&self, places: &Places) -> Result<(), Fault> {
         if self.interval_s <= self.duration_s {

@@ -75,7 +75,7 @@ pub fn measured() -> Vec<Measured> {
         let launches = found.map(|configuration| configuration.launches()).unwrap_or_default();
         trials("gap_fill", name, "trials", launches, histogram, operations);
     }
-    trials("switched_run", "one hour, MT = 40 s, 89 switches", "runs", hour_launches(), true, RUN);
+    trials("switched_run", "one hour, MT = 40 s, 89 or 90 switches", "runs", hour_launches(), true, RUN);
     for (compensation, operations) in Compensation::ALL.into_iter().zip(RELOCKS) {
         let launches = launches_of(&relock(), compensation);
         trials("relock", compensation.name(), "trials", launches, false, operations);

@@ -19,6 +19,11 @@ interval = "40 s"
 duration = "1 h"
 "#;
 
+/// The same with an exact end.
+fn exact() -> String {
+    format!("{BUDGET}end = \"exact\"\n")
+}
+
 const SUSPENSION: &str = r#"title = "Suspension"
 kind = "suspension"
 [suspension]
@@ -73,7 +78,7 @@ fn mean_drifts_and_switches_of_runs_are_those_of_the_reference() {
     let runs = "[[sweep]]\nkey = \"run.duration\"\nlist = [\"600 s\", \"1 h\", \"10 h\"]\n";
     let intervals = "[[sweep]]\nkey = \"switching.interval\"\nlist = [\"20 s\", \"40 s\", \"60 s\", \"100 s\", \"150 s\", \
                      \"300 s\"]\n";
-    let table = table(&format!("{BUDGET}{runs}{intervals}"));
+    let table = table(&format!("{}{runs}{intervals}", exact()));
     assert_eq!(table.rows(), expected.len());
     for (row, expected) in rows(&table).zip(&mut expected) {
         let names = ["run.duration", "switching.interval", "switches", "mean_drift"];
@@ -89,6 +94,25 @@ fn mean_drifts_and_switches_of_runs_are_those_of_the_reference() {
     }
 }
 
+/// Averaged over the phase of switching, what the last interval leaves is a twelfth of its square, and its mean nothing.
+#[test]
+fn a_budget_whose_end_is_averaged_is_that_of_the_closed_form() {
+    let table = table(&format!("{BUDGET}{RUNS}"));
+    for row in rows(&table) {
+        let t = row.number("run.duration");
+        // Of a magnetic drift that grows over the interval, first order in MT/τ.
+        let rate = 14.0 * (1.0 - (-t / 3000.0_f64).exp());
+        let found = row.number("switching_drift");
+        assert!((found / (rate * 40.0 / 12.0_f64.sqrt() / t) - 1.0).abs() < 0.01, "{}", row.place());
+        assert!((row.number("mean_drift") - 0.05).abs() < 0.002, "{}", row.place());
+        let residuals = 50.0 * (t / 40.0 - 0.5) / (t * t);
+        let rms = row.number("rms_switching");
+        assert!((rms * rms / (found * found + residuals) - 1.0).abs() < 1e-9, "{}", row.place());
+        let least = row.number("optimum_true_rms");
+        assert!(least <= rms * 1.001, "{least}, but {rms} at 40 s: {}", row.place());
+    }
+}
+
 #[test]
 fn a_root_that_is_not_there_is_blank() {
     let table =
@@ -99,7 +123,7 @@ fn a_root_that_is_not_there_is_blank() {
 
 #[test]
 fn without_a_warm_up_time_the_magnetic_drift_is_there_from_the_start() {
-    let table = table(&BUDGET.replace("warm_up_time = \"3000 s\"\n", "").replace("40 s", "3599 s"));
+    let table = table(&exact().replace("warm_up_time = \"3000 s\"\n", "").replace("40 s", "3599 s"));
     let row = rows(&table).next().unwrap();
     assert!((row.number("bound_magnetic") - 14.0 * 3599.0 / 3600.0).abs() < 1e-9, "{}", row.place());
     assert_eq!(row.number("bound_quasi_non_magnetic"), 0.0);

@@ -19,9 +19,9 @@ use crate::shader::constants;
 use crate::sine::sine;
 use crate::word::{Scalar, Wide, Word};
 
-pub use crate::switched_run::shape::{MAX_TONES, Parameters, Shape};
+pub use crate::switched_run::shape::{END_BITS, ENDS, MAX_TONES, Parameters, Shape};
 
-constants!(DECAY_BITS, DECAY_ONE, MOST_HALVINGS, MOST_STRETCH);
+constants!(END_BITS, DECAY_BITS, DECAY_ONE, MOST_HALVINGS, MOST_STRETCH);
 
 /// Maps trials to moments of the angles.
 pub const FORM: Form = Form::Moments;
@@ -50,6 +50,33 @@ impl<W> Recorder<W> for () {
     // Only here: shaders record no angles.
     #[inline(always)]
     fn record(&mut self, _: W) {}
+}
+
+/// A row of the table.
+trait Row<W> {
+    /// The word at `place` of the row.
+    fn word(&self, place: usize) -> W;
+}
+
+/// A row that is the same in all lanes.
+struct Same<'a>(&'a [u32]);
+
+impl<W: Word> Row<W> for Same<'_> {
+    #[inline(always)]
+    fn word(&self, place: usize) -> W {
+        W::splat(self.0[place])
+    }
+}
+
+/// A row for each lane: the rows of all ends, and where each lane's own starts.
+struct OfEnd<'a, W>(&'a [u32], W);
+
+impl<W: Word> Row<W> for OfEnd<'_, W> {
+    #[inline(always)]
+    fn word(&self, place: usize) -> W {
+        // SAFETY: lowering gives the table a row for each of the `ENDS` numbers of `END_BITS` bits.
+        unsafe { W::gather(self.0, self.1 + W::splat(place as u32)) }
+    }
 }
 
 /// The trials of one launch.
@@ -148,7 +175,7 @@ impl<'a> SwitchedRun<'a> {
         let five = W::splat(MOST_STRETCH << LOG_BITS);
         let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high_word();
         let (ratio, inverse) = (exp2_minus(five - log), exp2_minus(five + log));
-        let lost = exp2_minus(self.halvings(inverse, p.halvings[0]));
+        let lost = exp2_minus(self.halvings(inverse, W::splat(p.halvings[0])));
         let one = W::splat(EXP2_ONE);
         // log2 of τ (1 − q)/(1 + q) with q = e^{−MT/τ}; then 2^x is computed as 2^31 · 2^−(31 − x).
         let tanh = log + log2_word(one - lost) - log2_word(one + lost)
@@ -164,57 +191,56 @@ impl<'a> SwitchedRun<'a> {
 
     /// Converts a number of halvings of the nominal τ to halvings of this τ, 2^−26, at most 31.
     #[inline(always)]
-    fn halvings<W: Word>(&self, inverse: W, usual: u32) -> W {
+    fn halvings<W: Word>(&self, inverse: W, usual: W) -> W {
         let bits = self.p.halving_bits[0];
-        let product = inverse.mul_wide(W::splat(usual));
+        let product = inverse.mul_wide(usual);
         let within = (product.high_word() - W::splat(MOST_HALVINGS << (bits - (32 - LOG_BITS)))).sar(31);
         (product.bits_from(bits) & within) + (W::splat(LARGEST_MINUS) & (within ^ W::splat(!0)))
     }
 
-    /// ∫ s (1 − e^{−t/τ}) dt at a row of the table in interval `k`, and e^{−t/τ} there; `words` are the last two of the
-    /// row.
+    /// ∫ s (1 − e^{−t/τ}) dt at a row of the table in interval `k`, and e^{−t/τ} there; the last two words of the row
+    /// are those from `at` on.
     #[inline(always)]
-    fn heating<W: Word>(&self, warm_up: &WarmUp<W>, k: usize, words: &[u32]) -> [W; 2] {
+    fn heating<W: Word>(&self, warm_up: &WarmUp<W>, k: usize, row: &impl Row<W>, at: usize) -> [W; 2] {
         let bits = self.p.time_bits[0];
-        let now = exp2_minus(self.halvings(warm_up.inverse, words[1])) >> 1;
+        let now = exp2_minus(self.halvings(warm_up.inverse, row.word(at + 1))) >> 1;
         let one = W::splat(DECAY_ONE);
         let even = k.is_multiple_of(2);
         let signed = if even { warm_up.last } else { W::splat(0) - warm_up.last };
         let pairs = warm_up.tanh.mul_wide(one - signed).bits_from(DECAY_BITS);
         let rest = warm_up.ratio.mul_wide(warm_up.last - now).bits_from(DECAY_BITS - bits);
         let decayed = if even { pairs + rest } else { pairs - rest };
-        [W::splat(words[0]) - decayed, now]
+        [row.word(at) - decayed, now]
     }
 
     /// The angle at a row of the table in interval `k`, with the random part `more` added since the last switch.
     #[inline(always)]
-    fn angle<W: Word>(&self, run: &Run<W>, k: usize, row: usize, more: W::Wide) -> W {
+    fn angle<W: Word>(&self, run: &Run<W>, k: usize, row: &impl Row<W>, more: W::Wide) -> W {
         let shape = self.shape;
-        let words = &self.table[row * shape.row()..];
         let mut random = run.random + more + W::Wide::half();
         let mut magnetic = W::Wide::splat(0);
         let mut at = 1 + usize::from(shape.mode);
         if shape.magnetic {
-            magnetic = magnetic + run.deviation[0].mul_wide(W::splat(words[at]));
+            magnetic = magnetic + run.deviation[0].mul_wide(row.word(at));
             at += 1;
         }
         if shape.initial {
-            magnetic = magnetic + run.deviation[1].mul_wide(W::splat(words[at]));
+            magnetic = magnetic + run.deviation[1].mul_wide(row.word(at));
             at += 1;
         }
         if shape.non_magnetic {
-            random = random + run.deviation[2].mul_wide(W::splat(words[at]));
+            random = random + run.deviation[2].mul_wide(row.word(at));
             at += 1;
         }
         if shape.warm_up {
-            let [heating, _] = self.heating(&run.warm_up, k, &words[at..]);
+            let [heating, _] = self.heating(&run.warm_up, k, row, at);
             magnetic = magnetic + heating.mul_wide(run.warm_up.heated);
         }
         if shape.mode {
-            let whole = magnetic.high_word() + W::splat(words[1]);
-            return W::splat(words[0]) + run.relocked + random.high_word() + whole.with_sign(run.mode);
+            let whole = magnetic.high_word() + row.word(1);
+            return row.word(0) + run.relocked + random.high_word() + whole.with_sign(run.mode);
         }
-        W::splat(words[0]) + run.relocked + (random + magnetic).high_word()
+        row.word(0) + run.relocked + (random + magnetic).high_word()
     }
 
     /// The residual of the switch after interval `k`, 2^−32 LSB; `words` are those of the interval.
@@ -264,6 +290,21 @@ impl<'a> SwitchedRun<'a> {
         sum.bits_from(bits)
     }
 
+    /// The row of the table with this number.
+    // Only here and below: a shader reads words by their place in the table.
+    #[inline(always)]
+    fn row(&self, row: usize) -> Same<'a> {
+        Same(&self.table[row * self.shape.row()..])
+    }
+
+    /// The row of the end that each lane's run draws.
+    #[inline(always)]
+    fn end_row<W: Word>(&self, address: &Address<W>) -> OfEnd<'a, W> {
+        let rows = self.p.intervals[0] as usize + self.shape.times;
+        let drawn = address.draw(Purpose::RunEnd, 0)[0] >> (32 - END_BITS);
+        OfEnd(&self.table[rows * self.shape.row()..], drawn * W::splat(self.shape.end_row() as u32))
+    }
+
     // Only here: `trial` of the shader, which records nothing.
     #[inline(always)]
     fn run<W: Word, R: Recorder<W>>(&self, low: W, high: u32, recorder: &mut R) -> [W; MAX_ESTIMATES] {
@@ -273,6 +314,11 @@ impl<'a> SwitchedRun<'a> {
         let mut run = self.start(&address);
         let mut error = [W::splat(0); MAX_ESTIMATES];
         let nothing = W::Wide::splat(0);
+        let (mut end, mut end_interval) = (OfEnd(&[], W::splat(0)), W::splat(0));
+        if shape.any_end {
+            end = self.end_row(&address);
+            end_interval = end.word(shape.row());
+        }
         for k in 0..intervals {
             let words = address.draw(Purpose::Interval, k);
             let is_last = k + 1 == intervals;
@@ -285,18 +331,38 @@ impl<'a> SwitchedRun<'a> {
                         part = step.mul_wide(W::splat(p.time_walk[t]))
                             + bridge.mul_wide(W::splat(p.time_bridge[t]));
                     }
-                    error[shape.first_time() + t] = self.angle(&run, k, intervals + t, part);
+                    error[shape.first_time() + t] = self.angle(&run, k, &self.row(intervals + t), part);
+                }
+            }
+            // Runs that end before the end of this interval have no angle there.
+            let mut counts = W::splat(!0);
+            if shape.any_end {
+                counts = (W::splat(k as u32) - end_interval).sar(31);
+                // The ends lie in the last three intervals.
+                if k + 3 >= intervals {
+                    let mut part = nothing;
+                    if shape.walk {
+                        let bridge = normal(address.draw(Purpose::Bridge, k)[0]);
+                        part = step.mul_wide(end.word(shape.row() + 1))
+                            + bridge.mul_wide(end.word(shape.row() + 2));
+                    }
+                    let at_end = self.angle(&run, k, &end, part);
+                    let ended = W::splat(0).add_where_equal(at_end, end_interval, W::splat(k as u32));
+                    error[0] = error[0] + ended;
+                    error[1] = error[1].max_signed(ended.with_sign(ended));
                 }
             }
             if shape.walk {
                 let sigma = p.walk_sigma[usize::from(is_last)];
                 run.random = run.random + step.mul_wide(W::splat(sigma));
             }
-            let before = self.angle(&run, k, k, nothing);
+            let before = self.angle(&run, k, &self.row(k), nothing);
             recorder.record(before);
             if shape.ends {
-                error[0] = before;
-                error[1] = error[1].max_signed(before.with_sign(before));
+                if !shape.any_end {
+                    error[0] = before;
+                }
+                error[1] = error[1].max_signed(before.with_sign(before) & counts);
             }
             if !is_last {
                 let residual = self.residual(&mut run, &address, k, &words);
@@ -304,14 +370,13 @@ impl<'a> SwitchedRun<'a> {
                 if let Some(relock) = shape.relock {
                     run.relocked = run.relocked + self.relocked(relock, &run, &address, k);
                 }
-                let after = self.angle(&run, k, k, nothing);
+                let after = self.angle(&run, k, &self.row(k), nothing);
                 recorder.record(after);
                 if shape.ends {
-                    error[1] = error[1].max_signed(after.with_sign(after));
+                    error[1] = error[1].max_signed(after.with_sign(after) & counts);
                 }
                 if shape.warm_up {
-                    let words = &self.table[(k + 1) * shape.row() - 2..];
-                    run.warm_up.last = self.heating(&run.warm_up, k, words)[1];
+                    run.warm_up.last = self.heating(&run.warm_up, k, &self.row(k), shape.row() - 2)[1];
                 }
             }
         }
@@ -355,6 +420,7 @@ const PLAIN: Shape = Shape {
     mode: false,
     warm_up: false,
     relock: None,
+    any_end: true,
 };
 
 /// The shape of the paper's gyro with a random walk.

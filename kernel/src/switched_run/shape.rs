@@ -9,8 +9,14 @@ use crate::shader::{Part, Shader};
 /// Most tones of the motion at a switch.
 pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;
 
-/// Most intervals of a run, each with a switch after it except the last.
+/// Most intervals of a run of exactly the run time, each with a switch after it except the last.
 pub const MOST_INTERVALS: usize = crate::launch::MOST_STEPS as usize;
+
+/// log2 of [`ENDS`].
+pub const END_BITS: u32 = 6;
+
+/// Number of equally likely ends of a run whose end is drawn.
+pub const ENDS: usize = 1 << END_BITS;
 
 /// Sizes and options of a launch, for which its shader is specialised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -38,6 +44,8 @@ pub struct Shape {
     pub warm_up: bool,
     /// Whether the perimeter loop relocks after each switch.
     pub relock: Option<relock_ticks::Shape>,
+    /// Whether the end of the run is one of [`ENDS`] at random; else the run ends with its last interval.
+    pub any_end: bool,
 }
 
 impl Shape {
@@ -68,6 +76,12 @@ impl Shape {
     pub fn row(self) -> usize {
         let words = [self.mode, self.magnetic, self.initial, self.non_magnetic, self.warm_up, self.warm_up];
         1 + words.into_iter().filter(|has| *has).count()
+    }
+
+    /// Words of an end in the table: those of a row, the interval, and the two parts of the random walk.
+    #[inline]
+    pub fn end_row(self) -> usize {
+        self.row() + 1 + only(self.walk, 2)
     }
 }
 
@@ -106,6 +120,7 @@ impl launch::Shape for Shape {
                 ("TIMES", self.times),
                 ("FIRST_TIME", self.first_time()),
                 ("ROW", self.row()),
+                ("END_ROW", self.end_row()),
             ],
             flags: vec![
                 ("ENDS", self.ends),
@@ -118,6 +133,7 @@ impl launch::Shape for Shape {
                 ("MODE", self.mode),
                 ("WARM_UP", self.warm_up),
                 ("RELOCKING", self.relock.is_some()),
+                ("ANY_END", self.any_end),
             ],
             declarations: wgsl_places(*self),
         };
@@ -141,14 +157,15 @@ fn only(wanted: bool, count: usize) -> usize {
     if wanted { count } else { 0 }
 }
 
-// The table has a row for the end of each interval, then one for each time. A row holds the angle of the drift so far,
+// The table has a row for the end of each interval, then one for each time, then one for each end that may be drawn. A row holds the angle of the drift so far,
 // LSB, with its magnetic part apart where the first mode is drawn; then the effects of one standard deviation of A, of
 // Ω_m0 and of Ω_nm, 2^−4 LSB; and, where the warm-up time is drawn, the signed time ∫ s dt and the number of halvings
-// of e^{−t/τ} at the nominal τ.
+// of e^{−t/τ} at the nominal τ. The row of an end continues with the interval that contains it and, where there is a
+// random walk, with the standard deviations of its two parts there, as `time_walk` and `time_bridge`.
 parameters! {
     /// Key of the random words.
     key: |_| 2,
-    /// Number of intervals of the run; there is a switch after each but the last.
+    /// Number of intervals of the run, or of the longest one; there is a switch after each but the last.
     intervals: |_| 1,
     /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
     walk_sigma: |shape: Shape| only(shape.walk, 2),

@@ -1,7 +1,6 @@
 //! The candidate intervals for each filler.
 
 use crate::analysis::design::DesignError;
-use crate::drift::schedule::Schedule;
 use crate::key::common::Streams;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
@@ -18,9 +17,11 @@ const LOOKED_AT: usize = 150;
 
 /// Runs with one interval and one filler, ready to be sampled.
 pub(crate) struct Candidate {
-    pub(crate) schedule: Schedule,
+    pub(crate) interval_s: f64,
     pub(crate) switches: u64,
     pub(crate) filled: FilledRun,
+    /// The same without the non-magnetic drift, where there is one.
+    pub(crate) switched: Option<FilledRun>,
 }
 
 /// Makes the candidates of a study.
@@ -34,9 +35,12 @@ pub(crate) struct Maker<'a> {
 impl Maker<'_> {
     /// The candidates of each filler, in the order of the intervals; no list is empty.
     pub(crate) fn choose(&self) -> Result<Vec<Vec<Candidate>>, DesignError> {
-        let mut points = if self.swept { even(&self.runs.points) } else { spread(&self.runs.points[0]) };
+        let mut points = if self.swept { self.runs.points.clone() } else { spread(&self.runs.points[0]) };
         points.sort_by(|a, b| a.schedule.interval_s.total_cmp(&b.schedule.interval_s));
-        let all = points.into_iter().map(|point| self.lowered(point)).collect::<Result<Vec<_>, _>>()?;
+        let all: Vec<(RunPoint, LoweredRun)> = points
+            .into_iter()
+            .map(|point| self.lowered(&switched(&point)).map(|lowered| (point, lowered)))
+            .collect::<Result<_, _>>()?;
         if all.is_empty() {
             return Err(DesignError::NoCandidate(self.runs.points[0].schedule.duration_s));
         }
@@ -46,50 +50,48 @@ impl Maker<'_> {
     /// The runs of one filler at an interval rounded to ticks; `None` where it is too short or too long.
     pub(crate) fn at(&self, interval_s: f64, place: usize) -> Result<Option<Candidate>, DesignError> {
         let Some(point) = self.runs.points[0].with_interval(interval_s) else { return Ok(None) };
-        self.lowered(point).map(|lowered| Some(candidate(&lowered, place)))
+        let lowered = self.lowered(&switched(&point))?;
+        self.candidate(&point, &lowered, place).map(Some)
     }
 
-    fn lowered(&self, mut point: RunPoint) -> Result<(RunPoint, LoweredRun), DesignError> {
-        point.drift.non_magnetic = 0.0;
+    fn lowered(&self, point: &RunPoint) -> Result<LoweredRun, DesignError> {
         // All intervals use the same random numbers.
-        let lowered = LoweredRun::new(&point, self.runs, self.seed, Streams::Common)?;
-        Ok((point, lowered))
+        Ok(LoweredRun::new(point, self.runs, self.seed, Streams::Common)?)
     }
 
     fn of_filler(&self, all: &[(RunPoint, LoweredRun)], place: usize) -> Result<Vec<Candidate>, DesignError> {
-        let rms = |(point, lowered): &(RunPoint, LoweredRun)| {
-            lowered.fillers[place].expected_rms(0) / point.schedule.duration_s
-        };
+        let rms = |(_, lowered): &(RunPoint, LoweredRun)| lowered.fillers[place].expected_rms(0);
         let least = all.iter().map(rms).fold(f64::INFINITY, f64::min);
         if all.iter().all(|lowered| rms(lowered) == 0.0) {
             return Err(DesignError::Nothing);
         }
-        if self.swept {
-            return Ok(all.iter().map(|lowered| candidate(lowered, place)).collect());
-        }
-        let near: Vec<_> = all.iter().filter(|lowered| rms(lowered) <= REACH * least).collect();
-        Ok(thinned(&near).into_iter().map(|lowered| candidate(lowered, place)).collect())
+        let near: Vec<_> = all.iter().filter(|lowered| self.swept || rms(lowered) <= REACH * least).collect();
+        let chosen = if self.swept { near } else { thinned(&near) };
+        chosen.into_iter().map(|(point, lowered)| self.candidate(point, lowered, place)).collect()
+    }
+
+    /// The runs of a point, which is lowered without its non-magnetic drift.
+    fn candidate(
+        &self,
+        point: &RunPoint,
+        lowered: &LoweredRun,
+        place: usize,
+    ) -> Result<Candidate, DesignError> {
+        let without = lowered.fillers[place].clone();
+        let (filled, switched) = match point.drift.non_magnetic {
+            0.0 => (without, None),
+            _ => (self.lowered(point)?.fillers.swap_remove(place), Some(without)),
+        };
+        let (interval_s, switches) = (point.schedule.interval_s, point.switches());
+        Ok(Candidate { interval_s, switches, filled, switched })
     }
 }
 
-fn candidate((point, lowered): &(RunPoint, LoweredRun), place: usize) -> Candidate {
-    let filled = lowered.fillers[place].clone();
-    Candidate { schedule: point.schedule, switches: point.switches(), filled }
-}
-
-/// Largest relative deviation of the length of a run with an even number of intervals from that in the study, because a
-/// lower drift of a longer run says nothing about the interval.
-const MOST_OFF: f64 = 0.1;
-
-/// Points whose runs have even numbers of their own intervals, without those for which no such run has about the
-/// requested length.
-pub(crate) fn even(points: &[RunPoint]) -> Vec<RunPoint> {
-    let of = |point: &RunPoint| {
-        let even = point.with_interval(point.schedule.interval_s)?;
-        let off = (even.schedule.duration_s / point.schedule.duration_s - 1.0).abs();
-        (off <= MOST_OFF).then_some(even)
-    };
-    points.iter().filter_map(of).collect()
+/// The same gyro without its non-magnetic drift.
+fn switched(point: &RunPoint) -> RunPoint {
+    let mut point = point.clone();
+    point.drift.non_magnetic = 0.0;
+    point
 }
 
 /// Points with intervals evenly spaced in their logarithm, from the shortest to half the run.

@@ -5,10 +5,10 @@
 //! study ─ candidates ─▶ runs of each filler and interval ─ jackknife ─▶ best interval with its uncertainty ─▶ recommendation
 //! ```
 //!
-//! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel
-//! it would look better than it is. Each candidate, even in a sweep over the interval, runs for the nearest time with
-//! an even number of intervals. An odd number would leave one interval uncancelled, and the end of the run would matter
-//! more than the switching interval.
+//! Every candidate runs for the run time of the study and ends as the study says, so that a study with the chosen
+//! interval gives the same drift. The choice leaves out the non-magnetic drift: no interval changes it, and an interval
+//! whose magnetic drift happens to cancel it would look better than it is. Where a study asks for exact ends, the tried
+//! intervals are those of which an even number makes the run: the end would otherwise matter more than the interval.
 //!
 //! ```
 //! use sagnac::analysis::design::{Measure, design};
@@ -33,9 +33,9 @@
 //! let mut device = select("cpu", 2)?.device;
 //! let found = design(&study, Measure::DriftRms, &mut device, &Silent)?;
 //! let best = found.best().best();
-//! // In closed form 15.6 s, and 0.0365 °/h rms.
-//! assert!((14.0..17.5).contains(&best.interval_s), "{} s", best.interval_s);
-//! assert!((best.drift.value - 0.0365).abs() < 0.001, "{} °/h", best.drift.value);
+//! // In closed form 22.4 s, and 0.0304 °/h rms.
+//! assert!((20.0..25.0).contains(&best.interval_s), "{} s", best.interval_s);
+//! assert!((best.drift.value - 0.0304).abs() < 0.001, "{} °/h", best.drift.value);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -49,18 +49,18 @@ pub(crate) mod sampling;
 pub use crate::analysis::design::measure::Measure;
 pub use crate::analysis::design::paper::PapersRule;
 
-use crate::analysis::design::candidates::{Candidate, Maker, even};
+use crate::analysis::design::candidates::{Candidate, Maker};
 use crate::analysis::design::optimum::{T_95, jackknife, least_of};
 use crate::device::Device;
 use crate::device::error::GpuError;
-use crate::drift::schedule::INTERVAL;
+use crate::drift::schedule::{End, INTERVAL};
 use crate::kernel::moments::Moments;
 use crate::key::refusal::Refusal;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::Timing;
+use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::run::late;
 use crate::progress::Progress;
-use crate::quantity::number::significant;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
 use crate::tally::stats::{Estimates, NORMAL_95};
@@ -78,7 +78,7 @@ pub struct Found {
 /// The result of the runs at one interval with one filler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
-    /// Switching interval MT, s; the nearest possible one that gives an even number of intervals.
+    /// Switching interval MT, s.
     pub interval_s: f64,
     /// Number of switches in a run.
     pub switches: u64,
@@ -88,6 +88,10 @@ pub struct Tried {
     pub closed_form: Option<f64>,
     /// Drift without each part of the trials in turn.
     replicates: Vec<f64>,
+    /// Drift without its non-magnetic part, ″/s, by which the interval is chosen.
+    pub switched: Found,
+    /// The same without each part of the trials in turn.
+    switched_replicates: Vec<f64>,
 }
 
 /// The results of one filler, in the order of the intervals.
@@ -131,7 +135,7 @@ pub struct Design {
     pub trials: u64,
     /// Run time t, s.
     pub duration_s: f64,
-    /// Non-magnetic drift that was left out, ″/s.
+    /// Non-magnetic drift, ″/s, which is part of the drift but not of the choice.
     pub non_magnetic: f64,
     /// Notes on the results, each a sentence.
     pub notes: Vec<String>,
@@ -145,6 +149,11 @@ impl Design {
     /// The filler with the least drift.
     pub fn best(&self) -> &Filler {
         &self.fillers[self.best]
+    }
+
+    /// The angle that a drift adds up to in the run time, ″.
+    pub fn angle(&self, drift: f64) -> f64 {
+        drift * self.duration_s
     }
 
     /// The ratio of the drift of another filler at its own best interval to the least one, with its 95 % interval, from
@@ -176,9 +185,7 @@ pub enum DesignError {
     #[error("there is no drift and no residual: every interval is as good as any other")]
     Nothing,
     /// The run of this time t, in s, is too short for two intervals.
-    #[error(
-        "no run of about {0} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
-    )]
+    #[error("a run of {0} s has no room for two of the shortest intervals, which have to hold the fit ticks")]
     NoCandidate(f64),
     /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
@@ -212,31 +219,47 @@ pub fn design(
     if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != INTERVAL.name) {
         return Err(DesignError::Swept(sweep.key.name));
     }
-    // Further times would cost runs and are not needed.
-    let runs = SwitchedRun { times: vec![], ..runs.clone() };
+    // Further times and trajectories would cost runs and are not needed.
+    let runs = SwitchedRun { times: vec![], trajectories: 0, ..runs.clone() };
     let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
     let chosen = maker.choose()?;
     let trials = sampling::trials(study.trials);
+    let point = &runs.points[0];
+    let duration_s = point.schedule.duration_s;
     // The optimum of each filler and the interval of the paper's rule are added when they are found.
-    let mut total = chosen.iter().flatten().map(|candidate| candidate.switches * trials).sum::<u64>();
+    let work = |candidate: &Candidate| {
+        let launches = 1 + u64::from(candidate.switched.is_some());
+        candidate.switches * trials * launches
+    };
+    let mut total = chosen.iter().flatten().map(work).sum::<u64>();
     progress.start("switches", 0, total);
     let mut worker = Worker::new(device, progress);
     let mut done = 0;
     let mut sampled = |candidate: &Candidate, joins: bool| {
-        let switches = candidate.switches * trials;
         if joins {
-            total += switches;
+            total += work(candidate);
             progress.start("switches", done, total);
         }
-        done += switches;
-        let parts = sampling::parts(candidate, trials, &mut worker, progress)?;
-        of_parts(candidate, &parts, measure, trials)
+        done += work(candidate);
+        let Candidate { interval_s, switches, filled, .. } = candidate;
+        let mut level = |filled: &FilledRun| {
+            let parts = sampling::parts(filled, *switches, trials, &mut worker, progress)?;
+            of_parts(filled, &parts, measure, trials, duration_s)
+        };
+        let (drift, replicates) = level(filled)?;
+        let (switched, switched_replicates) = match &candidate.switched {
+            Some(filled) => level(filled)?,
+            None => (drift, replicates.clone()),
+        };
+        let oracle = filled.estimates[usize::from(measure.is_largest())].oracle;
+        let closed_form = oracle.map(|oracle| oracle.rms() / duration_s);
+        let (interval_s, switches) = (*interval_s, *switches);
+        Ok(Tried { interval_s, switches, drift, closed_form, replicates, switched, switched_replicates })
     };
-    let point = &runs.points[0];
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
         let tried = candidates.iter().map(|candidate| sampled(candidate, false));
-        let mut tried = tried.collect::<Result<Vec<Tried>, _>>()?;
+        let mut tried = tried.collect::<Result<Vec<Tried>, DesignError>>()?;
         let fitted = optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.value, place)?.filter(|_| !maker.swept) {
             insert(&mut tried, sampled(&candidate, true)?);
@@ -257,12 +280,12 @@ pub fn design(
         let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
         fillers.push(Filler { name, residual_rms, residual_max, tried, best, optimum, papers_rule });
     }
-    let drifts: Vec<f64> = fillers.iter().map(|filler| filler.best().drift.value).collect();
+    let drifts: Vec<f64> = fillers.iter().map(|filler| filler.best().switched.value).collect();
     let best = least_of(&drifts);
     Ok(Design {
         measure,
         trials,
-        duration_s: point.schedule.duration_s,
+        duration_s,
         non_magnetic: point.drift.non_magnetic,
         notes: worker.into_notes().into_iter().chain(notes(study, &runs)).collect(),
         fillers,
@@ -275,22 +298,19 @@ const PHASES: &str = "with timing = \"periodic\" residuals add up or cancel by t
                       best interval holds for exactly this frequency and may be a coincidence, which timing = \"random\" \
                       avoids";
 
-/// Notes on the runs, and on a recommendation that depends on an exact frequency.
+/// Note on ends that are exact.
+const ENDS: &str = "with run.end = \"exact\" the drift holds for runs that end exactly then; an interval of which no even number \
+                    makes the run has another";
+
+/// Notes on the runs, and on a recommendation that depends on an exact frequency or an exact end.
 fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     let steady = runs.timing == Timing::Periodic
         && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
-    let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
-        (true, _) | (false, 0) => None,
-        (false, count) => Some(format!(
-            "left out, as no even number of them makes a run of {} s to a tenth: {count} of the {} intervals of the study",
-            significant(runs.points[0].schedule.duration_s, 6),
-            runs.points.len()
-        )),
-    };
+    let exact = runs.points[0].schedule.end == End::Exact;
     let mut notes = study.notes.clone();
     notes.extend(late(runs));
     notes.extend(steady.then(|| PHASES.to_owned()));
-    notes.extend(left_out);
+    notes.extend(exact.then(|| ENDS.to_owned()));
     notes
 }
 
@@ -302,16 +322,16 @@ fn insert(all: &mut Vec<Tried>, tried: Tried) {
     }
 }
 
-/// The result of all parts of the trials together, and without each of them.
+/// The drift of all parts of the trials together, and without each of them, ″/s.
 fn of_parts(
-    candidate: &Candidate,
+    filled: &FilledRun,
     parts: &[[Moments; 2]],
     measure: Measure,
     trials: u64,
-) -> Result<Tried, DesignError> {
-    let duration_s = candidate.schedule.duration_s;
+    duration_s: f64,
+) -> Result<(Found, Vec<f64>), DesignError> {
     let which = usize::from(measure.is_largest());
-    let estimate = &candidate.filled.estimates[which];
+    let estimate = &filled.estimates[which];
     let value = |tally: &Moments| -> Option<Found> {
         let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
         match measure {
@@ -332,10 +352,7 @@ fn of_parts(
         let rest = parts.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, part)| *part);
         value(&merged(rest)).map(|found| found.value).ok_or_else(too_few)
     };
-    let replicates = (0..parts.len()).map(replicate).collect::<Result<_, _>>()?;
-    let closed_form = estimate.oracle.map(|oracle| oracle.rms() / duration_s);
-    let (interval_s, switches) = (candidate.schedule.interval_s, candidate.switches);
-    Ok(Tried { interval_s, switches, drift, closed_form, replicates })
+    Ok((drift, (0..parts.len()).map(replicate).collect::<Result<_, _>>()?))
 }
 
 fn merged<'a>(parts: impl Iterator<Item = &'a Moments>) -> Moments {

@@ -12,7 +12,7 @@ const FITTED: f64 = 1.6;
 /// Fewest candidates for a fit of the four terms.
 const FEWEST: usize = 6;
 
-/// The minimum of the law of the drift, with its scatter from a jackknife over parts of the trials, which all
+/// The minimum of the law of the drift without its non-magnetic part, with its scatter from a jackknife over parts of the trials, which all
 /// candidates share.
 ///
 /// The square of a level of the drift is approximately (a MT + k √(b/MT + c))²: the uncancelled magnetic drift grows
@@ -21,18 +21,19 @@ const FEWEST: usize = 6;
 ///
 /// Without such a minimum it is the tried interval of least drift, without an uncertainty.
 pub(crate) fn of(tried: &[Tried]) -> Found {
-    let all: Vec<f64> = tried.iter().map(|tried| tried.drift.value).collect();
+    let all: Vec<f64> = tried.iter().map(|tried| tried.switched.value).collect();
     let place = least_of(&all);
-    let fitted: Vec<&Tried> = tried.iter().filter(|tried| tried.drift.value <= FITTED * all[place]).collect();
+    let fitted: Vec<&Tried> =
+        tried.iter().filter(|tried| tried.switched.value <= FITTED * all[place]).collect();
     let x: Vec<f64> = fitted.iter().map(|tried| tried.interval_s).collect();
     let least = |value: &dyn Fn(&Tried) -> f64| {
         let y: Vec<f64> = fitted.iter().map(|tried| value(tried)).collect();
         least(&x, &y)
     };
-    let parts = tried.first().map_or(0, |tried| tried.replicates.len());
+    let parts = tried.first().map_or(0, |tried| tried.switched_replicates.len());
     let replicates: Option<Vec<f64>> =
-        (0..parts).map(|k| Some(libm::log(least(&|tried| tried.replicates[k])?))).collect();
-    match (least(&|tried| tried.drift.value), replicates) {
+        (0..parts).map(|k| Some(libm::log(least(&|tried| tried.switched_replicates[k])?))).collect();
+    match (least(&|tried| tried.switched.value), replicates) {
         (Some(at), Some(replicates)) => {
             let factor = libm::exp(T_95 * jackknife(&replicates));
             Found { value: at, interval: Some((at / factor, at * factor)) }
@@ -50,10 +51,10 @@ pub(crate) fn least_of(values: &[f64]) -> usize {
 /// to all tried intervals whose drift does not differ significantly from the least. The law is only smooth, so a tried
 /// interval that is better than it predicts takes precedence.
 pub(crate) fn among(tried: &[Tried], fitted: Found) -> (usize, Found) {
-    let drifts: Vec<f64> = tried.iter().map(|tried| tried.drift.value).collect();
+    let drifts: Vec<f64> = tried.iter().map(|tried| tried.switched.value).collect();
     let least = least_of(&drifts);
     let is_as_good = |place: &usize| {
-        let pairs = tried[*place].replicates.iter().zip(&tried[least].replicates);
+        let pairs = tried[*place].switched_replicates.iter().zip(&tried[least].switched_replicates);
         let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
         drifts[*place] - drifts[least] <= T_95 * jackknife(&apart)
     };

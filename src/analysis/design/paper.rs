@@ -12,7 +12,7 @@ pub struct PapersRule {
     pub interval_s: f64,
     /// Z(7) at that interval, ″/s.
     pub bound: f64,
-    /// The result at that interval, for an even number of intervals.
+    /// The result at that interval.
     pub tried: Tried,
 }
 

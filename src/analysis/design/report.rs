@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 pub(crate) struct Row<'a> {
     filler: &'a Filler,
     tried: &'a Tried,
+    duration_s: f64,
 }
 
 type Of<'a> = ColumnOf<Row<'a>>;
@@ -58,14 +59,12 @@ fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
         }};
     }
     match measure {
-        Measure::DriftQ9973 => columns!(
-            "drift_q9973",
-            "Drift, °/h, which 99.73 % of runs with that interval stay below, without the non-magnetic drift."
-        ),
-        Measure::DriftRms => columns!(
-            "drift_rms",
-            "Root mean square drift with that interval, °/h, without the non-magnetic drift (measure `drift_rms`)."
-        ),
+        Measure::DriftQ9973 => {
+            columns!("drift_q9973", "Drift, °/h, which 99.73 % of runs with that interval stay below.")
+        }
+        Measure::DriftRms => {
+            columns!("drift_rms", "Root mean square drift with that interval, °/h (measure `drift_rms`).")
+        }
         Measure::LargestQ9973 => columns!(
             "largest_q9973",
             "99.73 % level of the largest angle of a run divided by its duration, °/h (measure `largest_q9973`)."
@@ -83,13 +82,25 @@ pub(crate) fn columns<'a>(measures: &[Measure]) -> Vec<Of<'a>> {
         row.tried.closed_form.into()
     });
     let closed = closed.is(Role::Estimate, "Root mean square drift in closed form, °/h.");
+    let angle = Of::new("angle", Unit::ARCSEC, "angle at the end", |row| {
+        Cell::Number(row.tried.drift.value * row.duration_s)
+    });
+    let angle = angle.is(Role::Estimate, "The drift times the run time, ″.");
+    let switched = Of::new("switched", Unit::DEG_PER_H, "without the non-magnetic drift", |row| {
+        Cell::Number(row.tried.switched.value)
+    });
+    let switched = switched.is(
+        Role::Estimate,
+        "The drift without its non-magnetic part, °/h, by which the interval is chosen: no interval changes that part.",
+    );
     let measured = measures.iter().flat_map(|measure| measured(*measure));
-    first_columns().into_iter().chain(measured).chain([closed]).collect()
+    first_columns().into_iter().chain(measured).chain([closed, angle, switched]).collect()
 }
 
 /// The table of all results, with a row for each filler and interval.
 pub fn table(found: &Design) -> Table {
-    let of_filler = |filler| move |tried| Row { filler, tried };
+    let duration_s = found.duration_s;
+    let of_filler = |filler| move |tried| Row { filler, tried, duration_s };
     let rows = found.fillers.iter().flat_map(|filler: &Filler| filler.tried.iter().map(of_filler(filler)));
     Table { columns: columns_of(&columns(&[found.measure]), &rows.collect::<Vec<Row>>()) }
 }
@@ -99,12 +110,26 @@ pub fn called(filler: &Filler) -> &str {
     filler.name.as_deref().unwrap_or("as given")
 }
 
-/// The recommendation in one line.
+/// The recommendation in one line: interval and filler, with the drift as a rate and as an angle after the run.
 pub fn headline(found: &Design) -> String {
     let (best, label) = (found.best(), found.measure.label());
     let filler = best.name.as_ref().map_or(String::new(), |name| format!(" with the {name} filler"));
-    let (interval, drift) = (four_digits(best.best().interval_s), three_digits(best.best().drift.value));
-    format!("Switch every {interval} s{filler}: {label} {drift} °/h")
+    let (interval, drift) = (four_digits(best.best().interval_s), best.best().drift.value);
+    let [rate, angle] = [drift, found.angle(drift)].map(three_digits);
+    format!(
+        "Switch every {interval} s{filler}: {label} {rate} °/h, {angle} ″ after {}",
+        duration(found.duration_s)
+    )
+}
+
+/// A time in the largest unit of which it has at least one.
+pub fn duration(time_s: f64) -> String {
+    let (unit, size) = match time_s {
+        ..60.0 => ("s", 1.0),
+        ..3600.0 => ("min", 60.0),
+        _ => ("h", 3600.0),
+    };
+    format!("{} {unit}", four_digits(time_s / size))
 }
 
 fn three_digits(value: f64) -> String {
@@ -178,9 +203,11 @@ pub fn recommendation(found: &Design) -> String {
         ));
     }
     if found.non_magnetic != 0.0 {
-        let drift = three_digits(found.non_magnetic);
-        sentences
-            .push(format!("The non-magnetic drift of {drift} °/h comes on top: no interval changes it."));
+        let [drift, switched] = [found.non_magnetic, best.best().switched.value].map(three_digits);
+        sentences.push(format!(
+            "The non-magnetic drift of {drift} °/h is part of it, which no interval changes: without it the drift would be \
+             {switched} °/h."
+        ));
     }
     sentences.join("\n")
 }
@@ -205,6 +232,8 @@ pub fn json(study: &Study, found: &Design) -> Value {
             "drift_lo": drift_lo,
             "drift_hi": drift_hi,
             "closed_form_rms": tried.closed_form,
+            "angle_arcsec": found.angle(tried.drift.value),
+            "switched": tried.switched.value,
         })
     };
     let filler = |filler: &Filler| {
@@ -235,10 +264,13 @@ pub fn json(study: &Study, found: &Design) -> Value {
         "drift": drift.value,
         "drift_lo": drift_lo,
         "drift_hi": drift_hi,
+        "angle_arcsec": found.angle(drift.value),
+        "angle_lo_arcsec": drift_lo.map(|drift| found.angle(drift)),
+        "angle_hi_arcsec": drift_hi.map(|drift| found.angle(drift)),
         "drift_by_paper_rule": rule.map(|rule| rule.tried.drift.value),
         "interval_by_paper_rule_s": rule.map(|rule| rule.interval_s),
         "bound_by_paper_rule": rule.map(|rule| rule.bound),
-        "non_magnetic_left_out": found.non_magnetic,
+        "non_magnetic": found.non_magnetic,
         "notes": found.notes,
         "fillers": found.fillers.iter().map(filler).collect::<Vec<_>>(),
     })

@@ -1,9 +1,9 @@
 //! Sampling of the runs of one candidate, in parts.
 
-use crate::analysis::design::candidates::Candidate;
 use crate::device::Job;
 use crate::device::error::GpuError;
 use crate::kernel::moments::Moments;
+use crate::kinds::switched_run::lower::FilledRun;
 use crate::progress::Progress;
 use crate::sampling::worker::Worker;
 use crate::tally::block::Block;
@@ -18,7 +18,8 @@ pub(crate) fn trials(asked: u64) -> u64 {
 
 /// The tallies of the angle at the end and of the largest angle, for each part.
 pub(crate) fn parts(
-    Candidate { filled, switches, .. }: &Candidate,
+    filled: &FilledRun,
+    switches: u64,
     trials: u64,
     worker: &mut Worker,
     progress: &dyn Progress,

@@ -1,14 +1,16 @@
 //! The columns of a study of the drift budget, with a row for each point: bound, true drift, and the best interval by
 //! several criteria.
 
+use core::convert::identity;
 use core::f64::consts::FRAC_1_SQRT_2;
 
+use crate::drift::schedule::End;
 use crate::kinds::drift_budget::Point;
 use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
 use crate::theory::drift::approximation::limit_as_published;
 use crate::theory::drift::budget::{Bound, Budget, Optimum};
-use crate::theory::drift::magnetic::switches;
-use crate::theory::drift::spread::Spread;
+use crate::theory::drift::magnetic::{Magnetic, switches};
+use crate::theory::drift::spread::{Ending, Spread};
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {
@@ -19,6 +21,8 @@ pub(crate) struct Row<'a> {
     optimum: Option<Optimum>,
     interval_s: f64,
     t_s: f64,
+    /// The equally likely times at which the run ends, s.
+    ends: Vec<f64>,
 }
 
 impl<'a> Row<'a> {
@@ -30,24 +34,31 @@ impl<'a> Row<'a> {
         // The rms of a sine of the phase at which the switch comes.
         let spread = Spread { magnetic, non_magnetic, residual_rms: residual_max * FRAC_1_SQRT_2 };
         let (bound, optimum) = (budget.bound(interval_s, t_s), budget.optimum(t_s));
-        Row { point, budget, spread, bound, optimum, interval_s, t_s }
+        Row { point, budget, spread, bound, optimum, interval_s, t_s, ends: point.schedule.ends() }
     }
 
-    fn mean(&self, first_mode_positive: bool) -> f64 {
-        self.spread.mean(self.interval_s, self.t_s, first_mode_positive)
+    /// Mean and rms drift of a gyro whose residuals add up to `times` that of one switch.
+    fn over(&self, spread: Spread, times: fn(f64) -> f64) -> [f64; 2] {
+        spread.over(self.interval_s, self.t_s, &self.ends, times)
     }
 
-    /// The mean without the non-magnetic drift.
-    fn left(&self) -> f64 {
-        self.mean(true) - self.spread.non_magnetic
+    /// The gyro with the first mode negative.
+    fn negative(&self) -> Spread {
+        let Magnetic { amplitude, time_s, initial } = self.spread.magnetic;
+        let magnetic = Magnetic { amplitude: -amplitude, time_s, initial: -initial };
+        Spread { magnetic, ..self.spread }
     }
 
-    fn deviation(&self) -> f64 {
-        self.spread.deviation(self.interval_s, self.t_s)
+    /// The gyro without its non-magnetic drift.
+    fn switched(&self) -> Spread {
+        Spread { non_magnetic: 0.0, ..self.spread }
     }
 
-    fn in_phase(&self) -> f64 {
-        self.spread.deviation_in_phase(self.interval_s, self.t_s)
+    fn ending(&self) -> Ending {
+        match self.point.schedule.end {
+            End::Any => Ending::Any,
+            End::Exact => Ending::Even,
+        }
     }
 }
 
@@ -70,21 +81,24 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Error, "The part of `bound` from residuals of switches, ″/s."),
         Of::new("switches", Unit::NONE, "switches", |row| Cell::Integer(switches(row.interval_s, row.t_s) as i64))
             .is(Role::Count, "Switches within the run."),
-        Of::new("mean_drift", RATE, "drift: mean, first mode positive", |row| row.mean(true).into())
-            .is(Role::Estimate, "True drift of a run, ″/s, with the magnetic drift positive in the first mode."),
-        Of::new("mean_drift_negative", RATE, "drift: mean, first mode negative", |row| row.mean(false).into())
+        Of::new("mean_drift", RATE, "drift: mean, first mode positive", |row| row.over(row.spread, libm::sqrt)[0].into())
+            .is(Role::Estimate, "True drift of a run, ″/s, with the magnetic drift positive in the first mode, averaged over the phase of \
+                                 switching at the end unless `run.end` is `exact`."),
+        Of::new("mean_drift_negative", RATE, "drift: mean, first mode negative", |row| row.over(row.negative(), libm::sqrt)[0].into())
             .is(Role::Estimate, "The same with the magnetic drift negative in the first mode, ″/s."),
         Of::new("magnetic_angle", Unit::ARCSEC, "angle: magnetic, first mode positive", |row| {
-            row.spread.magnetic.signed_integral(row.interval_s, row.t_s).into()
+            (row.over(row.switched(), libm::sqrt)[0] * row.t_s).into()
         })
-        .is(Role::Estimate, "Angle of the magnetic drift at the end of the run, ″, signed, with the first mode positive."),
-        Of::new("switching_drift", RATE, "drift: left by switching", |row| row.left().abs().into())
-            .is(Role::Error, "Magnitude of `mean_drift` without the non-magnetic drift, ″/s."),
-        Of::new("rms_drift", RATE, "drift: rms, random phases", |row| libm::hypot(row.mean(true), row.deviation()).into())
+        .is(Role::Estimate, "Mean angle of the magnetic drift at the end of the run, ″, signed, with the first mode positive."),
+        Of::new("switching_drift", RATE, "drift: left by switching", |row| {
+            row.over(Spread { residual_rms: 0.0, ..row.switched() }, libm::sqrt)[1].into()
+        })
+        .is(Role::Error, "Root mean square over the ends of what switching leaves of the magnetic drift, ″/s."),
+        Of::new("rms_drift", RATE, "drift: rms, random phases", |row| row.over(row.spread, libm::sqrt)[1].into())
             .is(Role::Error, "Root mean square drift, ″/s, with residuals of δP_max/√2 at switches of random phase, which add up as √n."),
-        Of::new("rms_drift_in_phase", RATE, "drift: rms, one phase", |row| libm::hypot(row.mean(true), row.in_phase()).into())
+        Of::new("rms_drift_in_phase", RATE, "drift: rms, one phase", |row| row.over(row.spread, identity)[1].into())
             .is(Role::Error, "The same with residuals of one phase, which add up as n, ″/s."),
-        Of::new("rms_switching", RATE, "drift: left by switching, rms", |row| libm::hypot(row.left(), row.deviation()).into())
+        Of::new("rms_switching", RATE, "drift: left by switching, rms", |row| row.over(row.switched(), libm::sqrt)[1].into())
             .is(Role::Error, "`rms_drift` without the non-magnetic drift, ″/s: the part that depends on the choice of the interval."),
         Of::new("optimum", Unit::S, "best interval: of the bound, Z(8)", |row| row.optimum.map(|best| best.interval_s).into())
             .is(Role::Estimate, "The interval with the least bound, s: the root of Z(8).")
@@ -99,9 +113,10 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Estimate, "√(δP_max t/Ω_m) as printed, s; blank without residuals."),
         Of::new("optimum_limit_small", Unit::S, "best interval: limit corrected", |row| row.budget.limit(row.t_s).into())
             .is(Role::Estimate, "The corrected limit for a small A or a large τ, s; blank without residuals."),
-        Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s).into())
-            .is(Role::Estimate, "The interval with the least `rms_switching`, s, among those of which an even number makes the run."),
-        Of::new("optimum_true_rms", RATE, "drift: least rms left by switching", |row| row.spread.least_rms(row.t_s).into())
+        Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s, row.ending()).into())
+            .is(Role::Estimate, "The interval with the least `rms_switching`, s; if `run.end` is `exact`, among those of which an even \
+                                 number makes the run."),
+        Of::new("optimum_true_rms", RATE, "drift: least rms left by switching", |row| row.spread.least_rms(row.t_s, row.ending()).into())
             .is_of("optimum_true", Role::Least, "`rms_switching` at that interval, ″/s."),
     ]
 }

@@ -3,7 +3,7 @@
 pub(crate) mod columns;
 pub(crate) mod kind;
 
-use crate::drift::schedule::{SETTINGS as SCHEDULE_SETTINGS, Schedule};
+use crate::drift::schedule::{END, End, SETTINGS as SCHEDULE_SETTINGS, Schedule};
 use crate::drift::{self as parts, Drift, RESIDUAL_MAX};
 use crate::key::reading::Reading;
 use crate::key::row::Key;
@@ -46,6 +46,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut drift, &parts::SETTINGS)?;
     reading.set(&mut schedule, &SCHEDULE_SETTINGS)?;
+    schedule.end = End::of(reading.get(&END));
     let point = |swept: Vec<_>| {
         let (mut drift, mut schedule) = (drift.clone(), schedule);
         setting::set(&mut drift, &parts::SETTINGS, &swept);

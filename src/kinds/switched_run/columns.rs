@@ -80,12 +80,13 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
     let filler = has_fillers.then(|| filler(|row: &Row| row.filler.map_or(Cell::Blank, Cell::from)).brief());
     filler.into_iter().chain([
         Of::new("angle", Unit::NONE, "angle", |row| Cell::Text(row.estimate.angle.name()))
-            .is(Role::Key, "The angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.")
+            .is(Role::Key, "The angle: `end` of the run, averaged over the phase of switching unless `run.end` is `exact`; `largest` (just before \
+                             or after a switch or at the end), `at 600 s`.")
             .brief(),
         Of::new("time", Unit::S, "time in the run", |row| row.time_s().into())
-            .is(Role::Coordinate, "Time at which the angle is read, s; blank for the largest angle."),
+            .is(Role::Coordinate, "Time at which the angle is read, s: for the end the run time; blank for the largest angle."),
         Of::new("switches", Unit::NONE, "switches", |row| Cell::Integer(row.switches()))
-            .is(Role::Count, "Switches before the time of the row.")
+            .is(Role::Count, "Switches before the time of the row, which may be one more or less in a run that ends at any phase of switching.")
             .brief(),
         Of::new("residual_rms", Unit::ARCSEC, "rms residual of a switch", |row| row.filled.residual_rms().into())
             .is(Role::Error, "Rms residual of one switch, with its relock, ″."),

@@ -11,7 +11,7 @@ pub mod verify;
 pub use crate::kinds::switched_run::point::Point;
 pub use crate::kinds::switched_run::relock::Relocking;
 
-use crate::drift::schedule::{self, Schedule};
+use crate::drift::schedule::{self, END, End, Schedule};
 use crate::drift::{self, DRIFT, Drift, RESIDUAL_MAX};
 use crate::filler::Filler;
 use crate::filler::keys::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
@@ -86,7 +86,7 @@ pub struct SwitchedRun {
 /// An angle of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Angle {
-    /// The angle at the end.
+    /// The angle at the end, which [`End`](crate::drift::schedule::End) defines.
     End,
     /// The largest angle, just before or after a switch or at the end.
     Largest,
@@ -136,6 +136,7 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut schedule, &schedule::SETTINGS)?;
+    schedule.end = End::of(reading.get(&END));
     reading.set(&mut drift, &drift::SETTINGS)?;
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;

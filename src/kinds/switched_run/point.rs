@@ -1,6 +1,6 @@
 //! Points of a study of whole runs, each checked as a whole.
 
-use crate::drift::schedule::{self, Schedule};
+use crate::drift::schedule::{self, End, Schedule};
 use crate::drift::{self, Drift};
 use crate::kernel::switched_run::shape::MOST_INTERVALS;
 use crate::key::places::Places;
@@ -44,9 +44,16 @@ pub struct Point {
 }
 
 impl Point {
-    /// Number of switches in the run.
+    /// Number of switches in a run of exactly the run time.
     pub fn switches(&self) -> u64 {
         switches(self.schedule.interval_s, self.schedule.duration_s) as u64
+    }
+
+    /// Number of intervals of the longest run, the last of which may be incomplete.
+    pub(crate) fn intervals(&self) -> u64 {
+        let ends = self.schedule.ends();
+        let last_s = ends.last().copied().unwrap_or(self.schedule.duration_s);
+        switches(self.schedule.interval_s, last_s) as u64 + 1
     }
 
     /// The shortest possible interval, s, which is limited by the number of switches and by the ticks around a switch.
@@ -57,15 +64,20 @@ impl Point {
         most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
     }
 
-    /// The same point with another interval, rounded to whole ticks, and with the nearest run time that is an even
-    /// number of intervals; `None` for an interval that is too short, or longer than half the run.
+    /// The same point with another interval, rounded to whole ticks; where the end is exact, with the nearest interval of
+    /// which an even number makes the run, because a switch more or less would count for more than the interval. `None`
+    /// for an interval that is too short, or longer than half the run.
     pub fn with_interval(&self, interval_s: f64) -> Option<Point> {
+        let duration_s = self.schedule.duration_s;
+        let interval_s = match self.schedule.end {
+            End::Any => interval_s,
+            End::Exact => 0.5 * duration_s / libm::round(0.5 * duration_s / interval_s).max(1.0),
+        };
         let tick_s = self.fill.as_ref().map(|fill| fill.inputs.tick_s);
         let interval_s =
             round_12(tick_s.map_or(interval_s, |tick_s| libm::round(interval_s / tick_s) * tick_s));
-        let pairs = libm::round(0.5 * self.schedule.duration_s / interval_s);
-        let schedule = Schedule { interval_s, duration_s: round_12(2.0 * pairs * interval_s) };
-        let fits = (self.shortest_s()..=0.5 * self.schedule.duration_s).contains(&interval_s);
+        let schedule = Schedule { interval_s, ..self.schedule };
+        let fits = (self.shortest_s()..=0.5 * duration_s).contains(&interval_s);
         fits.then(|| Point { schedule, ..self.clone() })
     }
 }
@@ -194,7 +206,7 @@ impl Base<'_> {
 
     /// Checks limits that involve more than one value.
     fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
-        let Schedule { interval_s, duration_s } = schedule;
+        let Schedule { interval_s, duration_s, .. } = schedule;
         let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
         if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
             let message =

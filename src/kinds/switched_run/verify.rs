@@ -19,7 +19,7 @@ const RELOCKED: &str = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n[
     bias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40\n";
 
 /// Tables of studies, by name.
-const RUNS: [(&str, &[&str]); 10] = [
+const RUNS: [(&str, &[&str]); 12] = [
     (
         "plain",
         &[
@@ -77,6 +77,22 @@ const RUNS: [(&str, &[&str]); 10] = [
              gap_ticks = 2\nfillers = [\"linear\"]\n[run]\nduration = \"20 s\"\n",
         ],
     ),
+    (
+        "exact end",
+        &[
+            DRIFT,
+            "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"610 s\"\nend = \"exact\"\n",
+        ],
+    ),
+    (
+        "exact end with spreads",
+        &[
+            DRIFT,
+            "magnetic_spread = \"1 arcsec/s\"\nwarm_up_time_spread = \"20 %\"\nresidual_max = \"10 arcsec\"\n\
+             non_magnetic_spread = \"0.01 arcsec/s\"\nangle_random_walk = \"0.003 deg/sqrt(h)\"\n[switching]\n\
+             interval = \"13 s\"\nfirst_mode = \"random\"\n[run]\nduration = \"300 s\"\nend = \"exact\"\ntimes = [\"299 s\", \"300 s\"]\n",
+        ],
+    ),
     ("relock by frequency", &[FILLED, RELOCKED, "compensation = \"frequency\"\n"]),
     ("relock by detuning", &[FILLED, RELOCKED, "compensation = \"detuning\"\nadc_noise = 0.0002\n"]),
     (
@@ -100,7 +116,7 @@ pub fn run_launches() -> Vec<(&'static str, Launch)> {
         .collect()
 }
 
-/// The paper's gyro over an hour with a switch every 40 s: 89 of them.
+/// The paper's gyro over an hour with a switch every 40 s: 89 or 90 of them.
 pub fn hour_launches() -> Vec<Launch> {
     let run = "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"1 h\"\n";
     launches(&[DRIFT, run])

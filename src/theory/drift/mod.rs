@@ -6,7 +6,7 @@
 //! for one hour:
 //!
 //! ```
-//! use sagnac::theory::drift::{Budget, Magnetic, Spread, limit_as_published};
+//! use sagnac::theory::drift::{Budget, Ending, Magnetic, Spread, limit_as_published};
 //!
 //! let magnetic = Magnetic { amplitude: 14.0, time_s: 3000.0, initial: 0.0 };
 //! let budget = Budget { magnetic, non_magnetic: 0.05, residual_max: 10.0 };
@@ -18,7 +18,8 @@
 //! let run = Spread { magnetic, non_magnetic: 0.05, residual_rms: 10.0 / 2_f64.sqrt() };
 //! assert!((run.mean(40.0, 3600.0, true) + 0.0044).abs() < 5e-5);
 //! assert!((run.deviation(40.0, 3600.0) - 0.0185).abs() < 5e-5);
-//! assert!((run.best_interval(3600.0).unwrap() - 15.6).abs() < 0.05);
+//! assert!((run.best_interval(3600.0, Ending::Even).unwrap() - 15.6).abs() < 0.05);
+//! assert!((run.best_interval(3600.0, Ending::Any).unwrap() - 22.4).abs() < 0.05);
 //! ```
 
 pub mod approximation;
@@ -29,4 +30,4 @@ pub mod spread;
 pub use crate::theory::drift::approximation::limit_as_published;
 pub use crate::theory::drift::budget::{Bound, Budget, Optimum};
 pub use crate::theory::drift::magnetic::{Magnetic, signed_decay, signed_time, switches};
-pub use crate::theory::drift::spread::Spread;
+pub use crate::theory::drift::spread::{Ending, Spread};

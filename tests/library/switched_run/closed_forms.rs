@@ -19,7 +19,7 @@ fn runs_without_spreads_and_residuals_are_those_of_the_reference() {
             1,
             DRIFT,
             &format!("interval = \"{interval} s\"\n"),
-            &format!("duration = \"{t} s\"\n"),
+            &format!("duration = \"{t} s\"\nend = \"exact\"\n"),
             "",
         );
         let runs = study.asked::<sagnac::kinds::switched_run::SwitchedRun>().unwrap();
@@ -84,11 +84,42 @@ fn means_and_rms_agree_with_their_closed_forms_within_5_standard_errors() {
     ];
     for (name, drift, switching, run) in cases {
         let trials = if name == "a long run" { 20_000 } else { 300_000 };
-        let study = study(trials, &format!("{DRIFT}{drift}"), &switching, &run, "");
-        let (largest, count) = deviations(&study);
-        println!("{name}: largest |z| of {count} is {largest:.2}");
-        // Of each row with a closed form the rms and the mean, but where rounding is larger than their error.
-        assert!(count >= 2 && largest < 5.0, "{name}: |z| = {largest} of {count}");
+        for end in ["any", "exact"] {
+            let run = format!("{run}end = \"{end}\"\n");
+            let (largest, count) =
+                deviations(&study(trials, &format!("{DRIFT}{drift}"), &switching, &run, ""));
+            println!("{name}, {end} end: largest |z| of {count} is {largest:.2}");
+            // Of each row with a closed form the rms and the mean, but where rounding is larger than their error.
+            assert!(count >= 2 && largest < 5.0, "{name}, {end} end: |z| = {largest} of {count}");
+        }
+    }
+}
+
+/// The drift as a function of the interval has no sawtooth: between 30 and 50 s it turns once, in closed form and within
+/// the errors of the samples.
+#[test]
+fn a_sweep_of_the_interval_has_no_sawtooth_of_the_end() {
+    let intervals: Vec<f64> = (0..41).map(|k| 30.0 + 0.5 * f64::from(k)).collect();
+    let list = intervals.iter().map(|x| format!("\"{x} s\"")).collect::<Vec<_>>().join(", ");
+    let swept = |end: &str| {
+        let run = format!("duration = \"1 h\"\nend = \"{end}\"\n");
+        let sweep = format!("[[sweep]]\nkey = \"switching.interval\"\nlist = [{list}]\n");
+        let drift = format!("{DRIFT}residual_max = \"30 arcsec\"\n");
+        let rows = numbers(&study(2000, &drift, "interval = \"40 s\"\n", &run, &sweep));
+        rows.into_iter().filter(|row| row.contains_key("oracle_drift_rms")).collect::<Vec<_>>()
+    };
+    // How often the drift turns from one interval to the next.
+    let turns = |rows: &[std::collections::BTreeMap<String, f64>]| {
+        let drift: Vec<f64> = rows.iter().map(|row| row["oracle_drift_rms"]).collect();
+        let rising: Vec<bool> = drift.windows(2).map(|pair| pair[1] > pair[0]).collect();
+        rising.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    };
+    let (any, exact) = (swept("any"), swept("exact"));
+    assert_eq!((any.len(), exact.len()), (41, 41));
+    assert!(turns(&any) <= 1, "{} turns", turns(&any));
+    assert!(turns(&exact) > 4, "{} turns with exact ends", turns(&exact));
+    for row in any {
+        assert!(row["z"].abs() < 5.0 && row["z_mean"].abs() < 5.0, "{row:?}");
     }
 }
 
@@ -146,7 +177,8 @@ fn the_residual_of_one_switch_is_that_of_the_gap_fill_kernel() {
             );
             numbers(&parsed("one.toml", &text))
         };
-        let run = with("kind = \"switched-run\"\n", "interval = \"10 s\"\n", "[run]\nduration = \"20 s\"\n");
+        let twenty = "[run]\nduration = \"20 s\"\nend = \"exact\"\n";
+        let run = with("kind = \"switched-run\"\n", "interval = \"10 s\"\n", twenty);
         let gap = with("kind = \"gap-fill\"\n", "errors = [\"residual\"]\n", "");
         let ends = run.iter().filter(|row| row.get("time") == Some(&20.0));
         for (run, gap) in ends.zip(&gap) {
@@ -185,7 +217,8 @@ fn fractions_of_a_pulse_telescope_where_the_motion_is_drawn() {
             );
             numbers(&parsed("pulses.toml", &text))
         };
-        let run = with("kind = \"switched-run\"\n", "interval = \"10 s\"\n", "[run]\nduration = \"20 s\"\n");
+        let twenty = "[run]\nduration = \"20 s\"\nend = \"exact\"\n";
+        let run = with("kind = \"switched-run\"\n", "interval = \"10 s\"\n", twenty);
         let gap = with("kind = \"gap-fill\"\n", "errors = [\"residual\"]\n", "");
         let ends: Vec<_> = run.iter().filter(|row| row.get("time") == Some(&20.0)).collect();
         assert_eq!((ends.len(), gap.len()), (2, 2));
@@ -210,7 +243,7 @@ fn the_numbers_of_the_theory_are_found() {
             50_000,
             &format!("{DRIFT}residual_max = \"10 arcsec\"\n"),
             &format!("interval = \"{interval} s\"\n"),
-            &format!("duration = \"{t} s\"\n"),
+            &format!("duration = \"{t} s\"\nend = \"exact\"\n"),
             "",
         ));
         let end = &rows[0];
@@ -264,7 +297,7 @@ fn a_relock_by_list_adds_its_ticks_and_what_they_do_to_the_filler() {
     let text = "title = \"runs\"\nkind = \"switched-run\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\n\
                 tick_noise = { std = \"0.1 arcsec\" }\nrelock = [\"20.3 arcsec\", \"14.8 arcsec\"]\n[motion]\nrate = \"0 deg/s\"\n\
                 [switching]\ninterval = \"10 s\"\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]\n[run]\n\
-                duration = \"100 s\"\n";
+                duration = \"100 s\"\nend = \"exact\"\n";
     let rows = numbers(&parsed("runs.toml", text));
     for (row, through) in [(&rows[0], 26.325), (&rows[2], 35.95)] {
         let expected = 9.0 * (35.1 + through);
@@ -281,7 +314,7 @@ fn a_relock_without_spreads_adds_the_ticks_of_its_closed_form_times_their_gains(
     let text = format!(
         "title = \"runs\"\nkind = \"switched-run\"\ntrials = 2000\n[gyro]\ntick = \"5 ms\"\n\
          tick_noise = {{ std = \"0.01 arcsec\" }}\n[motion]\nrate = \"0 deg/s\"\n[switching]\ninterval = \"10 s\"\n\
-         gap_ticks = 3\nfillers = [\"const\", \"quadratic\"]\n[run]\nduration = \"100 s\"\n{loop_}"
+         gap_ticks = 3\nfillers = [\"const\", \"quadratic\"]\n[run]\nduration = \"100 s\"\nend = \"exact\"\n{loop_}"
     );
     let rows = numbers(&parsed("runs.toml", &text));
     let relock = sagnac::theory::relock::Relock {
@@ -307,7 +340,7 @@ fn a_wrong_f0_adds_up_as_the_number_of_switches() {
         let text = format!(
             "title = \"runs\"\nkind = \"switched-run\"\ntrials = 4000\n[gyro]\ntick = \"5 ms\"\n\
              tick_noise = {{ std = \"0.01 arcsec\" }}\n[motion]\nrate = \"0 deg/s\"\n[switching]\ninterval = \"10 s\"\n\
-             gap_ticks = 3\nfillers = [\"const\"]\n[run]\nduration = \"{duration}\"\n[relock]\nmiss = 0.05\n\
+             gap_ticks = 3\nfillers = [\"const\"]\n[run]\nduration = \"{duration}\"\nend = \"exact\"\n[relock]\nmiss = 0.05\n\
              loop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40\n\
              temperature_error = \"1 %\"\ncompensation = \"detuning\"\n"
         );

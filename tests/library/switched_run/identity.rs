@@ -32,7 +32,8 @@ fn trials_beyond_2_to_the_32_are_the_same_too() {
 fn trajectories_end_where_tallies_say_and_reach_as_far() {
     for (name, launch) in run_launches() {
         let shape: Shape = launch.shape().expect("a run");
-        if !shape.ends {
+        // A trajectory goes on to the end of the last interval, an end that is drawn lies before.
+        if !shape.ends || shape.any_end {
             continue;
         }
         for trial in [0, 1, 77, (1 << 33) + 5] {

@@ -1,5 +1,6 @@
 //! The drift of a run in closed form, ″: its nominal value, and its deviations.
 
+use crate::drift::schedule::{End, Schedule};
 use crate::kinds::switched_run::FirstMode;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
@@ -21,25 +22,41 @@ pub(crate) struct Row {
     pub(crate) deviations: [f64; 3],
 }
 
-/// The drift of a point at the end of each interval, and at each of the study's times.
+/// The drift of a point at the end of each interval, at each of the study's times, and at each end that is drawn, which
+/// there are none of where the end is exact.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drift {
     pub(crate) ends: Vec<Row>,
     pub(crate) times: Vec<Row>,
+    pub(crate) drawn: Vec<Row>,
 }
 
 impl Drift {
     pub(crate) fn of(point: &RunPoint, study: &SwitchedRun) -> Drift {
-        let (interval_s, duration_s) = (point.schedule.interval_s, point.schedule.duration_s);
-        let intervals = point.switches() + 1;
-        let ends = (1..=intervals).map(|k| (k as f64 * interval_s).min(duration_s));
-        // A run of whole intervals ends with the last one, whatever the rounding of interval times number.
-        let end = |(k, time_s): (usize, f64)| {
-            let at = if k as u64 + 1 == intervals { duration_s } else { time_s };
-            row(point, study.first_mode, at, k)
-        };
+        let Schedule { interval_s, duration_s, end } = point.schedule;
+        let intervals = point.intervals();
+        let ends = (1..=intervals).map(|k| match end {
+            // A run of whole intervals ends with the last one, whatever the rounding of interval times number.
+            End::Exact if k == intervals => duration_s,
+            _ => k as f64 * interval_s,
+        });
+        let ends = ends.enumerate().map(|(k, time_s)| row(point, study.first_mode, time_s, k));
         let at = |&time_s: &f64| row(point, study.first_mode, time_s, switches(interval_s, time_s) as usize);
-        Drift { ends: ends.enumerate().map(end).collect(), times: study.times.iter().map(at).collect() }
+        // The non-magnetic drift acts for the whole run time, whatever the phase of switching.
+        let of_whole = |drawn: Row| {
+            let whole = row(point, study.first_mode, duration_s, 0);
+            let [magnetic, initial, _] = drawn.deviations;
+            Row {
+                non_magnetic: whole.non_magnetic,
+                deviations: [magnetic, initial, whole.deviations[2]],
+                ..drawn
+            }
+        };
+        let drawn = match end {
+            End::Any => point.schedule.ends().iter().map(at).map(of_whole).collect(),
+            End::Exact => vec![],
+        };
+        Drift { ends: ends.collect(), times: study.times.iter().map(at).collect(), drawn }
     }
 }
 

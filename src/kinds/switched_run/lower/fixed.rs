@@ -1,5 +1,6 @@
 //! A run in fixed point: the words of the kernel before they are arranged.
 
+use crate::drift::schedule::End;
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words};
@@ -26,6 +27,8 @@ pub(crate) struct Fixed {
     /// Drift at the end of each interval.
     pub(crate) ends: Vec<FixedRow>,
     pub(crate) times: Vec<FixedTime>,
+    /// Ends that are equally likely; none where the end is that of the last interval.
+    pub(crate) drawn: Vec<FixedTime>,
     /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
     pub(crate) walk: [u32; 2],
     /// Standard deviation of the normal part of a residual, 2^−4 LSB.
@@ -91,10 +94,16 @@ impl Fixed {
         let warm_up = WarmUp::of(point, study, lsb_arcsec);
         let row = |row: &Row| fixed_row(row, mode, lsb_arcsec, warm_up.as_ref());
         let walk = point.drift.angle_random_walk;
+        // The last interval, and its length.
+        let last = drift.ends.len() - 1;
+        let last_s = match point.schedule.end {
+            End::Any => point.schedule.interval_s,
+            End::Exact => point.schedule.duration_s - last as f64 * point.schedule.interval_s,
+        };
         let time = |row_at: &Row| {
             // Elapsed time of the interval.
             let from = row_at.switches as f64 * point.schedule.interval_s;
-            let length = point.schedule.interval_s.min(point.schedule.duration_s - from);
+            let length = if row_at.switches < last { point.schedule.interval_s } else { last_s };
             let part = ((row_at.time_s - from) / length).clamp(0.0, 1.0);
             let whole = walk * libm::sqrt(length);
             FixedTime {
@@ -103,7 +112,6 @@ impl Fixed {
                 bridge: sigma(whole * libm::sqrt(part * (1.0 - part))),
             }
         };
-        let last_s = point.schedule.duration_s - point.switches() as f64 * point.schedule.interval_s;
         let tones = residual.tones.iter().map(|tone| FixedTone {
             amplitude: libm::round(tone.amplitude_arcsec / lsb_arcsec * ANGLE_UNITS) as u32,
             step: step(point, tone.tone, study.timing),
@@ -113,6 +121,7 @@ impl Fixed {
             lsb_arcsec,
             ends: drift.ends.iter().map(row).collect(),
             times: drift.times.iter().map(time).collect(),
+            drawn: drift.drawn.iter().map(time).collect(),
             walk: [point.schedule.interval_s, last_s].map(|length| sigma(walk * libm::sqrt(length))),
             noise: sigma(libm::sqrt(residual.variance_arcsec2)),
             constant: libm::round(residual.constant_arcsec / lsb_arcsec * libm::exp2(32.0)) as i64,
@@ -134,13 +143,26 @@ impl Fixed {
             [warm_up.spread_word(), warm_up.interval_halvings(), a, spread, bits[0], bits[1]]
         });
         let relock = self.relock.iter().flat_map(|relock| relock.identity(self.lsb_arcsec));
-        words.chain(warm_up).chain(relock).chain(self.ends.iter().flat_map(FixedRow::words)).collect()
+        let drawn = self.drawn.iter().flat_map(FixedTime::words);
+        words
+            .chain(warm_up)
+            .chain(relock)
+            .chain(self.ends.iter().flat_map(FixedRow::words))
+            .chain(drawn)
+            .collect()
     }
 
     /// The further words that determine one of the study's angles.
     pub(crate) fn time_words(&self, place: usize) -> Vec<u32> {
-        let Some(time) = place.checked_sub(2).and_then(|time| self.times.get(time)) else { return vec![] };
-        time.row.words().into_iter().chain([time.row.switches as u32, time.walk, time.bridge]).collect()
+        let time = place.checked_sub(2).and_then(|time| self.times.get(time));
+        time.map(|time| time.words().collect()).unwrap_or_default()
+    }
+}
+
+impl FixedTime {
+    /// The words that determine the angle at the time.
+    fn words(&self) -> impl Iterator<Item = u32> {
+        self.row.words().into_iter().chain([self.row.switches as u32, self.walk, self.bridge])
     }
 }
 

@@ -15,11 +15,11 @@ impl FilledRun {
     /// The launches of the filler's runs, each with the indices of its estimates.
     pub fn launches(&self) -> Vec<(Launch, Vec<usize>)> {
         let all: Vec<usize> = (0..self.estimates.len()).collect();
-        all.chunks(MAX_ESTIMATES).map(|places| (self.launch(places), places.to_vec())).collect()
+        let launch = |places: &[usize]| (self.launch(&self.fixed, places), places.to_vec());
+        all.chunks(MAX_ESTIMATES).map(launch).collect()
     }
 
-    fn launch(&self, places: &[usize]) -> Launch {
-        let fixed = &self.fixed;
+    fn launch(&self, fixed: &Fixed, places: &[usize]) -> Launch {
         let ends = places[0] == 0;
         let times: Vec<usize> = places.iter().filter_map(|place| place.checked_sub(ENDS)).collect();
         let shape = shape(fixed, ends, times.len());
@@ -58,14 +58,15 @@ impl FilledRun {
         }
         .words();
         let rows = fixed.ends.iter().chain(times.iter().map(|&time| &fixed.times[time].row));
-        let table = rows.flat_map(|row| table_row(row, shape)).collect();
+        let rows = rows.flat_map(|row| table_row(row, shape));
+        let drawn = fixed.drawn.iter().filter(|_| shape.any_end).flat_map(|end| end_row(end, shape));
+        let table = rows.chain(drawn).collect();
         Launch::new(shape, words, table)
     }
 
     /// The launch of trajectories, and its shape.
     pub fn trajectories(&self) -> (Launch, Shape) {
-        let launch = self.launch(&[0, 1]);
-        (launch, shape(&self.fixed, true, 0))
+        (self.launch(self.shown(), &[0, 1]), shape(self.shown(), true, 0))
     }
 }
 
@@ -83,6 +84,7 @@ fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
         mode: fixed.mode,
         warm_up: fixed.warm_up.is_some(),
         relock: fixed.relock.as_ref().map(|relock| relock.shape),
+        any_end: ends && !fixed.drawn.is_empty(),
     }
 }
 
@@ -90,4 +92,9 @@ fn table_row(row: &FixedRow, shape: Shape) -> Vec<u32> {
     let Shape { mode, magnetic, initial, non_magnetic, warm_up, .. } = shape;
     let has = [true, mode, magnetic, initial, non_magnetic, warm_up, warm_up];
     has.into_iter().zip(row.words()).filter(|(has, _)| *has).map(|(_, word)| word).collect()
+}
+
+fn end_row(end: &FixedTime, shape: Shape) -> Vec<u32> {
+    let walk = if shape.walk { vec![end.walk, end.bridge] } else { vec![] };
+    table_row(&end.row, shape).into_iter().chain([end.row.switches as u32]).chain(walk).collect()
 }

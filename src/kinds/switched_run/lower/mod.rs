@@ -11,7 +11,7 @@ pub(crate) mod warm_up;
 
 pub use crate::kinds::switched_run::lower::oracle::RunOracle;
 
-use crate::drift::schedule::Schedule;
+use crate::drift::schedule::{End, Schedule};
 use crate::filler::Filler;
 use crate::filler::keys::Error;
 use crate::kernel::moments::level;
@@ -43,6 +43,8 @@ pub struct LoweredRun {
 pub struct FilledRun {
     key: [u32; 2],
     fixed: Fixed,
+    /// The same runs with an exact end, for trajectories, where they are kept and the end is drawn.
+    exact: Option<Box<Fixed>>,
     /// Residual of a switch.
     pub residual: Residual,
     /// Estimates in the order of the study's angles.
@@ -67,6 +69,16 @@ pub struct RunEstimate {
 }
 
 impl FilledRun {
+    /// The runs that trajectories show.
+    fn shown(&self) -> &Fixed {
+        self.exact.as_deref().unwrap_or(&self.fixed)
+    }
+
+    /// Size of a unit of the angles of trajectories, ″.
+    pub fn trajectory_unit_arcsec(&self) -> f64 {
+        self.shown().lsb_arcsec
+    }
+
     /// Mean and standard deviation of the effect of the relock of a switch, ″.
     fn relocked(&self) -> [f64; 2] {
         let relock = self.fixed.relock.as_ref();
@@ -117,11 +129,17 @@ impl LoweredRun {
         let text = canonical(point, study, &switch);
         let (id, key) = identity("switched-run", seed, streams, &text);
         let drift = Drift::of(point, study);
+        let schedule = Schedule { end: End::Exact, ..point.schedule };
+        let exact = (study.trajectories > 0 && point.schedule.end != End::Exact)
+            .then(|| RunPoint { schedule, ..point.clone() });
         let relocking = FixedRelocking::of(point)?;
         let filled = |(definition, residual): (String, Residual)| {
             let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
+            let exact = exact.as_ref().map(|point| {
+                Box::new(Fixed::new(&Drift::of(point, study), &residual, relock.clone(), point, study))
+            });
             let fixed = Fixed::new(&drift, &residual, relock, point, study);
-            let of = |angle: String, more: Vec<u32>| {
+            let of = |fixed: &Fixed, angle: String, more: Vec<u32>| {
                 let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
                 let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
                 Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
@@ -132,15 +150,16 @@ impl LoweredRun {
                 let more = fixed.time_words(place).into_iter().chain([bin_base]);
                 RunEstimate {
                     angle,
-                    address: of(angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
+                    address: of(&fixed, angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
                     oracle,
                     unit_arcsec: fixed.lsb_arcsec,
                     bin_base,
                 }
             };
             let estimates = study.angles().into_iter().enumerate().map(estimate).collect();
-            let trajectory = of("trajectory".to_owned(), words_of(fixed.lsb_arcsec).to_vec());
-            FilledRun { key, estimates, trajectory, fixed, residual }
+            let shown = exact.as_deref().unwrap_or(&fixed);
+            let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
+            FilledRun { key, estimates, trajectory, fixed, exact, residual }
         };
         Ok(LoweredRun { id, fillers: residuals.into_iter().map(filled).collect() })
     }
@@ -174,13 +193,15 @@ fn residuals(
 
 /// The inputs that determine the draws and the angles to which they are added.
 fn canonical(point: &RunPoint, study: &SwitchedRun, switch: &str) -> String {
-    let Schedule { interval_s, duration_s } = point.schedule;
+    let Schedule { interval_s, duration_s, end } = point.schedule;
+    // An exact end has no line.
+    let end = if end == End::Exact { String::new() } else { format!("end={}\n", end.name()) };
     let relock = point.relock.as_ref().map_or_else(String::new, |relocking| {
         let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
         format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
     });
     format!(
-        "interval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\nfirst_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{relock}",
+        "interval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\nfirst_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{relock}{end}",
         study.first_mode,
         study.timing,
         point.drift.canonical(),

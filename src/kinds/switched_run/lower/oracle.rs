@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS};
 use crate::kinds::switched_run::Angle as RunAngle;
-use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow};
+use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow, FixedTime};
 
 /// Mean and standard deviation of an angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,18 +37,24 @@ impl Fixed {
     fn about(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
         match angle {
             RunAngle::Largest => None,
+            RunAngle::End if !self.drawn.is_empty() => {
+                Some(averaged(self.drawn.iter().map(|end| self.within(end))))
+            }
             RunAngle::End => {
                 let [whole, last] = self.walk.map(square);
                 let walk = (self.ends.len() - 1) as f64 * whole + last;
                 self.ends.last().map(|row| self.at(row, walk))
             }
             RunAngle::At(_) => {
-                let time = place.checked_sub(2).and_then(|time| self.times.get(time))?;
-                let walk =
-                    time.row.switches as f64 * square(self.walk[0]) + square(time.walk) + square(time.bridge);
-                Some(self.at(&time.row, walk))
+                place.checked_sub(2).and_then(|time| self.times.get(time)).map(|time| self.within(time))
             }
         }
+    }
+
+    /// Mean and deviation at a time within an interval.
+    fn within(&self, time: &FixedTime) -> RunOracle {
+        let walk = time.row.switches as f64 * square(self.walk[0]) + square(time.walk) + square(time.bridge);
+        self.at(&time.row, walk)
     }
 
     /// Mean and deviation at the drift `row`, with the variance `walk` of the random walk, LSB².
@@ -100,12 +106,25 @@ impl Fixed {
                     let usual = self.warm_up.as_ref().map(|warm_up| warm_up.usual(row.time_s, row.held_s));
                     usual.unwrap_or(0.0).abs() / self.lsb_arcsec
                 };
-                let unheated = Fixed { warm_up: None, ends: vec![], times: vec![], ..self.clone() };
+                let unheated =
+                    Fixed { warm_up: None, ends: vec![], times: vec![], drawn: vec![], ..self.clone() };
                 let rms = |row: &FixedRow| unheated.at(row, walk(row)).rms() / self.lsb_arcsec + heated(row);
                 self.ends.iter().map(rms).fold(0.0, f64::max)
             }
         }
     }
+}
+
+/// Mean and deviation over angles that are equally likely.
+fn averaged(angles: impl ExactSizeIterator<Item = RunOracle>) -> RunOracle {
+    let n = angles.len() as f64;
+    let (mut mean, mut square, mut rounding) = (0.0, 0.0, 0.0_f64);
+    for angle in angles {
+        mean += angle.mean / n;
+        square += angle.rms() * angle.rms() / n;
+        rounding = rounding.max(angle.rounding);
+    }
+    RunOracle { mean, deviation: libm::sqrt((square - mean * mean).max(0.0)), rounding }
 }
 
 /// The square of a standard deviation in 2^−4 LSB, LSB².

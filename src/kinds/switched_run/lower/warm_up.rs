@@ -34,7 +34,7 @@ impl WarmUp {
     pub(crate) fn of(point: &RunPoint, study: &SwitchedRun, lsb_arcsec: f64) -> Option<WarmUp> {
         let drift = &point.drift;
         let (interval_s, time_s) = (point.schedule.interval_s, drift.warm_up_s);
-        let halvings = point.schedule.duration_s / time_s * LOG2_E;
+        let halvings = point.schedule.longest_s() / time_s * LOG2_E;
         let time_bits = libm::floor(4.0 - libm::log2(0.5 * INTERVALS * interval_s / time_s)).clamp(0.0, 29.0);
         let sign = if study.first_mode == FirstMode::Negative { -1.0 } else { 1.0 };
         (drift.warm_up_spread > 0.0).then(|| WarmUp {

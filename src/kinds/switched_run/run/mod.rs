@@ -2,6 +2,7 @@
 
 pub(crate) mod trajectories;
 
+use crate::drift::schedule::End;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
 use crate::kinds::switched_run::SwitchedRun;
@@ -48,11 +49,11 @@ impl Launched for LoweredRun {
 }
 
 impl Plan<'_> {
-    /// A note that some runs of a sweep over the interval end with an interval that no other cancels.
+    /// A note that some runs of a sweep over the interval end exactly with an interval that no other cancels.
     fn uneven(&self) -> Option<String> {
         let is_even = |point: &&RunPoint| {
             let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
-            (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
+            point.schedule.end != End::Exact || (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
         };
         let points = &self.subject.points;
         let uneven = points.len() - points.iter().filter(is_even).count();
@@ -60,7 +61,7 @@ impl Plan<'_> {
         (swept && uneven > 0).then(|| {
             format!(
                 "{uneven} of {} points have an odd or fractional number of intervals: nothing cancels the magnetic drift of the last, which \
-                 can count for more than the interval",
+                 can count for more than the interval; run.end = \"any\" averages over the end",
                 points.len()
             )
         })

@@ -68,7 +68,7 @@ pub(crate) fn table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreEr
         let held = store.rows(&filled.trajectory, width)?;
         let rows = held.iter().flat_map(|rows| rows.values.chunks_exact(width));
         for (run, values) in runs.zip(rows) {
-            let lsb = filled.estimates[0].unit_arcsec;
+            let lsb = filled.trajectory_unit_arcsec();
             moments.push(start(run, Some(0.0)));
             moments.extend(places(&shown).zip(values).map(|(place, value)| {
                 let interval = (place / 2 + 1) as f64 * point.schedule.interval_s;
