@@ -95,8 +95,8 @@ fn means_and_rms_agree_with_their_closed_forms_within_5_standard_errors() {
     }
 }
 
-/// The drift as a function of the interval has no sawtooth: between 30 and 50 s it turns once, in closed form and within
-/// the errors of the samples.
+/// The drift as a function of the interval has no sawtooth: from 30 to 50 s it bends smoothly in closed form, which the
+/// samples follow within their errors. With exact ends it jumps between neighbouring intervals.
 #[test]
 fn a_sweep_of_the_interval_has_no_sawtooth_of_the_end() {
     let intervals: Vec<f64> = (0..41).map(|k| 30.0 + 0.5 * f64::from(k)).collect();
@@ -108,16 +108,17 @@ fn a_sweep_of_the_interval_has_no_sawtooth_of_the_end() {
         let rows = numbers(&study(2000, &drift, "interval = \"40 s\"\n", &run, &sweep));
         rows.into_iter().filter(|row| row.contains_key("oracle_drift_rms")).collect::<Vec<_>>()
     };
-    // How often the drift turns from one interval to the next.
-    let turns = |rows: &[std::collections::BTreeMap<String, f64>]| {
+    // The largest second difference of neighbouring drifts, relative to the drift.
+    let largest_kink = |rows: &[std::collections::BTreeMap<String, f64>]| {
         let drift: Vec<f64> = rows.iter().map(|row| row["oracle_drift_rms"]).collect();
-        let rising: Vec<bool> = drift.windows(2).map(|pair| pair[1] > pair[0]).collect();
-        rising.windows(2).filter(|pair| pair[0] != pair[1]).count()
+        let kinks = drift.windows(3).map(|three| ((three[0] - 2.0 * three[1] + three[2]) / three[1]).abs());
+        kinks.fold(0.0, f64::max)
     };
     let (any, exact) = (swept("any"), swept("exact"));
     assert_eq!((any.len(), exact.len()), (41, 41));
-    assert!(turns(&any) <= 1, "{} turns", turns(&any));
-    assert!(turns(&exact) > 4, "{} turns with exact ends", turns(&exact));
+    // A magnetic drift that grows within the cycle leaves a mean of some tenths of a second of arc besides Ω_nm.
+    assert!(largest_kink(&any) < 0.005, "{}", largest_kink(&any));
+    assert!(largest_kink(&exact) > 0.5, "{} with exact ends", largest_kink(&exact));
     for row in any {
         assert!(row["z"].abs() < 5.0 && row["z_mean"].abs() < 5.0, "{row:?}");
     }
