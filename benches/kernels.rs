@@ -71,7 +71,7 @@ fn gap_fill_with_histogram(bencher: divan::Bencher, name: &str) {
     trials(bencher, &Configuration::new("paper", |_| {}).launches(), name, ITEMS, true);
 }
 
-/// Runs of an hour with 89 switches each.
+/// Runs of an hour with 89 or 90 switches each.
 #[divan::bench(args = widths(), sample_count = 20)]
 fn runs_of_an_hour(bencher: divan::Bencher, name: &str) {
     trials(bencher, &hour_launches(), name, 1 << 12, true);
