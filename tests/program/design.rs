@@ -118,9 +118,9 @@ fn a_run_at_the_best_interval_and_beside_it_has_the_drift_of_the_design() {
                 };
                 let row = rows.iter().find(same).unwrap_or_else(|| panic!("no run at {tried}"));
                 let number_of = |name: &str| cell(row, name).parse::<f64>().unwrap();
-                let se = number_of("rms_se") / number_of("time");
+                let se = number_of("rms_se_arcsec") / number_of("time_s");
                 let of_design = (number(tried, "drift_hi") - number(tried, "drift_lo")) / (2.0 * 1.96);
-                let apart = number_of("drift_rms") - number(tried, "drift");
+                let apart = number_of("drift_rms_deg_per_h") - number(tried, "drift");
                 assert!(apart.abs() < 4.0 * se.hypot(of_design), "{apart} °/h apart: {tried}, {row:?}");
                 compared += 1;
             }
