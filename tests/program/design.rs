@@ -180,7 +180,7 @@ fn a_design_says_in_words_what_its_json_says() {
     for piece in [
         "Switch every ",
         " s with the quadratic filler: 99.73 % drift ",
-        " ″ after 10 min",
+        " arcsec after 10 min",
         "The next filler, const, leaves ",
         "The paper's bound",
     ] {

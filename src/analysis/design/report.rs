@@ -117,7 +117,7 @@ pub fn headline(found: &Design) -> String {
     let (interval, drift) = (four_digits(best.best().interval_s), best.best().drift.value);
     let [rate, angle] = [drift, found.angle(drift)].map(three_digits);
     format!(
-        "Switch every {interval} s{filler}: {label} {rate} °/h, {angle} ″ after {}",
+        "Switch every {interval} s{filler}: {label} {rate} °/h, {angle} arcsec after {}",
         duration(found.duration_s)
     )
 }
