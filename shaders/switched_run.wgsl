@@ -184,8 +184,11 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         // A run that ends before the end of this interval has no angle there.
         var counts = 0xffffffffu;
         //#if ANY_END
-        counts = sar(k - end_interval, 31u);
-        if k == end_interval {
+        // The ends lie in the last three intervals.
+        if k + 3u >= intervals {
+            counts = sar(k - end_interval, 31u);
+        }
+        if k + 3u >= intervals && k == end_interval {
             var part = nothing;
             //#if WALK
             let bridge = normal(draw(address, FOR_BRIDGE, k)[0]);

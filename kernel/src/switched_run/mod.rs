@@ -336,21 +336,19 @@ impl<'a> SwitchedRun<'a> {
             }
             // Runs that end before the end of this interval have no angle there.
             let mut counts = W::splat(!0);
-            if shape.any_end {
+            // The ends lie in the last three intervals.
+            if shape.any_end && k + 3 >= intervals {
                 counts = (W::splat(k as u32) - end_interval).sar(31);
-                // The ends lie in the last three intervals.
-                if k + 3 >= intervals {
-                    let mut part = nothing;
-                    if shape.walk {
-                        let bridge = normal(address.draw(Purpose::Bridge, k)[0]);
-                        part = step.mul_wide(end.word(shape.row() + 1))
-                            + bridge.mul_wide(end.word(shape.row() + 2));
-                    }
-                    let at_end = self.angle(&run, k, &end, part);
-                    let ended = W::splat(0).add_where_equal(at_end, end_interval, W::splat(k as u32));
-                    error[0] = error[0] + ended;
-                    error[1] = error[1].max_signed(ended.with_sign(ended));
+                let mut part = nothing;
+                if shape.walk {
+                    let bridge = normal(address.draw(Purpose::Bridge, k)[0]);
+                    part = step.mul_wide(end.word(shape.row() + 1))
+                        + bridge.mul_wide(end.word(shape.row() + 2));
                 }
+                let at_end = self.angle(&run, k, &end, part);
+                let ended = W::splat(0).add_where_equal(at_end, end_interval, W::splat(k as u32));
+                error[0] = error[0] + ended;
+                error[1] = error[1].max_signed(ended.with_sign(ended));
             }
             if shape.walk {
                 let sigma = p.walk_sigma[usize::from(is_last)];
