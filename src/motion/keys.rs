@@ -31,6 +31,26 @@ words! {
     }
 }
 
+words! {
+    /// The rate of a recorded profile between its samples.
+    pub enum Interpolation {
+        /// The rate has no power above half the sampling rate: a windowed sinc.
+        BandLimited = "band-limited",
+        /// Straight lines from sample to sample.
+        Linear = "linear",
+    }
+}
+
+words! {
+    /// The part of a recorded profile from which fillers are designed.
+    pub enum Design {
+        /// The first half. If a filler is designed from it, all fillers are judged on the second half.
+        FirstHalf = "first-half",
+        /// The whole record, on which the fillers are judged too.
+        Whole = "whole",
+    }
+}
+
 const RATES: Holds = measure(&[Dimension::Rate], 0.0, 1e9, "0 to 1e9 arcsec/s");
 const AMPLITUDES: Holds = measure(
     &[Dimension::Rate, Dimension::Angle],
@@ -94,6 +114,11 @@ keys! {
     pub(crate) PROFILE_FILE = "motion.profile.file", "", Holds::File, r#"file = "base.csv""#, required;
     /// Place of the gap in the recorded profile; random if absent.
     pub(crate) POSITION = "motion.profile.position", "", Holds::Word(Position::WORDS), r#"position = "random""#;
+    /// Rate between the samples of the recorded profile; band-limited if absent. Take "linear" if the record has jumps.
+    pub(crate) INTERPOLATION = "motion.profile.interpolation", "", Holds::Word(Interpolation::WORDS), r#"interpolation = "band-limited""#;
+    /// Part of the recorded profile from which minimum-variance fillers without a band are designed; the first half if
+    /// absent, and all fillers are then judged on the second half.
+    pub(crate) DESIGN = "motion.profile.design", "", Holds::Word(Design::WORDS), r#"design = "whole""#;
     /// Vibration of the base that turns the gyro through its suspension: either a sine or random.
     pub(crate) SUSPENSION = "motion.suspension", "", Holds::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
     /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.

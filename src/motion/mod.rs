@@ -9,7 +9,7 @@ pub(crate) mod vibration;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::motion::keys::{Phase, Position};
+use crate::motion::keys::{Design, Interpolation, Phase, Position};
 use crate::motion::vibration::Vibration;
 use crate::record::Record;
 use crate::theory::autocovariance::autocovariance;
@@ -106,6 +106,39 @@ pub struct Profile {
     pub record: Arc<Record>,
     /// Place of the gap.
     pub position: Position,
+    /// Its rate between samples.
+    pub interpolation: Interpolation,
+    /// Its part from which fillers are designed: the whole record where none is.
+    pub design: Design,
+}
+
+impl Profile {
+    /// The angle of each whole tick, ″.
+    pub fn tick_angles(&self, tick_s: f64) -> Vec<f64> {
+        match self.interpolation {
+            Interpolation::BandLimited => self.record.band_limited_tick_angles(tick_s),
+            Interpolation::Linear => self.record.tick_angles(tick_s),
+        }
+    }
+
+    /// The angles of the ticks from which fillers are designed, ″.
+    pub fn design_ticks(&self, tick_s: f64) -> Vec<f64> {
+        let mut ticks = self.tick_angles(tick_s);
+        if let (_, before @ 1..) = self.replayed(tick_s) {
+            ticks.truncate(before);
+        }
+        ticks
+    }
+
+    /// The number of ticks that are replayed, and the number of those before them.
+    pub fn replayed(&self, tick_s: f64) -> (usize, usize) {
+        let count = self.record.whole_ticks(tick_s);
+        let before = match self.design {
+            Design::FirstHalf => count / 2,
+            Design::Whole => 0,
+        };
+        (count - before, before)
+    }
 }
 
 impl Tone {
@@ -145,13 +178,13 @@ impl Motion {
         }
         square += self.gaussian.as_ref().map_or(0.0, Gaussian::variance);
         if let Some(profile) = &self.profile {
-            square += autocovariance(&profile.record.tick_angles(tick_s), 1)[0] / (tick_s * tick_s);
+            square += autocovariance(&profile.tick_angles(tick_s), 1)[0] / (tick_s * tick_s);
         }
         libm::sqrt(square)
     }
 
     /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1. A constant rate and acceleration are not
-    /// part of it, and a phase counts as uniformly drawn.
+    /// part of it, and a phase counts as uniformly drawn. That of a profile is of the part from which fillers are designed.
     pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
         let mut sum = vec![0.0; lags];
         let mut add = |part: Vec<f64>| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
@@ -162,7 +195,7 @@ impl Motion {
             add(gaussian.covariance(tick_s, lags));
         }
         if let Some(profile) = &self.profile {
-            add(autocovariance(&profile.record.tick_angles(tick_s), lags));
+            add(autocovariance(&profile.design_ticks(tick_s), lags));
         }
         sum
     }

@@ -8,9 +8,9 @@ use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::table::Table;
 use crate::motion::keys::{
-    ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN, GAUSSIAN_BAND, GAUSSIAN_PSD, GAUSSIAN_RMS, MOTION,
-    OF_SEVERAL, ONE, PHASE, POSITION, PROFILE, PROFILE_FILE, Phase, Position, RATE, RATE_DENSITIES, TONES,
-    ToneKeys,
+    ACCELERATION, AMPLITUDE, DESIGN, Design, FREQUENCY, GAUSSIAN, GAUSSIAN_BAND, GAUSSIAN_PSD, GAUSSIAN_RMS,
+    INTERPOLATION, Interpolation, MOTION, OF_SEVERAL, ONE, PHASE, POSITION, PROFILE, PROFILE_FILE, Phase,
+    Position, RATE, RATE_DENSITIES, TONES, ToneKeys,
 };
 use crate::motion::read_psd::read_psd;
 use crate::motion::vibration::{self, Acceleration, Vibration};
@@ -180,5 +180,7 @@ fn read_profile(reading: &Reading) -> Result<Profile, Wrong> {
     })?;
     let record = Record::parse(&path.display().to_string(), &text)?;
     let position = Position::of(reading.get(&POSITION));
-    Ok(Profile { file: file.text().to_owned(), record: Arc::new(record), position })
+    let interpolation = Interpolation::of(reading.get(&INTERPOLATION));
+    let design = Design::of(reading.get(&DESIGN));
+    Ok(Profile { file: file.text().to_owned(), record: Arc::new(record), position, interpolation, design })
 }

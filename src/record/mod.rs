@@ -13,6 +13,7 @@
 pub(crate) mod arrays;
 #[cfg(feature = "ros")]
 pub(crate) mod bag;
+pub(crate) mod band_limited;
 pub mod binary;
 pub(crate) mod cells;
 pub mod error;
@@ -50,7 +51,8 @@ pub const MOST_SAMPLES: usize = 1 << 24;
 /// Allowed sampling steps of a record or a log, s. A step outside is an error in a unit, or the bytes are not times.
 pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
 
-/// An angular rate at evenly spaced times, the first of which is time 0; between its samples the rate is linear.
+/// An angular rate at evenly spaced times, the first of which is time 0. Between its samples the rate is linear in
+/// [`Record::tick_angles`], and without power above half the sampling rate in [`Record::band_limited_tick_angles`].
 ///
 /// # File
 /// Text in UTF-8, as of a [`Log`](log::channel::Log): a header, then one row per sample. Two columns are read, in
@@ -104,8 +106,13 @@ impl Record {
     /// time in proportion to samples and ticks, and 8 bytes per tick; [`Record::whole_ticks`] counts the ticks
     /// beforehand.
     pub fn tick_angles(&self, tick_s: f64) -> Vec<f64> {
-        let samples_at = |tick: usize| (tick as f64 * tick_s / self.step_s).min(self.last() as f64);
-        (0..self.whole_ticks(tick_s)).map(|k| self.angle(samples_at(k), samples_at(k + 1))).collect()
+        let angle = |k: usize| self.angle(self.samples_at(k, tick_s), self.samples_at(k + 1, tick_s));
+        (0..self.whole_ticks(tick_s)).map(angle).collect()
+    }
+
+    /// The start of a tick in steps from the first sample.
+    fn samples_at(&self, tick: usize, tick_s: f64) -> f64 {
+        (tick as f64 * tick_s / self.step_s).min(self.last() as f64)
     }
 
     /// The index of the last sample.

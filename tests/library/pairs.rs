@@ -10,7 +10,7 @@ use sagnac::kernel::launch::Launch;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::verify::Configuration;
-use sagnac::motion::keys::{Phase, Position};
+use sagnac::motion::keys::{Design, Interpolation, Phase, Position};
 use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac::record::Record;
 use sagnac::tally::block::cover;
@@ -24,7 +24,14 @@ fn profile(position: Position) -> Motion {
         9000.0 * libm::sin(120.0 * t) + 4000.0 * libm::sin(271.0 * t) + 50.0 * t
     };
     let record = Arc::new(Record { step_s: 0.002, rates: (0..2000).map(rate).collect() });
-    Motion { profile: Some(Profile { file: "made up".to_owned(), record, position }), ..Motion::default() }
+    let profile = Profile {
+        file: "made up".to_owned(),
+        record,
+        position,
+        interpolation: Interpolation::BandLimited,
+        design: Design::Whole,
+    };
+    Motion { profile: Some(profile), ..Motion::default() }
 }
 
 fn drawn(value: Value) -> Amplitude {

@@ -61,3 +61,23 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
         );
     }
 }
+
+/// Straight lines between the samples of a record, all of which designs fillers and judges them.
+#[test]
+fn a_record_in_straight_lines_has_a_golden_table_of_its_own() {
+    let studies = Path::new(crate::ROOT).join("studies");
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(studies.join("recorded_profile.toml")).unwrap();
+    let lines = text.replace(
+        "position = \"every\"",
+        "position = \"every\", interpolation = \"linear\", design = \"whole\"",
+    );
+    assert_ne!(text, lines);
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    let record = "data/base_vibration.csv";
+    std::fs::copy(studies.join(record), folder.path().join(record)).unwrap();
+    let study = folder.path().join("recorded_profile.toml");
+    std::fs::write(&study, lines).unwrap();
+    let expected = "bd2adc68d93200624f80a84374dbe7bd6ba13fc9f4f26a47f235aaab228b06aa";
+    assert_eq!(digests(&study)["recorded_profile/points.csv"], expected);
+}

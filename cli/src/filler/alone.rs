@@ -3,6 +3,8 @@
 use clap::Args;
 use miette::Diagnostic;
 use sagnac::analysis::firmware::alone::{Alone, MINIMUM_VARIANCE};
+use sagnac::analysis::firmware::search::Asked;
+use sagnac::quantity::units::{Dimension, parse};
 use sagnac::source::diagnose::StudyError;
 
 use crate::failure::Failure;
@@ -44,6 +46,14 @@ pub struct Given {
     /// Standard deviation of the noise of a tick, such as "0.5 arcsec"
     #[arg(long, value_name = "ANGLE")]
     noise: Option<String>,
+    /// Search the fit ticks of minimum-variance: the first after the gap, and then the fewest, whose rms residual is at
+    /// most this angle, also if the frequencies are 5 % lower or higher
+    #[arg(long, value_name = "ANGLE", requires = "band", conflicts_with = "fit_ticks")]
+    limit: Option<String>,
+    /// Search the fit ticks of minimum-variance among those that come at most this time after the gap, such as "20 ms"
+    /// [default: 16 ticks]
+    #[arg(long, value_name = "TIME", requires = "band", conflicts_with = "fit_ticks")]
+    latency: Option<String>,
 }
 
 /// An option that is a text.
@@ -55,7 +65,7 @@ struct TextOption<'a> {
 }
 
 impl Given {
-    fn texts(&self) -> [TextOption<'_>; 6] {
+    fn texts(&self) -> [TextOption<'_>; 8] {
         let needed = |name, value, example| TextOption { name, value, example: Some(example) };
         let optional = |name, value| TextOption { name, value, example: None };
         [
@@ -65,6 +75,8 @@ impl Given {
             needed("--band", &self.band, "\"18 Hz,22 Hz\""),
             needed("--amplitude", &self.amplitude, "\"12000 arcsec/s\""),
             needed("--noise", &self.noise, "\"0.5 arcsec\""),
+            optional("--limit", &self.limit),
+            optional("--latency", &self.latency),
         ]
     }
 
@@ -74,11 +86,37 @@ impl Given {
         self.gap_ticks.map(|_| "--gap-ticks").or(text)
     }
 
-    /// The text of a study with fillers of these kinds.
+    /// What a search of the fit ticks is asked for; `None` without a search.
+    ///
+    /// # Errors
+    /// It is not a minimum-variance filler, or a text is not such a quantity.
+    pub fn asked(&self, kinds: &[String]) -> Result<Option<Asked>, Failure> {
+        let searched = [("--limit", &self.limit), ("--latency", &self.latency)];
+        let Some((name, _)) = searched.iter().find(|(_, value)| value.is_some()) else { return Ok(None) };
+        if kinds != [MINIMUM_VARIANCE] {
+            let message = format!(
+                "{name} searches the ticks of one filler, `{MINIMUM_VARIANCE}`, not of `{}`\nleave it out",
+                kinds.join(" ")
+            );
+            return Err(Failure::Usage(message));
+        }
+        let [limit, latency] = [Dimension::Angle, Dimension::Time];
+        let value = |(name, text): (&str, &Option<String>), dimension| {
+            let Some(text) = text else { return Ok(None) };
+            let quantity = parse(text, &[dimension]);
+            let refused = |what: String| Failure::Usage(format!("{name} = {text}: {what}"));
+            let value = quantity.map_err(|error| refused(error.to_string()))?.value;
+            if value >= 0.0 { Ok(Some(value)) } else { Err(refused("it is below 0".to_owned())) }
+        };
+        let [of_limit, of_latency] = searched;
+        Ok(Some(Asked { limit_arcsec: value(of_limit, limit)?, latency_s: value(of_latency, latency)? }))
+    }
+
+    /// The text of a study with fillers of these kinds; `found` are the fit ticks of a search.
     ///
     /// # Errors
     /// An option that the fillers require is missing.
-    pub fn study(&self, kinds: &[String]) -> Result<String, Failure> {
+    pub fn study(&self, kinds: &[String], found: Option<String>) -> Result<String, Failure> {
         let missing = |option: &str, example: &str, of: &str| {
             Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
         };
@@ -95,7 +133,7 @@ impl Given {
         let alone = Alone {
             gap_ticks,
             tick: self.tick.clone(),
-            fit_ticks: self.fit_ticks.clone(),
+            fit_ticks: found.or_else(|| self.fit_ticks.clone()),
             extrapolation_ticks: self.extrapolation_ticks.clone(),
             band: self.band.clone(),
             amplitude: self.amplitude.clone(),

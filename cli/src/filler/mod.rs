@@ -7,9 +7,10 @@ pub mod text;
 use std::path::Path;
 
 use sagnac::analysis::firmware::design::Firmware;
+use sagnac::analysis::firmware::search::Trade;
 use sagnac::view::chart::picture::Picture;
 
-use crate::charts::write_pictures;
+use crate::charts::{write_figures, write_pictures};
 use crate::failure::Failure;
 pub use crate::filler::options::Options;
 use crate::output::{make_folder, print, print_json, remove, unwritten, write};
@@ -35,6 +36,7 @@ fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> R
     write(&path, &csv)?;
     write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
     write_pictures(folder, "response", &Picture::Curves(firmware.response()))?;
+    write_figures(folder, &[("trade".to_owned(), firmware.trade.as_ref().map(Trade::figure))])?;
     let path = folder.join("test_vectors.csv");
     if let Some(count) = test_vectors {
         let mut csv = Vec::new();

@@ -6,6 +6,8 @@ use clap::Args;
 use sagnac::analysis::firmware::alone::KINDS;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
+use sagnac::analysis::firmware::search::Trade;
+use sagnac::kinds::gap_fill::GapFill;
 use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;
 
@@ -20,6 +22,8 @@ Examples:
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --fit-ticks=\"-7..0,n+1,n+2\" \\
+    --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"
+  sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --limit \"3 arcsec\" --latency \"20 ms\" \\
     --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"";
 
 #[derive(Debug, Args)]
@@ -62,13 +66,22 @@ impl Options {
         };
         let study = match file {
             Some(file) => Study::read(file)?,
-            None => Study::parse("options", &self.alone.study(&self.what)?).map_err(failure)?,
+            None => Study::parse("options", &self.alone.study(&self.what, None)?).map_err(failure)?,
+        };
+        let trade = self.trade(&study)?;
+        let study = match &trade {
+            Some(trade) => {
+                let text = self.alone.study(&self.what, Some(trade.fit_ticks()))?;
+                Study::parse("options", &text).map_err(failure)?
+            }
+            None => study,
         };
         let chosen = Firmware::choose(&study, &self.at, &self.fillers);
         let mut firmware = chosen.map_err(|error| match error {
             ChoiceError::Study(error) => failure(error),
             other => other.into(),
         })?;
+        firmware.trade = trade;
         // Polynomials do not need the length of a tick.
         if file.is_none() && self.alone.tick.is_none() {
             firmware.tick_s = None;
@@ -79,6 +92,18 @@ impl Options {
         };
         let default = || Path::new("results").join(stem).join("filler");
         Ok((firmware, self.out.clone().unwrap_or_else(default)))
+    }
+
+    /// The search of the fit ticks, where one is asked for.
+    fn trade(&self, study: &Study) -> Result<Option<Trade>, Failure> {
+        let Some(asked) = self.alone.asked(&self.what)? else { return Ok(None) };
+        let points = study.asked::<GapFill>().map(|gap_fill| &gap_fill.points[..]);
+        let trade = points.and_then(|points| Trade::new(&points.first()?.inputs, asked));
+        trade.map(Some).ok_or_else(|| {
+            let message =
+                "no ticks determine a filler: the noise is too small beside the motion to choose weights by";
+            Failure::Usage(format!("{message}\ngive --noise that the gyro really has, or a wider --band"))
+        })
     }
 
     /// The study file; `None` where the arguments before the options are kinds of fillers.

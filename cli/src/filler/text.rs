@@ -2,7 +2,9 @@
 
 use sagnac::analysis::firmware::design::{Closed, Design, Firmware};
 use sagnac::analysis::firmware::rule::Rule;
+use sagnac::analysis::firmware::search::Trade;
 use sagnac::filler::keys::Error;
+use sagnac::kinds::gap_fill::judged::SHIFT;
 use sagnac::quantity::number::significant;
 use sagnac::theory::gap::Weights;
 
@@ -24,10 +26,18 @@ pub fn of(firmware: &Firmware) -> String {
     if !place.is_empty() {
         text += &format!("at {place}\n");
     }
+    text += &firmware.trade.as_ref().map_or_else(String::new, searched);
     for design in &firmware.designs {
         text += &format!("\n{}: {}\n", design.name, design.method);
         for (error, rule, closed) in design.rules() {
             text += &part(firmware, error, rule, closed);
+        }
+        if let Some(judged) = design.judged {
+            text += &format!(
+                "  designed for this very motion: with all frequencies {} % lower or higher, the rms residual is {} ″\n",
+                100.0 * SHIFT,
+                significant(judged.shifted_rms, 5)
+            );
         }
         text += &missing(design, n);
     }
@@ -35,6 +45,37 @@ pub fn of(firmware: &Firmware) -> String {
         text += &format!("\nno rms: {reason}\n");
     }
     text
+}
+
+/// The search of the ticks as a table, with the choice.
+fn searched(trade: &Trade) -> String {
+    let mut grid = vec![["ticks after", "latency, ms", "ticks before", "rms, ″"].map(str::to_owned).to_vec()];
+    for row in trade.rows() {
+        let latency_ms = significant(1e3 * trade.latency_s(row), 4);
+        grid.push(vec![row.after.to_string(), latency_ms, row.before.to_string(), significant(row.rms, 4)]);
+    }
+    let limit = trade.asked.limit_arcsec.map(|limit| significant(limit, 6));
+    let which = match &limit {
+        Some(limit) => {
+            format!("the fewest ticks before the gap within {limit} ″, else those of the least error")
+        }
+        None => "the ticks before the gap of the least error".to_owned(),
+    };
+    let chosen = trade.chosen;
+    let met = match (trade.meets(), &limit) {
+        (Some(false), Some(limit)) => format!("; no ticks within the latency leave at most {limit} ″"),
+        _ => String::new(),
+    };
+    format!(
+        "\nsearch: {which}; rms residual with noise, at worst of frequencies as given and {} % lower or higher\n{}\
+         chosen: {} ticks before and {} after, {} ″ rms ({} ″ at the frequencies as given){met}\n",
+        100.0 * SHIFT,
+        aligned(&grid),
+        chosen.before,
+        chosen.after,
+        significant(chosen.rms, 4),
+        significant(chosen.own_rms, 4)
+    )
 }
 
 /// The table of a rule, with its gains and closed-form errors.

@@ -1,12 +1,13 @@
 //! The fillers of one point of a study as integer rules, with their errors in closed form.
 
-use crate::analysis::firmware::Rule;
 use crate::analysis::firmware::choice::shown;
+use crate::analysis::firmware::{Rule, Trade};
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::judged::Judged;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
@@ -34,6 +35,8 @@ pub struct Firmware {
     pub unsampled: Option<String>,
     /// Seed of the study, from which that of the test vectors is derived.
     pub seed: u64,
+    /// The search that found the ticks; absent where they are given.
+    pub trade: Option<Trade>,
 }
 
 /// A filler.
@@ -49,6 +52,8 @@ pub struct Design {
     pub extrapolation: Option<Rule>,
     /// Errors of the residual and of the extrapolation.
     pub errors: [Closed; 2],
+    /// Of a filler that is designed for the very motion of the point: the rms residual there, and with shifted frequencies.
+    pub judged: Option<Judged>,
 }
 
 /// The closed form of an error, ″; values are absent where the motion has none.
@@ -89,7 +94,8 @@ impl Firmware {
                 [Some(&interpolation), extrapolation.as_ref()].map(|rule| rule.and_then(amplitude));
             let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(ERRORS[i]) });
             let (name, method) = (filler.name.clone(), method(filler, inputs));
-            designs.push(Design { name, method, interpolation, extrapolation, errors });
+            let judged = point.fills.get(place).and_then(|fill| Judged::of(inputs, filler, fill));
+            designs.push(Design { name, method, interpolation, extrapolation, errors, judged });
         }
         Ok(Firmware {
             title: study.title.clone(),
@@ -100,6 +106,7 @@ impl Firmware {
             designs,
             unsampled: lowered.err().map(|refusal| refusal.to_string()),
             seed: study.seed,
+            trade: None,
         })
     }
 

@@ -31,6 +31,7 @@ pub mod design;
 pub(crate) mod header;
 pub(crate) mod response;
 pub mod rule;
+pub mod search;
 pub(crate) mod tables;
 pub(crate) mod vectors;
 
@@ -39,4 +40,5 @@ pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_
 pub use crate::analysis::firmware::design::{Closed, Design, Firmware, rules};
 pub use crate::analysis::firmware::header::identifiers;
 pub use crate::analysis::firmware::rule::Rule;
+pub use crate::analysis::firmware::search::{Asked, Candidate, Trade};
 pub use crate::analysis::firmware::vectors::Vectors;

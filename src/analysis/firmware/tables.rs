@@ -4,7 +4,7 @@ use std::io;
 
 use serde_json::{Value, json};
 
-use crate::analysis::firmware::{Closed, Design, Firmware, Rule};
+use crate::analysis::firmware::{Closed, Design, Firmware, Rule, Trade};
 use crate::filler::FILLERS;
 use crate::filler::keys::Error;
 use crate::kinds::gap_fill::columns::FILLER;
@@ -68,7 +68,12 @@ impl Firmware {
         };
         let of_filler = |design: &Design| {
             let errors: Vec<Value> = design.rules().map(of_rule).collect();
-            json!({ "name": design.name, "method": design.method, "errors": errors })
+            json!({
+                "name": design.name,
+                "method": design.method,
+                "errors": errors,
+                "shifted_rms_arcsec": design.judged.map(|judged| judged.shifted_rms),
+            })
         };
         let at: serde_json::Map<String, Value> =
             self.at.iter().map(|(key, value)| ((*key).to_owned(), json!(value.to_string()))).collect();
@@ -79,6 +84,7 @@ impl Firmware {
             "gap_ticks": self.gap_ticks,
             "fillers": self.designs.iter().map(of_filler).collect::<Vec<_>>(),
             "no_rms_because": self.unsampled,
+            "search": self.trade.as_ref().map(Trade::document),
         })
     }
 

@@ -45,6 +45,14 @@ impl Inputs {
         }
     }
 
+    /// Covariance of the errors of readings at lags 0 and 1, ″², from noise and whole pulses.
+    pub(crate) fn noise_covariance(&self) -> [f64; 2] {
+        // A reading of whole pulses is wrong by the difference of two fractions, and neighbours share one of them.
+        let fraction = self.readout_lsb * self.readout_lsb / 12.0;
+        let sigma = self.sigma_arcsec();
+        [sigma * sigma + 2.0 * fraction, -fraction]
+    }
+
     /// Whether the base is at rest and nothing is added to the ticks.
     pub(crate) fn is_nothing(&self) -> bool {
         let added = self.relock.iter().any(|angle| *angle != 0.0);

@@ -1,7 +1,9 @@
 //! Gap-fill studies: the motion, the mode switch and the fillers to compare.
 
+pub(crate) mod between;
 pub(crate) mod columns;
 pub mod inputs;
+pub mod judged;
 pub(crate) mod keys;
 pub mod kind;
 pub(crate) mod law;
@@ -12,9 +14,10 @@ pub mod point;
 pub(crate) mod run;
 pub mod verify;
 
-use crate::filler::Filler;
 use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};
+use crate::filler::read::Written;
 use crate::filler::ticks::{Purpose, TickList};
+use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::given::Given;
 use crate::key::precision::{self, PRECISION};
@@ -25,7 +28,7 @@ use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::keys::{RELOCK, SETTINGS, TICK_NOISE};
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::{gap_fill, gyro};
-use crate::motion::keys::{GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
+use crate::motion::keys::{Design, GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
 use crate::motion::{self, Profile, vibration};
 use crate::source::diagnose::{Fault, Wrong};
 use crate::{filler, noise};
@@ -64,8 +67,12 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 /// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     let fillers = reading.table.needed(&FILLERS)?;
-    let inputs = read_inputs(reading)?;
+    let mut inputs = read_inputs(reading)?;
     let written_fillers = filler::read::read(fillers)?;
+    let is_designed = |written: &Written| written.filler.method == Method::MinimumVariance(None);
+    if let (Some(profile), false) = (&mut inputs.motion.profile, written_fillers.iter().any(is_designed)) {
+        profile.design = Design::Whole;
+    }
     let errors = read_errors(reading.get(&ERRORS))?;
     for sweep in reading.sweeps {
         if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
@@ -88,7 +95,10 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
         extrapolation_ticks: TickList::read(Purpose::Extrapolation, reading.get(&EXTRAPOLATION_TICKS))?,
     };
     let points = base.points()?;
+    let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
     reading.notes.extend(notes::of_motion(&inputs, &points));
+    reading.notes.extend(judged::note(&points, &fillers));
+    reading.notes.extend(between::note(&points, &fillers));
     reading.precision = precision::read(&reading.table)?;
     reading.notes.extend(reading.precision.as_ref().and_then(precision::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
@@ -98,7 +108,6 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
         let help = "leave precision out, or take position = \"random\"";
         return Err(written.fault(message, "cannot stop early", help).into());
     }
-    let fillers = written_fillers.into_iter().map(|written| written.filler).collect();
     Ok(GapFill { inputs, fillers, errors, points })
 }
 

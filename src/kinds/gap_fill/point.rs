@@ -34,6 +34,22 @@ pub struct Point {
     pub fills: Vec<Fill>,
 }
 
+impl Point {
+    /// The point at which motion between ticks matters most: that of the shortest tick, and of the longest gap.
+    pub(crate) fn hardest(points: &[Point]) -> Option<&Point> {
+        points.iter().min_by(|a, b| {
+            let gap_ticks = |point: &Point| point.inputs.gap_ticks;
+            a.inputs.tick_s.total_cmp(&b.inputs.tick_s).then(gap_ticks(b).cmp(&gap_ticks(a)))
+        })
+    }
+
+    /// Its swept values as text, such as ` (switching.gap_ticks = 5)`; empty without sweeps.
+    pub(crate) fn place(&self) -> String {
+        let values: Vec<String> = self.swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        if values.is_empty() { String::new() } else { format!(" ({})", values.join(", ")) }
+    }
+}
+
 /// The inputs common to all points, with their places in the text.
 pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,

@@ -11,7 +11,7 @@ use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;
-use crate::motion::keys::{Phase, Position};
+use crate::motion::keys::{Design, Interpolation, Phase, Position};
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use crate::record::Record;
 use crate::theory::minimum_variance::Band;
@@ -114,7 +114,13 @@ pub fn profile(position: Position) -> Motion {
         9000.0 * libm::sin(120.0 * t) + 4000.0 * libm::sin(271.0 * t) + 50.0 * t
     };
     let record = Record { step_s: 0.002, rates: (0..3000).map(rate).collect() };
-    let profile = Profile { file: "made up".to_owned(), record: Arc::new(record), position };
+    let profile = Profile {
+        file: "made up".to_owned(),
+        record: Arc::new(record),
+        position,
+        interpolation: Interpolation::Linear,
+        design: Design::Whole,
+    };
     Motion { profile: Some(profile), ..Motion::default() }
 }
 

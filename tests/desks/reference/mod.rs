@@ -288,7 +288,9 @@ impl Gyro {
             }
             Beside::Profile { file, every, .. } => {
                 let position = if *every { "every" } else { "random" };
-                writeln!(text, "profile = {{ file = \"{file}\", position = \"{position}\" }}").unwrap();
+                let rest =
+                    format!("position = \"{position}\", interpolation = \"linear\", design = \"whole\"");
+                writeln!(text, "profile = {{ file = \"{file}\", {rest} }}").unwrap();
             }
         }
         writeln!(text, "rate = \"{} arcsec/s\"", self.rate).unwrap();

@@ -122,6 +122,49 @@ fn minimum_variance_from_options_is_that_of_the_study_that_says_the_same() {
 }
 
 #[test]
+fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
+    let desk = Desk::with(STUDY);
+    let words = "minimum-variance --gap-ticks 3 --tick 5ms --band 18Hz,22Hz --amplitude 12000arcsec/s --noise 0.5arcsec";
+    let found = tables(&desk, &format!("{words} --limit 3arcsec --latency 20ms"));
+    let search = &found["search"];
+    assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &serde_json::json!(0.05)));
+    let [before, after] = ["before", "after"].map(|key| search["chosen"][key].as_i64().unwrap());
+    let ticks: Vec<i64> = (1 - before..=0).chain(4..=3 + after).collect();
+    let residual = entry(&found, "minimum-variance", "residual");
+    assert_eq!(residual["ticks"], serde_json::json!(ticks));
+    // What the search computes is the closed form of what it writes, and the judgement of the filler.
+    near(&search["chosen"]["own_rms_arcsec"], &[residual["rms_arcsec"].as_f64().unwrap()], 1e-3);
+    near(
+        &search["chosen"]["rms_arcsec"],
+        &[found["fillers"][0]["shifted_rms_arcsec"].as_f64().unwrap()],
+        1e-6,
+    );
+    assert!(search["chosen"]["rms_arcsec"].as_f64().unwrap() <= 3.0 && after <= 4, "{search:#}");
+    let folder = "results/minimum-variance/filler";
+    assert!(desk.read(&format!("{folder}/trade.svg")).contains("ticks before the gap"));
+    let shown = desk.done(&format!("filler {words} --limit 0.001arcsec")).stdout;
+    assert!(
+        shown.contains("ticks after") && shown.contains("no ticks within the latency leave at most"),
+        "{shown}"
+    );
+    // Without a search, the chart of an earlier one goes.
+    desk.done(&format!("filler {words}"));
+    assert!(!desk.path(&format!("{folder}/trade.svg")).exists());
+}
+
+#[test]
+fn a_filler_for_the_very_motion_is_told_with_its_error_beside_it() {
+    let own = STUDY.replace("name = \"mv8+2\", band = [\"18 Hz\", \"22 Hz\"]", "name = \"mv8+2\"");
+    let shown = Desk::with(&own).done("filler study.toml --filler mv8+2").stdout;
+    assert!(
+        shown.contains("designed for this very motion: with all frequencies 5 % lower or higher"),
+        "{shown}"
+    );
+    let banded = Desk::with(STUDY).done("filler study.toml --filler mv8+2").stdout;
+    assert!(!banded.contains("very motion"), "{banded}");
+}
+
+#[test]
 fn mistakes_in_options_are_told_in_terms_of_options() {
     let desk = Desk::with(STUDY);
     for (words, pieces) in [
@@ -139,6 +182,15 @@ fn mistakes_in_options_are_told_in_terms_of_options() {
         (
             "minimum-variance --gap-ticks 3 --tick 5ms --noise 1arcsec --amplitude 1deg/s --band 22Hz,18Hz",
             &["runs from 22 Hz down to 18 Hz"],
+        ),
+        ("quadratic --gap-ticks 3 --tick 5ms --limit 1arcsec", &["--band"]),
+        (
+            "quadratic --gap-ticks 3 --tick 5ms --amplitude 1deg/s --band 20Hz --limit 1arcsec",
+            &["--limit searches the ticks of one filler, `minimum-variance`, not of `quadratic`"],
+        ),
+        (
+            "minimum-variance --gap-ticks 3 --tick 5ms --noise 1arcsec --amplitude 1deg/s --band 20Hz --latency 1arcsec",
+            &["--latency = 1arcsec", "an angle"],
         ),
     ] {
         desk.fails(&format!("filler {words}"), 2, pieces);

@@ -8,7 +8,7 @@ use crate::kernel::normal::REACH;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::words_of;
-use crate::motion::keys::{Phase, Position};
+use crate::motion::keys::{Design, Phase, Position};
 use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};
 use crate::quantity::units::round_12;
@@ -16,7 +16,7 @@ use crate::tally::id::Id;
 use crate::theory::gap::tick_amplitude;
 
 /// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
-const MOST_PROFILE_TICKS: usize = 1 << 22;
+pub(crate) const MOST_PROFILE_TICKS: usize = 1 << 22;
 
 /// The canonical inputs, with angles in ″ per tick.
 #[derive(Debug, Clone)]
@@ -128,21 +128,29 @@ impl Physical {
             covariance: gaussian.covariance(tick_s, lags),
         });
         let profile = motion.profile.as_ref().map(|profile| {
-            let (file, count) = (profile.file.clone(), profile.record.whole_ticks(tick_s));
-            if count > MOST_PROFILE_TICKS {
+            let file = profile.file.clone();
+            let (count, before) = profile.replayed(tick_s);
+            if count + before > MOST_PROFILE_TICKS {
+                let count = count + before;
                 let found = format!("the record `{file}` has {count} ticks, more than {MOST_PROFILE_TICKS}");
                 return Err(Refusal::new("motion.profile", found, "cut the record, or take a longer tick"));
             }
             let needed = 2 * MARGIN + inputs.gap_ticks as usize;
             let Some(rest) = count.checked_sub(needed) else {
                 let gap_ticks = inputs.gap_ticks;
+                let (of, help) = match profile.design {
+                    Design::FirstHalf => (
+                        "the second half of the record",
+                        "record for longer, or take a shorter tick or gap, or design = \"whole\"",
+                    ),
+                    Design::Whole => ("the record", "record for longer, or take a shorter tick or gap"),
+                };
                 let found = format!(
-                    "the record `{file}` has {count} whole ticks, too few for a gap of {gap_ticks} with {MARGIN} ticks on either side"
+                    "{of} `{file}` has {count} whole ticks, too few for a gap of {gap_ticks} with {MARGIN} ticks on either side"
                 );
-                let help = "record for longer, or take a shorter tick or gap";
                 return Err(Refusal::new("motion.profile", found, help));
             };
-            let ticks = profile.record.tick_angles(tick_s);
+            let ticks = profile.tick_angles(tick_s).split_off(before);
             Ok(PhysicalProfile { ticks, every: profile.position == Position::Every, positions: rest + 1 })
         });
         Ok(Physical {

@@ -153,7 +153,7 @@ impl<'a> Statistics<'a> {
     }
 
     fn design(&self, filler: &Filler) -> Design {
-        let Inputs { tick_s, motion, readout_lsb, .. } = self.inputs;
+        let Inputs { tick_s, motion, .. } = self.inputs;
         let lags = 2 * MARGIN + self.inputs.gap_ticks as usize;
         let covariance = match &filler.method {
             Method::MinimumVariance(Some(band)) => {
@@ -163,10 +163,7 @@ impl<'a> Statistics<'a> {
             }
             _ => self.covariance.get_or_init(|| motion.covariance(*tick_s, lags)).clone(),
         };
-        // A reading of whole pulses is wrong by the difference of two fractions, and neighbours share one of them.
-        let fraction = readout_lsb * readout_lsb / 12.0;
-        let sigma = self.inputs.sigma_arcsec();
-        Design { covariance, noise: vec![sigma * sigma + 2.0 * fraction, -fraction] }
+        Design { covariance, noise: self.inputs.noise_covariance().to_vec() }
     }
 }
 

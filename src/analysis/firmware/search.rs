@@ -1,0 +1,211 @@
+//! The search for the ticks of a minimum-variance filler: how many before and after the gap meet a limit.
+//!
+//! Each candidate reads the nearest ticks on either side. It is designed for the motion and judged on a shifted one: its
+//! error is the largest rms residual, with noise, of the motion as given and with all frequencies lower or higher by the
+//! shift. A correction comes as many ticks after the gap as the filler reads there, which is its latency.
+
+use serde_json::{Value, json};
+
+use crate::kernel::gap_fill::shape::MAX_SIDE;
+use crate::key::scale::Scale;
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::judged::{SHIFT, played, rms};
+use crate::quantity::number::significant;
+use crate::theory::minimum_variance::minimum_variance_weights;
+use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
+
+/// Most ticks before the gap.
+const MOST_BEFORE: u32 = 32;
+/// Most ticks after the gap.
+const MOST_AFTER: u32 = 16;
+/// Excess over the least error up to which fewer ticks are preferred, where no limit is given.
+const AS_GOOD: f64 = 1.05;
+/// Numbers of ticks after the gap that the chart shows, beside the chosen one.
+const SHOWN: [u32; 6] = [0, 1, 2, 4, 8, 16];
+
+/// What is asked of a filler.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Asked {
+    /// Largest rms residual, ″.
+    pub limit_arcsec: Option<f64>,
+    /// Longest time from the end of the gap to the correction, s; without it 16 ticks.
+    pub latency_s: Option<f64>,
+}
+
+/// Numbers of ticks that a filler reads, with its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// Ticks before the gap.
+    pub before: u32,
+    /// Ticks after the gap.
+    pub after: u32,
+    /// Rms residual on the motion as given, ″.
+    pub own_rms: f64,
+    /// Largest rms residual on the motion as given and on the shifted ones, ″.
+    pub rms: f64,
+}
+
+/// The candidates and the choice among them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trade {
+    /// What was asked.
+    pub asked: Asked,
+    /// Tick T, s.
+    pub tick_s: f64,
+    /// All candidates, by ticks after and then before the gap.
+    pub candidates: Vec<Candidate>,
+    /// The candidate of the fewest ticks after the gap, and then before it, that meets the limit. Without a limit, and
+    /// where none meets it, that of the fewest ticks within 5 % of the least error.
+    pub chosen: Candidate,
+}
+
+impl Trade {
+    /// Searches the ticks for the motion and noise of a point; `None` if the motion determines no weights without more
+    /// noise.
+    pub fn new(inputs: &Inputs, asked: Asked) -> Option<Trade> {
+        let (n, tick_s) = (inputs.gap_ticks, inputs.tick_s);
+        let most_after = asked.latency_s.map_or(MOST_AFTER, |latency_s| {
+            // Times are rounded to 12 digits, which must not drop a tick.
+            let ticks = libm::floor(latency_s / tick_s * (1.0 + 1e-11));
+            ticks.clamp(0.0, f64::from(MOST_AFTER)) as u32
+        });
+        let lags = 2 * MAX_SIDE + n as usize;
+        let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| played(inputs, speed, lags));
+        let candidate = |(after, before): (u32, u32)| {
+            let after_gap = (n + 1..=n + after).map(u32::cast_signed);
+            let ticks: Vec<i32> = (1 - before.cast_signed()..=0).chain(after_gap).collect();
+            let weights = minimum_variance_weights(&ticks, n, &motions[0], &inputs.noise_covariance())?;
+            let [own_rms, slower, faster] =
+                [0, 1, 2].map(|motion: usize| rms(inputs, &ticks, &weights, &motions[motion]));
+            Some(Candidate { before, after, own_rms, rms: own_rms.max(slower).max(faster) })
+        };
+        let sides = (0..=most_after).flat_map(|after| (1..=MOST_BEFORE).map(move |before| (after, before)));
+        let candidates: Vec<Candidate> = sides.filter_map(candidate).collect();
+        let least = candidates.iter().map(|candidate| candidate.rms).min_by(f64::total_cmp)?;
+        let met = candidates.iter().find(|one| asked.limit_arcsec.is_some_and(|limit| one.rms <= limit));
+        let as_good = candidates.iter().filter(|one| one.rms <= AS_GOOD * least);
+        let chosen = *met.or_else(|| as_good.min_by_key(|one| one.before + one.after))?;
+        Some(Trade { asked, tick_s, candidates, chosen })
+    }
+
+    /// The fit ticks of the choice, as options and studies take them.
+    pub fn fit_ticks(&self) -> String {
+        let Candidate { before, after, .. } = self.chosen;
+        let first = 1 - before.cast_signed();
+        if after == 0 { format!("{first}..0") } else { format!("{first}..0,n+1..n+{after}") }
+    }
+
+    /// Whether the choice meets the limit; `None` without one.
+    pub fn meets(&self) -> Option<bool> {
+        self.asked.limit_arcsec.map(|limit| self.chosen.rms <= limit)
+    }
+
+    /// For each number of ticks after the gap the fewest before it that meet the limit; without a limit, and where none
+    /// meets it, those of the least error.
+    pub fn rows(&self) -> Vec<Candidate> {
+        let each = self.candidates.chunk_by(|a, b| a.after == b.after);
+        let row = |own: &[Candidate]| {
+            let met = own.iter().find(|one| self.asked.limit_arcsec.is_some_and(|limit| one.rms <= limit));
+            met.or_else(|| own.iter().min_by(|a, b| a.rms.total_cmp(&b.rms))).copied()
+        };
+        each.filter_map(row).collect()
+    }
+
+    /// The error over the ticks before the gap, a curve for each number of ticks after it.
+    pub fn figure(&self) -> Figure {
+        let shown = |after: u32| SHOWN.contains(&after) || after == self.chosen.after;
+        let each = self.candidates.chunk_by(|a, b| a.after == b.after).filter(|own| shown(own[0].after));
+        let of = |(colour, own): (usize, &[Candidate])| {
+            let point = |one: &Candidate| SeriesPoint { x: f64::from(one.before), y: one.rms, band: None };
+            Series { colour, dash: colour, points: own.iter().map(point).collect(), law: vec![] }
+        };
+        let name = |own: &[Candidate]| {
+            format!("{} ({} ms)", own[0].after, significant(1e3 * self.latency_s(own[0]), 4))
+        };
+        let limit = self.asked.limit_arcsec;
+        Figure {
+            title: "Error and latency of a filler by the ticks that it reads".to_owned(),
+            subtitle: Some(format!(
+                "worst case of frequencies as given and {} % lower or higher",
+                100.0 * SHIFT
+            )),
+            x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
+            y: Axis::new("rms residual", "″"),
+            colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
+            series: each.enumerate().map(of).collect(),
+            limit: limit.map(|value| Limit { value, label: format!("limit {} ″", significant(value, 6)) }),
+            ..Figure::default()
+        }
+    }
+
+    /// Time from the end of the gap to the correction, s.
+    pub fn latency_s(&self, candidate: Candidate) -> f64 {
+        f64::from(candidate.after) * self.tick_s
+    }
+
+    /// The search as JSON.
+    pub fn document(&self) -> Value {
+        let of = |one: &Candidate| {
+            json!({
+                "before": one.before,
+                "after": one.after,
+                "latency_s": self.latency_s(*one),
+                "own_rms_arcsec": one.own_rms,
+                "rms_arcsec": one.rms,
+            })
+        };
+        json!({
+            "limit_arcsec": self.asked.limit_arcsec,
+            "latency_s": self.asked.latency_s,
+            "shift": SHIFT,
+            "chosen": of(&self.chosen),
+            "meets_limit": self.meets(),
+            "candidates": self.candidates.iter().map(of).collect::<Vec<_>>(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::gap_fill::inputs::TickNoise;
+    use crate::motion::{Gaussian, Motion};
+    use crate::theory::minimum_variance::Band;
+
+    fn inputs() -> Inputs {
+        let band = Band { low_hz: 18.0, high_hz: 22.0 };
+        Inputs {
+            tick_s: 0.005,
+            tick_noise: TickNoise::Std(0.5),
+            readout_lsb: 0.0,
+            relock: vec![],
+            motion: Motion { gaussian: Some(Gaussian::Band { rms: 8485.0, band }), ..Motion::default() },
+            gap_ticks: 3,
+        }
+    }
+
+    #[test]
+    fn the_choice_is_the_soonest_that_meets_the_limit_with_the_fewest_ticks() {
+        let asked = Asked { limit_arcsec: Some(3.0), latency_s: Some(0.02) };
+        let trade = Trade::new(&inputs(), asked).unwrap();
+        let Candidate { before, after, rms, .. } = trade.chosen;
+        assert!(rms <= 3.0 && trade.meets() == Some(true) && after <= 4, "{:?}", trade.chosen);
+        for one in &trade.candidates {
+            assert!(one.after <= 4 && one.rms >= one.own_rms, "{one:?}");
+            let sooner = (one.after, one.before) < (after, before);
+            assert!(!sooner || one.rms > 3.0, "{one:?} is sooner than {:?}", trade.chosen);
+        }
+        assert_eq!(trade.rows().len(), 5);
+        assert_eq!(trade.fit_ticks(), format!("{}..0,n+1..n+{after}", 1 - before.cast_signed()));
+    }
+
+    #[test]
+    fn without_a_limit_and_beyond_it_few_ticks_come_near_to_the_least_error() {
+        let of = |limit_arcsec| Trade::new(&inputs(), Asked { limit_arcsec, latency_s: None }).unwrap();
+        let (free, strict) = (of(None), of(Some(1e-6)));
+        assert_eq!((free.meets(), strict.meets()), (None, Some(false)));
+        assert_eq!(free.chosen, strict.chosen);
+        let least = free.candidates.iter().map(|one| one.rms).fold(f64::INFINITY, f64::min);
+        assert!(free.chosen.rms <= 1.05 * least);
+    }
+}
