@@ -34,7 +34,7 @@ pub fn of(firmware: &Firmware) -> String {
         }
         if let Some(judged) = design.judged {
             text += &format!(
-                "  designed for this very motion: with all frequencies {} % lower or higher, the rms residual is {} ″\n",
+                "  designed for this very motion: with all frequencies {} % lower or higher, the rms residual is {} arcsec\n",
                 100.0 * SHIFT,
                 significant(judged.shifted_rms, 5)
             );
@@ -57,18 +57,18 @@ fn searched(trade: &Trade) -> String {
     let limit = trade.asked.limit_arcsec.map(|limit| significant(limit, 6));
     let which = match &limit {
         Some(limit) => {
-            format!("the fewest ticks before the gap within {limit} ″, else those of the least error")
+            format!("the fewest ticks before the gap within {limit} arcsec, else those of the least error")
         }
         None => "the ticks before the gap of the least error".to_owned(),
     };
     let chosen = trade.chosen;
     let met = match (trade.meets(), &limit) {
-        (Some(false), Some(limit)) => format!("; no ticks within the latency leave at most {limit} ″"),
+        (Some(false), Some(limit)) => format!("; no ticks within the latency leave at most {limit} arcsec"),
         _ => String::new(),
     };
     format!(
         "\nsearch: {which}; rms residual with noise, at worst of frequencies as given and {} % lower or higher\n{}\
-         chosen: {} ticks before and {} after, {} ″ rms ({} ″ at the frequencies as given){met}\n",
+         chosen: {} ticks before and {} after, {} arcsec rms ({} arcsec at the frequencies as given){met}\n",
         100.0 * SHIFT,
         aligned(&grid),
         chosen.before,

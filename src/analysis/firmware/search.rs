@@ -116,7 +116,8 @@ impl Trade {
         let shown = |after: u32| SHOWN.contains(&after) || after == self.chosen.after;
         let each = self.candidates.chunk_by(|a, b| a.after == b.after).filter(|own| shown(own[0].after));
         let of = |(colour, own): (usize, &[Candidate])| {
-            let point = |one: &Candidate| SeriesPoint { x: f64::from(one.before), y: one.rms, band: None };
+            let point =
+                |one: &Candidate| SeriesPoint { x: f64::from(one.before), y: one.rms, band: None, key: None };
             Series { colour, dash: colour, points: own.iter().map(point).collect(), law: vec![] }
         };
         let name = |own: &[Candidate]| {
@@ -130,10 +131,11 @@ impl Trade {
                 100.0 * SHIFT
             )),
             x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
-            y: Axis::new("rms residual", "″"),
+            y: Axis::new("rms residual", "arcsec"),
             colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
             series: each.enumerate().map(of).collect(),
-            limit: limit.map(|value| Limit { value, label: format!("limit {} ″", significant(value, 6)) }),
+            limit: limit
+                .map(|value| Limit { value, label: format!("limit {} arcsec", significant(value, 6)) }),
             ..Figure::default()
         }
     }
