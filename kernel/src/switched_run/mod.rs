@@ -291,13 +291,14 @@ impl<'a> SwitchedRun<'a> {
     }
 
     /// The row of the table with this number.
-    // Only here and below: a shader reads words by their place in the table.
+    // Only here: a shader reads words by their place in the table.
     #[inline(always)]
     fn row(&self, row: usize) -> Same<'a> {
         Same(&self.table[row * self.shape.row()..])
     }
 
     /// The row of the end that each lane's run draws.
+    // Only here: `trial` of the shader computes its place.
     #[inline(always)]
     fn end_row<W: Word>(&self, address: &Address<W>) -> OfEnd<'a, W> {
         let rows = self.p.intervals[0] as usize + self.shape.times;
@@ -342,8 +343,8 @@ impl<'a> SwitchedRun<'a> {
                 let mut part = nothing;
                 if shape.walk {
                     let bridge = normal(address.draw(Purpose::Bridge, k)[0]);
-                    part = step.mul_wide(end.word(shape.row() + 1))
-                        + bridge.mul_wide(end.word(shape.row() + 2));
+                    part =
+                        step.mul_wide(end.word(shape.row() + 1)) + bridge.mul_wide(end.word(shape.row() + 2));
                 }
                 let at_end = self.angle(&run, k, &end, part);
                 let ended = W::splat(0).add_where_equal(at_end, end_interval, W::splat(k as u32));

@@ -157,8 +157,8 @@ fn only(wanted: bool, count: usize) -> usize {
     if wanted { count } else { 0 }
 }
 
-// The table has a row for the end of each interval, then one for each time, then one for each end that may be drawn. A row holds the angle of the drift so far,
-// LSB, with its magnetic part apart where the first mode is drawn; then the effects of one standard deviation of A, of
+// The table has a row for the end of each interval, then one for each time, then one for each end that may be drawn. A row
+// holds the angle of the drift so far, LSB, with its magnetic part apart where the first mode is drawn; then the effects of one standard deviation of A, of
 // Ω_m0 and of Ω_nm, 2^−4 LSB; and, where the warm-up time is drawn, the signed time ∫ s dt and the number of halvings
 // of e^{−t/τ} at the nominal τ. The row of an end continues with the interval that contains it and, where there is a
 // random walk, with the standard deviations of its two parts there, as `time_walk` and `time_bridge`.
