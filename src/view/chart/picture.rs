@@ -25,28 +25,16 @@ impl Picture {
     /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
     ///
     /// ```
-    /// # use sagnac::key::scale::Scale;
     /// # use sagnac::view::chart::figure::*;
     /// # use sagnac::view::chart::picture::Picture;
-    /// let axis = |label: &str, unit: &str| Axis {
-    ///     label: label.into(), defined: String::new(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
-    /// };
     /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None, key: None };
     /// let figure = Figure {
     ///     title: "Residual of the constant filler".into(),
-    ///     subtitle: None,
-    ///     x: axis("vibration frequency", "Hz"),
-    ///     y: axis("rms error", "″"),
-    ///     colours: Grouping::default(),
-    ///     dashes: Grouping::default(),
-    ///     points: "Monte Carlo".into(),
-    ///     bands: "95 % band".into(),
-    ///     lines: "closed form".into(),
+    ///     x: Axis::new("vibration frequency", "Hz"),
+    ///     y: Axis::new("rms error", "arcsec"),
     ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
-    ///     laws: vec![],
-    ///     parts: Parts::default(),
-    ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
-    ///     chosen: vec![],
+    ///     limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".into() }),
+    ///     ..Figure::default()
     /// };
     /// assert!(Picture::Curves(figure).svg().starts_with("<svg"));
     /// ```
