@@ -243,7 +243,8 @@ class RunDrift(NamedTuple):
     deviation_in_phase: Values
     """Its standard deviation if all switches occur at one phase, so that errors add up as n."""
     best_interval: Values
-    """The interval of the least rms drift at random phases, s; NaN where there is none. It does not depend on ``interval``."""
+    """The interval of the least rms drift at random phases, s, among even numbers of intervals; NaN where there is none. It does not
+    depend on ``interval``."""
     least_rms: Values
     """The rms drift at that interval, without the non-magnetic drift."""
 

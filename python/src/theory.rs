@@ -9,7 +9,7 @@ use sagnac::theory::allan::{continuous, holds};
 use sagnac::theory::drift::approximation::limit_as_published;
 use sagnac::theory::drift::budget::Budget;
 use sagnac::theory::drift::magnetic::Magnetic;
-use sagnac::theory::drift::spread::Spread;
+use sagnac::theory::drift::spread::{Ending, Spread};
 use sagnac::theory::gap::{Weights, polynomial_weights, sine_response, tick_amplitude};
 use sagnac::theory::published;
 use sagnac::theory::relock::{self, Relock};
@@ -160,8 +160,8 @@ fn drift_of_runs<'py>(
             spread.mean(interval, t, first_positive),
             spread.deviation(interval, t),
             spread.deviation_in_phase(interval, t),
-            or_nan(spread.best_interval(t)),
-            or_nan(spread.least_rms(t)),
+            or_nan(spread.best_interval(t, Ending::Even)),
+            or_nan(spread.least_rms(t, Ending::Even)),
         ]
     })
 }
