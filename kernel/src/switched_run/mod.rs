@@ -4,13 +4,13 @@
 //! the random parts are summed exactly in 2^−32 LSB. Each switch adds the fill residual: for each tone of the motion a
 //! sine of its phase, a constant and a normal part. Source: Z(3), Z(5), Z(18).
 
+mod row;
 pub mod shape;
-
-use std::sync::Arc;
+mod trial;
 
 use crate::Form;
-use crate::launch::{Launch, Sampled, Shape as _, Trial};
-use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
+use crate::launch::{Launch, Shape as _};
+use crate::moments::{MAX_ESTIMATES, Sampler};
 use crate::normal::{NORMAL_BITS, normal};
 use crate::philox::{Address, Keys, Purpose, schedule};
 use crate::power::{EXP2_ONE, LARGEST_MINUS, LOG_BITS, exp2_minus, log2_word};
@@ -18,6 +18,8 @@ use crate::relock_ticks::{self, Given, relock_ticks, relock_wrong};
 use crate::shader::constants;
 use crate::sine::sine;
 use crate::word::{Scalar, Wide, Word};
+
+use crate::switched_run::row::{OfEnd, Row, Same};
 
 pub use crate::switched_run::shape::{END_BITS, ENDS, MAX_TONES, Parameters, Shape};
 
@@ -50,33 +52,6 @@ impl<W> Recorder<W> for () {
     // Only here: shaders record no angles.
     #[inline(always)]
     fn record(&mut self, _: W) {}
-}
-
-/// A row of the table.
-trait Row<W> {
-    /// The word at `place` of the row.
-    fn word(&self, place: usize) -> W;
-}
-
-/// A row that is the same in all lanes.
-struct Same<'a>(&'a [u32]);
-
-impl<W: Word> Row<W> for Same<'_> {
-    #[inline(always)]
-    fn word(&self, place: usize) -> W {
-        W::splat(self.0[place])
-    }
-}
-
-/// A row for each lane: the rows of all ends, and where each lane's own starts.
-struct OfEnd<'a, W>(&'a [u32], W);
-
-impl<W: Word> Row<W> for OfEnd<'_, W> {
-    #[inline(always)]
-    fn word(&self, place: usize) -> W {
-        // SAFETY: lowering gives the table a row for each of the `ENDS` numbers of `END_BITS` bits.
-        unsafe { W::gather(self.0, self.1 + W::splat(place as u32)) }
-    }
 }
 
 /// The trials of one launch.
@@ -403,48 +378,6 @@ impl Sampler for SwitchedRun<'_> {
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
         self.run(low, high, &mut ())
-    }
-}
-
-/// The shape of the paper's gyro: one tone and no other spread.
-const PLAIN: Shape = Shape {
-    ends: true,
-    times: 0,
-    walk: false,
-    noise: true,
-    tones: 1,
-    magnetic: false,
-    initial: false,
-    non_magnetic: false,
-    mode: false,
-    warm_up: false,
-    relock: None,
-    any_end: true,
-};
-
-/// The shape of the paper's gyro with a random walk.
-const WALKING: Shape = Shape { walk: true, ..PLAIN };
-
-impl From<Shape> for Arc<dyn Sampled> {
-    // The table of methods compiles the kernel for every width. It is made here, so that this happens in this package.
-    fn from(shape: Shape) -> Self {
-        Arc::new(shape)
-    }
-}
-
-impl Trial for Shape {
-    // Only here: the shader has one shape.
-    #[inline(always)]
-    fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments> {
-        let shape = self;
-        // Each of the first comparisons makes the shape a constant of its branch.
-        if W::LANES > 1 && shape == PLAIN {
-            moments::tally::<W>(SwitchedRun::new(launch, PLAIN), trials)
-        } else if W::LANES > 1 && shape == WALKING {
-            moments::tally::<W>(SwitchedRun::new(launch, WALKING), trials)
-        } else {
-            moments::tally::<W>(SwitchedRun::new(launch, shape), trials)
-        }
     }
 }
 
