@@ -1,6 +1,6 @@
 //! The row of a key, from which reading, checking, help and the schema are derived.
 
-use crate::key::holds::Holds;
+use crate::key::holds::{Holds, Measure};
 
 /// A key of study files.
 #[derive(Debug)]
@@ -67,6 +67,17 @@ impl Key {
     /// Whether it holds the name of a file.
     pub(crate) fn is_file(&self) -> bool {
         matches!(self.holds, Holds::File)
+    }
+
+    /// Whether a quantity is within its limits.
+    pub(crate) fn admits(&self, value: f64) -> bool {
+        match self.holds {
+            Holds::Whole(low, high) => value.fract() == 0.0 && (low as f64..=high as f64).contains(&value),
+            _ => self
+                .holds
+                .measured()
+                .is_some_and(|Measure { limits: (low, high), .. }| (low..=high).contains(&value)),
+        }
     }
 
     /// The names that it accepts, where it holds one of several.

@@ -64,6 +64,8 @@ pub struct Sweep {
     pub(crate) key_span: Range<usize>,
     /// Place of the values in the text.
     pub(crate) span: Range<usize>,
+    /// Whether all sweeps of the study take their next values together instead of multiplying.
+    pub(crate) is_joined: bool,
 }
 
 /// Reads all sweeps of a study, in the order written. The kind of the study has these `keys`, of which some can be
@@ -132,13 +134,22 @@ impl Sweep {
     }
 }
 
+/// The number of points of all sweeps together.
+pub(crate) fn count(sweeps: &[Sweep]) -> usize {
+    match sweeps {
+        [first, ..] if first.is_joined => first.values.len(),
+        _ => sweeps.iter().map(|sweep| sweep.values.len()).product(),
+    }
+}
+
 /// The values at each point of all sweeps together, each with the name of its key; the first sweep changes slowest.
 pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str, Swept)>> {
-    let count: usize = sweeps.iter().map(|sweep| sweep.values.len()).product();
-    (0..count).map(move |mut index| {
+    (0..count(sweeps)).map(move |mut index| {
         let mut value = |sweep: &Sweep| {
             let value = sweep.values[index % sweep.values.len()].clone();
-            index /= sweep.values.len();
+            if !sweep.is_joined {
+                index /= sweep.values.len();
+            }
             (sweep.key.name, value)
         };
         let mut swept: Vec<_> = sweeps.iter().rev().map(&mut value).collect();
@@ -183,7 +194,8 @@ impl Written<'_> {
         let is_linear = linear.is_some() || values.iter().any(|value| value.value <= 0.0);
         let scale = if is_linear { Scale::Linear } else { Scale::Log };
         let values = values.into_iter().map(Swept::Quantity).collect();
-        Ok(Sweep { key: self.key, values, files: vec![], scale, key_span: self.name.span(), span })
+        let key_span = self.name.span();
+        Ok(Sweep { key: self.key, values, files: vec![], scale, key_span, span, is_joined: false })
     }
 
     /// The fault of a sweep of names or files without a list, as there are no steps between them.
@@ -233,7 +245,8 @@ impl Written<'_> {
                 files.push(Spanned::new(item.span(), text.to_owned()));
             }
         }
-        Ok(Sweep { key, values, files, scale: Scale::Linear, key_span: self.name.span(), span: list.span() })
+        let (key_span, span) = (self.name.span(), list.span());
+        Ok(Sweep { key, values, files, scale: Scale::Linear, key_span, span, is_joined: false })
     }
 
     /// Checks that there is at least one value, and not too many.

@@ -4,6 +4,7 @@
 
 pub mod allan;
 pub(crate) mod drift_budget;
+pub(crate) mod elsewhere;
 pub(crate) mod exact;
 pub mod gap_fill;
 pub(crate) mod gyro;

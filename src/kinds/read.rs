@@ -22,9 +22,10 @@ use crate::key::places::Places;
 use crate::key::precision::PRECISION;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
-use crate::key::sweep::read_all as read_sweeps;
+use crate::key::sweep::{Sweep, read_all as read_sweeps};
 use crate::key::table::Table;
 use crate::kinds::keys::checked;
+use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, StudyError, Text, Wrong};
 use crate::source::text_file::{Files, MOST_TOML, read_text};
 use crate::study::Study;
@@ -58,15 +59,20 @@ impl Study {
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Study, StudyError> {
         let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-        Study::check(&text).map_err(|wrong| wrong.within(&text))
+        Study::check(&text, None).map_err(|wrong| wrong.within(&text))
     }
 
-    fn check(text: &Text) -> Result<Study, Wrong> {
+    /// Checks a study. With `joined` sweeps, which belong together, its own sweeps and charts do not apply.
+    pub(crate) fn check(text: &Text, joined: Option<Vec<Sweep>>) -> Result<Study, Wrong> {
         let root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
         let table = Table::root("", &root);
         let (kind, keys) = checked(&table)?;
         let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
-        let sweeps = read_sweeps(&table, &keys.keys, &keys.sweepable)?;
+        let is_own = joined.is_none();
+        let sweeps = match joined {
+            Some(joined) => joined,
+            None => read_sweeps(&table, &keys.keys, &keys.sweepable)?,
+        };
         let count = |key: &'static Key| -> Result<Option<Spanned<u64>>, Fault> {
             let Some(given) = table.get(key) else { return Ok(None) };
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
@@ -81,7 +87,7 @@ impl Study {
         let Reading { places, notes, precision, .. } = reading;
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
-        let mut charts = read_charts(&table, &sweeps, &grounds)?;
+        let mut charts = if is_own { read_charts(&table, &sweeps, &grounds)? } else { vec![] };
         for chart in &mut charts {
             if chart.title.is_empty() {
                 chart.title = written_text(&TITLE);
@@ -114,7 +120,14 @@ impl Study {
                 kind_end: table.span_of(&KIND).unwrap_or_default().end,
                 precision: table.span_of(&PRECISION),
             },
+            values: values(&table, &keys.sweepable),
             sweeps,
         })
     }
+}
+
+/// The quantities of the keys that a sweep may vary, as far as they are written.
+fn values(table: &Table, sweepable: &[&'static Key]) -> Vec<(&'static Key, Quantity)> {
+    let written = sweepable.iter().filter_map(|key| Some((*key, table.get(key)?.quantity().ok()?)));
+    written.collect()
 }

@@ -22,8 +22,10 @@ use crate::key::places::Places;
 pub use crate::key::precision;
 use crate::key::precision::Precision;
 use crate::key::refusal::Refusal;
+use crate::key::row::Key;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
+use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, StudyError, Text};
 use crate::study::kept::Written;
 use crate::study::kind::{Kind, Subject};
@@ -54,6 +56,8 @@ pub struct Study {
     pub(crate) text: Text,
     pub(crate) places: Places,
     pub(crate) written: Written,
+    /// The written quantities of the keys that a sweep may vary.
+    pub(crate) values: Vec<(&'static Key, Quantity)>,
 }
 
 impl Study {

@@ -2,6 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::key::sweep;
 use crate::run::Plan;
 use crate::store::error::StoreError;
 use crate::store::{Provenance, Store};
@@ -81,7 +82,7 @@ impl Source {
             sampled: plan.is_sampled().then_some((study.seed, held)),
             stops: study.precision.is_some(),
             lacking,
-            points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
+            points: sweep::count(&study.sweeps),
             counts_again: plan.counts_again(provenance.iter().map(|by| by.trials).sum()),
             provenance,
             kind: study.kind(),
