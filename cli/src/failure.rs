@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use sagnac::allan::tau::TauError;
+use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::dynamic::DynamicError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
@@ -209,6 +210,17 @@ impl From<KalibrError> for Failure {
             KalibrError::NoCoefficients { .. } | KalibrError::NotDescribed(_) => {
                 Failure::Record(in_options(&error))
             }
+        }
+    }
+}
+
+impl From<DecisionError> for Failure {
+    fn from(error: DecisionError) -> Failure {
+        match error {
+            DecisionError::Study(error) => Failure::Study(error),
+            DecisionError::Run(error) => error.into(),
+            DecisionError::Column(error) => Failure::Picture(error.to_string()),
+            DecisionError::Threads(error) => Failure::Output(std::io::Error::other(error)),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
+use sagnac::analysis::decision::Sheet;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::study::Study;
 use sagnac::view::report::FILE as REPORT;
@@ -13,7 +14,7 @@ use crate::failure::Failure;
 use crate::folders::{self, left_out, whole};
 use crate::output::write;
 use crate::progress::{self, Shown};
-use crate::results::{held, lacking};
+use crate::results::{decision, held, lacking};
 
 /// The page of several studies.
 const GALLERY: &str = "gallery.html";
@@ -100,7 +101,8 @@ fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
     let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
-    let answer = results.answer(&results.verdicts()?)?;
+    let mut answer = results.answer(&results.verdicts()?)?;
+    answer.sheet = decision(&study, &tables, lacking)?.as_ref().map(Sheet::lines).unwrap_or_default();
     let headline = answer.headline.clone();
     write(&folder.join(REPORT), results.page(answer).as_bytes())?;
     let picture = results.charts.into_iter().next().map(|drawn| drawn.picture);

@@ -3,6 +3,7 @@
 
 pub mod compare;
 pub mod data_sheet;
+pub mod decision;
 pub mod design;
 pub mod dynamic;
 pub mod firmware;

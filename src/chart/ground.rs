@@ -1,7 +1,7 @@
 //! The properties of a table of results that are known before anything is sampled; charts are checked against them.
 
 use crate::chart::law::Law;
-use crate::chart::{Named, Source};
+use crate::chart::{Limit, Named, Source};
 use crate::quantity::units::Dimension;
 use crate::table::{About, Cell, Role, Usual};
 
@@ -68,6 +68,17 @@ impl Ground {
     /// The default column for a purpose.
     pub(crate) fn usual(&self, usual: Usual) -> Option<&About> {
         self.columns.iter().find(|column| column.usual == Some(usual))
+    }
+
+    /// The estimate to which a limit of the study applies: of those in its unit for which less is better, the default one,
+    /// else the last.
+    pub(crate) fn judged(&self, limit: Limit) -> Option<&About> {
+        let fits = |column: &&About| column.role.less_is_better() && column.unit == limit.unit;
+        let usual = [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| self.usual(usual));
+        usual
+            .filter(|column| fits(&column))
+            .next()
+            .or_else(|| self.columns.iter().rfind(|column| fits(column)))
     }
 
     /// The abscissa that distinguishes rows, where a curve has a row for each of its values.

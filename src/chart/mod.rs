@@ -93,6 +93,17 @@ impl Limit {
     }
 }
 
+/// A limit that a study as a whole must meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Requirement {
+    /// Table of the limited estimate.
+    pub source: Source,
+    /// Column of the limited estimate.
+    pub column: &'static str,
+    /// The limit.
+    pub limit: Limit,
+}
+
 /// The content of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shows {

@@ -7,7 +7,7 @@ use crate::chart::file::{
 use crate::chart::ground::Ground;
 use crate::chart::law::Law;
 use crate::chart::rows::Known;
-use crate::chart::{Chart, Limit, Named, Shows, supplied};
+use crate::chart::{Chart, Limit, Named, Requirement, Shows, supplied};
 use crate::key::given::Given;
 use crate::key::holds::unlimited;
 use crate::key::row::Key;
@@ -251,6 +251,41 @@ fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
 
 const PERCENT: &str = "accepted: a percentage such as \"10 %\", of a relative column";
 
+/// Reads the requirement of a study on one of its tables, and gives it to the charts of the estimate that lack a limit.
+///
+/// # Errors
+/// No table has an estimate of that dimension, or it is not above 0.
+pub(crate) fn read_requirement(
+    given: Given,
+    grounds: &[Ground],
+    charts: &mut [Chart],
+) -> Result<Requirement, Fault> {
+    let present = || grounds.iter().filter(|ground| ground.absent.is_none());
+    let fits = |ground: &&Ground| read_limit(given, ground).is_ok_and(|limit| ground.judged(limit).is_some());
+    let Some(ground) = present().find(fits).or_else(|| present().next()) else {
+        return Err(given.fault(
+            "limit: this kind of study has no results to limit",
+            "no limit",
+            "leave it out",
+        ));
+    };
+    let limit = read_limit(given, ground)?;
+    let Some(column) = ground.judged(limit) else {
+        return Err(given.fault(
+            "limit: no estimate of this study has that unit",
+            "no such estimate",
+            "leave it out",
+        ));
+    };
+    for chart in charts.iter_mut().filter(|chart| chart.source == ground.source && chart.limit.is_none()) {
+        let shown = ground.columns.iter().find(|column| column.name == chart.estimate().name);
+        if shown.is_some_and(|shown| shown.role.less_is_better() && shown.unit == limit.unit) {
+            chart.limit = Some(limit);
+        }
+    }
+    Ok(Requirement { source: ground.source, column: column.name, limit })
+}
+
 /// Reads a limit in the unit of the table's estimates.
 fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     if ground.limits.is_empty() {
@@ -260,7 +295,7 @@ fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     if limit.value > 0.0 {
         return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }
-    let message = format!("chart.limit = {limit}, but no error stays within that");
+    let message = format!("{} = {limit}, but no error stays within that", given.key.name);
     let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
     Err(given.fault(message, "not above 0", help))
 }

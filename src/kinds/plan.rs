@@ -1,5 +1,6 @@
 //! Plans of kinds whose points are sampled by launches.
 
+use std::cell::Cell;
 use std::fmt;
 use std::time::Instant;
 
@@ -235,6 +236,16 @@ where
 
     fn all_trials(&self) -> u64 {
         self.points.iter().map(|point| point.trials(self.study.trials)).sum()
+    }
+
+    fn steps_of_a_trial(&self) -> Option<u64> {
+        let steps = Cell::new(0);
+        let count = |_: &[Address], more: u64| {
+            steps.set(steps.get() + more);
+            Ok(vec![])
+        };
+        self.points.iter().try_for_each(|point| point.work(&count).map(drop)).ok()?;
+        Some(steps.get())
     }
 
     fn surplus(&self) -> &'static str {

@@ -16,8 +16,8 @@ use toml::Spanned;
 use toml::de::DeTable;
 
 use crate::chart::ground::Ground;
-use crate::chart::read::read_all as read_charts;
-use crate::key::common::{KIND, QUESTION, SEED, STREAMS, Streams, TITLE, TRIALS};
+use crate::chart::read::{read_all as read_charts, read_requirement};
+use crate::key::common::{KIND, LIMIT, QUESTION, SEED, STREAMS, Streams, TITLE, TRIALS};
 use crate::key::places::Places;
 use crate::key::precision::PRECISION;
 use crate::key::reading::Reading;
@@ -88,6 +88,8 @@ impl Study {
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
         let mut charts = if is_own { read_charts(&table, &sweeps, &grounds)? } else { vec![] };
+        let requirement = table.get(&LIMIT).map(|given| read_requirement(given, &grounds, &mut charts));
+        let requirement = requirement.transpose()?;
         for chart in &mut charts {
             if chart.title.is_empty() {
                 chart.title = written_text(&TITLE);
@@ -107,6 +109,7 @@ impl Study {
             trials: trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
             streams: Streams::of(table.get(&STREAMS)),
             charts,
+            requirement,
             kind,
             notes,
             precision,

@@ -76,6 +76,13 @@ impl Noise {
         self.terms[term as usize].is_some_and(|[size, _]| size != 0.0 || term.has_shape())
     }
 
+    /// The noise without one of its terms.
+    pub(crate) fn without(&self, term: Term) -> Noise {
+        let mut without = self.clone();
+        without.terms[term as usize] = None;
+        without
+    }
+
     /// Sets the coefficient (0) or the shape (1) of a term, which creates an absent term.
     pub(crate) fn set(&mut self, term: Term, place: usize, value: f64) {
         self.terms[term as usize].get_or_insert_default()[place] = value;

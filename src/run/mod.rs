@@ -90,6 +90,11 @@ impl<'a> Plan<'a> {
         self.work.lacks(store, share)
     }
 
+    /// Number of steps of one trial of every point; `None` where records are sampled instead of trials, or nothing.
+    pub(crate) fn steps_of_a_trial(&self) -> Option<u64> {
+        self.work.steps_of_a_trial()
+    }
+
     /// The tables before anything is sampled, with all rows but without estimates.
     pub fn blank_tables(&self) -> Tables {
         let nothing = Tables::of_points(Table::default());

@@ -82,6 +82,11 @@ pub(crate) trait Plan: fmt::Debug {
     /// A row of the store is damaged, or the disk fails.
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
 
+    /// Number of steps of one trial of every point, where trials are of any number; `None` for records.
+    fn steps_of_a_trial(&self) -> Option<u64> {
+        None
+    }
+
     /// Number of trials of all points together.
     fn all_trials(&self) -> u64;
 

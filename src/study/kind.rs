@@ -9,9 +9,11 @@ use crate::chart::ground::Ground;
 use crate::device::load::Load;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
+use crate::quantity::units::Quantity;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
+use crate::study::part::Dissected;
 use crate::table::About;
 
 /// A table of results, with its columns except the swept keys.
@@ -68,6 +70,24 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError>;
+
+    /// The subject with a single one of its points: as it is, and without each part of its error in turn, everything
+    /// else unchanged; fillers keep the weights that they have at the point. `None` where an error has no parts.
+    fn dissected(&self, _point: usize) -> Option<Dissected> {
+        None
+    }
+
+    /// The subject with only what one row of each point needs, by the place of the row among those of its point, and the
+    /// place of the row then. `None` where a single row costs as much as all.
+    fn only(&self, _row: usize) -> Option<(Arc<dyn Subject>, usize)> {
+        None
+    }
+
+    /// Quantities at a point that the study does not contain itself, such as those in a file that it names, by the keys
+    /// that set them.
+    fn values(&self, _point: usize) -> Vec<(&'static Key, Quantity)> {
+        vec![]
+    }
 
     /// The tables of its results, as far as they are known before anything is sampled, with that of the points first.
     fn grounds(&self) -> Vec<Ground>;

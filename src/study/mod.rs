@@ -8,15 +8,16 @@
 
 pub(crate) mod kept;
 pub mod kind;
+pub(crate) mod part;
 
 use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::chart::Chart;
 use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::chart::law::Law;
+use crate::chart::{Chart, Requirement};
 use crate::key::common::Streams;
 use crate::key::places::Places;
 pub use crate::key::precision;
@@ -47,6 +48,8 @@ pub struct Study {
     pub sweeps: Vec<Sweep>,
     /// Charts as written, or those supplied by the kind.
     pub charts: Vec<Chart>,
+    /// The limit that its answer must meet.
+    pub requirement: Option<Requirement>,
     pub(crate) kind: &'static Kind,
     /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     pub notes: Vec<String>,

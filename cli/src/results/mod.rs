@@ -4,6 +4,7 @@ pub mod summary;
 
 use std::path::Path;
 
+use sagnac::analysis::decision::{Sheet, decide};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -43,6 +44,25 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
     }
 }
 
+/// The decision sheet of complete results.
+///
+/// # Errors
+/// A point cannot be evaluated again, or no threads can be started.
+pub fn decision(study: &Study, tables: &Tables, lacking: u64) -> Result<Option<Sheet>, Failure> {
+    if lacking > 0 { Ok(None) } else { Ok(decide(study, tables)?) }
+}
+
+/// The lines of a decision sheet, with their headings in a column.
+pub fn sheet_text(lines: &[(&'static str, String)]) -> String {
+    let widest = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let indent = widest + 2;
+    let line = |(name, sentence): &(&str, String)| {
+        let text = look::wrapped(sentence, look::width().saturating_sub(indent));
+        format!("{name:<indent$}{}", text.replace('\n', &format!("\n{:indent$}", "")))
+    };
+    lines.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
 /// A study with results to show.
 pub struct Ran<'a> {
     pub study: &'a Study,
@@ -77,12 +97,17 @@ impl Ran<'_> {
         write(&folder.join(RESOLVED), results.resolved().as_bytes())?;
         draw(&results.charts, folder)?;
         let verdicts = results.verdicts()?;
-        let answer = results.answer(&verdicts)?;
-        let headline = answer.headline.clone();
+        let mut answer = results.answer(&verdicts)?;
+        let sheet = decision(study, &tables, *lacking)?;
+        answer.sheet = sheet.as_ref().map(Sheet::lines).unwrap_or_default();
+        let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
         write(&folder.join(REPORT), results.page(answer).as_bytes())?;
         progress.clear();
         if self.json {
-            return Ok(Some(self.to_json(&tables, &verdicts, &results.notes())));
+            let mut document = self.to_json(&tables, &verdicts, &results.notes());
+            document["answer"] = json!(headline);
+            document["decision"] = json!(sheet.as_ref().map(Sheet::json));
+            return Ok(Some(document));
         }
         if !self.quiet {
             for note in results.notes() {
@@ -96,6 +121,9 @@ impl Ran<'_> {
             let judged: usize = verdicts.iter().map(|verdict| verdict.answers.len()).sum();
             if judged != 1 && !headline.is_empty() {
                 print(&format!("\n{}", look::wrapped(&headline, look::width())))?;
+            }
+            if !lines.is_empty() {
+                print(&format!("\n{}", sheet_text(&lines)))?;
             }
         }
         Ok(None)

@@ -5,14 +5,17 @@ use std::sync::Arc;
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::kernel::allan::VERSION;
+use crate::key::row::Key;
 use crate::kinds::allan::columns;
+use crate::kinds::allan::parts;
 use crate::kinds::allan::run::Plan as Planned;
 use crate::kinds::allan::{Allan, keys, read, sweepable};
-use crate::quantity::units::Dimension;
+use crate::quantity::units::{Dimension, Quantity};
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::part::Dissected;
 use crate::table::column::abouts;
 use crate::theory::allan::terms::Term;
 
@@ -44,6 +47,15 @@ const BANDS: &str = "95 % of records";
 impl Subject for Allan {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         Ok(Box::new(Planned::new(study, self)?))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let (parts, points) = parts::dissected(self.points.get(point)?);
+        Some(Dissected { parts, subject: Arc::new(Allan { points, ..self.clone() }) })
+    }
+
+    fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
+        self.points.get(point).map(parts::values).unwrap_or_default()
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -6,6 +6,7 @@ pub(crate) mod keys;
 pub(crate) mod kind;
 pub mod lower;
 pub(crate) mod notes;
+pub(crate) mod parts;
 pub(crate) mod point;
 pub mod realisations;
 pub(crate) mod run;

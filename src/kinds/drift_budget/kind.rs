@@ -5,7 +5,8 @@ use std::sync::Arc;
 use crate::chart::Source;
 use crate::chart::ground::Ground;
 use crate::kinds::drift_budget::columns::{self, Row};
-use crate::kinds::drift_budget::{DriftBudget, keys, read, sweepable};
+use crate::kinds::drift_budget::parts::PARTS;
+use crate::kinds::drift_budget::{DriftBudget, Point, keys, read, sweepable};
 use crate::kinds::exact::Exact;
 use crate::kinds::table::table;
 use crate::quantity::units::Dimension;
@@ -13,6 +14,7 @@ use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::part::{self, Dissected};
 use crate::table::column::abouts;
 
 /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least.
@@ -38,6 +40,13 @@ impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
         Ok(Box::new(Exact(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let point = self.points.get(point)?;
+        let (parts, drifts) = part::points(&point.drift, &PARTS);
+        let points = drifts.into_iter().map(|drift| Point { drift, ..point.clone() }).collect();
+        Some(Dissected { parts, subject: Arc::new(DriftBudget { points }) })
     }
 
     fn grounds(&self) -> Vec<Ground> {

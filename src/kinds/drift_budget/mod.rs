@@ -2,9 +2,10 @@
 
 pub(crate) mod columns;
 pub(crate) mod kind;
+pub(crate) mod parts;
 
 use crate::drift::schedule::{END, End, SETTINGS as SCHEDULE_SETTINGS, Schedule};
-use crate::drift::{self as parts, Drift, RESIDUAL_MAX};
+use crate::drift::{self, Drift, RESIDUAL_MAX};
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting::{self, Swept};
@@ -31,12 +32,12 @@ pub(crate) struct Point {
 
 /// Every key of this kind; a budget has no spreads.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [parts::KEYS, parts::schedule::KEYS].concat()
+    [drift::KEYS, drift::schedule::KEYS].concat()
 }
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    let settings = setting::keys(&parts::SETTINGS).chain(setting::keys(&SCHEDULE_SETTINGS));
+    let settings = setting::keys(&drift::SETTINGS).chain(setting::keys(&SCHEDULE_SETTINGS));
     settings.filter(|key| keys().iter().any(|known| known.name == key.name)).collect()
 }
 
@@ -44,12 +45,12 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
     reading.table.needed(&RESIDUAL_MAX)?;
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
-    reading.set(&mut drift, &parts::SETTINGS)?;
+    reading.set(&mut drift, &drift::SETTINGS)?;
     reading.set(&mut schedule, &SCHEDULE_SETTINGS)?;
     schedule.end = End::of(reading.get(&END));
     let point = |swept: Vec<_>| {
         let (mut drift, mut schedule) = (drift.clone(), schedule);
-        setting::set(&mut drift, &parts::SETTINGS, &swept);
+        setting::set(&mut drift, &drift::SETTINGS, &swept);
         setting::set(&mut schedule, &SCHEDULE_SETTINGS, &swept);
         schedule.check(&reading.places)?;
         Ok(Point { swept, drift, schedule })

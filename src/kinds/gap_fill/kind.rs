@@ -8,6 +8,7 @@ use crate::filler::keys::Error;
 use crate::kernel::gap_fill::VERSION;
 use crate::kinds::gap_fill::columns;
 use crate::kinds::gap_fill::lower::Lowered;
+use crate::kinds::gap_fill::parts;
 use crate::kinds::gap_fill::run;
 use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
 use crate::kinds::plan::PointsPlan;
@@ -16,6 +17,7 @@ use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::part::Dissected;
 use crate::table::column::abouts;
 
 /// Errors of gap fillers at a mode switch.
@@ -43,6 +45,11 @@ impl Subject for GapFill {
         let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?;
         run::check_replays(&plan)?;
         Ok(Box::new(plan))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let (parts, points) = parts::dissected(self.points.get(point)?);
+        Some(Dissected { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
     }
 
     fn grounds(&self) -> Vec<Ground> {

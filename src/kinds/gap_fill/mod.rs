@@ -10,6 +10,7 @@ pub(crate) mod law;
 pub mod lower;
 pub(crate) mod notes;
 pub(crate) mod of_noise;
+pub(crate) mod parts;
 pub mod point;
 pub(crate) mod run;
 pub mod verify;

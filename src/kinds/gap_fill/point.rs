@@ -32,6 +32,8 @@ pub struct Point {
     pub inputs: Inputs,
     /// The ticks of each filler, in the order of the fillers.
     pub fills: Vec<Fill>,
+    /// Inputs for which fillers are designed, where they are not those of the point.
+    pub(crate) design: Option<Inputs>,
 }
 
 impl Point {
@@ -82,7 +84,7 @@ impl Base<'_> {
         self.check(&inputs)?;
         let fills =
             self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
-        Ok(Point { swept, inputs, fills })
+        Ok(Point { swept, inputs, fills, design: None })
     }
 
     /// Checks limits that involve more than one value.

@@ -67,7 +67,7 @@ impl Configuration {
             extrapolation_ticks: Some(self.extrapolation_ticks.clone()),
         };
         let fills = vec![fill; self.fillers.len()];
-        Point { swept: vec![], inputs: self.inputs.clone(), fills }
+        Point { swept: vec![], inputs: self.inputs.clone(), fills, design: None }
     }
 
     /// Lowers the point.

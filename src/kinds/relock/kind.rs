@@ -10,12 +10,14 @@ use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock::columns::{self, ALL_TICKS};
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::LoweredRelock;
-use crate::kinds::relock::{RelockStudy, keys, read, sweepable};
+use crate::kinds::relock::parts::PARTS;
+use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::part::{self, Dissected};
 use crate::table::column::abouts;
 
 /// Studies of the ticks after a switch.
@@ -46,6 +48,15 @@ impl Subject for RelockStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let lower = |point: &_| LoweredRelock::new(point, study.seed, study.streams);
         Ok(Box::new(PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let RelockPoint { swept, inputs } = self.points.get(point)?;
+        let (parts, relocks) = part::points(&inputs.relock, &PARTS);
+        let of =
+            |relock| RelockPoint { swept: swept.clone(), inputs: RelockInputs { relock, ..inputs.clone() } };
+        let points = relocks.into_iter().map(of).collect();
+        Some(Dissected { parts, subject: Arc::new(RelockStudy { points, ..self.clone() }) })
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -5,6 +5,7 @@ pub(crate) mod columns;
 pub mod inputs;
 pub mod kind;
 pub mod lower;
+pub(crate) mod parts;
 pub(crate) mod run;
 pub mod verify;
 

@@ -9,12 +9,14 @@ use crate::kinds::plan::PointsPlan;
 use crate::kinds::relock;
 use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::lower::LoweredRun;
+use crate::kinds::switched_run::parts;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::part::Dissected;
 use crate::table::column::abouts;
 
 /// Studies of the angles of whole runs.
@@ -43,6 +45,23 @@ impl Subject for SwitchedRun {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
         Ok(Box::new(PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?))
+    }
+
+    fn dissected(&self, point: usize) -> Option<Dissected> {
+        let (parts, points) = parts::dissected(self.points.get(point)?);
+        Some(Dissected { parts, subject: Arc::new(SwitchedRun { points, trajectories: 0, ..self.clone() }) })
+    }
+
+    fn only(&self, row: usize) -> Option<(Arc<dyn Subject>, usize)> {
+        let angles = self.angles().len();
+        let (filler, angle) = (row / angles, row % angles);
+        let mut only = self.clone();
+        let fill = only.fill.as_mut()?;
+        fill.fillers = vec![fill.fillers.get(filler)?.clone()];
+        for of_point in only.points.iter_mut().filter_map(|point| point.fill.as_mut()) {
+            of_point.fills = vec![of_point.fills.get(filler)?.clone()];
+        }
+        Some((Arc::new(only), angle))
     }
 
     fn grounds(&self) -> Vec<Ground> {

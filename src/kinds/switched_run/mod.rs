@@ -3,6 +3,7 @@
 pub(crate) mod columns;
 pub(crate) mod kind;
 pub mod lower;
+pub(crate) mod parts;
 pub(crate) mod point;
 pub(crate) mod relock;
 pub(crate) mod run;

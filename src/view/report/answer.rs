@@ -6,6 +6,8 @@ use crate::filler::{FILLERS, Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::motion::Frequency;
+use crate::motion::keys::GYRO as SUSPENDED_GYRO;
+use crate::noise::keys::FILE as NOISE_FILE;
 use crate::quantity::number::short;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
@@ -21,8 +23,27 @@ use crate::view::report::standing::of_verdict;
 /// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;
 
-/// Prefixes of keys that are not chosen to reduce the drift.
-const GIVEN: [&str; 5] = ["run.", "motion.", "drift.", "gyro.tick_noise", "gyro.readout_lsb"];
+/// Prefixes of keys that are conditions or requirements instead of choices of a designer.
+const GIVEN: [&str; 9] = [
+    "coefficient",
+    "run.",
+    "motion.",
+    "drift.",
+    "noise.",
+    "relock.adc_noise",
+    "gyro.tick_noise",
+    "gyro.readout_lsb",
+    "switching.gap_ticks",
+];
+
+/// Keys of these that tell gyros apart, between which a designer chooses.
+const CHOSEN: [&str; 2] = [SUSPENDED_GYRO.name, NOISE_FILE.name];
+
+/// Whether a column is a condition or a requirement instead of a choice.
+pub(crate) fn is_given(column: &Column) -> bool {
+    let key = if column.of.is_empty() { &column.name } else { &column.of };
+    !CHOSEN.contains(&key.as_str()) && GIVEN.iter().any(|given| key.starts_with(given))
+}
 
 /// The answer as a sentence, with its details.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -31,6 +52,8 @@ pub struct Answer {
     pub headline: String,
     /// A heading for each chart with this kind of answer, with a sentence for each curve: its verdict, or its minimum.
     pub curves: Vec<(String, Vec<String>)>,
+    /// The lines of the decision sheet, each with its heading; empty where there is none.
+    pub sheet: Vec<(&'static str, String)>,
 }
 
 impl Answer {
@@ -81,7 +104,7 @@ impl Answer {
                 format!("Incomplete, {} trials are missing.{so_far}", short(lacking as f64))
             }
         };
-        Ok(Answer { headline, curves })
+        Ok(Answer { headline, curves, sheet: vec![] })
     }
 }
 
@@ -171,8 +194,8 @@ impl<'a> Resolved<'a> {
         if !self.is_over_interval() || !less_is_better(&self.shown.table, self.estimate, &self.rows) {
             return None;
         }
-        let is_given = |column: &&Column| GIVEN.iter().any(|key| column.name.starts_with(key));
-        let (given, chosen): (Vec<&Column>, Vec<&Column>) = self.series.iter().copied().partition(is_given);
+        let (given, chosen): (Vec<&Column>, Vec<&Column>) =
+            self.series.iter().copied().partition(|column| is_given(column));
         let curves = Curves::of(self.x, self.estimate, &self.rows, &given);
         curves.least_for_each([&given, &chosen], MOST_BESIDE)
     }
@@ -233,16 +256,16 @@ fn leading(
 
 /// The fillers that are designed without a band, whose weights firmware cannot have: they follow the motion of each
 /// point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of the band.
-struct Bandless<'a> {
+pub(crate) struct Bandless<'a> {
     /// The column of all fillers.
-    column: &'a Column,
-    names: Vec<&'a str>,
+    pub(crate) column: &'a Column,
+    pub(crate) names: Vec<&'a str>,
     /// What they are designed for.
     why: &'static str,
 }
 
 impl<'a> Bandless<'a> {
-    fn of(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
+    pub(crate) fn of(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
         let column = table.listed_by(FILLERS)?;
         let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
         let is_bandless = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
@@ -280,7 +303,7 @@ fn undrawn(study: &Study, points: &Table) -> Option<String> {
 }
 
 /// The columns that distinguish rows, each once, after some `columns`.
-fn apart<'t>(
+pub(crate) fn apart<'t>(
     study: &Study,
     source: Source,
     table: &'t Table,

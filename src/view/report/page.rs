@@ -54,6 +54,9 @@ fn answer(report: &Report) -> Markup {
         section #answer {
             h2 { "Answer" }
             @if !report.answer.headline.is_empty() { p.headline { (report.answer.headline) } }
+            @if !report.answer.sheet.is_empty() {
+                dl.sheet { @for (name, sentence) in &report.answer.sheet { dt { (name) } dd { (sentence) } } }
+            }
             @for (heading, sentences) in &report.answer.curves {
                 @if sentences.len() > 1 {
                     details open[sentences.len() <= 4] {

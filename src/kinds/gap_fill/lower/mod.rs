@@ -82,7 +82,7 @@ impl Lowered {
             .flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
         let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
         let fixed = Fixed::new(&physical, unit::lsb(&physical)?, sides);
-        let statistics = Statistics::of(&point.inputs);
+        let statistics = Statistics::of(point.design.as_ref().unwrap_or(&point.inputs));
         let estimates = |(filler, fill): (&Filler, &Fill)| {
             let mut estimates = Vec::new();
             for &error in errors {

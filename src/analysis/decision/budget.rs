@@ -1,0 +1,58 @@
+//! The error budget: what is left of the error without each of its parts.
+
+use crate::analysis::decision::choice::Choice;
+use crate::analysis::decision::evaluate::{Effort, Evaluator};
+use crate::analysis::decision::{DecisionError, Figure};
+use crate::study::Study;
+use crate::table::{Column, Role, Table};
+
+/// A part of the error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its name.
+    pub name: &'static str,
+    /// The fraction of the mean square that is gone without it. Fractions of independent parts add up to 1.
+    pub share: Figure,
+    /// The judged estimate without it, in the unit of tables.
+    pub without: Figure,
+}
+
+/// The parts of the error at the chosen row, the largest first; empty where its kind has no parts, or they cost too much
+/// to sample.
+pub(crate) fn budget(
+    study: &Study,
+    table: &Table,
+    choice: &Choice,
+    evaluator: &mut Evaluator,
+) -> Result<Vec<Part>, DecisionError> {
+    let Some((names, dissected)) = study.dissected(choice.point) else { return Ok(vec![]) };
+    let points = names.len() + 1;
+    if let [name] = names[..] {
+        let [share, without] = [1.0, 0.0].map(|value| Figure { value, interval: None });
+        return Ok(vec![Part { name, share, without }]);
+    }
+    let columns = [&choice.column.name, &mean_square(table, choice.column).name].map(String::as_str);
+    let Some([judged, squares]) = evaluator.values(&dissected, points, columns, Effort::Parts)? else {
+        return Ok(vec![]);
+    };
+    let part = |(at, name): (usize, &&'static str)| Part {
+        name,
+        share: squares[at + 1]
+            .with(&squares[0], |without, whole| 1.0 - (without / whole) * (without / whole))
+            .into(),
+        without: judged[at + 1].with(&judged[0], |without, _| without).into(),
+    };
+    let mut parts: Vec<Part> = names.iter().enumerate().map(part).collect();
+    parts.sort_by(|a, b| b.share.value.total_cmp(&a.share.value));
+    Ok(parts)
+}
+
+/// The column whose square adds up over independent parts: the first error in the unit of the judged one that has a
+/// closed form, such as the rms; where there is none, the judged column.
+pub(crate) fn mean_square<'t>(table: &'t Table, judged: &'t Column) -> &'t Column {
+    let fits = |column: &&Column| {
+        let is_alike = column.role == Role::Error && column.unit == judged.unit;
+        is_alike && table.beside(column, Role::Oracle).is_some()
+    };
+    table.columns.iter().find(fits).unwrap_or(judged)
+}

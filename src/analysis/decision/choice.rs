@@ -1,0 +1,193 @@
+//! The best option of a study, and the condition under which it is worst.
+
+use crate::chart::{Chart, Limit, Source};
+use crate::run::Tables;
+use crate::study::Study;
+use crate::table::{Cell, Column, ColumnError, Table, Usual, grouped};
+use crate::view::report::answer::{Bandless, apart, is_given};
+use crate::view::report::sentences::names;
+
+/// An option with its worst row.
+#[derive(Debug, Clone)]
+struct Rated {
+    name: String,
+    row: usize,
+    met: usize,
+    conditions: usize,
+}
+
+/// The best of the options that a study compares: the one that meets the limit under most conditions, and of these the
+/// one whose largest value over all conditions is the least.
+#[derive(Debug, Clone)]
+pub(crate) struct Choice<'t> {
+    /// The table of the judged estimate.
+    pub(crate) source: Source,
+    /// The judged estimate.
+    pub(crate) column: &'t Column,
+    pub(crate) limit: Option<Limit>,
+    /// The row of the best option under the condition where it is worst.
+    pub(crate) row: usize,
+    /// Place of that row among those of its point.
+    pub(crate) row_of_point: usize,
+    /// The point of that row.
+    pub(crate) point: usize,
+    /// Name of the best option; empty where there is only one.
+    pub(crate) option: String,
+    /// The condition under which it is worst; empty where there is only one.
+    pub(crate) condition: String,
+    /// Number of conditions under which it is within the limit, and of all conditions.
+    pub(crate) met: [usize; 2],
+    /// Number of options.
+    pub(crate) options: usize,
+    /// The next best option, with its largest value.
+    pub(crate) next: Option<(String, f64)>,
+    /// Names of fillers that do not count as options, because firmware cannot have them.
+    pub(crate) left_out: Vec<String>,
+}
+
+impl<'t> Choice<'t> {
+    /// The choice among the points of a study. `None` where no estimate can be judged, or no row has a value.
+    ///
+    /// # Errors
+    /// The table lacks a column that a chart requires.
+    pub(crate) fn of(study: &Study, tables: &'t Tables) -> Result<Option<Choice<'t>>, ColumnError> {
+        let Some(Judged { source, table, column, limit, filter }) = judged(study, tables)? else {
+            return Ok(None);
+        };
+        let mut rows = table.rows_where(&filter).unwrap_or_default();
+        // A coefficient that no record of any point shows is none of the gyro's.
+        let name = |row: usize| text_of(study, source, table, row);
+        let has_value = |row: usize| column.cells[row].number().is_some();
+        let known: Vec<_> = rows.iter().filter(|row| has_value(**row)).map(|row| name(*row)).collect();
+        rows.retain(|&row| has_value(row) || (source == Source::Coefficients && known.contains(&name(row))));
+        let abscissa = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
+        let by = apart(study, source, table, vec![])?;
+        let by: Vec<&Column> =
+            by.into_iter().filter(|by| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]])).collect();
+        let (given, chosen): (Vec<&Column>, Vec<&Column>) = by.into_iter().partition(|by| is_given(by));
+        let bandless = Bandless::of(study, table);
+        let is_known = |row: usize| match &bandless {
+            Some(bandless) => bandless.names.contains(&bandless.column.cells[row].text().as_str()),
+            None => false,
+        };
+        let left_out: Vec<String> = match rows.iter().all(|&row| is_known(row)) {
+            true => vec![],
+            false => {
+                let all = rows.clone();
+                rows.retain(|&row| !is_known(row));
+                let names = bandless.iter().flat_map(|bandless| bandless.names.iter().copied());
+                names.filter(|_| all.len() > rows.len()).map(str::to_owned).collect()
+            }
+        };
+        // A coefficient that records do not show has no error, and meets no limit.
+        let value = |row: usize| column.cells[row].number().map_or(f64::INFINITY, f64::abs);
+        let least = |rows: Vec<usize>| rows.into_iter().min_by(|a, b| value(*a).total_cmp(&value(*b)));
+        let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
+        let option = |(name, rows): (String, Vec<usize>)| {
+            // A curve over the averaging time counts at its minimum.
+            let conditions: Vec<usize> = grouped(rows, |row| names(&given, row))
+                .into_iter()
+                .filter_map(|(_, rows)| least(rows))
+                .collect();
+            let worst = conditions.iter().copied().max_by(|a, b| value(*a).total_cmp(&value(*b)))?;
+            let met = conditions.iter().filter(|row| is_met(**row)).count();
+            Some(Rated { name, row: worst, met, conditions: conditions.len() })
+        };
+        let mut options: Vec<Rated> =
+            grouped(rows, |row| names(&chosen, row)).into_iter().filter_map(option).collect();
+        options.sort_by(|a, b| b.met.cmp(&a.met).then(value(a.row).total_cmp(&value(b.row))));
+        let Some(Rated { name, row, met, conditions }) = options.first().cloned() else { return Ok(None) };
+        let (point, row_of_point) = place(study, table, row);
+        let next = options.get(1).map(|next| (next.name.clone(), value(next.row)));
+        let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
+        let condition = names(&at, row);
+        let (option, options) = (name, options.len());
+        let met = [met, conditions];
+        Ok(Some(Choice {
+            source,
+            column,
+            limit,
+            row,
+            row_of_point,
+            point,
+            option,
+            condition,
+            met,
+            options,
+            next,
+            left_out,
+        }))
+    }
+
+    /// The value of the best option.
+    pub(crate) fn value(&self) -> f64 {
+        self.column.cells[self.row].number().map_or(f64::INFINITY, f64::abs)
+    }
+
+    /// Its 95 % interval.
+    pub(crate) fn interval(&self) -> Option<(f64, f64)> {
+        self.column.interval(self.row)
+    }
+}
+
+/// The texts that distinguish rows of a point.
+fn text_of(study: &Study, source: Source, table: &Table, row: usize) -> Vec<String> {
+    let texts = study.text_columns(source).into_iter();
+    texts.filter_map(|name| Some(table.column(name).ok()?.cells[row].text())).collect()
+}
+
+/// What a study judges.
+struct Judged<'t> {
+    source: Source,
+    table: &'t Table,
+    column: &'t Column,
+    limit: Option<Limit>,
+    /// Rows to which it applies, as pairs of a column and its value in files.
+    filter: Vec<(String, String)>,
+}
+
+/// The judged estimate: that of the requirement, else of the first chart of an error with a limit, else of the first chart
+/// of an error, else the default one.
+fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, ColumnError> {
+    let of = |source: Source, name: &str, limit, filter: Option<Vec<(String, String)>>| {
+        let table = tables.of(source);
+        let filter = filter.unwrap_or_else(|| {
+            Some(study.usual_rows()).filter(|rows| table.rows_where(rows).is_ok()).unwrap_or_default()
+        });
+        let filter = with_whole(study, source, filter);
+        Ok(Judged { source, table, column: table.column(name)?, limit, filter })
+    };
+    if let Some(required) = study.requirement {
+        return of(required.source, required.column, Some(required.limit), None).map(Some);
+    }
+    let judges = |chart: &&Chart| {
+        let column = tables.of(chart.source).column(&chart.estimate().name);
+        chart.source != Source::Trajectories && column.is_ok_and(|column| column.role.less_is_better())
+    };
+    let charts = || study.charts.iter().filter(judges);
+    if let Some(chart) = charts().find(|chart| chart.limit.is_some()).or_else(|| charts().next()) {
+        return of(chart.source, &chart.estimate().name, chart.limit, Some(chart.filter())).map(Some);
+    }
+    let usual = [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| tables.points.usual(usual));
+    let usual = usual.filter(|column| column.role.less_is_better()).next();
+    usual.map(|column| of(Source::Points, &column.name, None, None)).transpose()
+}
+
+/// A filter that selects the value of a text column that stands for all others, unless it selects one already.
+fn with_whole(study: &Study, source: Source, mut filter: Vec<(String, String)>) -> Vec<(String, String)> {
+    for text in study.ground(source).map(|ground| ground.texts).unwrap_or_default() {
+        let whole = text.whole.filter(|_| filter.iter().all(|(name, _)| name != text.name));
+        filter.extend(whole.map(|whole| (text.name.to_owned(), whole.to_owned())));
+    }
+    filter
+}
+
+/// The point of a row, and the place of the row among those of its point. The rows of a point follow one another, and
+/// have the same swept values.
+fn place(study: &Study, table: &Table, row: usize) -> (usize, usize) {
+    let swept: Vec<&Column> =
+        study.sweeps.iter().filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
+    let values = |row: usize| swept.iter().map(|column| &column.cells[row]).collect::<Vec<&Cell>>();
+    let starts: Vec<usize> = (0..=row).filter(|&row| row == 0 || values(row) != values(row - 1)).collect();
+    (starts.len() - 1, row - starts.last().copied().unwrap_or(0))
+}

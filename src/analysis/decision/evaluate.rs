@@ -1,0 +1,162 @@
+//! Values of an estimate at points of a study, with common random numbers, and their scatter.
+
+use crate::analysis::decision::DecisionError;
+use crate::device::Device;
+use crate::progress::Silent;
+use crate::run::{Plan, Tables};
+use crate::store::Store;
+use crate::study::Study;
+use crate::table::{Column, Role, Table};
+use crate::tally::share::Share;
+
+/// Number of parts of the trials, whose scatter gives the intervals.
+const PARTS: u64 = 16;
+
+/// Half the width of a 95 % interval in standard errors of 16 parts: Student's t with 15 degrees of freedom.
+const T_95: f64 = 2.131_450;
+
+/// Most trials of a point, as a decision needs no more figures.
+const MOST_TRIALS: u64 = 1 << 17;
+
+/// Most steps of the trials of a point, so that a decision takes seconds beside a long study.
+const MOST_STEPS: u64 = 1 << 22;
+
+/// Fewest trials that tell a level of 99.73 %.
+const FEWEST_TRIALS: u64 = 1 << 12;
+
+/// Part of the trials that is enough to compare mean squares.
+const SCREENED: u64 = 8;
+
+/// The value of an estimate at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Value {
+    pub(crate) value: f64,
+    /// The values of parts of the trials; all points have the same parts. Empty for closed forms, which are exact, and
+    /// where the parts are too small.
+    parts: Vec<f64>,
+}
+
+impl Value {
+    /// A function of this value and another one, with its 95 % interval where the values have parts.
+    pub(crate) fn with(&self, other: &Value, of: impl Fn(f64, f64) -> f64) -> (f64, Option<(f64, f64)>) {
+        let value = of(self.value, other.value);
+        let parts: Vec<f64> = self.parts.iter().zip(&other.parts).map(|(a, b)| of(*a, *b)).collect();
+        if parts.len() < PARTS as usize {
+            return (value, None);
+        }
+        let count = parts.len() as f64;
+        let mean = parts.iter().sum::<f64>() / count;
+        let squares: f64 = parts.iter().map(|part| (part - mean) * (part - mean)).sum();
+        let half = T_95 * libm::sqrt(squares / (count * (count - 1.0)));
+        (value, Some((value - half, value + half)))
+    }
+}
+
+/// The effort for a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// Few trials, enough to compare mean squares.
+    Screening,
+    /// A value without an interval.
+    Value,
+    /// A value with the scatter of its parts.
+    Parts,
+}
+
+/// Evaluates one row of a study's table at other points.
+pub(crate) struct Evaluator<'a> {
+    pub(crate) device: &'a mut Device,
+    /// Place of the row among those of its point.
+    pub(crate) row: usize,
+}
+
+impl Evaluator<'_> {
+    /// The values of a column at all points of a study whose points share their random numbers; see
+    /// [`values`](Evaluator::values).
+    ///
+    /// # Errors
+    /// A point cannot be represented, or the processor fails.
+    pub(crate) fn one(
+        &mut self,
+        study: &Study,
+        points: usize,
+        column: &str,
+        effort: Effort,
+    ) -> Result<Option<Vec<Value>>, DecisionError> {
+        Ok(self.values(study, points, [column], effort)?.map(|[values]| values))
+    }
+
+    /// The values of some columns at all points of a study whose points share their random numbers: in closed form where
+    /// a column has one at every point, else sampled. `None` where an estimate is missing, or costs too much to sample.
+    ///
+    /// # Errors
+    /// A point cannot be represented, or the processor fails.
+    pub(crate) fn values<const N: usize>(
+        &mut self,
+        study: &Study,
+        points: usize,
+        columns: [&str; N],
+        effort: Effort,
+    ) -> Result<Option<[Vec<Value>; N]>, DecisionError> {
+        let (subject, row) = study.subject.only(self.row).unwrap_or((study.subject.clone(), self.row));
+        let study = Study { subject, ..study.clone() };
+        let plan = Plan::new(&study)?;
+        // Closed forms need no trials, but a kind may compute them only beside a store.
+        let blank = plan.tables(&Store::in_memory(&plan.identity()), &Silent)?.points;
+        let exact = columns.map(|column| closed(&study, &blank, points, row, column));
+        if exact.iter().all(Option::is_some) {
+            return Ok(Some(exact.map(Option::unwrap_or_default)));
+        }
+        let Some(steps) = plan.steps_of_a_trial() else { return Ok(None) };
+        let most = (points as u64 * MOST_STEPS / steps.max(1)).clamp(FEWEST_TRIALS, MOST_TRIALS);
+        let most = if effort == Effort::Screening { most / SCREENED } else { most };
+        let study = Study { trials: study.trials.min(most), ..study.clone() };
+        let plan = Plan::new(&study)?;
+        let mut sampled = |share| self.sampled(&plan, points, row, columns, share);
+        let Some(whole) = sampled(Share::WHOLE)? else { return Ok(None) };
+        let count = if effort == Effort::Parts { PARTS } else { 0 };
+        let shares = (1..=count).filter_map(|number| Share::new(number, PARTS));
+        let parts: Vec<Option<[Vec<f64>; N]>> = shares.map(sampled).collect::<Result<_, _>>()?;
+        let parts: Vec<[Vec<f64>; N]> = parts.into_iter().collect::<Option<_>>().unwrap_or_default();
+        // Points take turns in the shares: the same part of the trials is in another share for each.
+        let share = |point: usize, part: usize| (part + parts.len() - point % parts.len()) % parts.len();
+        let mut exact = exact;
+        for (column, exact) in exact.iter_mut().enumerate().filter(|(_, exact)| exact.is_none()) {
+            let of_point = |(point, &value): (usize, &f64)| Value {
+                value,
+                parts: (0..parts.len()).map(|part| parts[share(point, part)][column][point]).collect(),
+            };
+            *exact = Some(whole[column].iter().enumerate().map(of_point).collect());
+        }
+        Ok(Some(exact.map(Option::unwrap_or_default)))
+    }
+
+    fn sampled<const N: usize>(
+        &mut self,
+        plan: &Plan,
+        points: usize,
+        row: usize,
+        columns: [&str; N],
+        share: Share,
+    ) -> Result<Option<[Vec<f64>; N]>, DecisionError> {
+        let mut store = Store::in_memory(&plan.identity());
+        plan.run(&mut store, self.device, share, &Silent)?;
+        let Tables { points: table, .. } = plan.tables(&store, &Silent)?;
+        let found = columns.map(|name| of_rows(&table, points, row, table.column(name).ok()?));
+        Ok(found.iter().all(Option::is_some).then(|| found.map(Option::unwrap_or_default)))
+    }
+}
+
+/// The closed form of a column in the row of every point.
+fn closed(study: &Study, table: &Table, points: usize, row: usize, column: &str) -> Option<Vec<Value>> {
+    let column = table.column(column).ok()?;
+    let column = if study.kind().is_exact { column } else { table.beside(column, Role::Oracle)? };
+    let values = of_rows(table, points, row, column)?;
+    Some(values.into_iter().map(|value| Value { value, parts: vec![] }).collect())
+}
+
+/// The cells of a column in the row of every point.
+fn of_rows(table: &Table, points: usize, row: usize, column: &Column) -> Option<Vec<f64>> {
+    let rows = table.rows() / points;
+    (0..points).map(|point| column.cells.get(point * rows + row)?.number()).collect()
+}

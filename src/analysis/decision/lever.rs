@@ -1,0 +1,231 @@
+//! The next lever: the single input whose change gains most.
+
+use crate::analysis::decision::budget::mean_square;
+use crate::analysis::decision::choice::Choice;
+use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
+use crate::analysis::decision::{DecisionError, Figure};
+use crate::key::row::Key;
+use crate::key::setting::Swept;
+use crate::quantity::units::{Dimension, Quantity};
+use crate::study::Study;
+use crate::table::Table;
+
+/// Factor by which each input is tried.
+const TRIED: f64 = 1.25;
+
+/// Factors by which an input may change at most, the largest first, as a large change may not be a valid study.
+const MOST: [f64; 4] = [64.0, 16.0, 4.0, 2.0];
+
+/// Number of bisections for the needed value, which is then exact to 64^(1/1024), 0.4 %.
+const BISECTIONS: usize = 10;
+
+/// Most changes whose needed values are compared.
+const COMPARED: usize = 4;
+
+/// Prefix of keys that are the question itself.
+const ASKED: &str = "run.";
+
+/// The input whose change gains most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lever {
+    /// Key of the input.
+    pub key: &'static str,
+    /// Its label.
+    pub label: &'static str,
+    /// Its present value.
+    pub from: Quantity,
+    /// The value that was tried: a quarter more, a fifth less, or the next whole number.
+    pub to: Quantity,
+    /// The fraction by which the judged estimate falls at the tried value.
+    pub gain: Figure,
+    /// What meets the limit; absent where the limit is met or there is none.
+    pub needed: Option<Needed>,
+}
+
+/// Whether a change of the lever alone meets the limit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Needed {
+    /// This value does.
+    Value(Quantity),
+    /// Not even this value does, where the estimate has this value.
+    NotEven(Quantity, f64),
+}
+
+/// An input with its value at the chosen point.
+#[derive(Clone, Copy)]
+struct Input {
+    key: &'static Key,
+    value: Quantity,
+}
+
+/// An input with a change that lowers the mean square.
+struct Tried {
+    input: Input,
+    /// Factor by which it changes.
+    factor: f64,
+    /// Logarithm of the mean square that is left, for a change by the factor e.
+    left: f64,
+}
+
+/// The best lever at the chosen row: of the changes that gain most, the one that meets the limit with the least relative
+/// change, else the one that gains most. `None` where no change gains anything, or changes cost too much to sample.
+pub(crate) fn lever(
+    study: &Study,
+    table: &Table,
+    choice: &Choice,
+    evaluator: &mut Evaluator,
+) -> Result<Option<Lever>, DecisionError> {
+    let at = Place::of(study, table, choice);
+    let judged = &choice.column.name;
+    let limit = choice.limit.filter(|limit| choice.value() > limit.value);
+    let mut levers: Vec<Lever> = Vec::new();
+    for Tried { input, factor, .. } in at.tried(&mean_square(table, choice.column).name, evaluator) {
+        let to = changed(&input, factor);
+        let found = at.values(&input, &[input.value, to], judged, evaluator, Effort::Parts)?;
+        let Some(found) = found else { continue };
+        let gain: Figure = found[1].with(&found[0], |new, old| 1.0 - new.abs() / old.abs()).into();
+        if gain.interval.map_or(gain.value, |(low, _)| low) <= 0.0 {
+            continue;
+        }
+        let needed = limit.and_then(|limit| at.needed(&input, factor < 1.0, limit.value, judged, evaluator));
+        let (key, label) = (input.key.name, input.key.label);
+        levers.push(Lever { key, label, from: input.value, to, gain, needed });
+        if levers.len() == if limit.is_some() { COMPARED } else { 1 } {
+            break;
+        }
+    }
+    Ok(levers.into_iter().min_by(|a, b| a.change().total_cmp(&b.change())))
+}
+
+impl Lever {
+    /// The relative change that meets the limit, as a logarithm.
+    fn change(&self) -> f64 {
+        match &self.needed {
+            Some(Needed::Value(value)) => libm::log(value.value / self.from.value).abs(),
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// The chosen point: the values of its swept keys.
+struct Place<'a> {
+    study: &'a Study,
+    swept: Vec<(&'static Key, Swept)>,
+    point: usize,
+}
+
+impl<'a> Place<'a> {
+    fn of(study: &'a Study, table: &Table, choice: &Choice) -> Place<'a> {
+        let swept = study.sweeps.iter().filter_map(|sweep| {
+            let shown = &table.column(sweep.key.name).ok()?.cells[choice.row];
+            let value = sweep.values.iter().find(|value| value.cell() == *shown)?;
+            Some((sweep.key, value.clone()))
+        });
+        Place { study, swept: swept.collect(), point: choice.point }
+    }
+
+    /// The changes that lower the mean square, the most effective first.
+    fn tried(&self, square: &str, evaluator: &mut Evaluator) -> Vec<Tried> {
+        let mut screened = |input: &Input, value: Quantity| {
+            // Not every change is a valid study.
+            let found = self.values(input, &[value], square, evaluator, Effort::Screening).ok()??;
+            Some(found.first()?.value.abs())
+        };
+        let inputs = self.inputs();
+        let Some(present) = inputs.first().and_then(|input| screened(input, input.value)) else {
+            return vec![];
+        };
+        let mut tried: Vec<Tried> = Vec::new();
+        for input in inputs {
+            for factor in [1.0 / TRIED, TRIED] {
+                let to = changed(&input, factor);
+                let Some(value) = screened(&input, to) else { continue };
+                let left = libm::log(value / present) / libm::log(to.value / input.value.value).abs();
+                if left < 0.0 {
+                    tried.push(Tried { input, factor, left });
+                }
+            }
+        }
+        tried.sort_by(|a, b| a.left.total_cmp(&b.left));
+        tried
+    }
+
+    /// The inputs that can change: those swept and those written, without what the question asks for.
+    fn inputs(&self) -> Vec<Input> {
+        let swept = self.swept.iter().filter_map(|(key, value)| Some((*key, value.quantity()?)));
+        let of_files = self.study.subject.values(self.point);
+        let written = self.study.values.iter().copied().chain(of_files);
+        let mut inputs: Vec<Input> = Vec::new();
+        for (key, value) in swept.chain(written) {
+            let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
+            if is_new && value.value != 0.0 && !key.name.starts_with(ASKED) {
+                inputs.push(Input { key, value });
+            }
+        }
+        inputs
+    }
+
+    /// The judged estimate at this point with some values of one input.
+    fn values(
+        &self,
+        input: &Input,
+        values: &[Quantity],
+        column: &str,
+        evaluator: &mut Evaluator,
+        effort: Effort,
+    ) -> Result<Option<Vec<Value>>, DecisionError> {
+        let others = || self.swept.iter().filter(|(key, _)| !std::ptr::eq(*key, input.key));
+        let keys: Vec<&'static Key> = others().map(|(key, _)| *key).chain([input.key]).collect();
+        let point = |value: &Quantity| {
+            others().map(|(_, value)| value.clone()).chain([Swept::Quantity(*value)]).collect()
+        };
+        let points: Vec<Vec<Swept>> = values.iter().map(point).collect();
+        let study = self.study.at_points(&keys, &points)?;
+        evaluator.one(&study, points.len(), column, effort)
+    }
+
+    /// Whether and where a change of an input meets the limit.
+    fn needed(
+        &self,
+        input: &Input,
+        is_down: bool,
+        limit: f64,
+        column: &str,
+        evaluator: &mut Evaluator,
+    ) -> Option<Needed> {
+        let toward = |factor: f64| if is_down { 1.0 / factor } else { factor };
+        let mut at = |factor: f64| {
+            let value = scaled(input, toward(factor));
+            let found = self.values(input, &[value], column, evaluator, Effort::Value).ok()??;
+            Some((value, found.first()?.value.abs()))
+        };
+        let (most, (end, left)) = MOST.into_iter().find_map(|most| Some((most, at(most)?)))?;
+        if left > limit {
+            return Some(Needed::NotEven(end, left));
+        }
+        let (mut low, mut high, mut met) = (0.0, libm::log(most), end);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            match at(libm::exp(middle)) {
+                Some((value, found)) if found <= limit => (high, met) = (middle, value),
+                _ => low = middle,
+            }
+        }
+        Some(Needed::Value(met))
+    }
+}
+
+/// The value of an input that is tried: multiplied by a factor, or the next whole number.
+fn changed(input: &Input, factor: f64) -> Quantity {
+    match input.key.is_whole() {
+        true => Quantity::new(input.value.value + libm::copysign(1.0, factor - 1.0), Dimension::Count),
+        false => scaled(input, factor),
+    }
+}
+
+/// The value of an input multiplied by a factor; counts are whole.
+fn scaled(input: &Input, factor: f64) -> Quantity {
+    let value = input.value.value * factor;
+    let value = if input.key.is_whole() { libm::round(value) } else { value };
+    Quantity::new(value, input.value.dimension)
+}

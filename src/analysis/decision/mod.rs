@@ -1,0 +1,85 @@
+//! The decision sheet of a study: whether its requirement is met, by which option, with which margin, what limits it, and
+//! which single input to change next.
+//!
+//! ```text
+//! tables ─ choice ─▶ best option, where it is worst ─┬─ without each part of its error ─▶ error budget
+//!                                                    └─ each input a quarter up or down ─▶ next lever ─ bisection ─▶ needed value
+//! ```
+//!
+//! Budget and lever are sampled anew on the processor, all with the same random numbers, so that a difference is that of
+//! the inputs; closed forms are used where there are some. Their intervals come from the scatter of 16 parts of the
+//! trials.
+
+pub(crate) mod budget;
+pub(crate) mod choice;
+pub(crate) mod evaluate;
+pub(crate) mod lever;
+pub(crate) mod sheet;
+
+pub use crate::analysis::decision::budget::Part;
+pub use crate::analysis::decision::lever::{Lever, Needed};
+pub use crate::analysis::decision::sheet::Sheet;
+
+use crate::analysis::decision::budget::budget;
+use crate::analysis::decision::choice::Choice;
+use crate::analysis::decision::evaluate::Evaluator;
+use crate::analysis::decision::lever::lever;
+use crate::chart::Source;
+use crate::device::Device;
+use crate::device::cpu::Cpu;
+use crate::kernel::width::Width;
+use crate::run::{RunError, Tables};
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::table::ColumnError;
+
+/// Why there is no decision sheet.
+#[derive(Debug, thiserror::Error)]
+pub enum DecisionError {
+    /// A point cannot be represented.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// Sampling failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The table lacks a column.
+    #[error(transparent)]
+    Column(#[from] ColumnError),
+    /// No threads can be started.
+    #[error("no threads can be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// A value with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figure {
+    /// Value.
+    pub value: f64,
+    /// 95 % interval; absent for closed forms and for too few trials.
+    pub interval: Option<(f64, f64)>,
+}
+
+impl From<(f64, Option<(f64, f64)>)> for Figure {
+    fn from((value, interval): (f64, Option<(f64, f64)>)) -> Figure {
+        Figure { value, interval }
+    }
+}
+
+/// The decision sheet of a study; `None` where it judges no error.
+///
+/// # Errors
+/// A row of the tables cannot be evaluated again, or no threads can be started.
+pub fn decide(study: &Study, tables: &Tables) -> Result<Option<Sheet>, DecisionError> {
+    let Some(choice) = Choice::of(study, tables)? else { return Ok(None) };
+    if choice.source != Source::Points {
+        return Ok(Some(Sheet::new(&choice, vec![], None)));
+    }
+    let mut device = Device::Cpu(Cpu::new(Width::PORTABLE, 0)?);
+    let mut evaluator = Evaluator { device: &mut device, row: choice.row_of_point };
+    let parts = budget(study, &tables.points, &choice, &mut evaluator)?;
+    let lever = lever(study, &tables.points, &choice, &mut evaluator)?;
+    Ok(Some(Sheet::new(&choice, parts, lever)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,256 @@
+//! The decision sheet as sentences and as JSON.
+
+use serde_json::{Value as Json, json};
+
+use crate::analysis::decision::Figure;
+use crate::analysis::decision::budget::Part;
+use crate::analysis::decision::choice::Choice;
+use crate::analysis::decision::lever::{Lever, Needed};
+use crate::chart::Limit;
+use crate::quantity::number::significant;
+use crate::quantity::units::Quantity;
+use crate::table::{Unit, titled};
+use crate::view::report::agreement::capitalised;
+
+/// Parts below this fraction of the mean square are not worth a line.
+const LEAST_SHARE: f64 = 0.005;
+
+/// The decision sheet of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// Label of the judged estimate.
+    pub label: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// The limit, where there is one.
+    pub limit: Option<Limit>,
+    /// The best option; empty where there is only one.
+    pub option: String,
+    /// Number of options.
+    pub options: usize,
+    /// The condition under which the best option is worst; empty where there is only one.
+    pub condition: String,
+    /// Number of conditions under which it is within the limit, and of all conditions.
+    pub met: [usize; 2],
+    /// The estimate of the best option under that condition.
+    pub value: Figure,
+    /// The next best option, with its largest value.
+    pub next: Option<(String, f64)>,
+    /// Fillers that are no options, because firmware cannot have them.
+    pub left_out: Vec<String>,
+    /// The error budget, the largest part first; empty where there is none.
+    pub budget: Vec<Part>,
+    /// The next lever.
+    pub lever: Option<Lever>,
+}
+
+impl Sheet {
+    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, lever: Option<Lever>) -> Sheet {
+        Sheet {
+            label: choice.column.label.clone(),
+            unit: choice.column.unit,
+            limit: choice.limit,
+            option: choice.option.clone(),
+            options: choice.options,
+            condition: choice.condition.clone(),
+            met: choice.met,
+            value: (choice.value(), choice.interval()).into(),
+            next: choice.next.clone(),
+            left_out: choice.left_out.clone(),
+            budget,
+            lever,
+        }
+    }
+
+    /// Whether the best option meets the limit under all conditions; `None` without a limit.
+    pub fn is_met(&self) -> Option<bool> {
+        Some(self.value.value <= self.limit?.value)
+    }
+
+    /// The fraction of the limit that is left; negative where it is exceeded.
+    pub fn margin(&self) -> Option<Figure> {
+        let limit = self.limit?.value;
+        let left = |value: f64| 1.0 - value / limit;
+        let interval = self.value.interval.map(|(low, high)| (left(high), left(low)));
+        Some(Figure { value: left(self.value.value), interval })
+    }
+
+    /// The five lines of the sheet: a heading with a sentence each.
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("Requirement", self.requirement()),
+            ("Best option", self.best()),
+            ("Margin", self.margin_told()),
+            ("What limits", self.limits()),
+            ("Next lever", self.lever_told()),
+        ]
+    }
+
+    fn shown(&self, value: f64) -> String {
+        if !value.is_finite() {
+            return "unknown".to_owned();
+        }
+        Limit { value: rounded(value), unit: self.unit }.text()
+    }
+
+    /// Where the best option is worst, as the end of a sentence.
+    fn at(&self) -> String {
+        if self.condition.is_empty() { String::new() } else { format!(" at {}", self.condition) }
+    }
+
+    fn requirement(&self) -> String {
+        let (label, value, at) = (&self.label, self.shown(self.value.value), self.at());
+        let most = if self.met[1] > 1 { "is at most" } else { "is" };
+        match (self.limit, self.is_met()) {
+            (Some(limit), Some(true)) => {
+                format!("Met: the {label} {most} {value}{at}, within {}.", limit.text())
+            }
+            (Some(limit), _) => {
+                let [met, all] = self.met;
+                let part =
+                    if met > 0 { format!("Met under {met} of {all} conditions") } else { "Not met".into() };
+                format!("{part}: the {label} {most} {value}{at}, above {}.", limit.text())
+            }
+            (None, _) => format!("None is given; the {label} {most} {value}{at}."),
+        }
+    }
+
+    fn best(&self) -> String {
+        let left_out = match &self.left_out[..] {
+            [] => String::new(),
+            names => format!(" {} would need a motion that firmware does not know.", names.join(" and ")),
+        };
+        match (&self.next, self.options) {
+            (Some((next, value)), 2) => {
+                format!("{}; the other one, {next}, has {}.{left_out}", self.option, self.shown(*value))
+            }
+            (Some((next, value)), options) => format!(
+                "{}, of {options} options; next is {next} with {}.{left_out}",
+                self.option,
+                self.shown(*value)
+            ),
+            (None, _) => format!("There is only one option.{left_out}"),
+        }
+    }
+
+    fn margin_told(&self) -> String {
+        let Some(margin) = self.margin().filter(|margin| margin.value.is_finite()) else {
+            let over = |next: f64| next / self.value.value - 1.0;
+            return match &self.next {
+                Some((_, next)) if over(*next) > 0.0 => {
+                    format!("The next option is {} above the best.", percent(over(*next)))
+                }
+                _ => "Without a limit there is none.".to_owned(),
+            };
+        };
+        let met = margin.value >= 0.0;
+        let told = |figure: Figure| with_interval(figure, percent);
+        match met {
+            true => format!("{} of the limit is left.", told(margin)),
+            false => {
+                let interval = margin.interval.map(|(low, high)| (-high, -low));
+                format!("The limit is exceeded by {}.", told(Figure { value: -margin.value, interval }))
+            }
+        }
+    }
+
+    fn limits(&self) -> String {
+        let Some(first) = self.budget.first() else {
+            return "The parts of this estimate are not separated.".to_owned();
+        };
+        let told = |part: &Part| format!("{} {}", part.name, with_interval(part.share, percent));
+        let parts: Vec<String> =
+            self.budget.iter().filter(|part| part.share.value.abs() >= LEAST_SHARE).map(told).collect();
+        let without = self.shown(first.without.value);
+        let all: f64 = self.budget.iter().map(|part| part.share.value).sum();
+        let together = match (all - 1.0).abs() > 0.02 {
+            true => " The parts do not add up, because they depend on each other.",
+            false => "",
+        };
+        format!(
+            "{} of the mean square; without {} the {} is {without}.{together}",
+            capitalised(&parts.join(", ")),
+            first.name,
+            self.label
+        )
+    }
+
+    fn lever_told(&self) -> String {
+        let Some(lever) = &self.lever else {
+            return "No single input was found whose change gains anything.".to_owned();
+        };
+        let Lever { key, label, from, to, gain, needed } = lever;
+        let gain = with_interval(*gain, percent);
+        let tried = format!("{to} instead of {from} gains {gain}");
+        match needed {
+            Some(Needed::Value(value)) => {
+                format!("{} ({key}): {} meets the limit; {tried}.", capitalised(label), short(*value))
+            }
+            Some(Needed::NotEven(value, left)) => format!(
+                "{} ({key}): {tried}, but alone it does not meet the limit: even {} leaves {}.",
+                capitalised(label),
+                short(*value),
+                self.shown(*left)
+            ),
+            None => format!("{} ({key}): {tried}.", capitalised(label)),
+        }
+    }
+
+    /// The sheet as JSON; values are in the units of tables, fractions as such.
+    pub fn json(&self) -> Json {
+        let figure = |figure: Figure| json!({ "value": figure.value, "interval95": figure.interval });
+        let unit = self.unit.symbol;
+        let part = |part: &Part| json!({ "part": part.name, "share_of_mean_square": figure(part.share), "without": figure(part.without) });
+        let lever = |lever: &Lever| {
+            let (meets, not_even) = match &lever.needed {
+                Some(Needed::Value(value)) => (Some(value.to_string()), None),
+                Some(Needed::NotEven(value, _)) => (None, Some(value.to_string())),
+                None => (None, None),
+            };
+            json!({
+                "key": lever.key,
+                "from": lever.from.to_string(),
+                "to": lever.to.to_string(),
+                "gain": figure(lever.gain),
+                "meets_limit": meets,
+                "not_even": not_even,
+            })
+        };
+        json!({
+            "of": titled(&self.label, unit),
+            "unit": unit,
+            "limit": self.limit.map(|limit| limit.value),
+            "met": self.is_met(),
+            "best": { "option": self.option, "of": self.options, "at": self.condition, "estimate": figure(self.value) },
+            "next": self.next.as_ref().map(|(name, value)| json!({ "option": name, "estimate": value })),
+            "margin": self.margin().map(figure),
+            "budget": self.budget.iter().map(part).collect::<Vec<_>>(),
+            "lever": self.lever.as_ref().map(lever),
+            "sentences": self.lines().into_iter().map(|(name, text)| json!([name, text])).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// A value with its interval in brackets, unless the digits shown do not tell its ends apart.
+fn with_interval(figure: Figure, shown: fn(f64) -> String) -> String {
+    match figure.interval {
+        Some((low, high)) if shown(low) != shown(high) => {
+            format!("{} (95 %: {} to {})", shown(figure.value), shown(low), shown(high))
+        }
+        _ => shown(figure.value),
+    }
+}
+
+fn percent(value: f64) -> String {
+    format!("{} %", significant(100.0 * value, 3)).replace('-', "−")
+}
+
+fn rounded(value: f64) -> f64 {
+    significant(value, 4).parse().unwrap_or(value)
+}
+
+/// A quantity with three digits.
+fn short(quantity: Quantity) -> String {
+    let value = significant(quantity.value, 3).parse().unwrap_or(quantity.value);
+    Quantity { value, ..quantity }.to_string()
+}

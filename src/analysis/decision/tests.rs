@@ -1,0 +1,78 @@
+use crate::analysis::decision::{Needed, Sheet, decide};
+use crate::device::Device;
+use crate::device::cpu::Cpu;
+use crate::kernel::width::Width;
+use crate::progress::Silent;
+use crate::run::{Plan, Tables};
+use crate::store::Store;
+use crate::study::Study;
+use crate::tally::share::Share;
+
+/// The problem of a newcomer: a pulse of 1.2 ″ in a recorded vibration, and a limit of 5 ″.
+const PULSES: &str = r#"
+title = "A pulse too heavy"
+kind = "gap-fill"
+trials = 20_000
+limit = "5 arcsec"
+[gyro]
+tick = "1 ms"
+tick_noise = { std = "0.2 arcsec" }
+readout_lsb = "4 arcsec"
+[motion]
+amplitude = "2000 arcsec/s"
+frequency = "10 Hz"
+[switching]
+gap_ticks = 4
+fillers = ["const", "quadratic"]
+errors = ["residual"]
+"#;
+
+fn ran(text: &str) -> (Study, Tables) {
+    let study = Study::parse("s.toml", text).unwrap();
+    let plan = Plan::new(&study).unwrap();
+    let mut store = Store::in_memory(&plan.identity());
+    let mut device = Device::Cpu(Cpu::new(Width::PORTABLE, 2).unwrap());
+    plan.run(&mut store, &mut device, Share::WHOLE, &Silent).unwrap();
+    let tables = plan.tables(&store, &Silent).unwrap();
+    drop(plan);
+    (study, tables)
+}
+
+fn decided(text: &str) -> Sheet {
+    let (study, tables) = ran(text);
+    decide(&study, &tables).unwrap().unwrap()
+}
+
+#[test]
+fn the_sheet_names_the_cause_and_the_change_that_meets_the_limit() {
+    let sheet = decided(PULSES);
+    assert_eq!((sheet.is_met(), sheet.option.as_str()), (Some(false), "const"), "{:?}", sheet.lines());
+    assert_eq!(sheet.budget[0].name, "whole pulses of the readout", "{:?}", sheet.budget);
+    let lever = sheet.lever.clone().unwrap();
+    assert_eq!(lever.key, "gyro.readout_lsb");
+    let Some(Needed::Value(needed)) = lever.needed else { panic!("{lever:?}") };
+    // The lever, applied, does what the sheet says.
+    let applied = PULSES.replace("\"4 arcsec\"", &format!("\"{} arcsec\"", needed.value));
+    let applied = decided(&applied);
+    assert_eq!(applied.is_met(), Some(true));
+    assert!((applied.value.value / 5.0 - 1.0).abs() < 0.02, "{:?}", applied.value);
+    let tried = decided(&PULSES.replace("\"4 arcsec\"", "\"3.2 arcsec\""));
+    let gain = 1.0 - tried.value.value / sheet.value.value;
+    let (low, high) = lever.gain.interval.unwrap();
+    assert!((low - 0.02..high + 0.02).contains(&gain), "{gain} against {:?}", lever.gain);
+}
+
+#[test]
+fn a_study_without_a_limit_has_a_best_option_and_no_margin() {
+    let sheet = decided(&PULSES.replace("limit = \"5 arcsec\"\n", ""));
+    assert_eq!((sheet.is_met(), sheet.margin(), sheet.options), (None, None, 2));
+    let headings: Vec<&str> = sheet.lines().into_iter().map(|(heading, _)| heading).collect();
+    assert_eq!(headings, ["Requirement", "Best option", "Margin", "What limits", "Next lever"]);
+    assert!(sheet.next.is_some_and(|(name, value)| name == "quadratic" && value > sheet.value.value));
+}
+
+#[test]
+fn the_same_results_give_the_same_sheet() {
+    let (study, tables) = ran(PULSES);
+    assert_eq!(decide(&study, &tables).unwrap(), decide(&study, &tables).unwrap());
+}
