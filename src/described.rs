@@ -1,6 +1,6 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
-use crate::analysis::{compare, design, dynamic, firmware, log, lot, spectrum, temperature};
+use crate::analysis::{compare, design, dynamic, firmware, log, lot, sensitivity, spectrum, temperature};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::quantity::unit::bare;
@@ -42,6 +42,7 @@ pub fn files() -> Vec<File> {
     of_kinds
         .chain([
             command("design.csv", "sagnac design", abouts(&design::report::columns(&design::Measure::ALL))),
+            command("sensitivity.csv", "sagnac sensitivity", abouts(&sensitivity::report::columns())),
             command("events.csv", "sagnac allan", abouts(&log::events::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),

@@ -116,7 +116,8 @@ fn name(text: &str) -> Result<String, String> {
     }
 }
 
-fn row(text: &str) -> Result<(String, String), String> {
+/// A column with a value.
+pub fn row(text: &str) -> Result<(String, String), String> {
     let (column, value) = text.split_once('=').ok_or("expected COLUMN=VALUE, as in filler=const")?;
     Ok((column.trim().to_owned(), value.trim().to_owned()))
 }

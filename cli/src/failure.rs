@@ -116,10 +116,11 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 28] = [
+const OPTIONS: [&str; 30] = [
     "at",
     "binary",
     "bootstrap",
+    "by",
     "column",
     "data",
     "decimal",
@@ -145,6 +146,7 @@ const OPTIONS: [&str; 28] = [
     "time_unit",
     "unit",
     "unit_check",
+    "where",
 ];
 
 /// A setting as an option.

@@ -38,6 +38,7 @@ mod report;
 mod results;
 mod run;
 mod schemas;
+mod sensitivity;
 mod shaders;
 mod shells;
 mod terminal;

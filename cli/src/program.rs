@@ -28,6 +28,7 @@ Examples:
   sagnac merge results/my/shard-* --out results/my
   sagnac check results/my
   sagnac design studies/design_point.toml
+  sagnac sensitivity studies/what_decides.toml
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
@@ -77,6 +78,8 @@ commands! {
     Chart(crate::chart::Options) = crate::chart::chart;
     /// Recommend how often to switch and with which filler, with evidence
     Design(crate::design::Options) = crate::design::design;
+    /// Find which uncertain input decides the answer of a study, and by how much
+    Sensitivity(crate::sensitivity::Options) = crate::sensitivity::sensitivity;
     /// Compute the weights of fillers for firmware: table, response over frequency, C header, test vectors
     Filler(crate::filler::Options) = crate::filler::filler;
     /// Compute deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types

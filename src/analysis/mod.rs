@@ -1,5 +1,5 @@
 //! Analyses beyond studies: noise of logs, over time and with temperature, spectra of logs, comparison of logs, lots of units, pages
-//! of logs, switching interval, firmware.
+//! of logs, switching interval, firmware, sensitivity.
 
 pub mod compare;
 pub mod data_sheet;
@@ -8,8 +8,10 @@ pub mod design;
 pub mod dynamic;
 pub mod firmware;
 mod hump;
+mod jackknife;
 pub mod log;
 pub mod lot;
 pub mod page;
+pub mod sensitivity;
 pub mod spectrum;
 pub mod temperature;

@@ -11,6 +11,7 @@ pub mod refusal;
 pub(crate) mod row;
 pub mod scale;
 pub(crate) mod schema;
+pub mod sensitivity;
 pub(crate) mod setting;
 pub(crate) mod sweep;
 pub(crate) mod table;

@@ -83,7 +83,7 @@ pub(crate) fn read_all(
     let tables = study.get(&SWEEP).map(|given| given.items()).unwrap_or_default();
     for table in tables.iter().filter_map(Given::table) {
         let name = table.needed(&KEY)?;
-        let sweep = Written { key: find(name, keys, sweepable)?, name, table }.read()?;
+        let sweep = Written { key: find(name, keys, sweepable, ["sweep", "swept"])?, name, table }.read()?;
         let target = target(sweep.key, keys);
         if let Some(earlier) = sweeps.iter().find(|earlier| self::target(earlier.key, keys) == target) {
             let message = format!("{} is swept although {} is already", sweep.key.name, earlier.key.name);
@@ -101,24 +101,29 @@ pub(crate) fn read_all(
 }
 
 /// The input that a key sets. The keys of a table that takes exactly one of them all set the same input.
-fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
+pub(crate) fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
     let forms = keys.iter().find(|table| table.name == key.table() && matches!(table.holds, Holds::OneOf));
     forms.map_or(key.name, |forms| forms.name)
 }
 
-/// Finds the key that a sweep names.
-fn find(name: Given, keys: &[&'static Key], sweepable: &[&'static Key]) -> Result<&'static Key, Fault> {
+/// Finds the key that a sweep, or another part of a study with the same choice, names. `verb` says what is done to it.
+pub(crate) fn find(
+    name: Given,
+    keys: &[&'static Key],
+    sweepable: &[&'static Key],
+    [verb, done]: [&str; 2],
+) -> Result<&'static Key, Fault> {
     let wanted = name.text();
     if let Some(key) = sweepable.iter().find(|key| key.name == wanted) {
         return Ok(key);
     }
     let names: Vec<&str> = sweepable.iter().map(|key| key.name).collect();
     if let Some(key) = keys.iter().find(|key| key.name == wanted) {
-        let message = format!("{wanted} {} and cannot be swept", key.fixed());
+        let message = format!("{wanted} {} and cannot be {done}", key.fixed());
         let help = format!("sweepable keys are {}", names.join(", "));
         return Err(name.fault(message, key.fixed(), help));
     }
-    let message = format!("there is no key `{wanted}` to sweep");
+    let message = format!("there is no key `{wanted}` to {verb}");
     Err(name.fault(message, "unknown key", choices(wanted, &names)))
 }
 

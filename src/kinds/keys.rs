@@ -8,6 +8,7 @@ use crate::key::common::{self, KIND, TITLE};
 use crate::key::explained::{Explained, explain};
 use crate::key::holds::Holds;
 use crate::key::schema::{self, OfKind};
+use crate::key::sensitivity;
 use crate::key::sweep;
 use crate::key::table::{Table, check, wrong_shape};
 use crate::kinds::KINDS;
@@ -18,7 +19,7 @@ use crate::study::kind::Kind;
 static OF_KINDS: LazyLock<Vec<OfKind>> = LazyLock::new(|| KINDS.into_iter().map(of).collect());
 
 fn of(kind: &Kind) -> OfKind {
-    let keys = schema::distinct([common::KEYS, &(kind.keys)(), sweep::KEYS, chart::KEYS].concat());
+    let keys = schema::distinct([common::KEYS, &(kind.keys)(), sweep::KEYS, sensitivity::KEYS, chart::KEYS].concat());
     let Kind { name, subject, needs, sweepable, .. } = kind;
     OfKind { name, meaning: subject, keys, needs, sweepable: sweepable() }
 }

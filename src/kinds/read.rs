@@ -22,6 +22,7 @@ use crate::key::places::Places;
 use crate::key::precision::PRECISION;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
+use crate::key::sensitivity;
 use crate::key::sweep::{Sweep, read_all as read_sweeps};
 use crate::key::table::Table;
 use crate::kinds::keys::checked;
@@ -73,6 +74,8 @@ impl Study {
             Some(joined) => joined,
             None => read_sweeps(&table, &keys.keys, &keys.sweepable)?,
         };
+        let own_sweeps = if is_own { &sweeps[..] } else { &[] };
+        let uncertain = sensitivity::read_all(&table, &keys.keys, &keys.sweepable, own_sweeps)?;
         let count = |key: &'static Key| -> Result<Option<Spanned<u64>>, Fault> {
             let Some(given) = table.get(key) else { return Ok(None) };
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
@@ -123,6 +126,7 @@ impl Study {
                 kind_end: table.span_of(&KIND).unwrap_or_default().end,
                 precision: table.span_of(&PRECISION),
             },
+            uncertain,
             values: values(&table, &keys.sweepable),
             sweeps,
         })

@@ -13,6 +13,7 @@ use crate::motion::keys::{Design, Interpolation, Phase, Position};
 use crate::motion::vibration::Vibration;
 use crate::record::Record;
 use crate::theory::autocovariance::autocovariance;
+use crate::theory::lags::Lags;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
 use crate::theory::suspension::Suspension;
@@ -185,8 +186,9 @@ impl Motion {
 
     /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1. A constant rate and acceleration are not
     /// part of it, and a phase counts as uniformly drawn. That of a profile is of the part from which fillers are designed.
-    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
-        let mut sum = vec![0.0; lags];
+    pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
+        let lags = lags.into();
+        let mut sum = vec![0.0; lags.computed];
         let mut add = |part: Vec<f64>| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         for tone in &self.tones {
             add(tone.covariance(tick_s, lags));
@@ -195,7 +197,7 @@ impl Motion {
             add(gaussian.covariance(tick_s, lags));
         }
         if let Some(profile) = &self.profile {
-            add(autocovariance(&profile.design_ticks(tick_s), lags));
+            add(autocovariance(&profile.design_ticks(tick_s), lags.computed));
         }
         sum
     }
@@ -214,7 +216,7 @@ impl Gaussian {
     }
 
     /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1.
-    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+    pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
         match self {
             // A sine of this rms at every frequency of the band.
             Gaussian::Band { rms, band } => band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags),
@@ -254,7 +256,7 @@ impl Tone {
         }
     }
 
-    fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+    fn covariance(&self, tick_s: f64, lags: Lags) -> Vec<f64> {
         let amplitude = libm::sqrt(self.amplitude.value.mean_square());
         let band = self.band();
         if self.amplitude.of_angle {

@@ -24,6 +24,7 @@ pub use crate::key::precision;
 use crate::key::precision::Precision;
 use crate::key::refusal::Refusal;
 use crate::key::row::Key;
+use crate::key::sensitivity::Uncertain;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::quantity::units::Quantity;
@@ -59,6 +60,8 @@ pub struct Study {
     pub(crate) text: Text,
     pub(crate) places: Places,
     pub(crate) written: Written,
+    /// Inputs whose values are known only by a range or a distribution.
+    pub(crate) uncertain: Vec<Uncertain>,
     /// The written quantities of the keys that a sweep may vary.
     pub(crate) values: Vec<(&'static Key, Quantity)>,
 }

@@ -19,7 +19,8 @@ use core::f64::consts::TAU;
 
 use crate::theory::cholesky::{definite, solve};
 use crate::theory::gap::tick_amplitude;
-use crate::theory::quadrature::mean;
+use crate::theory::lags::Lags;
+use crate::theory::quadrature::means;
 
 /// A vibration of random phase whose frequency is uniformly distributed over a band; for a single frequency both ends
 /// are equal.
@@ -36,21 +37,26 @@ impl Band {
     ///
     /// `rate_amplitude` is A_Ω in ″/s, `tick_s` is T. The result is the mean over the band of (A_Ω T sinc νT)²/2 · cos
     /// 2πν·lag·T, by quadrature in panels of at most one turn each, accurate to 1e-12 of the variance.
-    pub fn covariance(&self, rate_amplitude: f64, tick_s: f64, lags: usize) -> Vec<f64> {
-        self.by_lag(lags, tick_s, |nu| rate_amplitude * tick_amplitude(tick_s, nu * tick_s))
+    pub fn covariance(&self, rate_amplitude: f64, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
+        self.by_lag(lags.into(), tick_s, |nu| rate_amplitude * tick_amplitude(tick_s, nu * tick_s))
     }
 
     /// The same covariance for a fixed amplitude A of the angle, ″: the peak angle of a tick is A_Ω T sinc νT with A_Ω
     /// = 2πνA.
-    pub fn covariance_of_angle(&self, amplitude: f64, tick_s: f64, lags: usize) -> Vec<f64> {
-        self.by_lag(lags, tick_s, |nu| amplitude * TAU * nu * tick_amplitude(tick_s, nu * tick_s))
+    pub fn covariance_of_angle(&self, amplitude: f64, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
+        self.by_lag(lags.into(), tick_s, |nu| amplitude * TAU * nu * tick_amplitude(tick_s, nu * tick_s))
     }
 
-    fn by_lag(&self, lags: usize, tick_s: f64, peak: impl Fn(f64) -> f64) -> Vec<f64> {
-        let turns = (self.high_hz - self.low_hz) * tick_s * (lags as f64 + 1.0);
+    fn by_lag(&self, lags: Lags, tick_s: f64, peak: impl Fn(f64) -> f64) -> Vec<f64> {
+        let turns = (self.high_hz - self.low_hz) * tick_s * (lags.resolved as f64 + 1.0);
         let panels = 1.0 + libm::ceil(turns);
-        let term = |nu: f64, lag: f64| 0.5 * peak(nu) * peak(nu) * libm::cos(TAU * nu * tick_s * lag);
-        (0..lags).map(|lag| mean(self.low_hz, self.high_hz, panels, |nu| term(nu, lag as f64))).collect()
+        let lags: Vec<f64> = (0..lags.computed).map(|lag| lag as f64).collect();
+        means(self.low_hz, self.high_hz, panels, lags.len(), |nu, terms| {
+            let square = 0.5 * peak(nu) * peak(nu);
+            for (term, lag) in terms.iter_mut().zip(&lags) {
+                *term = square * libm::cos(TAU * nu * tick_s * lag);
+            }
+        })
     }
 }
 

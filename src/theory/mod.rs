@@ -5,6 +5,7 @@ pub mod autocovariance;
 pub mod cholesky;
 pub mod drift;
 pub mod gap;
+pub mod lags;
 pub mod minimum_variance;
 pub mod psd;
 pub mod published;

@@ -13,6 +13,7 @@
 use core::f64::consts::TAU;
 
 use crate::theory::gap::tick_amplitude;
+use crate::theory::lags::Lags;
 use crate::theory::quadrature;
 
 /// Largest binary logarithm of the ratio of densities within one panel of the quadrature, for which 16 points integrate
@@ -82,9 +83,10 @@ impl Psd {
     /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T by quadrature in panels of at most one turn, one octave and a
     /// factor of 2^8 in density, accurate to 1e-12 of the variance. It takes `lags` · (bandwidth · `tick_s` · `lags` +
     /// octaves) steps.
-    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
-        let mut covariance = vec![0.0; lags];
-        self.integrate(tick_s * (lags as f64 + 1.0), &[], |nu, power| {
+    pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
+        let Lags { resolved, computed } = lags.into();
+        let mut covariance = vec![0.0; computed];
+        self.integrate(tick_s * (resolved as f64 + 1.0), &[], |nu, power| {
             let angle = tick_amplitude(tick_s, nu * tick_s);
             for (lag, sum) in covariance.iter_mut().enumerate() {
                 *sum += power * angle * angle * libm::cos(TAU * nu * tick_s * lag as f64);

@@ -27,13 +27,28 @@ pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([
     })
 }
 
-/// The mean of `f` between `low` and `high`; its value where the ends are equal.
-pub(crate) fn mean(low: f64, high: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
+/// The means of `count` functions between `low` and `high`; their values where the ends are equal. `f` writes the values
+/// of all of them at one place.
+pub(crate) fn means(
+    low: f64,
+    high: f64,
+    panels: f64,
+    count: usize,
+    f: impl Fn(f64, &mut [f64]),
+) -> Vec<f64> {
+    let mut sums = vec![0.0; count];
     if low == high {
-        return f(low);
+        f(low, &mut sums);
+        return sums;
     }
-    let sum: f64 = pairs(low, high, panels).map(|([a, b], weight)| weight * (f(a) + f(b))).sum();
-    0.5 * sum / panels
+    let mut at = [vec![0.0; count], vec![0.0; count]];
+    for (places, weight) in pairs(low, high, panels) {
+        at.iter_mut().zip(places).for_each(|(values, place)| f(place, values));
+        for ((sum, a), b) in sums.iter_mut().zip(&at[0]).zip(&at[1]) {
+            *sum += weight * (a + b);
+        }
+    }
+    sums.iter().map(|sum| 0.5 * sum / panels).collect()
 }
 
 #[cfg(test)]
@@ -42,9 +57,12 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_polynomial_of_degree_31_and_of_a_turn_is_right_to_rounding() {
-        let power = mean(-1.0, 1.0, 1.0, |x| libm::pow(x, 31.0) + libm::pow(x, 30.0));
+        let power = |x: f64, terms: &mut [f64]| terms[0] = libm::pow(x, 31.0) + libm::pow(x, 30.0);
+        let power = means(-1.0, 1.0, 1.0, 1, power)[0];
         assert!((power - 1.0 / 31.0).abs() < 1e-15, "{power}");
-        let turn = mean(2.0, 5.0, 3.0, |x| 1.0 + libm::cos(core::f64::consts::TAU * x + 0.3));
+        let turn =
+            |x: f64, terms: &mut [f64]| terms[0] = 1.0 + libm::cos(core::f64::consts::TAU * x + 0.3);
+        let turn = means(2.0, 5.0, 3.0, 1, turn)[0];
         assert!((turn - 1.0).abs() < 1e-14, "{turn}");
     }
 }

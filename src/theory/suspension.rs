@@ -12,6 +12,7 @@
 use core::f64::consts::TAU;
 
 use crate::theory::gap::tick_amplitude;
+use crate::theory::lags::Lags;
 use crate::theory::psd::Psd;
 
 /// One mode of a suspension, a second-order resonance.
@@ -123,9 +124,10 @@ impl Suspension {
     /// appears in the ticks aliased, as it does in those of the gyro. The panels are those of a density, and also
     /// narrow enough for the resonances: |H|² of a mode has poles beside f_i at the distance f_i/2Q, and panels grow in
     /// proportion to their own distance from there, so that 16 points integrate each to rounding at any Q.
-    pub fn covariance(&self, acceleration: &Psd, tick_s: f64, lags: usize) -> Vec<f64> {
-        let mut covariance = vec![0.0; lags];
-        acceleration.integrate(tick_s * (lags as f64 + 1.0), &self.edges(acceleration), |nu, power| {
+    pub fn covariance(&self, acceleration: &Psd, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
+        let Lags { resolved, computed } = lags.into();
+        let mut covariance = vec![0.0; computed];
+        acceleration.integrate(tick_s * (resolved as f64 + 1.0), &self.edges(acceleration), |nu, power| {
             let peak = self.response(nu).amplitude() * tick_amplitude(tick_s, nu * tick_s);
             let square = power * peak * peak;
             for (lag, sum) in covariance.iter_mut().enumerate() {

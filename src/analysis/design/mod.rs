@@ -50,7 +50,8 @@ pub use crate::analysis::design::measure::Measure;
 pub use crate::analysis::design::paper::PapersRule;
 
 use crate::analysis::design::candidates::{Candidate, Maker};
-use crate::analysis::design::optimum::{T_95, jackknife, least_of};
+use crate::analysis::design::optimum::least_of;
+use crate::analysis::jackknife::{T_95, jackknife};
 use crate::device::Device;
 use crate::device::error::GpuError;
 use crate::drift::schedule::{End, INTERVAL};

@@ -1,10 +1,8 @@
 //! The interval of least drift between those that were tried, with its uncertainty.
 
 use crate::analysis::design::{Found, Tried};
+use crate::analysis::jackknife::{T_95, jackknife};
 use crate::fit::nnls;
-
-/// Half the width of a 95 % interval in jackknife standard errors of 32 parts: Student's t with 31 degrees of freedom.
-pub(crate) const T_95: f64 = 2.039_513;
 
 /// The law is fitted where the drift is at most this many times its minimum.
 const FITTED: f64 = 1.6;
@@ -69,14 +67,6 @@ pub(crate) fn among(tried: &[Tried], fitted: Found) -> (usize, Found) {
     (best, Found { value: tried[best].interval_s, interval })
 }
 
-/// The standard error from delete-one replicates.
-pub(crate) fn jackknife(replicates: &[f64]) -> f64 {
-    let n = replicates.len() as f64;
-    let mean = replicates.iter().sum::<f64>() / n;
-    let squares: f64 = replicates.iter().map(|x| (x - mean) * (x - mean)).sum();
-    libm::sqrt((n - 1.0) / n * squares)
-}
-
 /// Terms of the squared drift at an interval relative to the middle one.
 fn terms(u: f64) -> [f64; 4] {
     [u * u, libm::sqrt(u), 1.0, 1.0 / u]
@@ -119,14 +109,5 @@ mod tests {
         assert_eq!(least(&x[5..], &y[5..]), None, "too few");
         let rising: Vec<f64> = x.iter().map(|x| x * 3.0).collect();
         assert_eq!(least(&x, &rising), None, "at the end");
-    }
-
-    #[test]
-    fn the_jackknife_of_a_mean_is_its_standard_error() {
-        let values = [3.0, 5.0, 4.0, 8.0, 1.0];
-        let sum: f64 = values.iter().sum();
-        let replicates: Vec<f64> = values.iter().map(|x| (sum - x) / 4.0).collect();
-        let variance: f64 = values.iter().map(|x| (x - sum / 5.0).powi(2)).sum::<f64>() / 4.0;
-        assert!((jackknife(&replicates) - (variance / 5.0).sqrt()).abs() < 1e-12);
     }
 }

@@ -1,5 +1,6 @@
 //! Sampling of the runs of one candidate, in parts.
 
+use crate::analysis::jackknife::PARTS;
 use crate::device::Job;
 use crate::device::error::GpuError;
 use crate::kernel::moments::Moments;
@@ -7,9 +8,6 @@ use crate::kinds::switched_run::lower::FilledRun;
 use crate::progress::Progress;
 use crate::sampling::worker::Worker;
 use crate::tally::block::Block;
-
-/// Number of parts of the trials for the jackknife.
-const PARTS: u64 = 32;
 
 /// The number of trials, at least `asked`, for which all parts have the same power of two.
 pub(crate) fn trials(asked: u64) -> u64 {

@@ -6,10 +6,10 @@ use crate::kernel::gap_fill;
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
 use crate::key::refusal::Refusal;
-use crate::kinds::gap_fill::lower::fixed::Fixed;
-use crate::kinds::gap_fill::lower::response::Functional;
+use crate::kinds::gap_fill::lower::readout::Fractions;
+use crate::kinds::gap_fill::lower::response::{Functional, Response};
 use crate::kinds::gap_fill::lower::weights::{Rows, singular_covariance};
-use crate::kinds::gap_fill::lower::{definition, readout, words_of};
+use crate::kinds::gap_fill::lower::{definition, words_of};
 use crate::store::Address;
 use crate::tally::id::Id;
 
@@ -57,9 +57,10 @@ impl Estimate {
         key: [u32; 2],
         filler: &Filler,
         error: Error,
-        fixed: &Fixed,
+        fractions: &Fractions,
         rows: Rows,
     ) -> Result<Estimate, Refusal> {
+        let fixed = fractions.fixed;
         let scale = rows.denominator as f64;
         let sigma = fixed.sigma_lsb();
         // Reading whole pulses changes each tick by less than one pulse.
@@ -67,8 +68,12 @@ impl Estimate {
         let drawn = fixed.has_amplitudes() || fixed.has_frequencies();
         let functionals = functionals(&rows, error, fixed.gap_ticks);
         let (mut bound, mut terms, mut rounding) = (0.0_f64, 0.0_f64, 0.0_f64);
+        // The whole gap is the last row. Errors in a gap of one tick equal those of the extrapolation without their
+        // sign.
+        let whole = &functionals[functionals.len() - 1];
+        let mut response = Response::default();
         for f in &functionals {
-            let response = fixed.response(f);
+            response = fixed.response(f);
             let gain = f.gain();
             // Each tick and the gap are rounded once, by at most half an LSB, and the sine is wrong by 2^−29.5. A drawn
             // amplitude or frequency also has factors that are rounded to an eighth of an LSB.
@@ -94,13 +99,9 @@ impl Estimate {
         let unit_arcsec = fixed.lsb_arcsec / scale * unit;
         let rounding = (rounding / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec;
 
-        // The whole gap is the last row. Errors in a gap of one tick equal those of the extrapolation without their
-        // sign.
-        let whole = &functionals[functionals.len() - 1];
-        let response = fixed.response(whole);
         let noise = sigma * whole.noise_gain();
         let known = error != Error::InGap || fixed.gap_ticks == 1;
-        let quantised = readout::variance(fixed, whole);
+        let quantised = fractions.variance(whole);
         let rms_with = |more: f64| {
             libm::sqrt(response.mean * response.mean + response.variance + noise * noise + more) / unit
         };

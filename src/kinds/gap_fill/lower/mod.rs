@@ -45,6 +45,8 @@ use crate::kernel::moments::MAX_ESTIMATES;
 use crate::key::common::Streams;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, long_words};
 use crate::kinds::gap_fill::lower::physical::Physical;
+use crate::kinds::gap_fill::lower::readout::Fractions;
+use crate::kinds::gap_fill::lower::unit::DEFAULT_SIDES;
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::plan::identity;
 use crate::tally::id::Id;
@@ -72,8 +74,6 @@ impl Lowered {
         seed: u64,
         streams: Streams,
     ) -> Result<Lowered, Refusal> {
-        let physical = Physical::of(&point.inputs)?;
-        let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
         let n = point.inputs.gap_ticks as i32;
         let reach = |tick: i32| if tick > 0 { tick - n } else { 1 - tick };
         let ticks = point
@@ -81,8 +81,11 @@ impl Lowered {
             .iter()
             .flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
         let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
+        let physical = Physical::of(&point.inputs, sides.max(DEFAULT_SIDES))?;
+        let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
         let fixed = Fixed::new(&physical, unit::lsb(&physical)?, sides);
         let statistics = Statistics::of(point.design.as_ref().unwrap_or(&point.inputs));
+        let fractions = Fractions::of(&fixed);
         let estimates = |(filler, fill): (&Filler, &Fill)| {
             let mut estimates = Vec::new();
             for &error in errors {
@@ -92,7 +95,7 @@ impl Lowered {
                 };
                 let Some(ticks) = ticks else { continue };
                 let Some(rows) = Rows::of(filler, error, ticks, &statistics)? else { continue };
-                estimates.push(Estimate::new(id, key, filler, error, &fixed, rows)?);
+                estimates.push(Estimate::new(id, key, filler, error, &fractions, rows)?);
             }
             Ok(estimates)
         };

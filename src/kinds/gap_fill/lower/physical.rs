@@ -14,6 +14,7 @@ use crate::motion::{Frequency, Gaussian, Value};
 use crate::quantity::units::round_12;
 use crate::tally::id::Id;
 use crate::theory::gap::tick_amplitude;
+use crate::theory::lags::Lags;
 
 /// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
 pub(crate) const MOST_PROFILE_TICKS: usize = 1 << 22;
@@ -56,7 +57,7 @@ pub(crate) enum ToneKind {
     Drawn { arcsec: f64, of_angle: bool, nu_t: [f64; 2] },
 }
 
-/// Stationary Gaussian motion: the covariance of tick angles by lag, ″², up to the largest distance between two ticks.
+/// Stationary Gaussian motion: the covariance of tick angles by lag, ″², up to the largest distance between two read ticks.
 #[derive(Debug, Clone)]
 pub(crate) struct PhysicalGaussian {
     /// The key that gives it, for refusals.
@@ -74,7 +75,8 @@ pub(crate) struct PhysicalProfile {
 }
 
 impl Physical {
-    pub(crate) fn of(inputs: &Inputs) -> Result<Physical, Refusal> {
+    /// The canonical inputs, with the covariance of Gaussian motion for that number of ticks on either side of the gap.
+    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Refusal> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
         // Where one frequency is drawn, the kernel draws all of them, a fixed one from a band of zero width.
@@ -119,7 +121,8 @@ impl Physical {
                 PhysicalTone { key: key(index), kind, value, phase: tone.phase }
             })
             .collect();
-        let lags = 2 * MARGIN + inputs.gap_ticks as usize;
+        let over = |sides: usize| 2 * sides + inputs.gap_ticks as usize;
+        let lags = Lags { resolved: over(MARGIN), computed: over(sides) };
         let gaussian = motion.gaussian.as_ref().map(|gaussian| PhysicalGaussian {
             key: match gaussian {
                 Gaussian::Band { .. } | Gaussian::Psd(_) => "motion.gaussian",

@@ -6,7 +6,9 @@
 //! have the covariance q²/(2π²) Σ_m cos(2πmd/q)/m², whose mean over the trials is that of the characteristic function
 //! of d.
 
+use core::cell::RefCell;
 use core::f64::consts::PI;
+use std::collections::HashMap;
 
 use crate::kinds::gap_fill::lower::fixed::{
     ANGLE_UNITS, Fixed, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
@@ -22,9 +24,50 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// Most terms of the sum over m.
 const TERMS: u32 = 4096;
 
-/// Variance and a bound of its error, LSB²; `None` for motion whose characteristic function has no closed form here.
-pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
-    summed(fixed, f, Drawn::Refused)
+/// The fractions of a pulse at a point. Fillers share boundaries, and each sum is long, so it is computed once.
+#[derive(Debug)]
+pub(crate) struct Fractions<'a> {
+    pub(crate) fixed: &'a Fixed,
+    drawn: Drawn,
+    /// Covariances of the fractions at two boundaries, each with a bound of the omitted part.
+    known: RefCell<HashMap<(i32, i32), Option<(f64, f64)>>>,
+}
+
+/// Treatment of tones whose amplitude or frequency is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    Refused,
+    /// They are evaluated at some of their values.
+    AtSome,
+}
+
+impl<'a> Fractions<'a> {
+    pub(crate) fn of(fixed: &'a Fixed) -> Fractions<'a> {
+        Fractions { fixed, drawn: Drawn::Refused, known: RefCell::default() }
+    }
+
+    /// The variance of their part of a sum, and a bound of its error, LSB²; `None` for motion whose characteristic
+    /// function has no closed form here.
+    pub(crate) fn variance(&self, f: &Functional) -> Option<(f64, f64)> {
+        let Some(readout) = self.fixed.readout else { return Some((0.0, 0.0)) };
+        let pulse = libm::exp2(f64::from(readout.bits));
+        let boundaries = boundaries(self.fixed, f);
+        let (mut sum, mut error) = (0.0, 0.0);
+        for (i, &(from, g)) in boundaries.iter().enumerate() {
+            sum += g * g * pulse * pulse / 12.0;
+            for &(to, h) in &boundaries[i + 1..] {
+                let (covariance, tail) = self.covariance(from, to, pulse)?;
+                sum += 2.0 * g * h * covariance;
+                error += 2.0 * (g * h).abs() * tail;
+            }
+        }
+        Some((sum, error))
+    }
+
+    fn covariance(&self, from: i32, to: i32, pulse: f64) -> Option<(f64, f64)> {
+        let compute = || covariance(self.fixed, from, to, pulse, self.drawn);
+        *self.known.borrow_mut().entry((from, to)).or_insert_with(compute)
+    }
 }
 
 /// An approximation of the same variance for any motion, LSB². Drawn amplitudes and frequencies are evaluated at some
@@ -32,32 +75,8 @@ pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
 pub(crate) fn about(fixed: &Fixed, f: &Functional) -> f64 {
     let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
     let apart = || boundaries(fixed, f).iter().map(|(_, g)| g * g * pulse * pulse / 12.0).sum();
-    summed(fixed, f, Drawn::AtSome).map_or_else(apart, |(variance, _)| variance)
-}
-
-/// Treatment of tones whose amplitude or frequency is drawn.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Drawn {
-    Refused,
-    /// They are evaluated at some of their values.
-    AtSome,
-}
-
-/// The variance and a bound of its error, LSB²; `None` where a part of the motion is refused.
-fn summed(fixed: &Fixed, f: &Functional, drawn: Drawn) -> Option<(f64, f64)> {
-    let Some(readout) = fixed.readout else { return Some((0.0, 0.0)) };
-    let pulse = libm::exp2(f64::from(readout.bits));
-    let boundaries = boundaries(fixed, f);
-    let (mut sum, mut error) = (0.0, 0.0);
-    for (i, &(from, g)) in boundaries.iter().enumerate() {
-        sum += g * g * pulse * pulse / 12.0;
-        for &(to, h) in &boundaries[i + 1..] {
-            let (covariance, tail) = covariance(fixed, from, to, pulse, drawn)?;
-            sum += 2.0 * g * h * covariance;
-            error += 2.0 * (g * h).abs() * tail;
-        }
-    }
-    Some((sum, error))
+    let fractions = Fractions { drawn: Drawn::AtSome, ..Fractions::of(fixed) };
+    fractions.variance(f).map_or_else(apart, |(variance, _)| variance)
 }
 
 /// The boundaries at which a fraction counts, each with its factor.
@@ -145,10 +164,12 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
         }
         let swung: f64 = swings.iter().map(|swing| swing.factor(k)).product();
         sum += damped * swung * libm::cos(k * constant) / (m * m);
-        // Later terms have at most this damping and envelope, and Σ j^(−1−p) beyond m is below m^−p / p.
-        rest = damped * envelope * libm::pow(m, -power) / power;
-        if m >= DAMPED && rest < NEGLIGIBLE {
-            break;
+        if m >= DAMPED || m == f64::from(terms) {
+            // Later terms have at most this damping and envelope, and Σ j^(−1−p) beyond m is below m^−p / p.
+            rest = damped * envelope * libm::pow(m, -power) / power;
+            if m >= DAMPED && rest < NEGLIGIBLE {
+                break;
+            }
         }
     }
     Some((unit * sum, unit * rest))

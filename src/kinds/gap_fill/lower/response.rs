@@ -124,14 +124,10 @@ impl FixedTone {
                 // Turns of the fastest term over the band.
                 let turns = (ends[1] - ends[0]) / libm::exp2(32.0) * 4.0 * (span + 1.0);
                 let panels = 1.0 + libm::ceil(turns);
-                let mean = |g: &dyn Fn([f64; 2]) -> f64| {
-                    quadrature::mean(ends[0], ends[1], panels, |word| g(self.at(f, n, word)))
-                };
-                let swinging = mean(&|[a, b]| 0.5 * (a * a + b * b));
-                let fixed = mean(&|[a, b]| self.fixed_phase(a, b));
-                let fixed_square = mean(&|[a, b]| {
+                let squares = quadrature::means(ends[0], ends[1], panels, 3, |word, squares| {
+                    let [a, b] = self.at(f, n, word);
                     let e = self.fixed_phase(a, b);
-                    e * e
+                    squares.copy_from_slice(&[0.5 * (a * a + b * b), e, e * e]);
                 });
                 // The bound is taken from a grid and from the largest change of the response between its points.
                 let peak = self.peak_at(ends[0]).max(self.peak_at(ends[1]));
@@ -147,7 +143,7 @@ impl FixedTone {
                     .fold(0.0, |most: f64, [a, b]| most.max(libm::hypot(a, b)));
                 let bound = size.min(greatest + slope * step);
                 let sum = size.min(core::f64::consts::SQRT_2 * bound);
-                self.parts([swinging, fixed, fixed_square], [bound, bound], sum, 2.0 * size)
+                self.parts([squares[0], squares[1], squares[2]], [bound, bound], sum, 2.0 * size)
             }
         }
     }

@@ -23,7 +23,7 @@ const RESERVE: f64 = 4.0;
 const FINEST: i32 = 24;
 
 /// Ticks on either side that the default fillers reach.
-const DEFAULT_SIDES: usize = 4;
+pub(crate) const DEFAULT_SIDES: usize = 4;
 
 /// The unit of angle, ″, at which the worst error of the three polynomials on their default ticks leaves a factor
 /// [`RESERVE`] to the limit. It is a power of two, or with whole pulses a pulse divided by a power of two.

@@ -1,6 +1,6 @@
 //! The weights of a filler at a point: exact fractions where possible, else the nearest ones over a power of two.
 
-use core::cell::OnceCell;
+use core::cell::{OnceCell, RefCell};
 use core::ops::RangeInclusive;
 
 use crate::filler::keys::Error;
@@ -9,6 +9,7 @@ use crate::kernel::gap_fill::shape::MARGIN;
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::theory::gap::{Weights, greatest_common_divisor};
+use crate::theory::lags::Lags;
 use crate::theory::minimum_variance::minimum_variance_weights;
 
 /// Weights on some ticks over a common denominator: one row for the whole gap, one row for each of its ticks, or for
@@ -96,7 +97,7 @@ impl Rows {
                 Ok(Some(exact(ticks, rows)))
             }
             Method::MinimumVariance(_) => {
-                let design = statistics.design(filler);
+                let design = statistics.design(filler, ticks);
                 let rows = lengths
                     .map(|length| {
                         let weights =
@@ -132,11 +133,11 @@ impl Rows {
 const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 
 /// Second-order statistics of a point, from which minimum-variance fillers are designed. Those of a long record are
-/// expensive, so each is computed once, on first use.
+/// expensive, so each is computed on first use, and again only for ticks farther apart.
 #[derive(Debug)]
 pub struct Statistics<'a> {
     inputs: &'a Inputs,
-    covariance: OnceCell<Vec<f64>>,
+    covariance: RefCell<Vec<f64>>,
     rate_rms: OnceCell<f64>,
 }
 
@@ -149,19 +150,28 @@ struct Design {
 impl<'a> Statistics<'a> {
     /// The statistics of a point with these inputs.
     pub fn of(inputs: &'a Inputs) -> Statistics<'a> {
-        Statistics { inputs, covariance: OnceCell::new(), rate_rms: OnceCell::new() }
+        Statistics { inputs, covariance: RefCell::default(), rate_rms: OnceCell::new() }
     }
 
-    fn design(&self, filler: &Filler) -> Design {
-        let Inputs { tick_s, motion, .. } = self.inputs;
-        let lags = 2 * MARGIN + self.inputs.gap_ticks as usize;
+    /// The covariances from which a filler on these ticks is designed.
+    fn design(&self, filler: &Filler, ticks: &[i32]) -> Design {
+        let Inputs { tick_s, motion, gap_ticks, .. } = self.inputs;
+        let first = ticks.iter().copied().fold(1, i32::min);
+        let last = ticks.iter().copied().fold(*gap_ticks as i32, i32::max);
+        let lags = Lags { resolved: 2 * MARGIN + *gap_ticks as usize, computed: (last - first + 1) as usize };
         let covariance = match &filler.method {
             Method::MinimumVariance(Some(band)) => {
                 // As much motion as in the study, spread over the band.
                 let rms = self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
                 band.covariance(rms * core::f64::consts::SQRT_2, *tick_s, lags)
             }
-            _ => self.covariance.get_or_init(|| motion.covariance(*tick_s, lags)).clone(),
+            _ => {
+                let mut known = self.covariance.borrow_mut();
+                if known.len() < lags.computed {
+                    *known = motion.covariance(*tick_s, lags);
+                }
+                known.clone()
+            }
         };
         Design { covariance, noise: self.inputs.noise_covariance().to_vec() }
     }

@@ -1,0 +1,164 @@
+//! `sagnac sensitivity`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sagnac::analysis::sensitivity::report;
+use sagnac::analysis::sensitivity::{Request, Sensitivity, SensitivityError, sensitivity as find};
+use sagnac::quantity::number::significant;
+use sagnac::study::Study;
+use sagnac::view::chart::picture::Picture;
+
+use crate::charts::write_pictures;
+use crate::failure::{Failure, in_options};
+use crate::output::{print, print_json, write, write_table};
+use crate::program::DeviceArg;
+use crate::progress::{self, Shown};
+use crate::terminal::headed;
+use crate::{chart, look, whole};
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac sensitivity studies/what_decides.toml
+  sagnac sensitivity studies/what_decides.toml --by oracle_rms --samples 16384 --plot
+  sagnac sensitivity studies/what_decides.toml --where filler=const --where error=extrapolation";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Study with uncertain inputs, each a [[sensitivity]] with a range or a distribution
+    #[arg(value_name = "STUDY")]
+    study: PathBuf,
+    /// Column of points.csv whose value is the answer; one in closed form, such as oracle_rms, needs no sampling
+    /// [default: the answer by which the study is judged]
+    #[arg(long, value_name = "COLUMN")]
+    by: Option<String>,
+    /// Only rows with this value, as in filler=const; may be repeated
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = chart::row)]
+    rows: Vec<(String, String)>,
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Output folder [default: sensitivity in results/<name of the study file>, or sensitivity_<column> with --by]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Samples, each with two evaluations and one more for each input; rounded up to 32 times a power of two [default:
+    /// 8192 in closed form, else 1024]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
+    samples: Option<u64>,
+    /// Trials of each evaluation of a sampled answer [default: 4096 to 2^26 over the number of evaluations]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    trials: Option<u64>,
+    /// Seed, instead of the one in the study
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Print the result as JSON
+    #[arg(help_heading = "Output", long)]
+    json: bool,
+    /// Also draw the tornado chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
+    /// Print only errors and the answer
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+/// A number of samples.
+fn samples(text: &str) -> Result<u64, String> {
+    whole::whole(text, 1..=1 << 21)
+}
+
+/// Finds and prints what decides the answer.
+pub fn sensitivity(options: &Options) -> Result<(), Failure> {
+    let mut study = Study::read(&options.study)?;
+    study.seed = options.seed.unwrap_or(study.seed);
+    let mut device = options.device.select(!options.quiet)?;
+    let shown = Shown::new(options.progress.how(options.quiet));
+    let asked = Request {
+        by: options.by.clone(),
+        rows: options.rows.clone(),
+        samples: options.samples,
+        trials: options.trials,
+    };
+    let found = find(&study, &asked, &mut device, &shown).map_err(|error| failure(&study, error))?;
+    shown.clear();
+    let stem = options.study.file_stem().unwrap_or_default();
+    let name = match &options.by {
+        Some(_) => format!("sensitivity_{}", found.answer.name),
+        None => "sensitivity".to_owned(),
+    };
+    let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
+    let picture = write_all(&study, &found, &folder)?;
+    if options.json {
+        return print_json(&report::json(&study, &found));
+    }
+    if !options.quiet {
+        for note in &found.notes {
+            say!("note: {note}");
+        }
+        if options.plot {
+            print(&format!("{}\n", picture.text(look::of_output())))?;
+        }
+        print(&table(&found))?;
+    }
+    print(&report::summary(&found))?;
+    if !options.quiet {
+        say!("{}; table and chart are in {}", report::effort(&found), folder.display());
+    }
+    Ok(())
+}
+
+/// An error at the place in the study that caused it.
+fn failure(study: &Study, error: SensitivityError) -> Failure {
+    match error {
+        SensitivityError::Study(error) => Failure::Study(error),
+        SensitivityError::Run(error) => error.into(),
+        SensitivityError::Column(_) | SensitivityError::SeveralRows(_) => {
+            Failure::Usage(in_options(&error))
+        }
+        SensitivityError::Swept(key) => {
+            let help = "give the key one value, or make it an uncertain input instead";
+            Failure::Study(study.error_at(study.place_of(key), error.to_string(), help))
+        }
+        SensitivityError::NoInputs => {
+            let help = "add one as in\n[[sensitivity]]\nkey = \"gyro.tick_noise.std\"\nnormal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
+            Failure::Study(study.error_at(study.place_of("kind"), error.to_string(), help))
+        }
+        SensitivityError::NoAnswer | SensitivityError::NoValue { .. } | SensitivityError::Constant { .. } => {
+            Failure::Record(in_options(&error))
+        }
+    }
+}
+
+fn write_all(study: &Study, found: &Sensitivity, folder: &Path) -> Result<Picture, Failure> {
+    write_table(&folder.join("sensitivity.csv"), &report::table(found))?;
+    let json = serde_json::to_vec_pretty(&report::json(study, found));
+    write(&folder.join("sensitivity.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
+    let picture = Picture::Curves(report::figure(study, found));
+    write_pictures(folder, "sensitivity", &picture)?;
+    Ok(picture)
+}
+
+/// A line for each input, by falling total index.
+fn table(found: &Sensitivity) -> String {
+    let answer = format!("{} then", found.answer.label);
+    let heading = ["input", "5 % to 95 %", "first-order index", "total index", &answer];
+    let range = |[low, high]: [f64; 2], symbol: &str| {
+        format!("{} to {} {symbol}", significant(low, 4), significant(high, 4)).trim_end().to_owned()
+    };
+    let lines = found.by_total().into_iter().map(|input| {
+        let index = |found: sagnac::analysis::design::Found| match found.interval {
+            Some((low, high)) => format!("{:.3} ({low:.3} to {high:.3})", found.value),
+            None => format!("{:.3}", found.value),
+        };
+        vec![
+            input.key.to_owned(),
+            range(input.range, input.unit.symbol),
+            index(input.index.first),
+            index(input.index.total),
+            range(input.swing, found.answer.unit.symbol),
+        ]
+    });
+    headed(heading, lines)
+}

@@ -1,0 +1,293 @@
+//! Sensitivity: how much of the uncertainty of an answer comes from each uncertain input of a study.
+//!
+//! ```text
+//! study ─ distributions ─▶ points of a Sobol' sequence ─ lower, sample ─▶ answers ─▶ indices, tornado ─▶ which input decides
+//! ```
+//!
+//! The inputs are independent. All points share their random numbers, so that what differs between answers is the effect
+//! of the inputs; an answer in closed form is evaluated without sampling.
+//!
+//! ```
+//! use sagnac::analysis::sensitivity::{Request, sensitivity};
+//! use sagnac::progress::Silent;
+//! use sagnac::study::Study;
+//! use sagnac::verify::select;
+//!
+//! let study = Study::parse("gap.toml", r#"
+//!     title = "A gap"
+//!     kind = "gap-fill"
+//!     [gyro]
+//!     tick = "5 ms"
+//!     tick_noise = { std = "0.5 arcsec" }
+//!     [motion]
+//!     amplitude = "12000 arcsec/s"
+//!     frequency = "5 Hz"
+//!     [switching]
+//!     gap_ticks = 3
+//!     fillers = ["quadratic"]
+//!     [[sensitivity]]
+//!     key = "gyro.tick_noise.std"
+//!     normal = { mean = "0.5 arcsec", sd = "0.05 arcsec" }
+//!     [[sensitivity]]
+//!     key = "motion.frequency"
+//!     uniform = { from = "4 Hz", to = "6 Hz" }
+//! "#)?;
+//! let mut device = select("cpu", 2)?.device;
+//! let asked = Request { by: Some("oracle_rms".to_owned()), samples: Some(1024), ..Request::default() };
+//! let found = sensitivity(&study, &asked, &mut device, &Silent)?;
+//! assert_eq!(found.decisive().key, "gyro.tick_noise.std");
+//! assert!(found.decisive().index.first.value > 0.9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub(crate) mod evaluate;
+pub mod report;
+pub(crate) mod sobol;
+pub(crate) mod tornado;
+
+pub use crate::analysis::sensitivity::sobol::Index;
+pub use crate::analysis::sensitivity::tornado::Input;
+
+use crate::analysis::design::Found;
+use crate::analysis::sensitivity::evaluate::{Evaluator, chosen};
+use crate::analysis::sensitivity::sobol::{indices, samples, share};
+use crate::analysis::sensitivity::tornado::{count, joined, swings};
+use crate::chart::{Chart, Limit, Source};
+use crate::device::Device;
+use crate::key::sensitivity::Uncertain;
+use crate::key::setting::Swept;
+use crate::progress::Progress;
+use crate::quantity::number::significant;
+use crate::run::{Plan, RunError};
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::table::{Column, ColumnError, Usual};
+
+/// What to analyse.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// Column of the points whose value is the answer. If absent, the one by which the study is judged.
+    pub by: Option<String>,
+    /// Rows of the points, as pairs of a column and its value; those shown by default where a column is not named.
+    pub rows: Vec<(String, String)>,
+    /// Number of samples, rounded up to 32 times a power of two. If absent, 8192, or 1024 for a sampled answer.
+    pub samples: Option<u64>,
+    /// Number of trials of each evaluation of a sampled answer; if absent, as many as take about a minute.
+    pub trials: Option<u64>,
+}
+
+/// The result of an analysis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// Column of the answer, without cells.
+    pub answer: Column,
+    /// Rows of the points, as pairs of a column and its value.
+    pub rows: Vec<(String, String)>,
+    /// Number of samples.
+    pub samples: u64,
+    /// Number of evaluations.
+    pub evaluations: u64,
+    /// Trials of each evaluation; absent for an answer in closed form.
+    pub trials: Option<u64>,
+    /// The answer with all inputs at their nominal values.
+    pub nominal: f64,
+    /// Mean of the answer.
+    pub mean: Found,
+    /// Standard deviation of the answer.
+    pub sd: Found,
+    /// Quantiles of the answer at [`LEVELS`].
+    pub quantiles: [f64; 3],
+    /// Limit of the study, with the part of all answers that is within it.
+    pub within: Option<(Limit, Found)>,
+    /// Part of the variance that is at most due to sampling; 0 for an answer in closed form.
+    pub noise: f64,
+    /// Effect of each input, in the order of the study.
+    pub inputs: Vec<Input>,
+    /// Notes on the results, each a sentence.
+    pub notes: Vec<String>,
+}
+
+/// The levels of the quantiles of the answer.
+pub const LEVELS: [f64; 3] = [0.05, 0.5, 0.95];
+
+impl Sensitivity {
+    /// The input with the largest total index.
+    pub fn decisive(&self) -> &Input {
+        let total = |input: &&Input| input.index.total.value;
+        self.by_total().into_iter().max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(&self.inputs[0])
+    }
+
+    /// The inputs by falling total index.
+    pub fn by_total(&self) -> Vec<&Input> {
+        let mut inputs: Vec<&Input> = self.inputs.iter().collect();
+        inputs.sort_by(|a, b| b.index.total.value.total_cmp(&a.index.total.value));
+        inputs
+    }
+}
+
+/// Why an analysis is not possible.
+#[derive(Debug, thiserror::Error)]
+pub enum SensitivityError {
+    /// The study has no uncertain inputs.
+    #[error("the study has no uncertain inputs")]
+    NoInputs,
+    /// This key is swept.
+    #[error("{0} is swept: a sensitivity is of one point")]
+    Swept(&'static str),
+    /// The answer or its rows cannot be chosen.
+    #[error(transparent)]
+    Column(#[from] ColumnError),
+    /// The study has no column by which it is judged.
+    #[error("the study has no usual answer: choose one of its columns by `by = COLUMN`")]
+    NoAnswer,
+    /// Each point has several rows, which differ in this.
+    #[error("each point has several answers: {0}; choose one by `where = COLUMN=VALUE`")]
+    SeveralRows(String),
+    /// The answer has no number at a point.
+    #[error("{column} has no value at {at}; choose another answer by `by = COLUMN`")]
+    NoValue {
+        /// Column of the answer.
+        column: String,
+        /// Values at the point.
+        at: String,
+    },
+    /// The answer is the same everywhere.
+    #[error("{column} is {value} everywhere: it depends on none of the uncertain inputs")]
+    Constant {
+        /// Column of the answer.
+        column: String,
+        /// Its value.
+        value: String,
+    },
+    /// A point is not valid.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// The device failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+/// Samples where none are requested, for an answer in closed form and for a sampled one.
+const SAMPLES: [u64; 2] = [8192, 1024];
+
+/// log2 of the trials of all evaluations together where none are requested.
+const ALL_TRIALS_LOG2: u32 = 26;
+
+/// Fewest trials of an evaluation, below which a 99.73 % level has no interval.
+const FEWEST_TRIALS: u64 = 4096;
+
+/// Part of the variance from which on the noise of sampling is reported.
+const REPORTED_NOISE: f64 = 0.01;
+
+/// Evaluates the answer and analyses it; `progress` counts evaluations.
+///
+/// # Errors
+/// The study has no uncertain inputs or sweeps something, the answer does not exist or is constant, a point cannot be
+/// represented, or the device fails.
+pub fn sensitivity(
+    study: &Study,
+    asked: &Request,
+    device: &mut Device,
+    progress: &dyn Progress,
+) -> Result<Sensitivity, SensitivityError> {
+    let uncertain = &study.uncertain;
+    if uncertain.is_empty() {
+        return Err(SensitivityError::NoInputs);
+    }
+    if let Some(sweep) = study.sweeps.first() {
+        return Err(SensitivityError::Swept(sweep.key.name));
+    }
+    let mut study = study.clone();
+    let keys = uncertain.iter().map(|input| input.key).collect();
+    let nominal: Vec<Swept> = uncertain.iter().map(|input| nominal(&study, input)).collect();
+    let (answer, rows, is_exact) = question(&study, asked)?;
+    let samples = samples(asked.samples.unwrap_or(SAMPLES[usize::from(!is_exact)]));
+    let evaluations = samples * (uncertain.len() as u64 + 2) + count(uncertain.len());
+    let usual = ((1 << ALL_TRIALS_LOG2) / evaluations).next_power_of_two().max(FEWEST_TRIALS);
+    study.trials = asked.trials.unwrap_or(usual);
+    progress.start("evaluations", 0, evaluations);
+    let by = answer.name.clone();
+    let (evaluated, noise) = (0, 0.0);
+    let mut evaluator =
+        Evaluator { study: &study, keys, by, rows, device, progress, is_exact, evaluated, noise };
+    let swings = swings(&mut evaluator, &nominal, uncertain)?;
+    let found = indices(uncertain.len(), samples, study.seed, |points| {
+        let at = |point: &Vec<f64>| uncertain.iter().zip(point).map(|(input, u)| input.at(*u)).collect();
+        evaluator.at(&points.iter().map(at).collect::<Vec<Vec<Swept>>>())
+    })?;
+    let Some(found) = found else {
+        let value = significant(swings.nominal, 4);
+        return Err(SensitivityError::Constant { column: answer.header(), value });
+    };
+    let noise = evaluator.noise / evaluator.evaluated as f64 / (found.sd.value * found.sd.value);
+    let mut all = found.answers.concat();
+    all.sort_by(f64::total_cmp);
+    let quantile = |level: f64| all[((level * all.len() as f64) as usize).min(all.len() - 1)];
+    let limit = limit(&study, &answer);
+    let within = limit.map(|limit| (limit, share(&found.answers, |y| y.abs() <= limit.value)));
+    let rows = evaluator.rows;
+    Ok(Sensitivity {
+        rows,
+        samples,
+        evaluations,
+        trials: (!is_exact).then_some(study.trials),
+        nominal: swings.nominal,
+        mean: found.mean,
+        sd: found.sd,
+        quantiles: LEVELS.map(quantile),
+        within,
+        noise,
+        notes: notes(&study, uncertain, noise),
+        inputs: joined(uncertain, &found, swings),
+        answer,
+    })
+}
+
+/// The value of an input that the study writes, else its median.
+fn nominal(study: &Study, input: &Uncertain) -> Swept {
+    let median = input.at(0.5);
+    let same = |value: &Swept| value.unit() == median.unit();
+    let written = study.values.iter().find(|(key, _)| std::ptr::eq(*key, input.key));
+    written.map(|(_, value)| Swept::Quantity(*value)).filter(same).unwrap_or(median)
+}
+
+/// The column of the answer, without cells, the rows of the points, and whether the answer is known without sampling.
+fn question(
+    study: &Study,
+    asked: &Request,
+) -> Result<(Column, Vec<(String, String)>, bool), SensitivityError> {
+    let table = Plan::new(study)?.blank_tables().points;
+    let name = match &asked.by {
+        Some(name) => name,
+        None => &table.usual(Usual::Answer).ok_or(SensitivityError::NoAnswer)?.name,
+    };
+    let mut rows = asked.rows.clone();
+    for (column, value) in study.usual_rows() {
+        let own = table.column(&column)?;
+        let is_same = |(name, _): &(String, String)| table.column(name).is_ok_and(|other| other.name == own.name);
+        if !asked.rows.iter().any(is_same) {
+            rows.push((column, value));
+        }
+    }
+    let (column, places) = chosen(&table, name, &rows, 1)?;
+    let is_exact = study.kind().is_exact || column.cells[places[0]].number().is_some();
+    Ok((Column { cells: vec![], band: None, ..column.clone() }, rows, is_exact))
+}
+
+/// The limit of the first chart that shows this answer and has one.
+fn limit(study: &Study, answer: &Column) -> Option<Limit> {
+    let shows = |chart: &&Chart| chart.source == Source::Points && answer.name == chart.y.name;
+    study.charts.iter().filter(shows).find_map(|chart| chart.limit)
+}
+
+fn notes(study: &Study, uncertain: &[Uncertain], noise: f64) -> Vec<String> {
+    let mut notes = study.notes.clone();
+    notes.extend(uncertain.iter().filter_map(Uncertain::truncated));
+    if noise > REPORTED_NOISE {
+        notes.push(format!(
+            "up to {} % of the variance is noise of sampling, which all evaluations share for the most part: more trials have less",
+            significant(100.0 * noise, 2)
+        ));
+    }
+    notes
+}

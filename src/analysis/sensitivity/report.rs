@@ -1,0 +1,198 @@
+//! The output of an analysis: the answer in words, all inputs as a table and as a tornado chart, and both as JSON.
+
+use serde_json::{Value, json};
+
+use crate::analysis::design::Found;
+use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
+use crate::key::scale::Scale;
+use crate::quantity::number::significant;
+use crate::study::Study;
+use crate::table::column::columns_of;
+use crate::table::{ColumnOf, Role, Table, Unit};
+use crate::view::chart::figure::{Axis, Figure, Series, SeriesPoint};
+
+type Of<'a> = ColumnOf<&'a Input>;
+
+/// The columns of `sensitivity.csv`. Those of the answer have its unit.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<Of<'a>> {
+    vec![
+        Of::new("input", Unit::NONE, "input", |input| input.key.into())
+            .is(Role::Key, "Key of the uncertain input, as in `sensitivity.key`."),
+        Of::new("unit", Unit::NONE, "unit", |input| input.unit.symbol.into())
+            .is(Role::Note, "Unit of `from` and `to`; empty for pure numbers."),
+        Of::new("from", Unit::NONE, "5 % quantile", |input| input.range[0].into())
+            .is(Role::Coordinate, "5 % quantile of the input, in its unit."),
+        Of::new("to", Unit::NONE, "95 % quantile", |input| input.range[1].into())
+            .is(Role::Coordinate, "95 % quantile of the input, in its unit."),
+        Of::new("first", Unit::NONE, "first-order index", |input| input.index.first.value.into())
+            .is(Role::Estimate, "First-order Sobol' index: the part of the variance of the answer that the input explains alone.")
+            .within(|input| input.index.first.interval),
+        Of::new("first_lo", Unit::NONE, "lower end", |input| ends(input.index.first)[0].into())
+            .is_of("first", Role::Lower, "Lower end of the 95 % interval of `first`."),
+        Of::new("first_hi", Unit::NONE, "upper end", |input| ends(input.index.first)[1].into())
+            .is_of("first", Role::Upper, "Upper end of the 95 % interval of `first`."),
+        Of::new("total", Unit::NONE, "total index", |input| input.index.total.value.into())
+            .is(Role::Estimate, "Total Sobol' index: the part of the variance of the answer that would remain if only this input were uncertain \
+                and all others known, on average; it contains the interactions of the input.")
+            .within(|input| input.index.total.interval),
+        Of::new("total_lo", Unit::NONE, "lower end", |input| ends(input.index.total)[0].into())
+            .is_of("total", Role::Lower, "Lower end of the 95 % interval of `total`."),
+        Of::new("total_hi", Unit::NONE, "upper end", |input| ends(input.index.total)[1].into())
+            .is_of("total", Role::Upper, "Upper end of the 95 % interval of `total`."),
+        Of::new("at_from", Unit::NONE, "answer at from", |input| input.ends[0].into())
+            .is(Role::Estimate, "The answer with the input at `from` and the others at their nominal values."),
+        Of::new("at_to", Unit::NONE, "answer at to", |input| input.ends[1].into())
+            .is(Role::Estimate, "The answer with the input at `to` and the others at their nominal values."),
+        Of::new("least", Unit::NONE, "least answer", |input| input.swing[0].into())
+            .is(Role::Estimate, "The least answer as the input goes from `from` to `to` with the others at their nominal values."),
+        Of::new("greatest", Unit::NONE, "greatest answer", |input| input.swing[1].into())
+            .is(Role::Estimate, "The greatest answer as the input goes from `from` to `to` with the others at their nominal values."),
+    ]
+}
+
+/// The columns in the unit of the answer.
+const OF_ANSWER: [&str; 4] = ["at_from", "at_to", "least", "greatest"];
+
+/// The table of all inputs, by falling total index.
+pub fn table(found: &Sensitivity) -> Table {
+    let mut columns = columns_of(&columns(), &found.by_total());
+    for column in columns.iter_mut().filter(|column| OF_ANSWER.contains(&column.name.as_str())) {
+        column.unit = found.answer.unit;
+    }
+    Table { columns }
+}
+
+/// Which input decides the answer, in one line.
+pub fn headline(found: &Sensitivity) -> String {
+    let Input { key, index, .. } = found.decisive();
+    let (first, total) = (percent(index.first.value), percent(index.total.value));
+    let alone = match first == total {
+        true => format!("it explains {first} % of its variance"),
+        false => format!("it explains {first} % of its variance alone and {total} % with the other inputs"),
+    };
+    format!("{key} decides the {}: {alone}", found.answer.label)
+}
+
+/// A part in whole percents, which sampling may have left outside 0 to 100.
+fn percent(part: f64) -> String {
+    format!("{:.0}", (100.0 * part.clamp(0.0, 1.0)))
+}
+
+fn number(found: &Sensitivity, value: f64) -> String {
+    let symbol = found.answer.unit.symbol;
+    format!("{}{}{symbol}", significant(value, 4), if symbol.is_empty() { "" } else { " " })
+}
+
+/// The answer in words: what decides it, how it is distributed, and how often it is within the limit.
+pub fn summary(found: &Sensitivity) -> String {
+    let of = |value: f64| number(found, value);
+    let (low, high) = found.decisive().index.total.interval.unwrap_or_default();
+    let mut lines = vec![format!("{}.", headline(found))];
+    lines.push(format!(
+        "Its total index lies between {} % and {} % (95 %). The answer is {} with all inputs at their nominal values.",
+        percent(low),
+        percent(high),
+        of(found.nominal)
+    ));
+    let [least, median, most] = found.quantiles.map(of);
+    lines.push(format!(
+        "Over all inputs its mean is {} and its standard deviation {}; 5 %, 50 % and 95 % of answers are below {least}, {median} and {most}.",
+        of(found.mean.value),
+        of(found.sd.value),
+    ));
+    if let Some((limit, part)) = &found.within {
+        let (low, high) = part.interval.unwrap_or((part.value, part.value));
+        let [value, low, high] =
+            [part.value, low, high].map(|part| significant(100.0 * part.clamp(0.0, 1.0), 3));
+        lines.push(format!(
+            "{value} % of answers ({low} to {high}) are within the limit of {}.",
+            of(limit.value)
+        ));
+    }
+    let unexplained = 1.0 - found.inputs.iter().map(|input| input.index.first.value).sum::<f64>();
+    lines.push(match percent(unexplained).as_str() {
+        "0" => "The inputs act independently of each other.".to_owned(),
+        part => format!("{part} % of the variance comes from inputs that act together."),
+    });
+    lines.join("\n")
+}
+
+/// How the answer was evaluated, in one line.
+pub fn effort(found: &Sensitivity) -> String {
+    let (evaluations, samples) = (found.evaluations, found.samples);
+    match found.trials {
+        None => format!("{evaluations} evaluations in closed form for {samples} samples"),
+        Some(trials) => format!("{evaluations} evaluations of {trials} trials each for {samples} samples"),
+    }
+}
+
+/// The tornado chart: the answer as each input goes from its 5 % to its 95 % quantile.
+pub fn figure(study: &Study, found: &Sensitivity) -> Figure {
+    let inputs = found.by_total();
+    let point = |(place, input): (usize, &&Input)| SeriesPoint {
+        x: (place + 1) as f64,
+        y: found.nominal,
+        band: Some((input.swing[0], input.swing[1])),
+        key: None,
+    };
+    let names = inputs.iter().map(|input| input.label.to_owned()).collect();
+    let points = inputs.iter().enumerate().map(point).collect();
+    Figure {
+        title: study.title.clone(),
+        subtitle: Some(headline(found)),
+        x: Axis { scale: Scale::Linear, whole: true, names, ..Axis::new("uncertain input", "") },
+        y: Axis { scale: Scale::Linear, ..Axis::new(&found.answer.label, found.answer.unit.symbol) },
+        points: "nominal".to_owned(),
+        bands: "5 % to 95 % of the input".to_owned(),
+        series: vec![Series { colour: 0, dash: 0, points, law: vec![] }],
+        chosen: found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect(),
+        ..Figure::default()
+    }
+}
+
+/// The ends of the interval of a value.
+fn ends(found: Found) -> [Option<f64>; 2] {
+    found.interval.map_or([None; 2], |(low, high)| [Some(low), Some(high)])
+}
+
+/// The result with all inputs.
+pub fn json(study: &Study, found: &Sensitivity) -> Value {
+    let with_ends = |found: Found| json!({ "value": found.value, "lo": ends(found)[0], "hi": ends(found)[1] });
+    let input = |input: &&Input| {
+        json!({
+            "input": input.key,
+            "unit": input.unit.symbol,
+            "from": input.range[0],
+            "to": input.range[1],
+            "first": with_ends(input.index.first),
+            "total": with_ends(input.index.total),
+            "at_from": input.ends[0],
+            "at_to": input.ends[1],
+            "least": input.swing[0],
+            "greatest": input.swing[1],
+        })
+    };
+    let rows = found.rows.iter().map(|(column, value)| (column.clone(), json!(value)));
+    let level = |(level, value): (&f64, &f64)| json!({ "level": level, "value": value });
+    json!({
+        "title": study.title,
+        "answer": found.answer.name,
+        "unit": found.answer.unit.symbol,
+        "rows": rows.collect::<serde_json::Map<String, Value>>(),
+        "samples": found.samples,
+        "evaluations": found.evaluations,
+        "trials": found.trials,
+        "seed": study.seed,
+        "decisive": found.decisive().key,
+        "nominal": found.nominal,
+        "mean": with_ends(found.mean),
+        "sd": with_ends(found.sd),
+        "quantiles": LEVELS.iter().zip(&found.quantiles).map(level).collect::<Vec<Value>>(),
+        "limit": found.within.map(|(limit, _)| limit.value),
+        "within_limit": found.within.map(|(_, part)| with_ends(part)),
+        "noise": found.noise,
+        "inputs": found.by_total().iter().map(input).collect::<Vec<Value>>(),
+        "notes": found.notes,
+    })
+}
