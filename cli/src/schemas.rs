@@ -28,11 +28,12 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<_, fn() -> String, 11>([
+    one_of::<_, fn() -> String, 12>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),
         ("design", shipped!("design")),
+        ("sensitivity", shipped!("sensitivity")),
         ("filler", shipped!("filler")),
         ("allan", shipped!("allan")),
         ("psd", shipped!("psd")),

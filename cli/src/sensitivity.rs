@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::analysis::design::Found;
 use sagnac::analysis::sensitivity::report;
 use sagnac::analysis::sensitivity::{Request, Sensitivity, SensitivityError, sensitivity as find};
 use sagnac::quantity::number::significant;
@@ -20,8 +21,8 @@ use crate::{chart, look, whole};
 const EXAMPLES: &str = "\
 Examples:
   sagnac sensitivity studies/what_decides.toml
-  sagnac sensitivity studies/what_decides.toml --by oracle_rms --samples 16384 --plot
-  sagnac sensitivity studies/what_decides.toml --where filler=const --where error=extrapolation";
+  sagnac sensitivity studies/what_decides.toml --by oracle_rms --plot
+  sagnac sensitivity studies/what_decides.toml --by rms --trials 10000";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -42,10 +43,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Samples, each with two evaluations and one more for each input; rounded up to 32 times a power of two [default:
-    /// 8192 in closed form, else 1024]
+    /// 8192 in closed form, else 2048]
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<u64>,
-    /// Trials of each evaluation of a sampled answer [default: 4096 to 2^26 over the number of evaluations]
+    /// Trials of each evaluation of a sampled answer [default: 4096, or more for few evaluations]
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
@@ -114,9 +115,7 @@ fn failure(study: &Study, error: SensitivityError) -> Failure {
     match error {
         SensitivityError::Study(error) => Failure::Study(error),
         SensitivityError::Run(error) => error.into(),
-        SensitivityError::Column(_) | SensitivityError::SeveralRows(_) => {
-            Failure::Usage(in_options(&error))
-        }
+        SensitivityError::Column(_) | SensitivityError::SeveralRows(_) => Failure::Usage(in_options(&error)),
         SensitivityError::Swept(key) => {
             let help = "give the key one value, or make it an uncertain input instead";
             Failure::Study(study.error_at(study.place_of(key), error.to_string(), help))
@@ -142,13 +141,13 @@ fn write_all(study: &Study, found: &Sensitivity, folder: &Path) -> Result<Pictur
 
 /// A line for each input, by falling total index.
 fn table(found: &Sensitivity) -> String {
-    let answer = format!("{} then", found.answer.label);
+    let answer = format!("{} over that range", found.answer.label);
     let heading = ["input", "5 % to 95 %", "first-order index", "total index", &answer];
     let range = |[low, high]: [f64; 2], symbol: &str| {
         format!("{} to {} {symbol}", significant(low, 4), significant(high, 4)).trim_end().to_owned()
     };
     let lines = found.by_total().into_iter().map(|input| {
-        let index = |found: sagnac::analysis::design::Found| match found.interval {
+        let index = |found: Found| match found.interval {
             Some((low, high)) => format!("{:.3} ({low:.3} to {high:.3})", found.value),
             None => format!("{:.3}", found.value),
         };

@@ -1,5 +1,7 @@
 //! Uncertain inputs: keys whose values are known only by a range or a distribution.
 
+use std::ops::Range;
+
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::key::given::Given;
@@ -57,6 +59,8 @@ pub struct Uncertain {
     pub key: &'static Key,
     dimension: Dimension,
     spread: Spread,
+    /// Place of the key's name in the text.
+    pub(crate) span: Range<usize>,
 }
 
 /// A distribution, in base units.
@@ -199,8 +203,7 @@ impl Written<'_> {
                 self.continuous()?;
                 let [low, value, high] = self.ordered([&INTERVAL_LOW, &INTERVAL_VALUE, &INTERVAL_HIGH])?;
                 let [below, above] = [value.value - low.value, high.value - value.value];
-                let [below, above] =
-                    [below, above].map(|half| half / Normal::standard().inverse_cdf(0.975));
+                let [below, above] = [below, above].map(|half| half / Normal::standard().inverse_cdf(0.975));
                 (value.dimension, Spread::Normal { median: value.value, below, above })
             }
             _ => {
@@ -213,7 +216,7 @@ impl Written<'_> {
                 return Err(self.name.fault(message, "for this input", help));
             }
         };
-        Ok(Uncertain { key: self.key, dimension, spread })
+        Ok(Uncertain { key: self.key, dimension, spread, span: self.name.span() })
     }
 
     /// Refuses a key of whole numbers.
@@ -238,7 +241,8 @@ impl Written<'_> {
             self.same_dimension(pair[0], pair[1], written)?;
             if pair[0].value >= pair[1].value {
                 let (less, more) = (parts[place].last(), parts[place + 1].last());
-                let message = format!("{}: {more} = {} is not above {less} = {}", self.key.name, pair[1], pair[0]);
+                let message =
+                    format!("{}: {more} = {} is not above {less} = {}", self.key.name, pair[1], pair[0]);
                 return Err(written.fault(message, "backwards", format!("make {more} larger than {less}")));
             }
         }
@@ -248,7 +252,8 @@ impl Written<'_> {
     /// The standard deviation, in the dimension of the mean.
     fn deviation(&self, mean: Quantity) -> Result<f64, Fault> {
         let written = self.table.needed(&NORMAL_SD)?.of(self.key);
-        let positive = |measure| Measure { limits: (f64::MIN_POSITIVE, f64::INFINITY), range: "above 0", ..measure };
+        let positive =
+            |measure| Measure { limits: (f64::MIN_POSITIVE, f64::INFINITY), range: "above 0", ..measure };
         let holds = self.key.holds.measured().map_or(self.key.holds, |own| Holds::Measure(positive(own)));
         let sd = written.read(&holds)?;
         self.same_dimension(mean, sd, written)?;

@@ -19,7 +19,9 @@ use crate::study::kind::Kind;
 static OF_KINDS: LazyLock<Vec<OfKind>> = LazyLock::new(|| KINDS.into_iter().map(of).collect());
 
 fn of(kind: &Kind) -> OfKind {
-    let keys = schema::distinct([common::KEYS, &(kind.keys)(), sweep::KEYS, sensitivity::KEYS, chart::KEYS].concat());
+    let keys = schema::distinct(
+        [common::KEYS, &(kind.keys)(), sweep::KEYS, sensitivity::KEYS, chart::KEYS].concat(),
+    );
     let Kind { name, subject, needs, sweepable, .. } = kind;
     OfKind { name, meaning: subject, keys, needs, sweepable: sweepable() }
 }

@@ -87,7 +87,9 @@ impl Study {
             Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes, precision };
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
-        let Reading { places, notes, precision, .. } = reading;
+        let Reading { mut places, notes, precision, .. } = reading;
+        // After the values that are read, which come first where both are written.
+        uncertain.iter().for_each(|input| places.add(input.key.name, input.span.clone()));
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
         let mut charts = if is_own { read_charts(&table, &sweeps, &grounds)? } else { vec![] };

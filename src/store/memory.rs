@@ -42,7 +42,11 @@ impl Keep for Memory {
             }
         }
         for raw in &added {
-            self.rows.entry((raw.address.point, raw.address.estimate)).or_default().push((*raw).clone());
+            let held = self.rows.entry((raw.address.point, raw.address.estimate)).or_default();
+            // Equal points of a study have the same rows, and may have sampled both.
+            if held.iter().all(|held| held.block != raw.block) {
+                held.push((*raw).clone());
+            }
         }
         if let Some(so_far) = so_far {
             self.provenance = Some(so_far.clone());

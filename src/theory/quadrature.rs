@@ -29,13 +29,7 @@ pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([
 
 /// The means of `count` functions between `low` and `high`; their values where the ends are equal. `f` writes the values
 /// of all of them at one place.
-pub(crate) fn means(
-    low: f64,
-    high: f64,
-    panels: f64,
-    count: usize,
-    f: impl Fn(f64, &mut [f64]),
-) -> Vec<f64> {
+pub(crate) fn means(low: f64, high: f64, panels: f64, count: usize, f: impl Fn(f64, &mut [f64])) -> Vec<f64> {
     let mut sums = vec![0.0; count];
     if low == high {
         f(low, &mut sums);
@@ -60,8 +54,7 @@ mod tests {
         let power = |x: f64, terms: &mut [f64]| terms[0] = libm::pow(x, 31.0) + libm::pow(x, 30.0);
         let power = means(-1.0, 1.0, 1.0, 1, power)[0];
         assert!((power - 1.0 / 31.0).abs() < 1e-15, "{power}");
-        let turn =
-            |x: f64, terms: &mut [f64]| terms[0] = 1.0 + libm::cos(core::f64::consts::TAU * x + 0.3);
+        let turn = |x: f64, terms: &mut [f64]| terms[0] = 1.0 + libm::cos(core::f64::consts::TAU * x + 0.3);
         let turn = means(2.0, 5.0, 3.0, 1, turn)[0];
         assert!((turn - 1.0).abs() < 1e-14, "{turn}");
     }

@@ -88,6 +88,9 @@ fn written_by_commands() -> Vec<(File, String)> {
             "design {studies}/design_point.toml --trials 64 --device cpu --by {by} --out {by}"
         ));
     }
+    desk.done(&format!(
+        "sensitivity {studies}/what_decides.toml --by oracle_rms --samples 32 --out sensitivity"
+    ));
     let all = files();
     let command = |command: &str, name: &str| {
         let is = |by: By| matches!(by, By::Command(by) if by == format!("sagnac {command}"));
@@ -110,6 +113,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("lot", "lot.csv", "lot"),
         ("filler", "weights.csv", "filler"),
         ("filler", "test_vectors.csv", "filler"),
+        ("sensitivity", "sensitivity.csv", "sensitivity"),
     ];
     let files = files.into_iter().chain(by.map(|by| ("design", "design.csv", by)));
     let files = files.map(|(by, name, folder)| (command(by, name), format!("{folder}/{name}")));

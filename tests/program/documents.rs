@@ -74,10 +74,15 @@ fn a_merge_without_all_shares_says_in_its_verdict_and_document_what_is_missing()
 }
 
 #[test]
-fn design_filler_allan_psd_compare_and_lot_print_what_their_schemas_say() {
+fn design_sensitivity_filler_allan_psd_compare_and_lot_print_what_their_schemas_say() {
     let desk = Desk::with("");
     let design = format!("design {} {FEW}", shipped("studies/design_point.toml"));
     check(&schema("design"), &desk.done(&design).stdout, "design");
+    for more in ["--by oracle_rms --samples 32", "--samples 32 --trials 64"] {
+        let decides = shipped("studies/what_decides.toml");
+        let words = format!("sensitivity {decides} --device cpu --json --out s {more}");
+        check(&schema("sensitivity"), &desk.done(&words).stdout, more);
+    }
     for words in ["filler quadratic const --gap-ticks 3 --json", "filler study.toml --json"] {
         desk.write("study.toml", crate::desk::STUDY);
         check(&schema("filler"), &desk.done(words).stdout, words);

@@ -29,7 +29,7 @@ fn prepared() -> Desk {
     desk.write("my.toml", MY);
     let studies = Path::new(crate::ROOT).join("studies");
     std::fs::create_dir_all(desk.path("studies")).unwrap();
-    for name in ["error_vs_dtnu.toml", "smoke.toml", "design_point.toml"] {
+    for name in ["error_vs_dtnu.toml", "smoke.toml", "design_point.toml", "what_decides.toml"] {
         std::fs::copy(studies.join(name), desk.path(&format!("studies/{name}"))).unwrap();
     }
     // White noise by a small generator, in three columns with time stamps of 10 ms, and a temperature that rises.
@@ -108,7 +108,7 @@ fn examples(help: &str) -> Vec<String> {
 /// The example with few trials, on the processor.
 fn small(example: &str) -> String {
     let words: Vec<&str> = example.split_whitespace().collect();
-    let samples = ["run", "design", "verify"].contains(&words[1]);
+    let samples = ["run", "design", "sensitivity", "verify"].contains(&words[1]);
     let mut words: Vec<String> = words.into_iter().map(str::to_owned).collect();
     for at in 0..words.len() {
         match words[at].as_str() {

@@ -51,6 +51,7 @@ mod messy_logs;
 mod psd;
 mod report;
 mod resumed;
+mod sensitivity;
 mod shaders;
 mod shards;
 mod stops;

@@ -70,9 +70,9 @@ pub struct Request {
     pub by: Option<String>,
     /// Rows of the points, as pairs of a column and its value; those shown by default where a column is not named.
     pub rows: Vec<(String, String)>,
-    /// Number of samples, rounded up to 32 times a power of two. If absent, 8192, or 1024 for a sampled answer.
+    /// Number of samples, rounded up to 32 times a power of two. If absent, 8192, or 2048 for a sampled answer.
     pub samples: Option<u64>,
-    /// Number of trials of each evaluation of a sampled answer; if absent, as many as take about a minute.
+    /// Number of trials of each evaluation of a sampled answer; if absent, 4096, or more for few evaluations.
     pub trials: Option<u64>,
 }
 
@@ -168,7 +168,7 @@ pub enum SensitivityError {
 }
 
 /// Samples where none are requested, for an answer in closed form and for a sampled one.
-const SAMPLES: [u64; 2] = [8192, 1024];
+const SAMPLES: [u64; 2] = [8192, 2048];
 
 /// log2 of the trials of all evaluations together where none are requested.
 const ALL_TRIALS_LOG2: u32 = 26;
@@ -264,7 +264,8 @@ fn question(
     let mut rows = asked.rows.clone();
     for (column, value) in study.usual_rows() {
         let own = table.column(&column)?;
-        let is_same = |(name, _): &(String, String)| table.column(name).is_ok_and(|other| other.name == own.name);
+        let is_same =
+            |(name, _): &(String, String)| table.column(name).is_ok_and(|other| other.name == own.name);
         if !asked.rows.iter().any(is_same) {
             rows.push((column, value));
         }

@@ -9,7 +9,7 @@ use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::columns_of;
 use crate::table::{ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::{Axis, Figure, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};
 
 type Of<'a> = ColumnOf<&'a Input>;
 
@@ -67,9 +67,10 @@ pub fn table(found: &Sensitivity) -> Table {
 pub fn headline(found: &Sensitivity) -> String {
     let Input { key, index, .. } = found.decisive();
     let (first, total) = (percent(index.first.value), percent(index.total.value));
-    let alone = match first == total {
-        true => format!("it explains {first} % of its variance"),
-        false => format!("it explains {first} % of its variance alone and {total} % with the other inputs"),
+    let interacts = index.total.interval.is_some_and(|(low, _)| low > index.first.value);
+    let alone = match interacts && first != total {
+        true => format!("it explains {first} % of its variance alone and {total} % with the other inputs"),
+        false => format!("it explains {first} % of its variance"),
     };
     format!("{key} decides the {}: {alone}", found.answer.label)
 }
@@ -130,22 +131,31 @@ pub fn effort(found: &Sensitivity) -> String {
 /// The tornado chart: the answer as each input goes from its 5 % to its 95 % quantile.
 pub fn figure(study: &Study, found: &Sensitivity) -> Figure {
     let inputs = found.by_total();
-    let point = |(place, input): (usize, &&Input)| SeriesPoint {
-        x: (place + 1) as f64,
-        y: found.nominal,
-        band: Some((input.swing[0], input.swing[1])),
-        key: None,
+    let series = |style: usize, y: &dyn Fn(&Input) -> f64| {
+        let band = |input: &Input| (style == 0).then_some((input.swing[0], input.swing[1]));
+        let point = |(place, input): (usize, &&Input)| SeriesPoint {
+            x: (place + 1) as f64,
+            y: y(input),
+            band: band(input),
+            key: None,
+        };
+        let points = inputs.iter().enumerate().map(point).collect();
+        Series { colour: style, dash: style, points, law: vec![] }
     };
     let names = inputs.iter().map(|input| input.label.to_owned()).collect();
-    let points = inputs.iter().enumerate().map(point).collect();
+    let styles = ["nominal", "at 5 %", "at 95 %"].map(str::to_owned);
     Figure {
         title: study.title.clone(),
         subtitle: Some(headline(found)),
         x: Axis { scale: Scale::Linear, whole: true, names, ..Axis::new("uncertain input", "") },
         y: Axis { scale: Scale::Linear, ..Axis::new(&found.answer.label, found.answer.unit.symbol) },
-        points: "nominal".to_owned(),
+        colours: Grouping::of("the input", styles),
         bands: "5 % to 95 % of the input".to_owned(),
-        series: vec![Series { colour: 0, dash: 0, points, law: vec![] }],
+        series: vec![
+            series(0, &|_| found.nominal),
+            series(1, &|input| input.ends[0]),
+            series(2, &|input| input.ends[1]),
+        ],
         chosen: found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect(),
         ..Figure::default()
     }
@@ -158,7 +168,8 @@ fn ends(found: Found) -> [Option<f64>; 2] {
 
 /// The result with all inputs.
 pub fn json(study: &Study, found: &Sensitivity) -> Value {
-    let with_ends = |found: Found| json!({ "value": found.value, "lo": ends(found)[0], "hi": ends(found)[1] });
+    let with_ends =
+        |found: Found| json!({ "value": found.value, "lo": ends(found)[0], "hi": ends(found)[1] });
     let input = |input: &&Input| {
         json!({
             "input": input.key,

@@ -76,9 +76,9 @@ pub(crate) fn joined(uncertain: &[Uncertain], found: &Indices, swings: Swings) -
     let all = uncertain.iter().zip(&found.inputs).zip(swings.inputs);
     let input = |((input, index), along): ((&Uncertain, &Index), Vec<f64>)| {
         let shown = |level: f64| input.at(level).cell().number().unwrap_or(f64::NAN);
-        let (least, most) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), y| {
-            (least.min(*y), most.max(*y))
-        });
+        let (least, most) = along
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), y| (least.min(*y), most.max(*y)));
         Input {
             key: input.key.name,
             label: input.key.label,
