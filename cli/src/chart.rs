@@ -140,7 +140,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
         return Ok(());
     }
     for note in drawn.iter().filter_map(|drawn| drawn.note.as_ref()) {
-        say!("note: {note}");
+        note!("{note}");
     }
     for drawn in drawn.iter().filter(|_| options.plot) {
         print(&format!("{}\n", drawn.picture.text(look::of_output())))?;

@@ -93,6 +93,12 @@ pub fn wrapped(line: &str, width: usize) -> String {
     text
 }
 
+/// A note for the standard error stream, broken at words where it is a terminal.
+pub fn of_note(note: &str) -> String {
+    let line = format!("note: {note}");
+    if std::io::stderr().is_terminal() { wrapped(&line, error_columns()) } else { line }
+}
+
 /// Number of columns of the terminal of the standard error stream, else 80.
 pub fn error_columns() -> usize {
     let asked = terminal_size::terminal_size_of(std::io::stderr());

@@ -11,6 +11,13 @@ macro_rules! say {
     }};
 }
 
+/// Prints a note, broken at words where the standard error stream is a terminal.
+macro_rules! note {
+    ($($words:tt)*) => {
+        say!("{}", $crate::look::of_note(&format!($($words)*)))
+    };
+}
+
 mod allan;
 mod bench;
 mod chart;

@@ -85,7 +85,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
             say!("{}: {added} rows added{known}", folder.display());
         }
         if damaged > 0 {
-            say!("note: {}: omitted {damaged} damaged rows or pages", folder.display());
+            note!("{}: omitted {damaged} damaged rows or pages", folder.display());
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;

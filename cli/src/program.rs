@@ -175,7 +175,7 @@ impl DeviceArg {
         if is_said {
             say!("device: {}, {reason}", device.name());
             for sentence in left_out {
-                say!("note: {sentence}");
+                note!("{sentence}");
             }
         }
         Ok(device)

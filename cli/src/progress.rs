@@ -220,7 +220,7 @@ impl Progress for Shown {
 
     fn note(&self, sentence: &str) {
         if self.how != How::None {
-            say!("note: {sentence}");
+            note!("{sentence}");
         }
     }
 

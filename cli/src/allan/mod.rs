@@ -79,7 +79,7 @@ fn of_log(
         return Ok(Some(document));
     }
     if !options.output.quiet {
-        notes.iter().for_each(|note| say!("note: {}", in_options(note)));
+        notes.iter().for_each(|note| note!("{}", in_options(note)));
         if options.plot {
             print(&plotted(figures))?;
         }

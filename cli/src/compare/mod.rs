@@ -56,7 +56,7 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
         return print_json(&tables::document(&analysis));
     }
     if !options.output.quiet {
-        notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
+        notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
         print(&report::report(&analysis))?;
         say!("{}", whereabouts(&folder));
     }

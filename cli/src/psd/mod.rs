@@ -79,7 +79,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
         return print_json(&tables::document(&analysis));
     }
     if !options.output.quiet {
-        notes::notes(&analysis).iter().for_each(|note| say!("note: {}", in_options(note)));
+        notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
         if options.plot {
             print(&plotted(figures))?;
         }

@@ -111,7 +111,7 @@ impl Ran<'_> {
         }
         if !self.quiet {
             for note in results.notes() {
-                say!("note: {note}");
+                note!("{note}");
             }
             if let Some(first) = results.charts.first().filter(|_| self.plot) {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;

@@ -229,7 +229,7 @@ fn run_study(
     let mut store = Store::open(folder, &plan.identity())?;
     // Kept from the start, as the run may be killed.
     for name in keep(study, folder)? {
-        say!("note: {name} changed since the last run; the affected points are resampled");
+        note!("{name} changed since the last run; the affected points are resampled");
     }
     store.note_share(course.share)?;
     let shown = Shown::new(options.progress.how(options.quiet)).until(&course.stop);
@@ -249,7 +249,7 @@ fn run_study(
     if !course.share.is_whole() {
         shown.clear();
         for note in done.iter().flat_map(|done| &done.degraded) {
-            say!("note: {note}");
+            note!("{note}");
         }
         if !options.quiet {
             let share = course.share;
