@@ -1,10 +1,12 @@
 //! The frequency response of fillers, as a chart.
 
 use crate::analysis::firmware::design::{Firmware, response};
+use crate::filler::closed::LISTED;
 use crate::filler::keys::Error;
 use crate::quantity::number::significant;
 use crate::theory::gap::Weights;
-use crate::view::chart::figure::{Axis, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
+use crate::view::chart::styles::of_names;
 
 /// Decades below the Nyquist frequency at which the chart begins, which is 1 Hz for ticks of 5 ms. Below it the errors
 /// fall on straight lines.
@@ -14,6 +16,14 @@ const STEPS: usize = 720;
 const MARKER_STEPS: usize = 60;
 /// Lower end of the chart relative to the angle of the gap at a constant rate; smaller errors are lost in any noise.
 const LEAST: f64 = 1e-4;
+
+/// The styles of fillers, which are those of other charts.
+fn styles_of(names: &[String]) -> Vec<usize> {
+    let mut sorted = names.to_vec();
+    sorted.sort_unstable();
+    let styles = of_names(LISTED, &sorted);
+    names.iter().filter_map(|name| Some(styles[sorted.binary_search(name).ok()?])).collect()
+}
 
 impl Firmware {
     /// The amplitude of the error per amplitude of the rate as a function of the vibration frequency, up to half the
@@ -26,7 +36,9 @@ impl Firmware {
         let frequency = |i: usize| nyquist * libm::pow(10.0, DECADES * (i as f64 / STEPS as f64 - 1.0));
         let of = |weights: &Weights, nu: f64| response(weights, self.gap_ticks, tick_s, nu);
         let mut series = Vec::new();
-        for (colour, design) in self.designs.iter().enumerate() {
+        let names: Vec<String> = self.designs.iter().map(|design| design.name.clone()).collect();
+        let styles = styles_of(&names);
+        for (&colour, design) in styles.iter().zip(&self.designs) {
             for (error, rule, _) in design.rules() {
                 let weights = rule.whole();
                 let point = |i: usize| SeriesPoint {
@@ -56,7 +68,7 @@ impl Firmware {
             let label = format!("the motion, {} Hz", significant(nu, 4));
             laws.push(law(label, vec![(nu, low), (nu, markers().fold(0.0, f64::max))]));
         }
-        let names = self.designs.iter().map(|design| design.name.clone());
+        let entries = names.into_iter().zip(styles).map(|(name, style)| Entry { style, name });
         let extrapolates = self.designs.iter().any(|design| design.extrapolation.is_some());
         let errors: &[Error] =
             if extrapolates { &[Error::Residual, Error::Extrapolation] } else { &[Error::Residual] };
@@ -73,7 +85,7 @@ impl Firmware {
             subtitle: Some(self.title.clone()),
             x: Axis::new("vibration frequency", frequency_unit),
             y: Axis::new("error amplitude per rate amplitude", error_unit),
-            colours: Grouping::of("filler", names),
+            colours: Grouping { title: "filler".to_owned(), entries: entries.collect() },
             dashes: Grouping::of("error", errors),
             lines: "closed form".to_owned(),
             series,

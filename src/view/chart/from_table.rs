@@ -7,6 +7,7 @@ use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Li
 use crate::view::chart::mixed::check_curves;
 use crate::view::chart::notes::{ChartError, Notes};
 use crate::view::chart::stack::Shown;
+use crate::view::chart::styles::styles;
 
 impl Figure {
     /// The curves of `table` that `chart` selects, in the order of their first rows, with points by rising x. Identical
@@ -163,16 +164,6 @@ fn styled(column: Option<&Column>, rows: &[usize]) -> Grouping {
     let styles = styles(column, &grouping.entries);
     grouping.entries.iter_mut().zip(styles).for_each(|(entry, style)| entry.style = style);
     grouping
-}
-
-/// The styles of the values of a column: fixed ones of the names that look the same everywhere, and the next of the others.
-pub(crate) fn styles(column: Option<&Column>, entries: &[Entry]) -> Vec<usize> {
-    let fixed = column.map_or(&[][..], |column| column.styled);
-    let mut next = fixed.len()..;
-    let style = |entry: &Entry| {
-        fixed.iter().position(|name| *name == entry.name).or_else(|| next.next()).unwrap_or_default()
-    };
-    entries.iter().map(style).collect()
 }
 
 /// The different values of a column, in the order of their first rows.

@@ -76,6 +76,7 @@ pub(crate) mod plot;
 pub(crate) mod png;
 pub(crate) mod scale;
 pub mod stack;
+pub(crate) mod styles;
 pub(crate) mod svg;
 pub(crate) mod text;
 pub(crate) mod ticks;

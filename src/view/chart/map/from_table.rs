@@ -6,10 +6,11 @@ use crate::chart::{Chart, Shows};
 use crate::key::scale::Scale;
 use crate::table::{Column, Table};
 use crate::view::chart::figure::Entry;
-use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style, styles};
+use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
 use crate::view::chart::map::winners::winners;
 use crate::view::chart::map::{Cells, Estimate, Layer, Map};
 use crate::view::chart::notes::{ChartError, MapNotes};
+use crate::view::chart::styles::styles;
 
 impl Map {
     /// The map of `table` that `chart` selects, with a cell for each pair of values of x and y.
