@@ -210,27 +210,24 @@ class CellMap {
     const sample = (look, name) => element("p", { class: "entry" },
       shape("svg", { class: "sample", viewBox: "0 0 36 18", "aria-hidden": "true" }, ...look), element("span", {}, name));
     const block = (look) => shape("rect", { x: 2, y: 2, width: 32, height: 14, ...look });
+    const { words } = map;
     const chosen = map.chosen.length ? group("shown", ...map.chosen.map((text) => element("p", {}, text))) : null;
+    const blank = words.blank ? element("p", {}, words.blank) : null;
     if (!winners) {
       this.bar = shape("svg", { class: "colour-bar", viewBox: "0 0 120 260" });
       this.bar.append(...this.colourBar());
-      const limit = map.limit ? group(null, sample([sampleLine({ class: "limit solid" })], map.limit.label)) : null;
-      return element("div", { class: "legend" }, ...[group(axisTitle(map.z), this.bar), limit, chosen].filter(Boolean));
+      const limit = words.limit ? sample([sampleLine({ class: "limit solid" })], words.limit) : null;
+      return element("div", { class: "legend" }, ...[group(axisTitle(map.z), this.bar), group(null, limit, blank), chosen].filter(Boolean));
     }
-    const count = (style) => winners.won.filter((won) => won?.style === style).length;
-    const all = winners.won.filter(Boolean).length;
-    const share = (part) => `${part} of ${all} cells`;
-    const entries = winners.of.entries.map(({ style, name }) => sample([block({ class: `cell c${style % 8}` })], `${name}: ${share(count(style))}`));
-    const close = winners.won.filter((won) => won && !won.certain).length;
-    const over = map.limit ? winners.won.filter((won) => won && won.value > map.limit.value).length : 0;
+    const entries = words.entries.map(([style, text]) => sample([block({ class: `cell c${style % 8}` })], text));
     const id = `hatch-${++plots}`;
     return element("div", { class: "legend" },
-      ...[group(winners.of.title, element("p", {}, `with the least ${map.z.label}`), ...entries),
+      ...[group(winners.of.title, element("p", {}, words.judged), ...entries),
         group(null,
-          winners.banded
-            ? close > 0 ? sample([block({ class: "cell grey pale" })], `faded: the 95 % bands of the best two overlap: ${share(close)}`) : null
-            : element("p", {}, "no 95 % bands are known here: any lead is shown as certain"),
-          map.limit ? sample([hatching(id), block({ fill: `url(#${id})`, class: "framed" })], `even the least is over the ${map.limit.label}: ${share(over)}`) : null),
+          words.unjudged ? element("p", {}, words.unjudged) : null,
+          words.close ? sample([block({ class: "cell grey pale" })], words.close) : null,
+          words.limit ? sample([hatching(id), block({ fill: `url(#${id})`, class: "framed" })], words.limit) : null,
+          blank),
         chosen].filter(Boolean));
   }
 

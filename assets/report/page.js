@@ -7,9 +7,12 @@ async function unpacked() {
 }
 
 /** A chart of curves, or a map, with its tools and legend. */
-function chart(host, { stem, picture, axes }) {
+function chart(host, { stem, picture, axes, words }) {
   for (const name of ["x", "y", "z"]) if (axes[name]) picture[name].ladders = axes[name];
   picture.edges = axes.edges;
+  picture.words = words;
+  // Instead of the still picture.
+  host.replaceChildren();
   const drawing = element("div", { class: "drawing" });
   if (picture.kind === "curves") {
     const subject = new Curves(picture);
@@ -106,6 +109,6 @@ unpacked().then((data) => {
   document.body.dataset.ready = "true";
 }).catch((error) => {
   document.querySelector("main").prepend(element("p", { class: "note", role: "alert" },
-    `The charts of this page cannot be drawn by this browser (${error}); use one of 2024 or later.`));
+    `This browser shows the charts as still pictures and no tables (${error}); use one of 2024 or later.`));
   throw error;
 });

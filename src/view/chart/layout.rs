@@ -14,10 +14,16 @@ pub(crate) const WIDTH: f64 = 1000.0;
 pub(crate) const HEIGHT: f64 = 650.0;
 
 pub(crate) const MARGIN: f64 = 26.0;
+/// Width of titles.
+const ROOM: f64 = WIDTH - 2.0 * MARGIN;
 /// Approximate number of labels for which an axis has room.
 pub(crate) const MOST_LABELS: usize = 9;
 
 const TITLE_SIZE: f64 = 20.0;
+const SUBTITLE_SIZE: f64 = 13.5;
+/// Distance of the lines of a subtitle, and most of them.
+const LINE: f64 = 18.0;
+const MOST_LINES: usize = 3;
 const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
 
 /// A rectangle of the picture, in px.
@@ -68,25 +74,37 @@ pub(crate) struct Titles<'a> {
 }
 
 impl Titles<'_> {
+    /// The lines of the subtitle, the last of which is shortened if there are too many.
+    fn subtitle_lines(&self) -> Vec<String> {
+        let mut lines = text::wrapped(self.subtitle.unwrap_or_default(), SUBTITLE_SIZE, ROOM);
+        if lines.len() > MOST_LINES {
+            let rest = lines.split_off(MOST_LINES - 1).join(" ");
+            lines.push(rest);
+        }
+        lines.iter().map(|line| text::fitted(line, SUBTITLE_SIZE, false, ROOM)).collect()
+    }
+
     /// The frame that leaves room for the titles, the labels of the vertical axis and `beside` px on the right.
     pub(crate) fn frame(&self, y_ticks: &Ticks, beside: f64) -> Frame {
         Frame {
             left: MARGIN + AXIS_TITLE.size + 14.0 + widest(y_ticks) + 10.0,
-            top: if self.subtitle.is_some() { 86.0 } else { 66.0 },
+            top: match self.subtitle_lines().len() {
+                0 => 66.0,
+                lines => 86.0 + LINE * (lines - 1) as f64,
+            },
             right: WIDTH - MARGIN - if beside > 0.0 { beside + MARGIN } else { 0.0 },
             bottom: HEIGHT - 72.0,
         }
     }
 
     pub(crate) fn draw(&self, canvas: &mut Canvas, frame: Frame) {
-        let room = WIDTH - 2.0 * MARGIN;
         let wanted = text::width(self.title, TITLE_SIZE, true);
-        let size = (TITLE_SIZE * (room / wanted.max(1.0)).min(1.0)).max(14.0);
+        let size = (TITLE_SIZE * (ROOM / wanted.max(1.0)).min(1.0)).max(14.0);
         let title = Lettering { size, bold: true, colour: INK, anchor: "start" };
-        canvas.text((MARGIN, 40.0), &text::fitted(self.title, size, true, room), title);
-        if let Some(subtitle) = self.subtitle {
-            let lettering = Lettering { size: 13.5, bold: false, colour: MUTED, anchor: "start" };
-            canvas.text((MARGIN, 63.0), &text::fitted(subtitle, 13.5, false, room), lettering);
+        canvas.text((MARGIN, 40.0), &text::fitted(self.title, size, true, ROOM), title);
+        let lettering = Lettering { size: SUBTITLE_SIZE, bold: false, colour: MUTED, anchor: "start" };
+        for (place, line) in self.subtitle_lines().iter().enumerate() {
+            canvas.text((MARGIN, 63.0 + LINE * place as f64), line, lettering);
         }
         let Frame { left, top, right, bottom } = frame;
         let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);

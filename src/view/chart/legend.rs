@@ -74,7 +74,7 @@ impl Legend {
         legend.part(Some(&figure.parts.title), parts.collect());
         let coincident = figure.coincident();
         if !coincident.is_empty() {
-            legend.part(Some("the same curve"), coincident.into_iter().map(Row::Remark).collect());
+            legend.part(Some("the same curve"), coincident.iter().flat_map(|text| remark(text)).collect());
         }
         legend.shown(&figure.chosen);
         legend
@@ -82,13 +82,13 @@ impl Legend {
 
     fn grouping(&mut self, grouping: &Grouping, sample: impl Fn(usize) -> Sample) {
         let entries =
-            grouping.entries.iter().map(|entry| Row::Entry(sample(entry.style), entry.name.clone()));
+            grouping.entries.iter().flat_map(|entry| wrapped_entry(sample(entry.style), &entry.name));
         self.part(Some(&grouping.title), entries.collect());
     }
 
     /// Adds the rows selected from the table.
     pub(crate) fn shown(&mut self, chosen: &[String]) {
-        self.part(Some("shown"), chosen.iter().cloned().map(Row::Remark).collect());
+        self.part(Some("shown"), chosen.iter().flat_map(|text| remark(text)).collect());
     }
 
     pub(crate) fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
@@ -198,6 +198,11 @@ pub(crate) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
     let mut lines = text::wrapped(text, SIZE, WIDEST_TEXT).into_iter();
     let first = Row::Entry(sample, lines.next().unwrap_or_default());
     std::iter::once(first).chain(lines.map(Row::Continued)).collect()
+}
+
+/// A remark with its complete text, in as many lines as needed.
+pub(crate) fn remark(text: &str) -> Vec<Row> {
+    text::wrapped(text, SIZE, WIDEST_TEXT + SAMPLE + GAP).into_iter().map(Row::Remark).collect()
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {

@@ -13,6 +13,7 @@ use serde_json::value::RawValue;
 
 use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table, titled};
+use crate::view::chart::map::words::Words;
 use crate::view::chart::palette::Looks;
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
@@ -39,6 +40,8 @@ struct Chart {
     stem: String,
     picture: Box<RawValue>,
     axes: Axes,
+    /// The legend of a map.
+    words: Option<Words>,
 }
 
 /// The part of a table in a page.
@@ -98,6 +101,10 @@ pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Pa
         stem: drawn.stem.clone(),
         picture: json(&one_in(thinned, &drawn.picture)),
         axes: Axes::of(&drawn.picture),
+        words: match &drawn.picture {
+            Picture::Curves(_) => None,
+            Picture::Map(map) => Some(map.words()),
+        },
     });
     let tables: Vec<Listed> = tables.iter().map(|(file, table)| listed(file, table, charts)).collect();
     let data = Data { looks: Looks::new(), charts: packed_charts.collect(), tables };
@@ -105,7 +112,7 @@ pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Pa
 }
 
 /// A picture with only every `step`-th point of its curves and laws.
-fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
+pub(crate) fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
     let Picture::Curves(figure) = picture else { return Cow::Borrowed(picture) };
     if step == 1 {
         return Cow::Borrowed(picture);

@@ -11,6 +11,7 @@ pub(crate) mod svg;
 #[cfg(test)]
 mod tests;
 pub(crate) mod winners;
+pub(crate) mod words;
 
 use serde::Serialize;
 

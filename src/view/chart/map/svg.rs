@@ -4,10 +4,10 @@ use crate::key::scale::Scale;
 use crate::view::chart::axes;
 use crate::view::chart::canvas::{Canvas, Stroke};
 use crate::view::chart::layout::{Area, Frame, HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
-use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
+use crate::view::chart::legend::{Legend, Sample, remark, wrapped_entry};
 use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
-use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
+use crate::view::chart::map::{Axis, Cells, Map, limit_line};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED, Shades};
 use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::ticks::Ticks;
@@ -89,66 +89,28 @@ impl Map {
 
     fn legend(&self) -> Legend {
         let mut legend = Legend::default();
-        if let Cells::Winners { of, won, banded } = &self.cells {
-            let won: Vec<Won> = won.iter().copied().flatten().collect();
-            let entry = |style: usize, name: &str| {
-                let cells = won.iter().filter(|won| won.style == style).count();
-                let sample = Sample::Area(palette::area_colour(style), false);
-                wrapped_entry(sample, &format!("{name}: {}", share(cells, won.len())))
+        let words = self.words();
+        if let Cells::Winners { of, .. } = &self.cells {
+            let entry = |(style, text): &(usize, String)| {
+                wrapped_entry(Sample::Area(palette::area_colour(*style), false), text)
             };
-            let judged = Row::Remark(format!("with the least {}", self.z.label));
-            let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
-            legend.part(Some(&of.title), std::iter::once(judged).chain(rows).collect());
-            legend.part(None, lead_rows(&won, *banded));
+            let judged = words.judged.iter().flat_map(|text| remark(text));
+            legend.part(Some(&of.title), judged.chain(words.entries.iter().flat_map(entry)).collect());
         }
-        legend.part(None, self.limit_rows());
-        if self.known() < self.columns.len() * self.rows.len() {
-            legend.part(None, vec![Row::Remark("blank: not known".to_owned())]);
-        }
+        let close = words.close.iter().flat_map(|text| wrapped_entry(Sample::Area(PALE_MUTED, false), text));
+        legend.part(None, words.unjudged.iter().flat_map(|text| remark(text)).chain(close).collect());
+        let limit = words.limit.iter().flat_map(|text| {
+            let line = Stroke { colour: LIMIT, width: 2.2, dash: "" };
+            let sample = match self.cells {
+                Cells::Values(_) => Sample::Line(line),
+                Cells::Winners { .. } => Sample::Area("#ffffff", true),
+            };
+            wrapped_entry(sample, text)
+        });
+        legend.part(None, limit.collect());
+        legend.part(None, words.blank.iter().flat_map(|text| remark(text)).collect());
         legend.shown(&self.chosen);
         legend
-    }
-
-    /// Rows with the limit and the number of cells within it.
-    fn limit_rows(&self) -> Vec<Row> {
-        let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
-            return vec![];
-        };
-        let (known, label) = (self.known(), unbroken(&limit.label));
-        let (sample, text) = match self.cells {
-            Cells::Values(_) => {
-                let line = Stroke { colour: LIMIT, width: 2.2, dash: "" };
-                (
-                    Sample::Line(line),
-                    format!("{label}, {}", unbroken(&format!("within: {}", share(within, known)))),
-                )
-            }
-            Cells::Winners { .. } => {
-                let over = share(known - within, known);
-                (Sample::Area("#ffffff", true), format!("even the least is over the {label}: {over}"))
-            }
-        };
-        wrapped_entry(sample, &text)
-    }
-}
-
-/// A text that stays in one line.
-fn unbroken(text: &str) -> String {
-    text.replace(' ', "\u{a0}")
-}
-
-/// Rows on the leads of the winners: the number of uncertain ones, if there are any, or that no intervals are known.
-fn lead_rows(won: &[Won], banded: bool) -> Vec<Row> {
-    let close = won.iter().filter(|won| !won.certain).count();
-    match (banded, close) {
-        (false, _) => ["no 95 % bands are known here:", "any lead is shown as certain"]
-            .map(|line| Row::Remark(line.to_owned()))
-            .into(),
-        (true, 0) => vec![],
-        (true, close) => {
-            let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
-            wrapped_entry(Sample::Area(PALE_MUTED, false), &text)
-        }
     }
 }
 
