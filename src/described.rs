@@ -58,6 +58,7 @@ pub fn files() -> Vec<File> {
             command("units.csv", "sagnac lot", abouts(&lot::tables::unit_columns())),
             command("lot.csv", "sagnac lot", abouts(&lot::tables::lot_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
+            command("trade.csv", "sagnac filler", abouts(&firmware::search::columns())),
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
         ])
         .collect()

@@ -108,12 +108,16 @@ class Plot {
       group.append(shape("path", { d: `M${left},${at}h-5` }));
       group.append(shape("text", { x: left - 9, y: at + 0.36 * size, "text-anchor": "end" }, label));
     }
-    const middle = (left + right) / 2;
-    group.append(shape("text", { class: "title", x: middle, y: this.height - 0.5 * size, "text-anchor": "middle" },
-      axisTitle(this.subject.x)));
-    group.append(shape("text", {
-      class: "title", transform: `translate(${size} ${(top + bottom) / 2}) rotate(-90)`, "text-anchor": "middle",
-    }, axisTitle(this.subject.y)));
+    // Long titles are smaller, so that they keep all their words.
+    const title = (axis, middle, end, place) => {
+      const text = axisTitle(axis);
+      const room = 2 * Math.min(middle, end - middle) - 4;
+      const fitted = Math.min(size, (size * room) / textWidth(text, size));
+      group.append(shape("text", { class: "title", style: `font-size: ${fitted}px`, "text-anchor": "middle", ...place }, text));
+    };
+    const [across, down] = [(left + right) / 2, (top + bottom) / 2];
+    title(this.subject.x, across, this.width, { x: across, y: this.height - 0.5 * size });
+    title(this.subject.y, down, this.height, { transform: `translate(${size} ${down}) rotate(-90)` });
     return group;
   }
 

@@ -6,17 +6,18 @@ use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
-use sagnac::quantity::number::{short, significant};
+use sagnac::analysis::page;
+use sagnac::quantity::number::short;
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
-use crate::output::{print, print_json, write, write_table};
+use crate::output::{print, print_json, whereabouts, write, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::terminal::headed;
+use crate::terminal::headed_by;
 use crate::words::one_of;
 use crate::{look, whole};
 
@@ -94,20 +95,16 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     }
     if !options.quiet {
         for note in &found.notes {
-            say!("note: {note}");
+            note!("{note}");
         }
         if options.plot {
             print(&format!("{}\n", picture.text(look::of_output())))?;
         }
         print(&summary(&found, &table))?;
     }
-    print(&report::recommendation(&found))?;
+    print(&report::recommendation(&found).join("\n"))?;
     if !options.quiet {
-        say!(
-            "{} runs at each interval; table and chart are in {}",
-            short(found.trials as f64),
-            folder.display()
-        );
+        say!("{} runs at each interval; {}", short(found.trials as f64), whereabouts(&folder));
     }
     Ok(())
 }
@@ -134,33 +131,13 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
     let figure = report::figure(study, found, table).map_err(|error| Failure::Picture(error.to_string()))?;
     let picture = Picture::Curves(figure);
     write_pictures(folder, "design", &picture)?;
+    write_page(folder, &page::of_design(study, found, table, picture.clone()))?;
     Ok(picture)
 }
 
 /// A line for each filler at its best interval.
 fn summary(found: &Design, table: &Table) -> String {
-    let label = found.measure.label();
-    let angle = format!("″ after {}", report::duration(found.duration_s));
-    let heading =
-        ["filler", "best interval, s", "95 % interval, s", "switches", label, &angle, "times the least"];
-    let lines = found.fillers.iter().map(|filler| {
-        let best = filler.best();
-        let range = match filler.optimum.interval {
-            Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
-            None if filler.is_at_edge() => "at the end of the range".to_owned(),
-            None => "too few candidates near it".to_owned(),
-        };
-        let worse = found.worse_by(filler);
-        vec![
-            report::called(filler).to_owned(),
-            significant(best.interval_s, 4),
-            range,
-            best.switches.to_string(),
-            format!("{} °/h", significant(best.drift.value, 3)),
-            significant(found.angle(best.drift.value), 3),
-            significant(worse.value, 3),
-        ]
-    });
+    let (heading, lines) = report::by_filler(found);
     let (tried, runs, time) = (table.rows(), found.trials, report::duration(found.duration_s));
-    format!("{tried} candidates, {runs} runs each of {time}\n{}", headed(heading, lines))
+    format!("{tried} candidates, {runs} runs each of {time}\n{}", headed_by(heading, lines.into_iter()))
 }

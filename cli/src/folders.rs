@@ -5,18 +5,17 @@ use std::path::{Path, PathBuf};
 
 use sagnac::run::RESOLVED;
 use sagnac::study::Study;
+use sagnac::view::report::CARD;
 
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 8] = [
+const WRITTEN: [(&str, &str); 6] = [
     ("curve.csv", "allan"),
     ("psd.csv", "psd"),
     ("compare.csv", "compare"),
     ("lot.csv", "lot"),
-    ("design/design.json", "design"),
     ("design.json", "design"),
-    ("filler/weights.csv", "filler"),
     ("weights.csv", "filler"),
 ];
 
@@ -26,6 +25,11 @@ const MOST_NAMED: usize = 4;
 /// Whether the folder contains results of a study.
 pub fn is_study(folder: &Path) -> bool {
     folder.join(RESOLVED).is_file()
+}
+
+/// Whether the folder contains results of another command, with their card.
+pub fn is_carded(folder: &Path) -> bool {
+    folder.join(CARD).is_file()
 }
 
 /// The subfolders of a folder, sorted by name.
@@ -66,7 +70,9 @@ pub fn study(folder: &Path) -> Result<Study, Failure> {
         format!("{shown} is a file, not a folder of results\n{give}")
     } else if !folder.exists() {
         format!("there is no folder {shown}\n{give}")
-    } else if let Some(command) = writer(folder) {
+    } else if let Some(command) =
+        [folder, &folder.join("design"), &folder.join("filler")].into_iter().find_map(writer)
+    {
         format!("{shown} holds output of `sagnac {command}`, not results of a study\n{give}")
     } else {
         let none = || format!("{shown} has no {RESOLVED}, so it holds no results of a study\n{give}");
@@ -85,24 +91,47 @@ pub fn several(folder: &Path) -> Option<String> {
 }
 
 /// The command other than `run` that wrote to the folder, if any.
-fn writer(folder: &Path) -> Option<&'static str> {
+pub fn writer(folder: &Path) -> Option<&'static str> {
     WRITTEN.iter().find(|(file, _)| folder.join(file).is_file()).map(|(_, command)| *command)
 }
 
-/// A line with the folders in `folder` that a gallery omits, because another command than `run` wrote them.
+/// A line with the folders in `folder` that a gallery omits, because earlier versions wrote them without a card.
 pub fn left_out(folder: &Path) -> Option<String> {
-    if is_study(folder) {
+    if is_study(folder) || is_carded(folder) {
         return None;
     }
-    let others = within(folder).unwrap_or_default().into_iter().filter(|folder| !is_study(folder));
+    let others =
+        results_within(folder).unwrap_or_default().into_iter().filter(|(_, command)| command.is_some());
     let named: Vec<String> = others
-        .filter_map(|folder| {
-            let command = writer(&folder)?;
-            Some(format!("{} (sagnac {command})", folder.file_name()?.to_string_lossy()))
+        .filter_map(|(path, command)| {
+            Some(format!("{} (sagnac {})", path.strip_prefix(folder).ok()?.display(), command?))
         })
         .collect();
-    (!named.is_empty())
-        .then(|| format!("left out, because only the reports of studies are rebuilt: {}", named.join(", ")))
+    (!named.is_empty()).then(|| {
+        format!(
+            "left out, because an earlier version wrote no {CARD} there (run the command again): {}",
+            named.join(", ")
+        )
+    })
+}
+
+/// The folders of results in a folder, with the command of those that lack a card: studies, what other commands wrote, and what these
+/// wrote into the folders of studies or one level deeper.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn results_within(folder: &Path) -> std::io::Result<Vec<(PathBuf, Option<&'static str>)>> {
+    let mut found = Vec::new();
+    for path in within(folder)? {
+        let deeper = within(&path).unwrap_or_default();
+        let others = std::iter::once(&path).chain(&deeper).filter(|path| !is_study(path));
+        found.extend(is_study(&path).then(|| (path.clone(), None)));
+        found.extend(others.filter_map(|path| match is_carded(path) {
+            true => Some((path.clone(), None)),
+            false => Some((path.clone(), Some(writer(path)?))),
+        }));
+    }
+    Ok(found)
 }
 
 fn named(folders: &[PathBuf]) -> String {

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sagnac::store::whole::write_whole;
 use sagnac::table::Table;
-use sagnac::view::report::FILE as REPORT;
 use sagnac::view::report::sections::Page;
+use sagnac::view::report::{CARD, FILE as REPORT};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::failure::{Failure, in_options};
 use crate::progress::{How, Shown};
@@ -135,13 +135,14 @@ pub fn write_or_remove(path: &Path, table: Option<Table>) -> Result<(), Failure>
     }
 }
 
-/// Writes the page of a results folder.
+/// Writes the page of a results folder, with its card for galleries.
 ///
 /// # Errors
-/// The file cannot be written.
+/// A file cannot be written.
 pub fn write_page(folder: &Path, page: &Page) -> Result<(), Failure> {
-    let page = page.html(&|text: &str| in_options(&text));
-    write(&folder.join(REPORT), page.as_bytes())
+    let spell = |text: &str| in_options(&text);
+    write(&folder.join(REPORT), page.html(&spell).as_bytes())?;
+    write(&folder.join(CARD), json!(page.card(&spell)).to_string().as_bytes())
 }
 
 /// The place of the results with a page.

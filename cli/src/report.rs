@@ -6,8 +6,7 @@ use clap::Args;
 use sagnac::analysis::decision::Sheet;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::study::Study;
-use sagnac::view::report::FILE as REPORT;
-use sagnac::view::report::gallery::{Card, gallery};
+use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
 use sagnac::view::results::Results;
 
 use crate::failure::Failure;
@@ -16,8 +15,11 @@ use crate::output::write;
 use crate::progress::{self, Shown};
 use crate::results::{decision, held, lacking};
 
-/// The page of several studies.
+/// The page of several results.
 const GALLERY: &str = "gallery.html";
+
+/// Most bytes of a card that is read, several times as many as a picture has.
+const MOST_BYTES: u64 = 4 << 20;
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -25,7 +27,7 @@ pub struct Options {
     /// Results folders, or folders that contain them
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// File of the gallery of several studies [default: gallery.html in the common parent folder]
+    /// File of the gallery of several results [default: gallery.html in the common parent folder]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print only errors
@@ -39,11 +41,16 @@ const EXAMPLES: &str = "\
 Examples:
   sagnac report results/error_vs_dtnu
   sagnac report results/my results/error_vs_dtnu --out both.html
-  sagnac report results";
+  sagnac report results
+  sagnac report results/gyro results/gyro1_vs_gyro2 results/my/design --out all.html
 
-/// Rebuilds the reports of results, with a gallery for several. A damaged folder does not affect the others.
+Results are those of run, allan, psd, compare, lot, design and filler. Of the results of a study the
+page is made again; the other commands have written theirs, and its card for the gallery beside it.
+In a folder of folders, what design and filler wrote into the folders of studies is found too.";
+
+/// Rebuilds the pages of studies, with a gallery for several results. A damaged folder does not affect the others.
 pub fn report(options: &Options) -> Result<(), Failure> {
-    let folders = studies_in(&options.folders)?;
+    let folders = results_in(&options.folders)?;
     for left_out in options.folders.iter().filter(|_| !options.quiet).filter_map(|folder| left_out(folder)) {
         say!("{left_out}");
     }
@@ -70,7 +77,7 @@ pub fn report(options: &Options) -> Result<(), Failure> {
     last.map_or(Ok(()), Err)
 }
 
-/// Writes the page of all studies that have a report.
+/// Writes the gallery of all results that have a page.
 fn write_gallery(
     reports: Vec<(PathBuf, Card)>,
     folders: &[PathBuf],
@@ -82,7 +89,9 @@ fn write_gallery(
         .into_iter()
         .map(|(report, card)| Card { report: link(&here, &whole(&report)), ..card })
         .collect();
-    write(&path, gallery(&cards).as_bytes())?;
+    let all_studies = folders.iter().all(|folder| folders::is_study(folder));
+    let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
+    write(&path, gallery(&cards, called).as_bytes())?;
     if !options.quiet {
         let here = std::env::current_dir().unwrap_or_default();
         say!("{}", path.strip_prefix(here).unwrap_or(&path).display());
@@ -90,8 +99,14 @@ fn write_gallery(
     Ok(())
 }
 
-/// Rebuilds the report of existing results, and returns its card for a gallery, without the link.
+/// The card of results for a gallery, without the link. The page of a study is rebuilt.
 fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
+    let card = if folders::is_study(folder) { rebuilt(folder, options)? } else { kept(folder)? };
+    Ok(Card { folder: folder.display().to_string(), ..card })
+}
+
+/// Rebuilds the page of a study from its results.
+fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
     // Its charts are drawn at once, so nothing needs to be checked before.
     let plan = Plan::new(&study)?;
@@ -103,20 +118,37 @@ fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
     let mut answer = results.answer(&results.verdicts()?)?;
     answer.sheet = decision(&study, &tables, lacking)?.as_ref().map(Sheet::lines).unwrap_or_default();
-    let headline = answer.headline.clone();
+    let card = results.card(&answer.headline);
     write(&folder.join(REPORT), results.page(answer).as_bytes())?;
-    let picture = results.charts.into_iter().next().map(|drawn| drawn.picture);
-    let (title, question) = (study.title.clone(), study.question.clone());
-    let (folder, report) = (folder.display().to_string(), REPORT.to_owned());
-    Ok(Card { title, question, headline, picture, folder, report })
+    Ok(card)
 }
 
-/// The folders of studies: those given, and those inside other given folders.
-fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
-    let mut studies: Vec<PathBuf> = Vec::new();
+/// The card that another command than `run` has written beside its page.
+fn kept(folder: &Path) -> Result<Card, Failure> {
+    let again = |path: PathBuf, why: &str| {
+        let command = folders::writer(folder).unwrap_or("allan");
+        let message = format!("{} {why}\nrun `sagnac {command}` again to write it anew", path.display());
+        Failure::Usage(message)
+    };
+    let [page, path] = [REPORT, CARD].map(|name| folder.join(name));
+    if !page.is_file() {
+        return Err(again(page, "is missing"));
+    }
+    let size = std::fs::metadata(&path).map_or(0, |found| found.len());
+    if size > MOST_BYTES {
+        return Err(again(path, &format!("has {size} bytes, more than any card")));
+    }
+    let text =
+        std::fs::read(&path).map_err(|error| again(path.clone(), &format!("cannot be read: {error}")))?;
+    serde_json::from_slice(&text).map_err(|error| again(path, &format!("is no card of results: {error}")))
+}
+
+/// The folders of results: those given, and those inside other given folders.
+fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut results: Vec<PathBuf> = Vec::new();
     for folder in named {
-        if folders::is_study(folder) {
-            studies.push(folder.clone());
+        if folders::is_study(folder) || folders::is_carded(folder) {
+            results.push(folder.clone());
             continue;
         }
         if folder.is_file() {
@@ -126,19 +158,26 @@ fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         let failed = |error: std::io::Error| {
             Failure::Usage(format!("cannot read {}: {error}\ngive folders of results", folder.display()))
         };
-        let mut found = folders::within(folder).map_err(failed)?;
-        found.retain(|path| folders::is_study(path));
+        let found = folders::results_within(folder).map_err(failed)?;
+        let found: Vec<PathBuf> =
+            found.into_iter().filter(|(_, lacks)| lacks.is_none()).map(|(path, _)| path).collect();
         if found.is_empty() {
-            return Err(Failure::Usage(format!(
-                "neither {} nor a folder in it has a {RESOLVED}\ngive folders that `sagnac run` wrote results to",
-                folder.display()
-            )));
+            let shown = folder.display();
+            return Err(Failure::Usage(match folders::writer(folder) {
+                Some(command) => format!(
+                    "{shown} holds output of `sagnac {command}` of an earlier version, without {CARD}\nrun the command again"
+                ),
+                None => format!(
+                    "neither {shown} nor a folder in it has a {RESOLVED} or a {CARD}\ngive folders that `sagnac run`, allan, psd, \
+                     compare, lot, design or filler wrote results to"
+                ),
+            }));
         }
-        studies.append(&mut found);
+        results.extend(found);
     }
     let mut is_new = folders::once(&[]);
-    studies.retain(|folder| is_new(folder));
-    Ok(studies)
+    results.retain(|folder| is_new(folder));
+    Ok(results)
 }
 
 /// The common parent folder of `folders`.

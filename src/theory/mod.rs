@@ -6,6 +6,7 @@ pub mod cholesky;
 pub mod drift;
 pub mod gap;
 pub mod lags;
+pub mod level;
 pub mod minimum_variance;
 pub mod psd;
 pub mod published;

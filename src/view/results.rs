@@ -12,7 +12,9 @@ use crate::view::picture::verdict::{Verdict, verdicts};
 use crate::view::picture::{Drawn, pictures, shown};
 use crate::view::report::Report;
 use crate::view::report::answer::Answer;
+use crate::view::report::gallery::Card;
 use crate::view::report::source::Source;
+use crate::view::report::still::still;
 
 /// The results of a study that a store holds.
 pub struct Results<'a> {
@@ -77,6 +79,13 @@ impl<'a> Results<'a> {
     /// The table lacks something that a chart requires.
     pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
         Answer::of(self.study, &self.tables.points, &self.charts, &self.curves, verdicts, self.lacking)
+    }
+
+    /// The card of the study in galleries.
+    pub fn card(&self, headline: &str) -> Card {
+        let picture = self.charts.first().map(|drawn| still(&drawn.picture));
+        let (title, question) = (self.study.title.clone(), self.study.question.clone());
+        Card { title, question, headline: headline.to_owned(), picture, ..Card::default() }
     }
 
     /// The page of the study.

@@ -82,6 +82,9 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.write("two.csv", &crate::logs::log());
     desk.done("lot two.csv --data rate --column gx,gz --out lot");
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
+    desk.done(
+        "filler minimum-variance --gap-ticks 1 --tick 5ms --band 20Hz --amplitude 1deg/s --noise 1arcsec --latency 5ms --out trade",
+    );
     let by = ["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"];
     for by in by {
         desk.done(&format!(
@@ -114,6 +117,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("filler", "weights.csv", "filler"),
         ("filler", "test_vectors.csv", "filler"),
         ("sensitivity", "sensitivity.csv", "sensitivity"),
+        ("filler", "trade.csv", "trade"),
     ];
     let files = files.into_iter().chain(by.map(|by| ("design", "design.csv", by)));
     let files = files.map(|(by, name, folder)| (command(by, name), format!("{folder}/{name}")));

@@ -52,9 +52,90 @@ fn a_gallery_says_which_folders_it_leaves_out() {
         write(desk.path(&format!("results/{folder}/{file}")), "").unwrap();
     }
     let said = desk.done("report results").stderr;
-    assert!(said.contains("a_vs_b (sagnac compare), log (sagnac allan), runs (sagnac design)\n"), "{said}");
+    assert!(
+        said.contains("a_vs_b (sagnac compare), log (sagnac allan), runs/design (sagnac design)\n"),
+        "{said}"
+    );
     assert!(!said.contains("own"), "{said}");
     assert!(!desk.done("report results --quiet").stderr.contains("left out"));
+    desk.fails(
+        "report results/log",
+        2,
+        &["output of `sagnac allan` of an earlier version", "run the command again"],
+    );
+    desk.fails(
+        "report results/own",
+        2,
+        &["neither results/own nor a folder in it has a resolved_study.toml or a card.json"],
+    );
+}
+
+/// A log of two columns, and a study of whole runs.
+fn desk_with_a_log() -> Desk {
+    let desk = Desk::with(STUDY);
+    desk.write("log.csv", &crate::logs::log());
+    std::fs::copy(format!("{}/studies/design_point.toml", crate::ROOT), desk.path("runs.toml")).unwrap();
+    desk
+}
+
+#[test]
+fn a_gallery_joins_the_results_of_every_command() {
+    let desk = desk_with_a_log();
+    let read = "--data rate --bootstrap 0 --column gx,gz";
+    desk.done("run study.toml --device cpu --trials 1000 --out all/study");
+    desk.done("design runs.toml --device cpu --trials 64 --out all/study/design");
+    desk.done("filler quadratic --gap-ticks 3 --out all/filler");
+    desk.done(&format!("allan log.csv {read} --out all/allan"));
+    desk.done(&format!("psd log.csv {read} --out all/psd"));
+    desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
+    desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
+    let pages = ["allan", "compare", "filler", "lot", "psd", "study", "study/design"];
+    let said = desk.done("report all").stderr;
+    for page in pages {
+        assert!(said.contains(&format!("all/{page}/report.html\n")), "{page}: {said}");
+    }
+    let gallery = desk.read("all/gallery.html");
+    assert!(gallery.contains("<h1>7 results</h1>"), "{gallery}");
+    assert_eq!(gallery.matches("<img").count(), 7);
+    for page in pages {
+        let text = desk.read(&format!("all/{page}/report.html"));
+        let (_, from) = text.split_once("<p class=\"headline\">").unwrap();
+        // Without its marks, as the page shows settings as code.
+        let headline = from.split_once("</p>").unwrap().0;
+        assert!(gallery.contains(headline) || headline.contains("<code>"), "{page}: {headline}");
+        assert!(gallery.contains(&format!("href=\"{page}/report.html\"")), "{page}");
+        assert!(text.contains("<div class=\"still\"><svg"), "{page} has no still picture");
+    }
+    // The same results give the same bytes.
+    desk.done("report all");
+    assert_eq!(desk.read("all/gallery.html"), gallery);
+    desk.done("filler quadratic --gap-ticks 3 --out again");
+    assert_eq!(desk.read("again/report.html"), desk.read("all/filler/report.html"));
+    desk.done("design runs.toml --device cpu --trials 64 --out again");
+    assert_eq!(desk.read("again/report.html"), desk.read("all/study/design/report.html"));
+}
+
+#[test]
+fn a_card_is_not_trusted() {
+    let desk = Desk::with(STUDY);
+    desk.done("filler quadratic --gap-ticks 3 --out all/a");
+    desk.done("filler quadratic --gap-ticks 2 --out all/b");
+    let evil = "<script>alert(1)</script>";
+    desk.write(
+        "all/a/card.json",
+        &format!(r#"{{"title":"{evil}","question":"{evil}","headline":"{evil}","picture":"<svg>{evil}</svg>","report":"{evil}"}}"#),
+    );
+    desk.done("report all");
+    let gallery = desk.read("all/gallery.html");
+    assert!(!gallery.contains("<script") && gallery.contains("&lt;script&gt;"), "{gallery}");
+    for text in ["{", "[1]", r#"{"title": 5}"#] {
+        desk.write("all/a/card.json", text);
+        desk.fails("report all", 2, &["all/a/card.json is no card of results", "run `sagnac filler` again"]);
+    }
+    desk.write("all/a/card.json", &" ".repeat(5 << 20));
+    desk.fails("report all", 2, &["all/a/card.json has 5242880 bytes"]);
+    std::fs::remove_file(desk.path("all/b/report.html")).unwrap();
+    desk.fails("report all/b", 2, &["all/b/report.html is missing", "run `sagnac filler` again"]);
 }
 
 #[test]

@@ -46,8 +46,8 @@ pub struct Given {
     /// Standard deviation of the noise of a tick, such as "0.5 arcsec"
     #[arg(long, value_name = "ANGLE")]
     noise: Option<String>,
-    /// Search the fit ticks of minimum-variance: the first after the gap, and then the fewest, whose rms residual is at
-    /// most this angle, also if the frequencies are 5 % lower or higher
+    /// Search the fit ticks of minimum-variance: the first after the gap, and then the fewest, with which 99.73 % of
+    /// residuals are at most this angle, also if the frequencies are 5 % lower or higher
     #[arg(long, value_name = "ANGLE", requires = "band", conflicts_with = "fit_ticks")]
     limit: Option<String>,
     /// Search the fit ticks of minimum-variance among those that come at most this time after the gap, such as "20 ms"

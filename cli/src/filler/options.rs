@@ -23,7 +23,7 @@ Examples:
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --fit-ticks=\"-7..0,n+1,n+2\" \\
     --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"
-  sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --limit \"3 arcsec\" --latency \"20 ms\" \\
+  sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --limit \"8 arcsec\" --latency \"20 ms\" \\
     --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"";
 
 #[derive(Debug, Args)]
@@ -54,11 +54,11 @@ pub struct Options {
 }
 
 impl Options {
-    /// The requested fillers at one point, and their output folder.
+    /// The study, the requested fillers at one of its points, and their output folder.
     ///
     /// # Errors
     /// An option does not apply, or the study is invalid; for a study built from the options this is an error of usage.
-    pub fn firmware(&self) -> Result<(Firmware, PathBuf), Failure> {
+    pub fn firmware(&self) -> Result<(Study, Firmware, PathBuf), Failure> {
         let file = self.file()?;
         let failure = |error: StudyError| match file {
             Some(_) => error.into(),
@@ -91,7 +91,7 @@ impl Options {
             None => PathBuf::from(self.what.join("+")),
         };
         let default = || Path::new("results").join(stem).join("filler");
-        Ok((firmware, self.out.clone().unwrap_or_else(default)))
+        Ok((study, firmware, self.out.clone().unwrap_or_else(default)))
     }
 
     /// The search of the fit ticks, where one is asked for.

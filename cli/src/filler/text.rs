@@ -44,15 +44,18 @@ pub fn of(firmware: &Firmware) -> String {
     if let Some(reason) = &firmware.unsampled {
         text += &format!("\nno rms: {reason}\n");
     }
-    text
+    text + &format!("\n{}\n", firmware.headline())
 }
 
 /// The search of the ticks as a table, with the choice.
 fn searched(trade: &Trade) -> String {
-    let mut grid = vec![["ticks after", "latency, ms", "ticks before", "rms, ″"].map(str::to_owned).to_vec()];
+    let mut grid = vec![
+        ["ticks after", "latency, ms", "ticks before", "rms, ″", "99.73 %, ″"].map(str::to_owned).to_vec(),
+    ];
     for row in trade.rows() {
         let latency_ms = significant(1e3 * trade.latency_s(row), 4);
-        grid.push(vec![row.after.to_string(), latency_ms, row.before.to_string(), significant(row.rms, 4)]);
+        let [rms, level] = [row.rms, row.level].map(|error| significant(error, 4));
+        grid.push(vec![row.after.to_string(), latency_ms, row.before.to_string(), rms, level]);
     }
     let limit = trade.asked.limit_arcsec.map(|limit| significant(limit, 6));
     let which = match &limit {
@@ -62,19 +65,15 @@ fn searched(trade: &Trade) -> String {
         None => "the ticks before the gap of the least error".to_owned(),
     };
     let chosen = trade.chosen;
-    let met = match (trade.meets(), &limit) {
-        (Some(false), Some(limit)) => format!("; no ticks within the latency leave at most {limit} arcsec"),
-        _ => String::new(),
-    };
     format!(
-        "\nsearch: {which}; rms residual with noise, at worst of frequencies as given and {} % lower or higher\n{}\
-         chosen: {} ticks before and {} after, {} arcsec rms ({} arcsec at the frequencies as given){met}\n",
+        "\nsearch: {which}; residuals with noise, at worst of frequencies as given and {} % lower or higher\n{}\
+         chosen: {} ticks before and {} after; at the frequencies as given {} arcsec rms and {} arcsec at 99.73 %\n",
         100.0 * SHIFT,
         aligned(&grid),
         chosen.before,
         chosen.after,
-        significant(chosen.rms, 4),
-        significant(chosen.own_rms, 4)
+        significant(chosen.own_rms, 4),
+        significant(chosen.own_level, 4)
     )
 }
 

@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::lot::words::notes;
 use sagnac::analysis::lot::{Lot, figures, tables};
+use sagnac::analysis::page::of_lot;
 use sagnac::progress::Silent;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
-use crate::failure::Failure;
-use crate::output::{Output, print, print_json, write_table};
+use crate::failure::{Failure, in_options};
+use crate::output::{Output, print, print_json, whereabouts, write_page, write_table};
 use crate::reading::Reading;
 
 const EXAMPLES: &str = "\
@@ -40,13 +42,14 @@ pub fn lot(options: &Options) -> Result<(), Failure> {
     let lot = analysis(options)?;
     let folder = options.output.folder("lot");
     save(&lot, &folder)?;
+    write_page(&folder, &of_lot(&lot))?;
     if options.output.json {
         return print_json(&tables::document(&lot));
     }
     if !options.output.quiet {
-        report::notes(&lot).iter().for_each(|note| say!("note: {note}"));
+        notes(&lot).iter().for_each(|note| note!("{}", in_options(note)));
         print(&report::report(&lot))?;
-        say!("results are in {}", folder.display());
+        say!("{}", whereabouts(&folder));
     }
     Ok(())
 }

@@ -9,17 +9,7 @@ use sagnac::analysis::lot::{Coefficient, Found, Lot};
 use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
-use crate::failure::in_options;
 use crate::terminal::headed_by;
-
-/// Notes attached to the results, each with the path of its log.
-pub fn notes(lot: &Lot) -> Vec<String> {
-    let of_log = |log: &log::Analysis| {
-        let notes = log::notes::notes(log).into_iter();
-        notes.map(|note| format!("{}: {}", log.path.display(), in_options(&note))).collect::<Vec<_>>()
-    };
-    lot.logs.iter().flat_map(of_log).collect()
-}
 
 /// The logs, the coefficients of all units, those of the lot and the statement.
 pub fn report(lot: &Lot) -> String {

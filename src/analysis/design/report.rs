@@ -3,6 +3,7 @@
 use crate::analysis::design::{Design, Filler, Found, Measure, PapersRule, Tried};
 use crate::chart::{Chart, Shows};
 use crate::filler::FILLERS;
+use crate::filler::closed::LISTED;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::quantity::number::significant;
 use crate::study::Study;
@@ -26,7 +27,8 @@ type Of<'a> = ColumnOf<Row<'a>>;
 fn first_columns<'a>() -> [Of<'a>; 3] {
     [
         Of::new("filler", Unit::NONE, "filler", |row| called(row.filler).into())
-            .is_of(FILLERS, Role::Key, FILLER),
+            .is_of(FILLERS, Role::Key, FILLER)
+            .styled(LISTED),
         Of::new("interval", Unit::S, "switching interval", |row| Cell::Number(row.tried.interval_s))
             .is(Role::Coordinate, "Tried switching interval, s."),
         Of::new("switches", Unit::NONE, "switches", |row| row.tried.switches.into())
@@ -164,8 +166,33 @@ pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, Ch
     Ok(Figure::from_table(table, &chart)?.0)
 }
 
-/// The recommendation in words, with its evidence.
-pub fn recommendation(found: &Design) -> String {
+/// The headings and lines of a table of the fillers, each at its best interval.
+pub fn by_filler(found: &Design) -> (Vec<String>, Vec<Vec<String>>) {
+    let (label, angle) = (found.measure.label(), format!("″ after {}", duration(found.duration_s)));
+    let heading =
+        ["filler", "best interval, s", "95 % interval, s", "switches", label, &angle, "times the least"];
+    let lines = found.fillers.iter().map(|filler| {
+        let best = filler.best();
+        let range = match filler.optimum.interval {
+            Some((lo, hi)) => format!("{} to {}", four_digits(lo), four_digits(hi)),
+            None if filler.is_at_edge() => "at the end of the range".to_owned(),
+            None => "too few candidates near it".to_owned(),
+        };
+        vec![
+            called(filler).to_owned(),
+            four_digits(best.interval_s),
+            range,
+            best.switches.to_string(),
+            format!("{} °/h", three_digits(best.drift.value)),
+            three_digits(found.angle(best.drift.value)),
+            three_digits(found.worse_by(filler).value),
+        ]
+    });
+    (heading.map(str::to_owned).to_vec(), lines.collect())
+}
+
+/// The recommendation in sentences, with its evidence; the first is the headline.
+pub fn recommendation(found: &Design) -> Vec<String> {
     let best = found.best();
     let mut sentences = vec![format!("{}.", headline(found))];
     if let Some((lo, hi)) = best.optimum.interval {
@@ -209,7 +236,7 @@ pub fn recommendation(found: &Design) -> String {
              {switched} °/h."
         ));
     }
-    sentences.join("\n")
+    sentences
 }
 
 /// The ends of the interval of a value.
@@ -252,6 +279,7 @@ pub fn json(study: &Study, found: &Design) -> Value {
     };
     json!({
         "title": study.title,
+        "answer": format!("{}.", headline(found)),
         "estimate": found.measure.name(),
         "unit": "deg/h",
         "trials": found.trials,

@@ -4,6 +4,7 @@
 //! Study, Point ─ design ─▶ Firmware ─┬─ header ─▶ sagnac_filler.h
 //!                                    ├─ vectors ─▶ test_vectors.csv
 //!                                    ├─ weights ─▶ weights.csv
+//!                                    ├─ headline ─▶ sentence
 //!                                    └─ response ─▶ Figure
 //! ```
 //!
@@ -29,11 +30,13 @@ pub mod alone;
 pub mod choice;
 pub mod design;
 pub(crate) mod header;
+pub(crate) mod played;
 pub(crate) mod response;
 pub mod rule;
 pub mod search;
 pub(crate) mod tables;
 pub(crate) mod vectors;
+pub(crate) mod words;
 
 pub use crate::analysis::firmware::alone::{Alone, KINDS, MINIMUM_VARIANCE};
 pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_point};

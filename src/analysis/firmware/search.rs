@@ -1,16 +1,22 @@
 //! The search for the ticks of a minimum-variance filler: how many before and after the gap meet a limit.
 //!
 //! Each candidate reads the nearest ticks on either side. It is designed for the motion and judged on a shifted one: its
-//! error is the largest rms residual, with noise, of the motion as given and with all frequencies lower or higher by the
-//! shift. A correction comes as many ticks after the gap as the filler reads there, which is its latency.
+//! error is the level below which 99.73 % of residuals stay, with noise, at worst of the motion as given and with all
+//! frequencies lower or higher by the shift. The level is that of the distribution for a sine, also of random frequency;
+//! for other motions it is that of normally distributed errors. A correction comes as many ticks after the gap as the filler
+//! reads there, which is its latency.
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::analysis::firmware::played::Played;
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::scale::Scale;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{SHIFT, played, rms};
+use crate::kinds::gap_fill::judged::SHIFT;
 use crate::quantity::number::significant;
+use crate::table::column::{ColumnOf, columns_of};
+use crate::table::{Cell, Role, Table, Unit};
 use crate::theory::minimum_variance::minimum_variance_weights;
 use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 
@@ -26,7 +32,7 @@ const SHOWN: [u32; 6] = [0, 1, 2, 4, 8, 16];
 /// What is asked of a filler.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Asked {
-    /// Largest rms residual, ″.
+    /// Largest 99.73 % residual, ″.
     pub limit_arcsec: Option<f64>,
     /// Longest time from the end of the gap to the correction, s; without it 16 ticks.
     pub latency_s: Option<f64>,
@@ -43,6 +49,36 @@ pub struct Candidate {
     pub own_rms: f64,
     /// Largest rms residual on the motion as given and on the shifted ones, ″.
     pub rms: f64,
+    /// Level below which 99.73 % of residuals stay on the motion as given, ″.
+    pub own_level: f64,
+    /// The largest such level on the motion as given and on the shifted ones, ″.
+    pub level: f64,
+}
+
+/// A candidate with its latency, s.
+type Row<'a> = (&'a Candidate, f64);
+
+/// The columns of `trade.csv`.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        Of::new("after", Unit::NONE, "ticks after", |(one, _)| Cell::Integer(one.after.into()))
+            .is(Role::Key, "Ticks after the gap that the filler reads."),
+        Of::new("before", Unit::NONE, "ticks before", |(one, _)| Cell::Integer(one.before.into()))
+            .is(Role::Key, "Ticks before the gap that the filler reads."),
+        Of::new("latency", Unit::S, "latency", |(_, latency_s)| Cell::Number(*latency_s))
+            .is(Role::Coordinate, "Time from the end of the gap to the correction, s."),
+        Of::new("own_rms", Unit::ARCSEC, "rms residual as given", |(one, _)| Cell::Number(one.own_rms))
+            .is(Role::Estimate, "Root mean square residual on the motion as given, with noise, ″."),
+        Of::new("rms", Unit::ARCSEC, "rms residual", |(one, _)| Cell::Number(one.rms))
+            .is(Role::Error, "The largest root mean square residual on the motion as given and with all frequencies 5 % lower or higher, ″."),
+        Of::new("own_q9973", Unit::ARCSEC, "99.73 % residual as given", |(one, _)| Cell::Number(one.own_level))
+            .is(Role::Estimate, "Level below which 99.73 % of residuals stay on the motion as given, with noise, ″."),
+        Of::new("q9973", Unit::ARCSEC, "99.73 % residual", |(one, _)| Cell::Number(one.level))
+            .is(Role::Error, "The largest such level on the motion as given and with all frequencies 5 % lower or higher, by which the ticks are \
+                chosen, ″."),
+    ]
 }
 
 /// The candidates and the choice among them.
@@ -70,20 +106,23 @@ impl Trade {
             ticks.clamp(0.0, f64::from(MOST_AFTER)) as u32
         });
         let lags = 2 * MAX_SIDE + n as usize;
-        let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| played(inputs, speed, lags));
+        let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| Played::new(inputs, speed, lags));
         let candidate = |(after, before): (u32, u32)| {
             let after_gap = (n + 1..=n + after).map(u32::cast_signed);
             let ticks: Vec<i32> = (1 - before.cast_signed()..=0).chain(after_gap).collect();
-            let weights = minimum_variance_weights(&ticks, n, &motions[0], &inputs.noise_covariance())?;
-            let [own_rms, slower, faster] =
-                [0, 1, 2].map(|motion: usize| rms(inputs, &ticks, &weights, &motions[motion]));
-            Some(Candidate { before, after, own_rms, rms: own_rms.max(slower).max(faster) })
+            let weights =
+                minimum_variance_weights(&ticks, n, &motions[0].covariance, &inputs.noise_covariance())?;
+            let errors = motions.each_ref().map(|motion| motion.errors(&ticks, &weights));
+            let [own_rms, own_level] = errors[0];
+            let worst = |which: usize| errors.iter().map(|error| error[which]).fold(0.0, f64::max);
+            Some(Candidate { before, after, own_rms, rms: worst(0), own_level, level: worst(1) })
         };
         let sides = (0..=most_after).flat_map(|after| (1..=MOST_BEFORE).map(move |before| (after, before)));
-        let candidates: Vec<Candidate> = sides.filter_map(candidate).collect();
-        let least = candidates.iter().map(|candidate| candidate.rms).min_by(f64::total_cmp)?;
-        let met = candidates.iter().find(|one| asked.limit_arcsec.is_some_and(|limit| one.rms <= limit));
-        let as_good = candidates.iter().filter(|one| one.rms <= AS_GOOD * least);
+        let sides: Vec<(u32, u32)> = sides.collect();
+        let candidates: Vec<Candidate> = sides.into_par_iter().filter_map(candidate).collect();
+        let least = candidates.iter().map(|candidate| candidate.level).min_by(f64::total_cmp)?;
+        let met = candidates.iter().find(|one| asked.limit_arcsec.is_some_and(|limit| one.level <= limit));
+        let as_good = candidates.iter().filter(|one| one.level <= AS_GOOD * least);
         let chosen = *met.or_else(|| as_good.min_by_key(|one| one.before + one.after))?;
         Some(Trade { asked, tick_s, candidates, chosen })
     }
@@ -97,7 +136,7 @@ impl Trade {
 
     /// Whether the choice meets the limit; `None` without one.
     pub fn meets(&self) -> Option<bool> {
-        self.asked.limit_arcsec.map(|limit| self.chosen.rms <= limit)
+        self.asked.limit_arcsec.map(|limit| self.chosen.level <= limit)
     }
 
     /// For each number of ticks after the gap the fewest before it that meet the limit; without a limit, and where none
@@ -105,8 +144,8 @@ impl Trade {
     pub fn rows(&self) -> Vec<Candidate> {
         let each = self.candidates.chunk_by(|a, b| a.after == b.after);
         let row = |own: &[Candidate]| {
-            let met = own.iter().find(|one| self.asked.limit_arcsec.is_some_and(|limit| one.rms <= limit));
-            met.or_else(|| own.iter().min_by(|a, b| a.rms.total_cmp(&b.rms))).copied()
+            let met = own.iter().find(|one| self.asked.limit_arcsec.is_some_and(|limit| one.level <= limit));
+            met.or_else(|| own.iter().min_by(|a, b| a.level.total_cmp(&b.level))).copied()
         };
         each.filter_map(row).collect()
     }
@@ -116,8 +155,12 @@ impl Trade {
         let shown = |after: u32| SHOWN.contains(&after) || after == self.chosen.after;
         let each = self.candidates.chunk_by(|a, b| a.after == b.after).filter(|own| shown(own[0].after));
         let of = |(colour, own): (usize, &[Candidate])| {
-            let point =
-                |one: &Candidate| SeriesPoint { x: f64::from(one.before), y: one.rms, band: None, key: None };
+            let point = |one: &Candidate| SeriesPoint {
+                x: f64::from(one.before),
+                y: one.level,
+                band: None,
+                key: None,
+            };
             Series { colour, dash: colour, points: own.iter().map(point).collect(), law: vec![] }
         };
         let name = |own: &[Candidate]| {
@@ -131,7 +174,7 @@ impl Trade {
                 100.0 * SHIFT
             )),
             x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
-            y: Axis::new("rms residual", "arcsec"),
+            y: Axis::new("99.73 % residual", "arcsec"),
             colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
             series: each.enumerate().map(of).collect(),
             limit: limit
@@ -145,6 +188,12 @@ impl Trade {
         f64::from(candidate.after) * self.tick_s
     }
 
+    /// All candidates as a table.
+    pub fn table(&self) -> Table {
+        let rows: Vec<Row> = self.candidates.iter().map(|one| (one, self.latency_s(*one))).collect();
+        Table { columns: columns_of(&columns(), &rows) }
+    }
+
     /// The search as JSON.
     pub fn document(&self) -> Value {
         let of = |one: &Candidate| {
@@ -154,6 +203,8 @@ impl Trade {
                 "latency_s": self.latency_s(*one),
                 "own_rms_arcsec": one.own_rms,
                 "rms_arcsec": one.rms,
+                "own_q9973_arcsec": one.own_level,
+                "q9973_arcsec": one.level,
             })
         };
         json!({
@@ -188,17 +239,25 @@ mod tests {
 
     #[test]
     fn the_choice_is_the_soonest_that_meets_the_limit_with_the_fewest_ticks() {
-        let asked = Asked { limit_arcsec: Some(3.0), latency_s: Some(0.02) };
+        let asked = Asked { limit_arcsec: Some(9.0), latency_s: Some(0.02) };
         let trade = Trade::new(&inputs(), asked).unwrap();
-        let Candidate { before, after, rms, .. } = trade.chosen;
-        assert!(rms <= 3.0 && trade.meets() == Some(true) && after <= 4, "{:?}", trade.chosen);
+        let Candidate { before, after, level, .. } = trade.chosen;
+        assert!(level <= 9.0 && trade.meets() == Some(true) && after <= 4, "{:?}", trade.chosen);
         for one in &trade.candidates {
-            assert!(one.after <= 4 && one.rms >= one.own_rms, "{one:?}");
+            assert!(one.after <= 4 && one.rms >= one.own_rms && one.level >= one.own_level, "{one:?}");
             let sooner = (one.after, one.before) < (after, before);
-            assert!(!sooner || one.rms > 3.0, "{one:?} is sooner than {:?}", trade.chosen);
+            assert!(!sooner || one.level > 9.0, "{one:?} is sooner than {:?}", trade.chosen);
         }
         assert_eq!(trade.rows().len(), 5);
         assert_eq!(trade.fit_ticks(), format!("{}..0,n+1..n+{after}", 1 - before.cast_signed()));
+    }
+
+    #[test]
+    fn levels_of_gaussian_motion_are_three_times_the_rms() {
+        let trade = Trade::new(&inputs(), Asked::default()).unwrap();
+        for one in &trade.candidates {
+            assert!((one.level / one.rms - 2.999_977).abs() < 1e-5, "{one:?}");
+        }
     }
 
     #[test]
@@ -207,7 +266,7 @@ mod tests {
         let (free, strict) = (of(None), of(Some(1e-6)));
         assert_eq!((free.meets(), strict.meets()), (None, Some(false)));
         assert_eq!(free.chosen, strict.chosen);
-        let least = free.candidates.iter().map(|one| one.rms).fold(f64::INFINITY, f64::min);
-        assert!(free.chosen.rms <= 1.05 * least);
+        let least = free.candidates.iter().map(|one| one.level).fold(f64::INFINITY, f64::min);
+        assert!(free.chosen.level <= 1.05 * least);
     }
 }

@@ -1,7 +1,5 @@
 //! The fillers as a JSON document, and `weights.csv`, with a row for each weight.
 
-use std::io;
-
 use serde_json::{Value, json};
 
 use crate::analysis::firmware::{Closed, Design, Firmware, Rule, Trade};
@@ -79,6 +77,7 @@ impl Firmware {
             self.at.iter().map(|(key, value)| ((*key).to_owned(), json!(value.to_string()))).collect();
         json!({
             "title": self.title,
+            "answer": self.headline(),
             "at": at,
             "tick_s": self.tick_s,
             "gap_ticks": self.gap_ticks,
@@ -88,11 +87,8 @@ impl Firmware {
         })
     }
 
-    /// Writes a line for each weight, of each lost tick and of their sum.
-    ///
-    /// # Errors
-    /// The errors of the writer.
-    pub fn write_weights(&self, to: impl io::Write) -> io::Result<()> {
+    /// A row for each weight, of each lost tick and of their sum.
+    pub fn weights(&self) -> Table {
         let mut rows = Vec::new();
         for design in &self.designs {
             for (error, rule, _) in design.rules() {
@@ -116,6 +112,6 @@ impl Firmware {
                 }
             }
         }
-        Table { columns: columns_of(&columns(), &rows) }.write_csv(to)
+        Table { columns: columns_of(&columns(), &rows) }
     }
 }

@@ -92,7 +92,7 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
 }
 
 /// The lengths of the records and their treatment.
-fn subtitle(lot: &Lot) -> String {
+pub(crate) fn subtitle(lot: &Lot) -> String {
     let lengths = lot.logs.iter().map(log::Analysis::length_s);
     let (shortest, longest) =
         lengths.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));

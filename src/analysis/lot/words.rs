@@ -1,10 +1,20 @@
 //! A lot as sentences.
 
 use crate::analysis::compare::words::{probability, times};
+use crate::analysis::log;
 use crate::quantity::number::{significant, with_unit};
 
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, FALSE_ALARM, Found, Lot, Odd};
+
+/// Notes attached to the results, each with the path of its log.
+pub fn notes(lot: &Lot) -> Vec<String> {
+    let of_log = |log: &log::Analysis| {
+        let notes = log::notes::notes(log).into_iter();
+        notes.map(|note| format!("{}: {note}", log.path.display())).collect::<Vec<_>>()
+    };
+    lot.logs.iter().flat_map(of_log).collect()
+}
 
 /// All sentences: the odd units, then the units that are left out of a coefficient, and the coefficients that no unit shows.
 pub fn sentences(lot: &Lot) -> Vec<String> {

@@ -1,28 +1,37 @@
-//! The pages of logs: that of a log, which `sagnac allan` and `sagnac psd` write, and that of two which are compared.
+//! The pages of analyses: that of a log, which `sagnac allan` and `sagnac psd` write, of two which are compared, of a lot, of a
+//! design and of fillers.
 //!
 //! ```text
 //! Temperature ─ of_temperature ──┐
 //! Dynamic ─ of_dynamic ──────────┴▶ Sections ─┐
 //! Log, Analysis with its spectra ─────────────┴ of_log ─▶ Page
 //! two Logs, their comparison ──────────── of_comparison ─▶ Page
+//! Lot, Design, Firmware ─── of_lot, of_design, of_filler ─▶ Page
 //! ```
 
 mod answer;
 mod coefficients;
 mod comparison;
+mod design;
+mod filler;
 mod further;
+mod lot;
 mod next;
 mod record;
 mod spectrum;
 mod trace;
 
 pub use crate::analysis::page::comparison::of_comparison;
+pub use crate::analysis::page::design::of_design;
+pub use crate::analysis::page::filler::of_filler;
 pub use crate::analysis::page::further::{of_dynamic, of_temperature};
+pub use crate::analysis::page::lot::of_lot;
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
 use crate::analysis::page::answer::range;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
 use crate::record::log::channel::Log;
+use crate::study::Study;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
@@ -71,6 +80,11 @@ fn deviations(noise: &log::Analysis) -> Section {
     };
     let blocks = figures::figures(noise).into_iter().filter_map(of_figure).collect();
     Section { id: "deviations", heading: "Deviations", blocks }
+}
+
+/// The text of a study, with this number of trials.
+fn study_file(study: &Study, trials: u64) -> Block {
+    Block::File("study.toml", study.resolved(trials))
 }
 
 fn chart(stem: &str, picture: Picture) -> Block {

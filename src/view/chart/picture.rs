@@ -75,6 +75,14 @@ impl Picture {
         }
     }
 
+    /// The second line, if any.
+    pub fn subtitle(&self) -> Option<&str> {
+        match self {
+            Picture::Curves(figure) => figure.subtitle.as_deref(),
+            Picture::Map(map) => map.subtitle.as_deref(),
+        }
+    }
+
     /// The axis of the shown quantity: y of curves, z of maps.
     pub fn shown(&self) -> &Axis {
         match self {

@@ -1,13 +1,13 @@
-//! The report: results as one HTML page that can be sent to a colleague, and a gallery of several studies.
+//! The report: results as one HTML page that can be sent to a colleague, and a gallery of several results.
 //!
 //! ```text
 //! answer, pictures, tables, source of a study ─▶ Report ─┬ html() ─▶ one file: text, styles, data, script; no network
-//! answer, sections, tables of logs ────────────▶ Page ───┘
-//!                                      several Reports ─ gallery ─▶ one file with a card for each
+//! answer, sections, tables of other commands ──▶ Page ───┘
+//!                                         several Cards ─ gallery ─▶ one file with all of them
 //! ```
 //!
-//! A page draws its charts itself from the numbers of the pictures, so that curves can be switched, axes changed and
-//! values read. Its script is our own, some tens of kilobytes. A chart library with bands, closed forms under points,
+//! A page has still pictures of its charts. Its script replaces them by charts that it draws from the numbers of the
+//! pictures, so that curves can be switched, axes changed and values read. The script is our own, some tens of kilobytes. A chart library with bands, closed forms under points,
 //! winner maps with hatching, slices, keyboard control and printing takes a megabyte, or uses a canvas that neither
 //! prints sharply nor works with a screen reader.
 
@@ -23,12 +23,13 @@ pub(crate) mod sentences;
 pub(crate) mod shell;
 pub mod source;
 pub(crate) mod standing;
+pub(crate) mod still;
 #[cfg(test)]
 mod tests;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
 pub use crate::view::report::answer::Answer;
-pub use crate::view::report::gallery::{Card, gallery};
+pub use crate::view::report::gallery::{CARD, Card, gallery};
 pub use crate::view::report::source::{Named, Source};
 
 use crate::chart;

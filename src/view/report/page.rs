@@ -9,7 +9,7 @@ use crate::view::picture::Drawn;
 use crate::view::report::Report;
 use crate::view::report::agreement::{Agreement, agreements};
 use crate::view::report::data::{Packed, data};
-use crate::view::report::shell::{READING, Shell, chart, listings};
+use crate::view::report::shell::{READING, Shell, chart, file, listings};
 use crate::view::report::source::{Source, hexadecimal};
 
 pub(crate) fn page(report: &Report) -> String {
@@ -75,11 +75,11 @@ fn study_charts(report: &Report, thinned: usize) -> Markup {
         @if !report.charts.is_empty() {
             section #charts {
                 h2 { "Charts" }
-                p.hint { (READING) }
+                p.hint.reading { (READING) }
                 @if thinned > 1 {
                     p.note { "Curves show one point in " (thinned) "; the tables and chart.svg in the results folder have all points." }
                 }
-                @for (at, drawn) in report.charts.iter().enumerate() { (chart(at, drawn, "chart")) }
+                @for (at, drawn) in report.charts.iter().enumerate() { (chart(at, drawn, "chart", report.question)) }
             }
         }
     }
@@ -168,16 +168,6 @@ fn digest(table: &Table) -> String {
     // Writing to memory cannot fail.
     let _ = table.write_csv(&mut bytes);
     hexadecimal(&bytes)
-}
-
-/// A file to read, and to save under its name.
-fn file(name: &str, text: &str) -> Markup {
-    html! {
-        details {
-            summary { (name) }
-            pre data-file=(name) { code { (text) } }
-        }
-    }
 }
 
 /// A number per second.

@@ -5,7 +5,9 @@ use maud::{Markup, html};
 use crate::table::Table;
 use crate::view::picture::Drawn;
 use crate::view::report::data::{Packed, data};
-use crate::view::report::shell::{READING, Shell, chart, listings};
+use crate::view::report::gallery::Card;
+use crate::view::report::shell::{READING, Shell, chart, file, listings};
+use crate::view::report::still::still;
 
 /// Styles that only such pages need.
 const STYLE: &str = include_str!("../../../assets/report/sections.css");
@@ -13,7 +15,7 @@ const STYLE: &str = include_str!("../../../assets/report/sections.css");
 /// Most notes that are open at first.
 const MOST_NOTES: usize = 4;
 
-/// A page with an answer, sections and tables. Its texts may contain settings such as `force = true` in backticks, which
+/// A page with an answer, sections and tables, such as that of a log. Its texts may contain settings such as `force = true` in backticks, which
 /// the front end spells as its options.
 #[derive(Debug)]
 pub struct Page {
@@ -61,6 +63,8 @@ pub enum Block {
     Chart(Drawn),
     /// A chart of so many points that none has a marker.
     Trace(Drawn),
+    /// A file by its name, with its text.
+    File(&'static str, String),
 }
 
 /// A small table to read: the first cell of each row names it.
@@ -148,6 +152,26 @@ impl Page {
     }
 }
 
+impl Page {
+    /// The card of the page in galleries, with its settings in the words of `spell`.
+    pub fn card(&self, spell: &dyn Fn(&str) -> String) -> Card {
+        let blocks = || self.sections.iter().flat_map(|section| &section.blocks);
+        // Rather a chart of results than a record.
+        let is_chart = |block: &&Block| matches!(block, Block::Chart(_));
+        let first =
+            blocks().find(is_chart).or_else(|| blocks().find(|block| drawn(block).is_some())).and_then(drawn);
+        let [title, question, headline] =
+            [&self.title, &self.subtitle, &self.headline].map(|text| spell(text));
+        Card {
+            title,
+            question,
+            headline,
+            picture: first.map(|drawn| still(&drawn.picture)),
+            ..Card::default()
+        }
+    }
+}
+
 fn drawn(block: &Block) -> Option<&Drawn> {
     match block {
         Block::Chart(drawn) | Block::Trace(drawn) => Some(drawn),
@@ -171,8 +195,9 @@ fn block(block: &Block, places: &mut std::ops::RangeFrom<usize>, said: &dyn Fn(&
                 }
             }
             Block::Grid(grid) => { (self::grid(grid)) }
-            Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart")) }
-            Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace")) }
+            Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart", "")) }
+            Block::File(name, text) => { (file(name, text)) }
+            Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace", "")) }
         }
     }
 }

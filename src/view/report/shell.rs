@@ -5,6 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::view::chart::palette::style_sheet;
 use crate::view::picture::Drawn;
 use crate::view::report::data::Listed;
+use crate::view::report::still::still;
 
 /// Styles of pages in light and dark, on paper and on phones.
 const STYLE: &str = include_str!("../../../assets/report/style.css");
@@ -59,7 +60,13 @@ impl Shell<'_> {
                     }
                     main {
                         (self.answer)
-                        noscript { p.note { "Charts and tables of this page are drawn by a script, which is switched off here." } }
+                        noscript {
+                            style { "#theme, .reading, #tables, nav a[href='#tables'] { display: none }" }
+                            p.note {
+                                "Scripts are switched off here, so the charts are still pictures and the tables are left out. The tables \
+                                 are files in the folder of results."
+                            }
+                        }
                         (self.sections)
                     }
                     footer {
@@ -95,12 +102,17 @@ pub(crate) fn head(title: &str, style: &str) -> Markup {
 pub(crate) const READING: &str = "Point at a chart or use the arrow keys to read values. Drag to enlarge a part, and double-click to return to \
                                   the whole. Names in the legend switch curves off and on.";
 
-/// The place of chart `at` of the data.
-pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str) -> Markup {
+/// The place of chart `at` of the data, with a still picture of it that stays where no script draws it. The second line is left out
+/// where it is the `question` of the page.
+pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str, question: &str) -> Markup {
+    let subtitle = drawn.picture.subtitle().filter(|subtitle| *subtitle != question);
     html! {
         figure class=(class) data-chart=(at) {
-            figcaption { h3 { (drawn.picture.title()) } }
-            div.plot {}
+            figcaption {
+                h3 { (drawn.picture.title()) }
+                @if let Some(subtitle) = subtitle { p.subtitle { (subtitle) } }
+            }
+            div.plot { div.still { (PreEscaped(still(&drawn.picture))) } }
             @if let Some(note) = &drawn.note { p.note { (note) } }
         }
     }
@@ -118,6 +130,16 @@ pub(crate) fn listings(tables: &[Listed]) -> Markup {
                     div.listing {}
                 }
             }
+        }
+    }
+}
+
+/// A file to read, and to save under its name.
+pub(crate) fn file(name: &str, text: &str) -> Markup {
+    html! {
+        details {
+            summary { (name) }
+            pre data-file=(name) { code { (text) } }
         }
     }
 }

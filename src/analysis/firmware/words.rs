@@ -1,0 +1,87 @@
+//! Fillers in words.
+
+use crate::analysis::firmware::{Design, Firmware, Trade};
+use crate::kinds::gap_fill::judged::{Judged, SHIFT};
+use crate::quantity::number::significant;
+
+impl Firmware {
+    /// The answer in one sentence: what the chosen ticks leave, or which filler leaves least. The error is that on motion for which
+    /// the filler was not designed, where it is known.
+    pub fn headline(&self) -> String {
+        if let Some(trade) = &self.trade {
+            return trade.headline();
+        }
+        let mut known: Vec<(&Design, f64)> =
+            self.designs.iter().filter_map(|design| Some((design, design.robust_rms()?))).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        match known[..] {
+            [] => self.gains(),
+            [(only, rms)] => format!("{} leaves {}.", only.name, only.error(rms)),
+            [(best, rms), (next, next_rms), ..] => format!(
+                "Of {} fillers {} leaves least: {}. Next is {} with {}.",
+                known.len(),
+                best.name,
+                best.error(rms),
+                next.name,
+                next.error(next_rms)
+            ),
+        }
+    }
+
+    /// The noise gains, where neither motion nor noise is known.
+    fn gains(&self) -> String {
+        let gain = |design: &Design| {
+            format!("{} {}", design.name, significant(design.interpolation.whole().noise_gain(), 4))
+        };
+        let gains: Vec<String> = self.designs.iter().map(gain).collect();
+        let ticks = if self.gap_ticks == 1 { "tick" } else { "ticks" };
+        format!(
+            "Over {} lost {ticks} the noise of a tick is multiplied by √Σw²: {}.",
+            self.gap_ticks,
+            gains.join(", ")
+        )
+    }
+}
+
+impl Design {
+    /// The rms residual, ″: with shifted frequencies where the filler is designed for the very motion of the point.
+    pub fn robust_rms(&self) -> Option<f64> {
+        self.judged
+            .map(|judged| judged.shifted_rms.max(judged.own_rms))
+            .or(self.errors[0].rms)
+            .filter(|rms| *rms > 0.0)
+    }
+
+    fn error(&self, rms: f64) -> String {
+        let rms = significant(rms, 4);
+        match self.judged {
+            Some(Judged { own_rms, .. }) => format!(
+                "{rms} arcsec rms with all frequencies up to {} % lower or higher ({} arcsec at those it is designed for)",
+                100.0 * SHIFT,
+                significant(own_rms, 4)
+            ),
+            None => format!("{rms} arcsec rms"),
+        }
+    }
+}
+
+impl Trade {
+    fn headline(&self) -> String {
+        let chosen = self.chosen;
+        let (level, latency_ms) =
+            (significant(chosen.level, 4), significant(1e3 * self.latency_s(chosen), 4));
+        let limit = self.asked.limit_arcsec.map_or_else(String::new, |limit| significant(limit, 6));
+        let met = match self.meets() {
+            None => String::new(),
+            Some(true) => format!(", within the limit of {limit} arcsec"),
+            Some(false) => format!("; no ticks within the latency meet the limit of {limit} arcsec"),
+        };
+        format!(
+            "{} ticks before the gap and {} after it ({latency_ms} ms) leave 99.73 % of residuals below {level} arcsec with all frequencies \
+             up to {} % lower or higher{met}.",
+            chosen.before,
+            chosen.after,
+            100.0 * SHIFT
+        )
+    }
+}

@@ -1,0 +1,73 @@
+//! The page of fillers for firmware.
+
+use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
+use crate::analysis::page::{chart, study_file};
+use crate::kinds::gap_fill::judged::SHIFT;
+use crate::quantity::number::significant;
+use crate::study::Study;
+use crate::view::chart::picture::Picture;
+use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+
+/// The page of fillers at a point of a study.
+pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
+    let ticks = if firmware.gap_ticks == 1 { "tick" } else { "ticks" };
+    let place = firmware.place();
+    let place = if place.is_empty() { place } else { format!(", at {place}") };
+    let section = |id, heading, blocks| Section { id, heading, blocks };
+    let search = firmware.trade.as_ref().map_or(vec![], |trade| {
+        vec![chart("trade", Picture::Curves(trade.figure())), Block::Grid(of_trade(trade))]
+    });
+    let header = vec![Block::File("sagnac_filler.h", firmware.header()), study_file(study, study.trials)];
+    let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
+    Page {
+        title: firmware.title.clone(),
+        subtitle: format!("Weights for a gap of {} lost {ticks}{place}", firmware.gap_ticks),
+        headline: firmware.headline(),
+        sentences: vec![],
+        notes: firmware.unsampled.iter().map(|why| format!("There is no rms: {why}.")).collect(),
+        sections: vec![
+            section("search", "Ticks before and after the gap", search),
+            section("fillers", "Fillers", vec![Block::Grid(of_designs(firmware))]),
+            section(
+                "response",
+                "Response to vibration",
+                vec![chart("response", Picture::Curves(firmware.response()))],
+            ),
+            section("source", "For the firmware", header),
+        ],
+        tables: trade.into_iter().chain([("weights.csv", firmware.weights())]).collect(),
+    }
+}
+
+/// The fillers with the errors of their residuals.
+fn of_designs(firmware: &Firmware) -> Grid {
+    let shifted = format!("rms with frequencies {} % off, arcsec", 100.0 * SHIFT);
+    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, arcsec", &shifted, "what it is"];
+    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
+    let row = |design: &Design| {
+        let rule = &design.interpolation;
+        let ticks: Vec<String> = rule.ticks.iter().map(|tick| tick.to_string().replace('-', "−")).collect();
+        let cells = [
+            design.name.clone(),
+            ticks.join(", "),
+            significant(rule.whole().noise_gain(), 4),
+            number(design.errors[0].rms),
+            number(design.judged.map(|judged| judged.shifted_rms)),
+            design.method.clone(),
+        ];
+        cells.map(Cell::from).into()
+    };
+    Grid { head: head.map(str::to_owned).into(), rows: firmware.designs.iter().map(row).collect() }
+}
+
+/// The best numbers of ticks before the gap for each number after it.
+fn of_trade(trade: &Trade) -> Grid {
+    let head = ["ticks after", "latency, ms", "ticks before", "rms, arcsec", "99.73 %, arcsec"];
+    let row = |one: Candidate| {
+        let Candidate { before, after, rms, level, .. } = one;
+        let [latency, rms, level] =
+            [1e3 * trade.latency_s(one), rms, level].map(|value| significant(value, 4));
+        [after.to_string(), latency, before.to_string(), rms, level].map(Cell::from).into()
+    };
+    Grid { head: head.map(str::to_owned).into(), rows: trade.rows().into_iter().map(row).collect() }
+}
