@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::design::report;
-use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
+use sagnac::analysis::design::{Design, Measure, design as find};
 use sagnac::analysis::page;
 use sagnac::quantity::number::short;
 use sagnac::study::Study;
@@ -83,7 +83,8 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     study.seed = options.seed.unwrap_or(study.seed);
     let mut device = options.device.select(!options.quiet)?;
     let shown = Shown::new(options.progress.how(options.quiet));
-    let found = find(&study, options.by, &mut device, &shown).map_err(|error| failure(&study, error))?;
+    let found = find(&study, options.by, &mut device, &shown)
+        .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
@@ -107,21 +108,6 @@ pub fn design(options: &Options) -> Result<(), Failure> {
         say!("{} runs at each interval; {}", short(found.trials as f64), whereabouts(&folder));
     }
     Ok(())
-}
-
-/// An error of the design at the place in the study that caused it.
-fn failure(study: &Study, error: DesignError) -> Failure {
-    let at =
-        |key: &str, help: &str| Failure::Study(study.error_at(study.place_of(key), error.to_string(), help));
-    match &error {
-        DesignError::Kind(_) => at("kind", "give a study of kind = \"switched-run\""),
-        DesignError::Swept(key) => at(key, "give one value, or one study for each"),
-        DesignError::Nothing => at("drift", "give drift.magnetic, and fillers or drift.residual_max"),
-        DesignError::NoCandidate(_) => at("run.duration", "lengthen the run, or sweep switching.interval"),
-        DesignError::TooFew { .. } => at("trials", "increase them; 100_000 is usual"),
-        DesignError::Lower(lower) => at(lower.key, lower.help),
-        DesignError::Gpu(error) => Failure::Gpu(error.clone()),
-    }
 }
 
 fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Picture, Failure> {

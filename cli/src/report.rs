@@ -42,7 +42,6 @@ Examples:
   sagnac report results/error_vs_dtnu
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results
-  sagnac report results/gyro results/gyro1_vs_gyro2 results/my/design --out all.html
 
 Results are those of run, allan, psd, compare, lot, design and filler. Of the results of a study the
 page is made again; the other commands have written theirs, and its card for the gallery beside it.

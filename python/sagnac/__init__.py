@@ -3,11 +3,15 @@
 - :func:`run` runs a study: the tables, charts and verdicts of the program ``sagnac``, bit for bit.
 - :func:`allan` computes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
+- :func:`psd` computes the spectrum of a record, and :func:`compare` tells whether the noise of two records differs.
+- :func:`design` finds the switching interval and the filler with the least drift.
 - :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
 - :mod:`sagnac.theory` has the underlying closed forms, over arrays.
 
 Angles are in ″ (arcsec), rates in °/h, which is the same number in ″/s, times in s; any other unit is given
 by the name or the ``unit``. Unknown values are NaN in an array and None elsewhere, never 0.
+
+Every result has an ``answer``, a sentence, and ``plot()``, which draws it with matplotlib where that is installed.
 
 Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 
@@ -20,6 +24,7 @@ Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 
 from . import errors, theory
 from ._sagnac import version as __version__
+from .analyses import Analysis, compare, design, psd
 from .errors import (
     DeviceError,
     InternalError,
@@ -36,6 +41,7 @@ from .studies import run
 
 __all__ = [
     "Allan",
+    "Analysis",
     "Coefficient",
     "Curve",
     "DeviceError",
@@ -55,9 +61,12 @@ __all__ = [
     "Verdict",
     "__version__",
     "allan",
+    "compare",
+    "design",
     "errors",
     "filler",
     "fit",
+    "psd",
     "run",
     "theory",
 ]

@@ -14,8 +14,24 @@ Counts: TypeAlias = NDArray[np.int64]
 RawColumn: TypeAlias = "tuple[str, str, str, NDArray[Any] | list[str | None]]"
 
 
+#: Name of a chart, the chart as SVG, and its content as JSON.
+RawChart: TypeAlias = "tuple[str, str, str]"
+
+
+class RawAnalysis(TypedDict):
+    title: str
+    answer: str
+    sentences: list[str]
+    notes: list[str]
+    data: str
+    tables: list[tuple[str, list[RawColumn]]]
+    charts: list[RawChart]
+    report: str
+
+
 class RawResults(TypedDict):
     title: str
+    answer: str
     question: str
     kind: str
     seed: int | None
@@ -25,7 +41,7 @@ class RawResults(TypedDict):
     seconds: float | None
     notes: list[str]
     verdicts: list[tuple[str, str]]
-    charts: list[tuple[str, str]]
+    charts: list[RawChart]
     report: str
     points: list[RawColumn]
     coefficients: list[RawColumn] | None
@@ -61,6 +77,7 @@ class RawCurves(RawRecord):
 
 
 class RawFit(RawRecord):
+    answer: str
     rows: list[tuple[str, str, float | None, float | None, float | None, str]]
     intervals: str
     without_bootstrap: str | None
@@ -95,3 +112,5 @@ class RawFillers(TypedDict):
     no_rms_because: str | None
     fillers: list[tuple[str, str, list[RawRule]]]
     header: str
+    answer: str
+    charts: list[RawChart]

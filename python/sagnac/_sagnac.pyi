@@ -5,11 +5,14 @@ from typing import Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ._raw import RawCurves, RawFillers, RawFit, RawResults
+from ._raw import RawAnalysis, RawCurves, RawFillers, RawFit, RawResults
 
 __all__ = [
     "allan_variance",
+    "colours",
+    "compare",
     "curves",
+    "design",
     "drift_bound",
     "drift_from_detuning",
     "drift_from_frequency",
@@ -21,6 +24,7 @@ __all__ = [
     "of_kinds",
     "of_study",
     "polynomial",
+    "psd",
     "relock_ticks",
     "run",
     "sampled_variance",
@@ -31,6 +35,7 @@ __all__ = [
 ]
 
 version: str
+colours: list[str]
 
 _Numbers: TypeAlias = NDArray[np.float64]
 
@@ -93,6 +98,33 @@ def run(
     is_kept: bool,
     progress: Callable[[int, int, str], object] | None,
 ) -> RawResults: ...
+def design(
+    path: Path | None,
+    text: str,
+    by: str,
+    trials: int | None,
+    seed: int | None,
+    device: str,
+    threads: int,
+    progress: Callable[[int, int, str], object] | None,
+) -> RawAnalysis: ...
+def compare(
+    a: _Numbers,
+    b: _Numbers,
+    readings: tuple[_Reading, _Reading],
+    names: tuple[str, str],
+    terms: list[str] | None,
+) -> RawAnalysis: ...
+def psd(
+    data: _Numbers,
+    reading: _Reading,
+    name: str,
+    segment_s: float | None,
+    is_linear: bool,
+    confidence: float,
+    terms: list[str] | None,
+    bootstrap: int | None,
+) -> RawAnalysis: ...
 def curves(
     data: _Numbers,
     reading: _Reading,

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _sagnac
+from . import _plot, _sagnac
 from ._raw import RawFillers, RawRule
 from .errors import UsageError
 from .studies import _whole
 from .theory import Values, _broadcast
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MINIMUM_VARIANCE = "minimum-variance"
 
@@ -99,6 +104,16 @@ class Fillers(Mapping[str, Filler]):
     """Why there is no rms, if the point cannot be sampled."""
     header: str
     """The fillers as a C99 header for firmware."""
+    answer: str
+    """The filler that leaves least, or the noise gains where neither motion nor noise is known."""
+    charts: dict[str, str]
+    """The response to vibration as an SVG text."""
+    pictures: dict[str, Any] = field(repr=False)
+    """Its content, which :meth:`plot` draws."""
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the response to vibration with matplotlib, which has to be installed; returns the axes."""
+        return _plot.draw(_plot.chosen(self.pictures, None), ax)
 
     def __getitem__(self, name: str) -> Filler:
         return self.fillers[name]
@@ -240,4 +255,7 @@ def _fillers(found: RawFillers) -> Fillers:
         fillers=fillers,
         no_rms_because=found["no_rms_because"],
         header=found["header"],
+        answer=found["answer"],
+        charts={name: svg for name, svg, _ in found["charts"]},
+        pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
     )

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _sagnac
+from . import _plot, _sagnac
 from .errors import RecordError, UsageError
 from .studies import MOST_THREADS, _whole
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
 
 Kind = Literal["rate", "increment", "angle"]
 Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
@@ -99,6 +100,29 @@ class Allan(Mapping[str, Curve]):
     ``remove_outliers`` is given."""
     outlier_threshold: float
 
+    @property
+    def answer(self) -> str:
+        """The in-run stability in one sentence, from the first curve that has a minimum."""
+        curve = next((curve for curve in self.curves.values() if curve.minimum is not None), None)
+        if curve is None or curve.minimum is None:
+            return "No curve has a minimum."
+        least = curve.minimum
+        end = ", where the curve ends" if least.at_end else ""
+        return f"In-run stability {least.value:.4g} {curve.unit} at τ = {least.tau:.4g} s{end}."
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the curves with their intervals with matplotlib, which has to be installed; returns the axes."""
+        ax = _plot.axes_of(ax)
+        for style, curve in enumerate(self.curves.values()):
+            look = _plot.colour(style)
+            ax.loglog(curve.tau, curve.value, color=look, marker="o", markersize=3, label=curve.deviation)
+            ax.fill_between(curve.tau, curve.lower, curve.upper, color=look, alpha=0.2, linewidth=0)
+        units = {curve.unit for curve in self.curves.values()}
+        ax.set_xlabel("averaging time τ, s")
+        ax.set_ylabel(", ".join(["deviation σ(τ)", *filter(None, sorted(units))]))
+        ax.legend()
+        return ax
+
     def __getitem__(self, deviation: str) -> Curve:
         return self.curves[deviation]
 
@@ -137,6 +161,8 @@ class Fit(Mapping[str, Coefficient]):
 
     coefficients: dict[str, Coefficient]
     """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested; L if the record shows a filter."""
+    answer: str
+    """The coefficients in one sentence."""
     described: bool
     """Whether the terms describe the curve."""
     fit_from: float
@@ -163,6 +189,16 @@ class Fit(Mapping[str, Coefficient]):
     removed_slope_per_s: float
     outliers: Counts
     """The same as in :class:`Allan`."""
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the curve and the fit with matplotlib, which has to be installed; returns the axes."""
+        ax = _plot.axes_of(ax)
+        ax.loglog(self.tau, self.deviation, "o", color=_plot.colour(0), markersize=4, label="overlapping Allan deviation")
+        ax.loglog(self.tau, self.fitted, color=_plot.colour(1), label="fit")
+        ax.set_xlabel("averaging time τ, s")
+        ax.set_ylabel("deviation σ(τ)")
+        ax.legend()
+        return ax
 
     def __getitem__(self, name: str) -> Coefficient:
         return self.coefficients[name]
@@ -351,6 +387,7 @@ def fit(
     )
     return Fit(
         coefficients={row[0]: Coefficient(*row) for row in found["rows"]},
+        answer=found["answer"],
         described=found["described"],
         fit_from=found["range"][0],
         fit_to=found["range"][1],

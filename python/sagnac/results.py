@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _plot
 from ._raw import RawColumn
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
 
 #: A column: float64 with NaN for unknown values, int64 for counts, object (str, or None for a blank) for names.
 Column = NDArray[Any]
@@ -84,10 +86,38 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Results:
-    """The results of a study, as ``sagnac run`` gives them."""
+class Charted:
+    """What has a page with an answer and charts."""
 
     title: str
+    answer: str
+    """The answer in one sentence, which stands in bold on the page; empty where there is none."""
+    notes: tuple[str, ...]
+    """Notes on omissions, rounding and assumptions, each a sentence."""
+    charts: dict[str, str]
+    """The charts as SVG texts, by the names of their files."""
+    report: str
+    """The page ``report.html`` of the program, as text: one file that needs no network. A notebook shows it as the result of a
+    cell."""
+    pictures: dict[str, Any] = field(repr=False)
+    """The content of the charts, which :meth:`plot` draws."""
+
+    def plot(self, chart: str | None = None, *, ax: Axes | None = None) -> Axes:
+        """Draws a chart, by default the first, with matplotlib, which has to be installed; returns its axes.
+
+        ``chart`` is one of the names in ``charts``. Without ``ax`` a new figure is made.
+        """
+        return _plot.draw(_plot.chosen(self.pictures, chart), ax)
+
+    def _repr_html_(self) -> str:
+        # A separate frame isolates its style and script.
+        return f'<iframe srcdoc="{html.escape(self.report)}" style="width: 100%; height: 900px; border: 0"></iframe>'
+
+
+@dataclass(frozen=True)
+class Results(Charted):
+    """The results of a study, as ``sagnac run`` gives them."""
+
     question: str
     """Question of the study; may be empty."""
     kind: str
@@ -99,13 +129,6 @@ class Results:
     trajectories: Table | None
     """The runs that the study keeps as curves, if any: trajectories.csv."""
     verdicts: tuple[Verdict, ...]
-    notes: tuple[str, ...]
-    """Notes on omissions, rounding and assumptions, each a sentence."""
-    charts: dict[str, str]
-    """The charts of the study as SVG texts, by the names of their files."""
-    report: str
-    """The page ``report.html`` of ``sagnac run``, as text: one file that needs no network. A notebook
-    shows it as the result of a cell."""
     seed: int | None
     """Seed; like trials, device and seconds, None if nothing is sampled."""
     trials: int | None
@@ -120,7 +143,3 @@ class Results:
 
     def __repr__(self) -> str:
         return f"<Results of {self.title!r}: {self.points.rows} rows>"
-
-    def _repr_html_(self) -> str:
-        # A separate frame isolates its style and script.
-        return f'<iframe srcdoc="{html.escape(self.report)}" style="width: 100%; height: 900px; border: 0"></iframe>'

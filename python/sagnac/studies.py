@@ -6,11 +6,13 @@ import json
 import operator
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from . import _sagnac
 from ._raw import RawResults
+from ._toml import text_of
 from .errors import StorageError, UsageError
 from .results import Results, Table, Verdict
 
@@ -22,7 +24,7 @@ MOST_THREADS = 4096
 
 
 def run(
-    study: str | os.PathLike[str],
+    study: str | os.PathLike[str] | Mapping[str, Any],
     *,
     trials: int | None = None,
     seed: int | None = None,
@@ -38,8 +40,9 @@ def run(
     Parameters
     ----------
     study
-        The path of a study file, or its text, which is recognised by its line ends. Files named in a text are relative
-        to the working directory.
+        The path of a study file; its text, which is recognised by its line ends; or a dictionary of its keys, in which tables are
+        dictionaries, and values are texts with units or numbers as in the file. Files named in a text or a dictionary are
+        relative to the working directory.
     trials, seed
         Values that replace those of the study: 1 to 2**40 trials at each point, a seed below 2**63.
     device
@@ -71,21 +74,14 @@ def run(
 
     Examples
     --------
-    >>> results = run('''
-    ... title = "A gap of three ticks"
-    ... kind = "gap-fill"
-    ... trials = 1000
-    ... [gyro]
-    ... tick = "5 ms"
-    ... tick_noise = { std = "0.5 arcsec" }
-    ... [motion]
-    ... amplitude = "12000 arcsec/s"
-    ... frequency = "20 Hz"
-    ... [switching]
-    ... gap_ticks = 3
-    ... fillers = ["const", "quadratic"]
-    ... errors = ["residual"]
-    ... ''')
+    >>> results = run({
+    ...     "title": "A gap of three ticks",
+    ...     "kind": "gap-fill",
+    ...     "trials": 1000,
+    ...     "gyro": {"tick": "5 ms", "tick_noise": {"std": "0.5 arcsec"}},
+    ...     "motion": {"amplitude": "12000 arcsec/s", "frequency": "20 Hz"},
+    ...     "switching": {"gap_ticks": 3, "fillers": ["const", "quadratic"], "errors": ["residual"]},
+    ... })
     >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["oracle_rms_arcsec"])]
     ['const: 109', 'quadratic: 19.1']
     """
@@ -94,7 +90,7 @@ def run(
         trials = _whole("trials", trials, 1, MOST_TRIALS)
     if seed is not None:
         seed = _whole("seed", seed, 0, (1 << 63) - 1)
-    threads = 0 if threads is None else _whole("threads", threads, 1, MOST_THREADS)
+    threads = _threads(threads)
 
     def within(folder: Path) -> Results:
         kept = out is not None
@@ -111,7 +107,13 @@ def run(
         return within(Path(folder.name))
 
 
-def _source(study: str | os.PathLike[str]) -> tuple[Path | None, str]:
+def _threads(threads: int | None) -> int:
+    return 0 if threads is None else _whole("threads", threads, 1, MOST_THREADS)
+
+
+def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[Path | None, str]:
+    if isinstance(study, Mapping):
+        return None, text_of(study)
     if isinstance(study, str) and "\n" in study:
         return None, study
     return Path(study), ""
@@ -132,6 +134,7 @@ def _results(found: RawResults, folder: Path | None) -> Results:
     coefficients, trajectories = found["coefficients"], found["trajectories"]
     return Results(
         title=found["title"],
+        answer=found["answer"],
         question=found["question"],
         kind=found["kind"],
         points=Table(found["points"]),
@@ -139,8 +142,9 @@ def _results(found: RawResults, folder: Path | None) -> Results:
         trajectories=None if trajectories is None else Table(trajectories),
         verdicts=tuple(Verdict(text, json.loads(data)) for text, data in found["verdicts"]),
         notes=tuple(found["notes"]),
-        charts=dict(found["charts"]),
+        charts={name: svg for name, svg, _ in found["charts"]},
         report=found["report"],
+        pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
         seed=found["seed"],
         trials=found["trials"],
         device=found["device"],

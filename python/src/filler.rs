@@ -9,7 +9,9 @@ use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
 use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;
+use sagnac::view::chart::picture::Picture;
 
+use super::analysis::chart;
 use super::compute::compute;
 use super::failure::Failure;
 
@@ -85,6 +87,9 @@ pub fn of_study<'py>(
 fn document<'py>(py: Python<'py>, firmware: &Firmware) -> PyResult<Bound<'py, PyDict>> {
     let document = PyDict::new(py);
     document.set_item("title", &firmware.title)?;
+    document.set_item("answer", firmware.headline())?;
+    let response = chart("response", &Picture::Curves(firmware.response()));
+    document.set_item("charts", vec![response])?;
     document.set_item(
         "at",
         firmware.at.iter().map(|(key, value)| (*key, value.to_string())).collect::<Vec<_>>(),

@@ -1,6 +1,7 @@
 //! The native part of the Python package `sagnac`: it maps arguments to library calls, and returns arrays and plain
 //! objects. The functions for users, with their documentation, are written in Python, in `python/sagnac`.
 
+mod analysis;
 mod compute;
 mod failure;
 mod filler;
@@ -16,7 +17,11 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("version", env!("CARGO_PKG_VERSION"))?;
+    module.add("colours", sagnac::view::chart::COLOURS.to_vec())?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::design, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::psd, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;
     module.add_function(wrap_pyfunction!(record::fit, module)?)?;
     module.add_function(wrap_pyfunction!(filler::of_kinds, module)?)?;

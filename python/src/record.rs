@@ -13,12 +13,14 @@ use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::{Treatment, model, slope};
+use sagnac::analysis::page::of_noise;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::range::Fitting;
 use sagnac::fit::record::curve_of;
 use sagnac::quantity::number::significant;
 use sagnac::record::log::MOST_SAMPLES;
+use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
 use sagnac::record::log::doubt::Doubt;
 use sagnac::record::log::measure::{Data, Unit};
@@ -39,7 +41,7 @@ pub struct Reading {
     detrend: bool,
     remove_outliers: bool,
     unit_check: bool,
-    threads: usize,
+    pub threads: usize,
 }
 
 /// A point of a fitted curve: τ, the deviation, and that of the fit.
@@ -88,7 +90,20 @@ impl Reading {
         if self.detrend { Trend::Linear } else { Trend::None }
     }
 
-    fn record(&self, values: &[f64]) -> Result<Record, Failure> {
+    /// The treatment of the samples.
+    pub fn treatment(&self) -> Treatment {
+        Treatment {
+            skip_s: 0.0,
+            until_s: None,
+            trend: self.trend(),
+            outliers_removed: self.remove_outliers,
+            unit_check: if self.unit_check { UnitCheck::On } else { UnitCheck::Off },
+            is_compensated: false,
+        }
+    }
+
+    /// The quantity and the unit of usable samples.
+    fn checked(&self, values: &[f64]) -> Result<(Data, Unit), Failure> {
         let data = match self.kind.as_str() {
             "rate" => Data::Rate,
             "increment" => Data::Increment,
@@ -113,18 +128,25 @@ impl Reading {
             return Err(Failure::Record(format!("sample {place} of the array is infinite\n{help}")));
         }
         let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
-        let check = if self.unit_check { UnitCheck::On } else { UnitCheck::Off };
         if let Some(fault) = samples.fault() {
             return Err(Failure::Record(in_words(fault)));
         }
-        let treatment = Treatment {
-            skip_s: 0.0,
-            until_s: None,
-            trend: self.trend(),
-            outliers_removed: self.remove_outliers,
-            unit_check: check,
-            is_compensated: false,
-        };
+        Ok((data, unit))
+    }
+
+    /// The array as a log of one column called `name`.
+    ///
+    /// # Errors
+    /// The samples are unusable, or an argument is not accepted.
+    pub fn log(&self, values: &[f64], name: &str) -> Result<Log, Failure> {
+        let (data, unit) = self.checked(values)?;
+        Ok(Log::of_column(name, data, unit, self.step_s, values.to_vec()))
+    }
+
+    fn record(&self, values: &[f64]) -> Result<Record, Failure> {
+        let (data, unit) = self.checked(values)?;
+        let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
+        let treatment = self.treatment();
         let (angles, outliers) = treatment.angles(&samples);
         Ok(Record {
             doubt: samples.doubt().filter(|_| self.unit_check).map(|doubt| warning(doubt, &unit)),
@@ -180,7 +202,7 @@ fn warning(doubt: Doubt, unit: &Unit) -> String {
 }
 
 /// The contiguous samples of an array, without a copy.
-fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
+pub fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
     data.as_slice().map_err(|error| Failure::Usage(error.to_string()).into())
 }
 
@@ -290,10 +312,7 @@ pub fn fit<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
     let (record, sheet, fitted) = compute_on(py, reading.threads, || {
-        let terms = match &terms {
-            None => Terms::of_model(reading.trend()),
-            Some(names) => Terms::Given(names.iter().map(|name| term(name)).collect::<Result<_, _>>()?),
-        };
+        let terms = terms_of(terms.as_deref(), reading.trend())?;
         let record = reading.record(values)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
@@ -319,6 +338,7 @@ pub fn fit<'py>(
         let [lower, upper] = row.interval.map_or([None; 2], |ends| ends.map(Some));
         (row.name, row.unit, row.value, lower, upper, row.verdict)
     });
+    document.set_item("answer", format!("{}.", of_noise(&sheet)))?;
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
     let why = sheet.intervals.without.as_deref().map(in_python);
@@ -333,6 +353,17 @@ pub fn fit<'py>(
     document.set_item("deviation", column(&|(_, deviation, _)| *deviation))?;
     document.set_item("fitted", column(&|(.., fitted)| fitted.unwrap_or(f64::NAN)))?;
     Ok(document)
+}
+
+/// The terms of these names; without them those that the record supports.
+///
+/// # Errors
+/// A name is not that of a term.
+pub fn terms_of(names: Option<&[String]>, trend: Trend) -> Result<Terms, Failure> {
+    match names {
+        None => Ok(Terms::of_model(trend)),
+        Some(names) => Ok(Terms::Given(names.iter().map(|name| term(name)).collect::<Result<_, _>>()?)),
+    }
 }
 
 fn term(name: &str) -> Result<Term, Failure> {

@@ -16,6 +16,7 @@ use sagnac::view::picture::{Drawn, pictures};
 use sagnac::view::report::FILE as REPORT;
 use sagnac::view::results::Results;
 
+use super::analysis::chart;
 use super::compute::compute;
 use super::failure::Failure;
 use super::progress::Listener;
@@ -35,12 +36,25 @@ struct Asked {
     is_kept: bool,
 }
 
+/// The study in a file, or that of a text if there is no `path`.
+///
+/// # Errors
+/// It cannot be read, or is invalid.
+pub fn study_of(path: Option<&Path>, text: &str) -> Result<Study, Failure> {
+    Ok(match path {
+        Some(path) => Study::read(path)?,
+        None => Study::parse("study", text)?,
+    })
+}
+
 /// A study that was run.
 struct Ran {
     study: Study,
     is_sampled: bool,
     tables: Tables,
     pictures: Vec<Drawn>,
+    /// The headline.
+    answer: String,
     /// The report as HTML.
     report: String,
     /// Verdicts, each as text and as JSON.
@@ -83,8 +97,9 @@ pub fn run<'py>(
     document.set_item("verdicts", &ran.verdicts)?;
     document.set_item(
         "charts",
-        ran.pictures.iter().map(|drawn| (&drawn.stem, drawn.picture.svg())).collect::<Vec<_>>(),
+        ran.pictures.iter().map(|drawn| chart(&drawn.stem, &drawn.picture)).collect::<Vec<_>>(),
     )?;
+    document.set_item("answer", &ran.answer)?;
     document.set_item("report", &ran.report)?;
     let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
     document.set_item("points", columns(py, &ran.tables.points)?)?;
@@ -95,10 +110,7 @@ pub fn run<'py>(
 
 impl Asked {
     fn run(&self, listener: &Listener) -> Result<Ran, Failure> {
-        let mut study = match &self.path {
-            Some(path) => Study::read(path)?,
-            None => Study::parse("study", &self.text)?,
-        };
+        let mut study = study_of(self.path.as_deref(), &self.text)?;
         study.trials = self.trials.unwrap_or(study.trials);
         study.seed = self.seed.unwrap_or(study.seed);
         let plan = Plan::new(&study)?;
@@ -132,7 +144,9 @@ impl Asked {
         // A run that ended early has raised an exception before.
         let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let judged = results.verdicts()?;
-        let report = results.page(results.answer(&judged)?);
+        let answer = results.answer(&judged)?;
+        let headline = answer.headline.clone();
+        let report = results.page(answer);
         if self.is_kept {
             self.write(RESOLVED, results.resolved().as_bytes())?;
             self.write(REPORT, report.as_bytes())?;
@@ -143,7 +157,7 @@ impl Asked {
         let (notes, pictures, is_sampled) = (results.notes(), results.charts, plan.is_sampled());
         drop(results.curves);
         drop(plan);
-        Ok(Ran { is_sampled, tables, pictures, report, verdicts, notes, done, study })
+        Ok(Ran { is_sampled, tables, pictures, answer: headline, report, verdicts, notes, done, study })
     }
 
     fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {

@@ -133,7 +133,10 @@ fn a_run_at_the_best_interval_and_beside_it_has_the_drift_of_the_design() {
 fn the_recommendation_has_the_documented_keys_and_files() {
     let desk = Desk::with(FILLED);
     let found = designed(&desk, "");
-    assert_eq!(desk.names("out"), ["design.csv", "design.json", "design.png", "design.svg"]);
+    assert_eq!(
+        desk.names("out"),
+        ["card.json", "design.csv", "design.json", "design.png", "design.svg", "report.html"]
+    );
     assert_eq!(serde_json::from_str::<Value>(&desk.read("out/design.json")).unwrap(), found);
     for key in [
         "interval_s",

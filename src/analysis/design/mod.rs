@@ -63,6 +63,7 @@ use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::run::late;
 use crate::progress::Progress;
 use crate::sampling::worker::Worker;
+use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::tally::stats::{Estimates, NORMAL_95};
 use crate::theory::drift::budget::Optimum;
@@ -202,6 +203,25 @@ pub enum DesignError {
         /// Requested measure.
         measure: Measure,
     },
+}
+
+impl DesignError {
+    /// The error at the place in the study that caused it.
+    ///
+    /// # Errors
+    /// The device failed.
+    pub fn in_study(self, study: &Study) -> Result<StudyError, GpuError> {
+        let (key, help) = match &self {
+            DesignError::Kind(_) => ("kind", "give a study of kind = \"switched-run\""),
+            DesignError::Swept(key) => (*key, "give one value, or one study for each"),
+            DesignError::Nothing => ("drift", "give drift.magnetic, and fillers or drift.residual_max"),
+            DesignError::NoCandidate(_) => ("run.duration", "lengthen the run, or sweep switching.interval"),
+            DesignError::TooFew { .. } => ("trials", "increase them; 100_000 is usual"),
+            DesignError::Lower(lower) => (lower.key, lower.help),
+            DesignError::Gpu(error) => return Err(error.clone()),
+        };
+        Ok(study.error_at(study.place_of(key), self.to_string(), help))
+    }
 }
 
 /// Runs all candidates; `progress` counts the switches of their runs.

@@ -53,7 +53,8 @@ fn of_column(column: &Column) -> String {
     format!("{}: {said}.", column.name)
 }
 
-fn of_noise(noise: &DataSheet) -> String {
+/// The coefficients of a record in words, such as `N = 0.2 °/√h (0.199 … 0.201)`, with those that are not identified.
+pub fn of_noise(noise: &DataSheet) -> String {
     let found: Vec<String> = noise.rows.iter().filter_map(value).collect();
     let missing: Vec<String> = noise.rows.iter().filter(|row| row.value.is_none()).map(bound).collect();
     let range = range(&noise.fit);

@@ -21,6 +21,7 @@ mod record;
 mod spectrum;
 mod trace;
 
+pub use crate::analysis::page::answer::of_noise;
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::filler::of_filler;

@@ -47,6 +47,13 @@ impl Channel {
 }
 
 impl Log {
+    /// A log of one column from memory, called `name`; `samples` are finite, and NaN where one is missing.
+    pub fn of_column(name: &str, data: Data, unit: Unit, step_s: f64, samples: Vec<f64>) -> Log {
+        let channel = Channel { name: name.to_owned(), unit, unit_in_header: None, samples, place: None };
+        let (file, channels) = (name.to_owned(), vec![channel]);
+        Log { file, step_s, data, start_s: 0.0, channels, temperature: None, notes: vec![] }
+    }
+
     /// The number of samples of a channel, including missing ones.
     pub fn samples(&self) -> usize {
         self.channels.first().map_or(0, |channel| channel.samples.len())

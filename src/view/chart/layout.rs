@@ -76,7 +76,7 @@ pub(crate) struct Titles<'a> {
 impl Titles<'_> {
     /// The lines of the subtitle, the last of which is shortened if there are too many.
     fn subtitle_lines(&self) -> Vec<String> {
-        let mut lines = text::wrapped(self.subtitle.unwrap_or_default(), SUBTITLE_SIZE, ROOM);
+        let mut lines = text::wrapped(self.subtitle.unwrap_or_default(), SUBTITLE_SIZE, false, ROOM);
         if lines.len() > MOST_LINES {
             let rest = lines.split_off(MOST_LINES - 1).join(" ");
             lines.push(rest);

@@ -14,6 +14,8 @@ const GAP: f64 = 10.0;
 const FILL: f64 = 7.0;
 /// Largest width of an entry; longer ones are shortened.
 const WIDEST_TEXT: f64 = 210.0;
+/// Largest width of a heading or a remark.
+const WHOLE: f64 = WIDEST_TEXT + SAMPLE + GAP;
 
 /// The legend of a figure, ready to be drawn.
 #[derive(Debug, Default)]
@@ -98,18 +100,20 @@ impl Legend {
         if !self.rows.is_empty() {
             self.rows.push(Row::Space);
         }
-        self.rows.extend(heading.filter(|text| !text.is_empty()).map(|text| Row::Heading(text.to_owned())));
+        self.rows.extend(
+            text::wrapped(heading.unwrap_or_default(), SIZE, true, WHOLE).into_iter().map(Row::Heading),
+        );
         self.rows.extend(rows);
     }
 
     /// Its width, 0 if it is empty.
     pub(crate) fn width(&self) -> f64 {
         let of_row = |row: &Row| match row {
-            Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
+            Row::Heading(text) => text::width(text, SIZE, true).min(WHOLE),
             Row::Entry(_, text) | Row::Continued(text) => {
                 SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT)
             }
-            Row::Remark(text) => text::width(text, SIZE, false).min(WIDEST_TEXT + SAMPLE + GAP),
+            Row::Remark(text) => text::width(text, SIZE, false).min(WHOLE),
             Row::Space => 0.0,
         };
         self.rows.iter().map(of_row).fold(0.0, f64::max)
@@ -130,7 +134,7 @@ impl Legend {
             }
             match row {
                 Row::Heading(text) => {
-                    let text = text::fitted(text, SIZE, true, WIDEST_TEXT + SAMPLE + GAP);
+                    let text = text::fitted(text, SIZE, true, WHOLE);
                     canvas.text((left, baseline), &text, Lettering { bold: true, ..lettering });
                 }
                 Row::Entry(_, text) | Row::Continued(text) => {
@@ -141,7 +145,7 @@ impl Legend {
                     canvas.text((left + SAMPLE + GAP, baseline), &text, lettering);
                 }
                 Row::Remark(text) => {
-                    let text = text::fitted(text, SIZE, false, WIDEST_TEXT + SAMPLE + GAP);
+                    let text = text::fitted(text, SIZE, false, WHOLE);
                     canvas.text((left, baseline), &text, Lettering { colour: MUTED, ..lettering });
                 }
                 Row::Space => {}
@@ -195,14 +199,14 @@ pub(crate) fn part_stroke(index: usize, part: &Part) -> Stroke {
 
 /// An entry with its complete text, in as many lines as needed.
 pub(crate) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
-    let mut lines = text::wrapped(text, SIZE, WIDEST_TEXT).into_iter();
+    let mut lines = text::wrapped(text, SIZE, false, WIDEST_TEXT).into_iter();
     let first = Row::Entry(sample, lines.next().unwrap_or_default());
     std::iter::once(first).chain(lines.map(Row::Continued)).collect()
 }
 
 /// A remark with its complete text, in as many lines as needed.
 pub(crate) fn remark(text: &str) -> Vec<Row> {
-    text::wrapped(text, SIZE, WIDEST_TEXT + SAMPLE + GAP).into_iter().map(Row::Remark).collect()
+    text::wrapped(text, SIZE, false, WHOLE).into_iter().map(Row::Remark).collect()
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {

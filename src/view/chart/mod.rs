@@ -81,3 +81,5 @@ pub(crate) mod svg;
 pub(crate) mod text;
 pub(crate) mod ticks;
 pub(crate) mod whole;
+
+pub use crate::view::chart::palette::COLOURS;

@@ -6,7 +6,7 @@ use crate::view::chart::plot::{MARKED, MOST_MARKED};
 
 /// Colours that colour-blind readers can distinguish, the first three also by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
-pub(crate) const COLOURS: [&str; 8] =
+pub const COLOURS: [&str; 8] =
     ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
 
 /// The colours for dark backgrounds: lighter, in the same hues.

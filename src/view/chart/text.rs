@@ -43,12 +43,12 @@ pub(crate) fn fitted(text: &str, size: f64, bold: bool, room: f64) -> String {
 
 /// `text` in lines of at most `room` px, broken at spaces. A longer word stays whole, and so do words with a no-break
 /// space between them.
-pub(crate) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
+pub(crate) fn wrapped(text: &str, size: f64, bold: bool, room: f64) -> Vec<String> {
     let mut lines: Vec<String> = vec![];
     for word in text.split(' ').filter(|word| !word.is_empty()) {
         let longer = lines.last().map(|line| format!("{line} {word}"));
         match (longer, lines.last_mut()) {
-            (Some(longer), Some(line)) if width(&longer, size, false) <= room => *line = longer,
+            (Some(longer), Some(line)) if width(&longer, size, bold) <= room => *line = longer,
             _ => lines.push(word.to_owned()),
         }
     }
@@ -78,12 +78,12 @@ mod tests {
     #[test]
     fn text_is_broken_into_lines_that_have_room_and_lose_no_word() {
         let text = "Taylor term of one tick at an extremum, as published";
-        let lines = wrapped(text, 13.0, 200.0);
+        let lines = wrapped(text, 13.0, false, 200.0);
         assert!(lines.len() > 1 && lines.iter().all(|line| width(line, 13.0, false) <= 200.0), "{lines:?}");
         assert_eq!(lines.join(" "), text);
-        assert_eq!(wrapped("one  two", 13.0, 1.0), ["one", "two"]);
-        assert_eq!(wrapped("10\u{a0}″ more", 13.0, 1.0), ["10\u{a0}″", "more"]);
-        assert!(wrapped("", 13.0, 200.0).is_empty());
+        assert_eq!(wrapped("one  two", 13.0, false, 1.0), ["one", "two"]);
+        assert_eq!(wrapped("10\u{a0}″ more", 13.0, false, 1.0), ["10\u{a0}″", "more"]);
+        assert!(wrapped("", 13.0, false, 200.0).is_empty());
     }
 
     #[test]

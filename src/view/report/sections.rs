@@ -102,8 +102,7 @@ impl Page {
     pub fn html(&self, spell: &dyn Fn(&str) -> String) -> String {
         let sections: Vec<&Section> =
             self.sections.iter().filter(|section| !section.blocks.is_empty()).collect();
-        let charts: Vec<&Drawn> =
-            sections.iter().flat_map(|section| &section.blocks).filter_map(drawn).collect();
+        let charts: Vec<&Drawn> = self.charts().collect();
         let tables: Vec<(&str, &Table)> = self.tables.iter().map(|(file, table)| (*file, table)).collect();
         let Packed { text, tables, thinned } = data(&charts, &tables);
         let links: Vec<(&str, &str)> = sections
@@ -153,13 +152,17 @@ impl Page {
 }
 
 impl Page {
+    /// The charts of all sections, in their order.
+    pub fn charts(&self) -> impl Iterator<Item = &Drawn> {
+        self.sections.iter().flat_map(|section| &section.blocks).filter_map(drawn)
+    }
+
     /// The card of the page in galleries, with its settings in the words of `spell`.
     pub fn card(&self, spell: &dyn Fn(&str) -> String) -> Card {
         let blocks = || self.sections.iter().flat_map(|section| &section.blocks);
         // Rather a chart of results than a record.
         let is_chart = |block: &&Block| matches!(block, Block::Chart(_));
-        let first =
-            blocks().find(is_chart).or_else(|| blocks().find(|block| drawn(block).is_some())).and_then(drawn);
+        let first = blocks().find(is_chart).and_then(drawn).or_else(|| self.charts().next());
         let [title, question, headline] =
             [&self.title, &self.subtitle, &self.headline].map(|text| spell(text));
         Card {

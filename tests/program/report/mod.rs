@@ -3,6 +3,7 @@
 mod edges;
 mod fillers;
 mod results;
+mod words;
 
 use std::collections::BTreeSet;
 

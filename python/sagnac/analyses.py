@@ -1,0 +1,214 @@
+"""Designs, comparisons and spectra, as the program gives them."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from numpy.typing import ArrayLike
+
+from . import _sagnac
+from ._raw import RawAnalysis
+from .errors import UsageError
+from .records import LEAST_REALISATIONS, Kind, _reading
+from .results import Charted, Table
+from .studies import MOST_TRIALS, _source, _threads, _whole
+
+Measure = Literal["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"]
+
+
+@dataclass(frozen=True)
+class Analysis(Charted):
+    """What an analysis found: the content of the page and of the files of the program."""
+
+    sentences: tuple[str, ...]
+    """Further sentences of the answer."""
+    data: dict[str, Any]
+    """What the program prints with ``--json``."""
+    tables: dict[str, Table]
+    """The tables by the names of their files, such as ``design.csv``."""
+
+    def __repr__(self) -> str:
+        return f"<Analysis: {self.answer}>"
+
+
+def design(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    by: Measure = "drift_q9973",
+    trials: int | None = None,
+    seed: int | None = None,
+    device: str = "auto",
+    threads: int | None = None,
+    progress: Callable[[int, int, str], object] | None = None,
+) -> Analysis:
+    """The best switching interval and filler of a study of whole runs, as ``sagnac design`` finds them.
+
+    Parameters
+    ----------
+    study
+        As for :func:`run`; of ``kind = "switched-run"``. The candidates are its swept intervals, or intervals that suit the run.
+    by
+        Estimate to minimise.
+    trials
+        Runs of each candidate instead of the number in the study, rounded up to 32 times a power of two.
+    seed, device, threads, progress
+        As for :func:`run`.
+
+    Raises
+    ------
+    StudyError, DeviceError, UsageError
+        The study is invalid or of another kind, the device fails, or an argument is not accepted.
+
+    Examples
+    --------
+    >>> gyro = {
+    ...     "title": "The paper's hour",
+    ...     "kind": "switched-run",
+    ...     "streams": "common",
+    ...     "drift": {"magnetic": "14 arcsec/s", "warm_up_time": "3000 s", "residual_max": "10 arcsec"},
+    ...     "switching": {"interval": "40 s"},
+    ...     "run": {"duration": "1 h"},
+    ... }
+    >>> found = design(gyro, by="drift_rms", trials=8192, device="cpu")
+    >>> 20.0 < found.data["interval_s"] < 25.0, found.answer[:12]       # in closed form 22.4 s
+    (True, 'Switch every')
+    """
+    path, text = _source(study)
+    if trials is not None:
+        trials = _whole("trials", trials, 1, MOST_TRIALS)
+    if seed is not None:
+        seed = _whole("seed", seed, 0, (1 << 63) - 1)
+    return _analysis(_sagnac.design(path, text, by, trials, seed, device, _threads(threads), progress))
+
+
+def compare(
+    a: ArrayLike,
+    b: ArrayLike,
+    rate: float | tuple[float, float],
+    *,
+    unit: str | tuple[str, str],
+    kind: Kind = "rate",
+    names: tuple[str, str] = ("A", "B"),
+    terms: Literal["auto"] | Sequence[str] = "auto",
+    detrend: bool = False,
+    remove_outliers: bool = False,
+    unit_check: bool = True,
+    threads: int | None = None,
+) -> Analysis:
+    """Whether the noise of two records differs, and in which coefficients, as ``sagnac compare`` tells.
+
+    Parameters
+    ----------
+    a, b
+        The records, as for :func:`allan`. They are copied.
+    rate, unit
+        As for :func:`allan`, for both records or one for each.
+    names
+        What the records are called.
+    terms, kind, detrend, remove_outliers, unit_check, threads
+        As for :func:`fit`.
+
+    Raises
+    ------
+    RecordError, UsageError
+        The samples are unusable or have nothing in common to compare, or an argument is not accepted.
+
+    Examples
+    --------
+    >>> draw = np.random.default_rng(1).normal
+    >>> found = compare(draw(0.0, 1.0, 20_000), draw(0.0, 1.3, 20_000), 100.0, unit="deg/h", names=("before", "after"))
+    >>> [row["coefficient"] for row in found.data["coefficients"] if row["verdict"] == "higher"]
+    ['N']
+    """
+    rates = rate if isinstance(rate, tuple) else (rate, rate)
+    units = unit if isinstance(unit, tuple) else (unit, unit)
+    records = [
+        _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+        for data, rate, unit in zip((a, b), rates, units)
+    ]
+    (first, of_first), (second, of_second) = records
+    return _analysis(_sagnac.compare(first, second, (of_first, of_second), names, _terms(terms)))
+
+
+def psd(
+    data: ArrayLike,
+    rate: float,
+    *,
+    unit: str,
+    kind: Kind = "rate",
+    name: str = "record",
+    segment: float | None = None,
+    segment_detrend: Literal["constant", "linear"] = "constant",
+    confidence: float = 0.95,
+    terms: Literal["auto"] | Sequence[str] = "auto",
+    bootstrap: int | None = None,
+    detrend: bool = False,
+    remove_outliers: bool = False,
+    unit_check: bool = True,
+    threads: int | None = None,
+) -> Analysis:
+    """The power spectral density of a record with its lines and its white noise, as ``sagnac psd`` computes them.
+
+    Parameters
+    ----------
+    data, rate, unit, kind, detrend, remove_outliers, unit_check, threads
+        As for :func:`allan`. The record is copied.
+    name
+        What the record is called.
+    segment
+        Length of the segments, s; by default an eighth of the record and at most 16384 samples.
+    segment_detrend
+        What is removed from each segment: its mean, or its straight line.
+    confidence
+        Probability of the intervals.
+    terms, bootstrap
+        As for :func:`fit`, of the fit whose density is drawn beside.
+
+    Raises
+    ------
+    RecordError, UsageError
+        The record is too short or unusable, or an argument is not accepted.
+
+    Examples
+    --------
+    >>> times = np.arange(20_000) / 100.0
+    >>> rates = np.random.default_rng(1).normal(0.0, 1.0, times.size) + np.sin(2 * np.pi * 20.0 * times)
+    >>> found = psd(rates, 100.0, unit="deg/h", bootstrap=0)
+    >>> [round(float(line), 1) for line in found.tables["lines.csv"]["frequency_hz"]]
+    [20.0]
+    """
+    values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    if not 0.0 < confidence < 1.0:
+        raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
+    if segment_detrend not in ("constant", "linear"):
+        raise UsageError(f'segment_detrend="{segment_detrend}"\naccepted: "constant", "linear"')
+    if bootstrap is not None and bootstrap != 0:
+        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
+    is_linear = segment_detrend == "linear"
+    return _analysis(
+        _sagnac.psd(values, reading, name, segment, is_linear, confidence, _terms(terms), bootstrap)
+    )
+
+
+def _terms(terms: str | Sequence[str]) -> list[str] | None:
+    if isinstance(terms, str) and terms != "auto":
+        raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
+    return None if isinstance(terms, str) else list(terms)
+
+
+def _analysis(found: RawAnalysis) -> Analysis:
+    return Analysis(
+        title=found["title"],
+        answer=found["answer"],
+        notes=tuple(found["notes"]),
+        charts={name: svg for name, svg, _ in found["charts"]},
+        report=found["report"],
+        pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
+        sentences=tuple(found["sentences"]),
+        data=json.loads(found["data"]),
+        tables={name: Table(columns) for name, columns in found["tables"]},
+    )

@@ -1,0 +1,173 @@
+//! Analyses and designs as the program writes them: the answer, the document, tables, charts and page.
+
+use std::path::{Path, PathBuf};
+
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sagnac::allan::trend::Trend;
+use sagnac::analysis::design::{Measure, design as find, report as design_report};
+use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::spectrum::{self, densities};
+use sagnac::analysis::{compare as compared, page};
+use sagnac::fit::choose::Terms;
+use sagnac::fit::range::Fitting;
+use sagnac::progress::Silent;
+use sagnac::run::RunError;
+use sagnac::spectrum::Welch;
+use sagnac::table::Table;
+use sagnac::verify::select;
+use sagnac::view::chart::picture::Picture;
+use sagnac::view::report::sections::Page;
+use serde_json::Value;
+
+use super::compute::{compute, compute_on};
+use super::failure::{Failure, in_python};
+use super::progress::Listener;
+use super::record::{Reading, side_by_side, terms_of};
+use super::run::study_of;
+use super::table::columns;
+
+/// What an analysis has found.
+struct Found {
+    page: Page,
+    document: Value,
+    /// Tables that the page does not have.
+    tables: Vec<(&'static str, Table)>,
+}
+
+impl Found {
+    fn into_python(self, py: Python) -> PyResult<Bound<PyDict>> {
+        let Found { page, document, tables } = self;
+        let all = tables.iter().chain(&page.tables);
+        let tables =
+            all.map(|(name, table)| Ok((*name, columns(py, table)?))).collect::<PyResult<Vec<_>>>()?;
+        let found = PyDict::new(py);
+        found.set_item("title", in_python(&page.title))?;
+        found.set_item("answer", in_python(&page.headline))?;
+        found.set_item("sentences", in_words(&page.sentences))?;
+        found.set_item("notes", in_words(&page.notes))?;
+        found.set_item("data", document.to_string())?;
+        found.set_item("tables", tables)?;
+        let charts = page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
+        found.set_item("charts", charts.collect::<Vec<_>>())?;
+        found.set_item("report", page.html(&|text: &str| in_python(text)))?;
+        Ok(found)
+    }
+}
+
+fn in_words(texts: &[String]) -> Vec<String> {
+    texts.iter().map(|text| in_python(text)).collect()
+}
+
+/// The name of a chart, the chart as SVG, and its content as JSON.
+pub fn chart(stem: &str, picture: &Picture) -> (String, String, String) {
+    (stem.to_owned(), picture.svg(), serde_json::to_string(picture).unwrap_or_default())
+}
+
+/// The best switching interval and filler of a study.
+#[pyfunction]
+#[pyo3(signature = (path, text, by, trials, seed, device, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
+pub fn design<'py>(
+    py: Python<'py>,
+    path: Option<PathBuf>,
+    text: String,
+    by: String,
+    trials: Option<u64>,
+    seed: Option<u64>,
+    device: String,
+    threads: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let listener = Listener::new(progress);
+    let found = compute(py, || {
+        let mut study = study_of(path.as_deref(), &text)?;
+        study.trials = trials.unwrap_or(study.trials);
+        study.seed = seed.unwrap_or(study.seed);
+        let measure = Measure::ALL.into_iter().find(|measure| measure.name() == by).ok_or_else(|| {
+            let known = Measure::ALL.map(Measure::name).join(", ");
+            Failure::Usage(format!("by=\"{by}\" is not known\naccepted: {known}"))
+        })?;
+        let mut device = select(&device, threads)?.device;
+        let found = find(&study, measure, &mut device, &listener);
+        listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)))?;
+        let found = found.map_err(|error| match error.in_study(&study) {
+            Ok(error) => Failure::Study(error),
+            Err(error) => Failure::Run(RunError::Gpu(error)),
+        })?;
+        let table = design_report::table(&found);
+        let figure = design_report::figure(&study, &found, &table);
+        let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
+        let page = page::of_design(&study, &found, &table, Picture::Curves(figure));
+        Ok(Found { page, document: design_report::json(&study, &found), tables: vec![] })
+    })?;
+    found.into_python(py)
+}
+
+/// Two records compared; `names` are what they are called.
+#[pyfunction]
+pub fn compare<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray1<'py, f64>,
+    b: PyReadonlyArray1<'py, f64>,
+    readings: (Reading, Reading),
+    names: (String, String),
+    terms: Option<Vec<String>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (a, b) = (side_by_side(&a)?, side_by_side(&b)?);
+    let found = compute_on(py, readings.0.threads, || {
+        let treatment = readings.0.treatment();
+        let a = readings.0.log(a, &names.0)?;
+        let b = readings.1.log(b, &names.1)?;
+        let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
+        let logs = [(Path::new(&names.0), &a), (Path::new(&names.1), &b)];
+        let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
+            .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
+        let tables = vec![];
+        let document = compared::tables::document(&analysis);
+        Ok(Found { page: page::of_comparison([&a, &b], &analysis), document, tables })
+    })?;
+    found.into_python(py)
+}
+
+/// The spectrum of a record called `name`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
+pub fn psd<'py>(
+    py: Python<'py>,
+    data: PyReadonlyArray1<'py, f64>,
+    reading: Reading,
+    name: String,
+    segment_s: Option<f64>,
+    is_linear: bool,
+    confidence: f64,
+    terms: Option<Vec<String>>,
+    bootstrap: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let values = side_by_side(&data)?;
+    let found = compute_on(py, reading.threads, || {
+        let treatment = reading.treatment();
+        let log = reading.log(values, &name)?;
+        let welch = Welch {
+            segment: segment_s.map(|length_s| libm::round(length_s / log.step_s) as usize),
+            trend: if is_linear { Trend::Linear } else { Trend::None },
+            confidence,
+        };
+        let densities = densities(&log, &treatment, &welch)
+            .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
+        let terms: Terms = terms_of(terms.as_deref(), treatment.trend)?;
+        let asked = Asked {
+            confidence,
+            fitting: Some(Fitting::from(terms)),
+            simulated: bootstrap,
+            ..Asked::default()
+        };
+        let noise = log::Analysis::of(&log, Path::new(&name), &treatment, &asked, &Silent)?;
+        let analysis = spectrum::Analysis::of(noise, densities);
+        let tables = vec![("psd.csv", spectrum::tables::table(&analysis))];
+        let document = spectrum::tables::document(&analysis);
+        Ok(Found { page: page::of_log(&log, &analysis, None, vec![]), document, tables })
+    })?;
+    found.into_python(py)
+}

@@ -1,0 +1,144 @@
+"""Designs, comparisons and spectra are those of the program, and every result plots what its chart has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sagnac
+from program import Program
+
+RATE = 100.0
+
+
+def record(seed: int, sigma: float) -> Any:
+    times = np.arange(20_000) / RATE
+    return np.random.default_rng(seed).normal(0.0, sigma, times.size) + 0.3 * np.sin(2 * np.pi * 20.0 * times)
+
+
+def written(folder: Path, name: str, values: Any) -> Path:
+    path = folder / name
+    np.savetxt(path, values, fmt="%.17g")
+    return path
+
+
+def without(document: Any, *keys: str) -> Any:
+    return {key: value for key, value in document.items() if key not in keys}
+
+
+def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> None:
+    study = studies / "design_point.toml"
+    found = sagnac.design(study, trials=64, device="cpu")
+    expected = program("design", study, "--trials", 64, "--device", "cpu", "--out", "out")
+    assert found.data == expected
+    assert found.answer == expected["answer"]
+    assert found.report == (program.folder / "out/report.html").read_text(encoding="utf-8")
+    assert found.tables["design.csv"].rows == sum(len(filler["tried"]) for filler in expected["fillers"])
+    with pytest.raises(sagnac.UsageError, match="accepted: drift_q9973"):
+        sagnac.design(study, by="drift")  # type: ignore[arg-type]
+    with pytest.raises(sagnac.StudyError, match="switched-run"):
+        sagnac.design(studies / "smoke.toml")
+
+
+def test_a_comparison_is_that_of_the_program(program: Program) -> None:
+    a, b = record(1, 1.0), record(2, 1.4)
+    files = [written(program.folder, name, values) for name, values in (("A.csv", a), ("B.csv", b))]
+    read = ["--data", "rate", "--unit", "deg/h", "--rate", "100Hz"]
+    expected = program("compare", *files, *read)
+    found = sagnac.compare(a, b, RATE, unit="deg/h")
+    assert found.data["coefficients"] == expected["coefficients"]
+    assert found.answer and set(found.tables) == {"coefficients.csv", "compare.csv"}
+    with pytest.raises(sagnac.RecordError, match="at least 16"):
+        sagnac.compare(a[:4], b, RATE, unit="deg/h")
+
+
+def test_a_spectrum_is_that_of_the_program(program: Program) -> None:
+    values = record(3, 1.0)
+    path = written(program.folder, "record.csv", values)
+    expected = program("psd", path, "--data", "rate", "--unit", "deg/h", "--rate", "100Hz", "--bootstrap", 0)
+    found = sagnac.psd(values, RATE, unit="deg/h", bootstrap=0)
+    assert found.data["columns"][0]["lines"] == expected["columns"][0]["lines"]
+    assert found.tables["psd.csv"].rows > 100
+    for wrong in ({"confidence": 2.0}, {"segment_detrend": "cubic"}, {"terms": "N"}):
+        with pytest.raises(sagnac.UsageError, match=next(iter(wrong))):
+            sagnac.psd(values, RATE, unit="deg/h", **wrong)  # type: ignore[arg-type]
+
+
+STUDY: dict[str, Any] = {
+    "title": 'A "gap"\n',
+    "kind": "gap-fill",
+    "trials": np.int64(1000),
+    "gyro": {"tick": "5 ms", "tick_noise": {"std": "0.5 arcsec"}},
+    "motion": {"amplitude": "12000 arcsec/s", "frequency": "20 Hz"},
+    "switching": {"gap_ticks": 3, "fillers": ["const", {"kind": "weights", "weights": [["1", "1", "1"]]}]},
+    "sweep": [{"key": "motion.frequency", "list": ["5 Hz", "20 Hz"]}, {"key": "switching.gap_ticks", "list": [1, 3]}],
+}
+
+
+def test_a_study_as_a_dictionary_is_the_study_in_its_text() -> None:
+    study = {**STUDY, "switching": {"gap_ticks": 3, "fillers": ["const", "quadratic"]}}
+    text = """
+title = 'A "gap"'
+kind = "gap-fill"
+trials = 1000
+gyro = { tick = "5 ms", tick_noise = { std = "0.5 arcsec" } }
+motion = { amplitude = "12000 arcsec/s", frequency = "20 Hz" }
+switching = { gap_ticks = 3, fillers = ["const", "quadratic"] }
+sweep = [{ key = "motion.frequency", list = ["5 Hz", "20 Hz"] }, { key = "switching.gap_ticks", list = [1, 3] }]
+"""
+    found, expected = sagnac.run({**study, "title": 'A "gap"'}), sagnac.run(text)
+    for name, column in expected.points.items():
+        np.testing.assert_array_equal(found.points[name], column)
+    assert found.answer == expected.answer != ""
+
+
+@pytest.mark.parametrize(
+    ("study", "place"),
+    [
+        ({**STUDY, "trials": None}, "trials = None"),
+        ({**STUDY, "gyro": {"tick": 5j}}, r"gyro.tick = 5j"),
+        ({**STUDY, "gyro": {"tick_noise": {"std": float("nan")}}}, r"gyro.tick_noise.std = nan"),
+        ({**STUDY, "sweep": [{"key": "motion.frequency", "list": ["5 Hz", set()]}]}, r"sweep\[0\].list\[1\] = set"),
+        ({**STUDY, 5: "x"}, "the key 5 is not a text"),
+    ],
+)
+def test_what_has_no_place_in_a_study_is_named(study: Any, place: str) -> None:
+    with pytest.raises(sagnac.UsageError, match=place):
+        sagnac.run(study)
+
+
+def test_an_unknown_key_of_a_dictionary_is_shown_in_its_line() -> None:
+    with pytest.raises(sagnac.StudyError, match=r"(?s)tock.*did you mean"):
+        sagnac.run({**STUDY, "gyro": {"tock": "5 ms"}})
+
+
+def test_every_result_plots_what_its_chart_has(studies: Path) -> None:
+    matplotlib = pytest.importorskip("matplotlib", reason="NOT SHOWN HERE: matplotlib is not installed")
+    matplotlib.use("Agg")
+    values = record(4, 1.0)
+    results = [
+        sagnac.run(studies / "error_vs_dtnu.toml", trials=200),
+        sagnac.run(studies / "filler_map.toml", trials=64),
+        sagnac.design(studies / "design_point.toml", trials=64, device="cpu"),
+        sagnac.compare(values, record(5, 1.0), RATE, unit="deg/h"),
+        sagnac.psd(values, RATE, unit="deg/h", bootstrap=0),
+    ]
+    for result in results:
+        assert result.answer
+        for name, svg in result.charts.items():
+            axes = result.plot(name)
+            assert axes.get_xlabel() in svg or "&" in svg, name
+            picture = result.pictures[name]
+            if picture["kind"] == "curves":
+                lines = [line.get_xydata() for line in axes.get_lines()]
+                for series in picture["series"]:
+                    points = [[np.nan if p[k] is None else p[k] for k in "xy"] for p in series["points"]]
+                    assert any(np.array_equal(line, points, equal_nan=True) for line in lines), name
+            matplotlib.pyplot.close(axes.figure)
+    for result in (sagnac.allan(values, RATE, unit="deg/h"), sagnac.fit(values, RATE, unit="deg/h", bootstrap=0)):
+        assert result.answer and result.plot().get_xscale() == "log"
+    with pytest.raises(sagnac.UsageError, match="accepted: chart-1"):
+        results[0].plot("none")
