@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-use crate::theory::quadrature::mean;
+use crate::theory::quadrature::means;
 
 /// Halvings of the range of the level, which leave nine digits.
 const STEPS: usize = 32;
@@ -30,10 +30,11 @@ fn within(level: f64, amplitude: f64, sigma: f64) -> f64 {
         return if level < amplitude { libm::asin(level / amplitude) / FRAC_PI_2 } else { 1.0 };
     }
     let erf = |x: f64| libm::erf(x / (SQRT_2 * sigma));
-    mean(0.0, FRAC_PI_2, 1.0, |phase| {
+    let at = |phase: f64, within: &mut [f64]| {
         let sine = amplitude * libm::sin(phase);
-        0.5 * (erf(level - sine) + erf(level + sine))
-    })
+        within[0] = 0.5 * (erf(level - sine) + erf(level + sine));
+    };
+    means(0.0, FRAC_PI_2, 1.0, 1, at)[0]
 }
 
 #[cfg(test)]
