@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
+use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, Measure, design as find};
 use sagnac::analysis::page;
@@ -11,12 +12,14 @@ use sagnac::quantity::number::short;
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
+use serde_json::{Value, json};
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
 use crate::output::{print, print_json, whereabouts, write, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
+use crate::results::sheet_text;
 use crate::terminal::headed_by;
 use crate::words::one_of;
 use crate::{look, whole};
@@ -90,9 +93,12 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
     let table = report::table(&found);
-    let picture = write_all(&study, &found, &table, &folder)?;
+    let sheet = found.sheet(&study)?;
+    let mut document = report::json(&study, &found);
+    document["decision"] = json!(sheet.as_ref().map(Sheet::json));
+    let picture = write_all(&study, &found, sheet.as_ref(), &document, &table, &folder)?;
     if options.json {
-        return print_json(&report::json(&study, &found));
+        return print_json(&document);
     }
     if !options.quiet {
         for note in &found.notes {
@@ -104,20 +110,30 @@ pub fn design(options: &Options) -> Result<(), Failure> {
         print(&summary(&found, &table))?;
     }
     print(&report::recommendation(&found).join("\n"))?;
+    if let Some(sheet) = &sheet {
+        print(&format!("\n{}", sheet_text(&sheet.lines())))?;
+    }
     if !options.quiet {
         say!("{} runs at each interval; {}", short(found.trials as f64), whereabouts(&folder));
     }
     Ok(())
 }
 
-fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Picture, Failure> {
+fn write_all(
+    study: &Study,
+    found: &Design,
+    sheet: Option<&Sheet>,
+    document: &Value,
+    table: &Table,
+    folder: &Path,
+) -> Result<Picture, Failure> {
     write_table(&folder.join("design.csv"), table)?;
-    let json = serde_json::to_vec_pretty(&report::json(study, found));
+    let json = serde_json::to_vec_pretty(document);
     write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
     let figure = report::figure(study, found, table).map_err(|error| Failure::Picture(error.to_string()))?;
     let picture = Picture::Curves(figure);
     write_pictures(folder, "design", &picture)?;
-    write_page(folder, &page::of_design(study, found, table, picture.clone()))?;
+    write_page(folder, &page::of_design(study, found, sheet, table, picture.clone()))?;
     Ok(picture)
 }
 

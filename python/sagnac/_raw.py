@@ -34,6 +34,7 @@ class RawResults(TypedDict):
     answer: str
     question: str
     kind: str
+    decision: str | None
     seed: int | None
     trials: int | None
     device: str | None

@@ -129,6 +129,9 @@ class Results(Charted):
     trajectories: Table | None
     """The runs that the study keeps as curves, if any: trajectories.csv."""
     verdicts: tuple[Verdict, ...]
+    decision: dict[str, Any] | None
+    """The decision sheet: ``met``, ``best``, ``margin``, the error ``budget``, the next ``lever`` and its ``sentences``; None if
+    the study judges no error."""
     seed: int | None
     """Seed; like trials, device and seconds, None if nothing is sampled."""
     trials: int | None

@@ -145,6 +145,7 @@ def _results(found: RawResults, folder: Path | None) -> Results:
         charts={name: svg for name, svg, _ in found["charts"]},
         report=found["report"],
         pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
+        decision=None if found["decision"] is None else json.loads(found["decision"]),
         seed=found["seed"],
         trials=found["trials"],
         device=found["device"],

@@ -6,6 +6,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::trend::Trend;
+use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::design::{Measure, design as find, report as design_report};
 use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::spectrum::{self, densities};
@@ -19,7 +20,7 @@ use sagnac::table::Table;
 use sagnac::verify::select;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::report::sections::Page;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::compute::{compute, compute_on};
 use super::failure::{Failure, in_python};
@@ -99,8 +100,11 @@ pub fn design<'py>(
         let table = design_report::table(&found);
         let figure = design_report::figure(&study, &found, &table);
         let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
-        let page = page::of_design(&study, &found, &table, Picture::Curves(figure));
-        Ok(Found { page, document: design_report::json(&study, &found), tables: vec![] })
+        let sheet = found.sheet(&study)?;
+        let page = page::of_design(&study, &found, sheet.as_ref(), &table, Picture::Curves(figure));
+        let mut document = design_report::json(&study, &found);
+        document["decision"] = json!(sheet.as_ref().map(Sheet::json));
+        Ok(Found { page, document, tables: vec![] })
     })?;
     found.into_python(py)
 }

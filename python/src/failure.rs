@@ -3,6 +3,7 @@
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use sagnac::allan::tau::TauError;
+use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::device::select::SelectError;
 use sagnac::run::RunError;
@@ -130,4 +131,15 @@ pub fn in_python(message: &str) -> String {
         let (_, argument) = ARGUMENTS.iter().find(|(known, _)| *known == name)?;
         Some(format!("{argument}={value}"))
     })
+}
+
+impl From<DecisionError> for Failure {
+    fn from(error: DecisionError) -> Failure {
+        match error {
+            DecisionError::Study(error) => Failure::Study(error),
+            DecisionError::Run(error) => Failure::Run(error),
+            DecisionError::Column(_) => Failure::Usage(error.to_string()),
+            DecisionError::Threads(_) => Failure::Threads(error.to_string()),
+        }
+    }
 }

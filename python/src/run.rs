@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use sagnac::analysis::decision::{Sheet, decide};
 use sagnac::device::select::Selection;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
@@ -55,6 +56,8 @@ struct Ran {
     pictures: Vec<Drawn>,
     /// The headline.
     answer: String,
+    /// The decision sheet as JSON.
+    decision: Option<String>,
     /// The report as HTML.
     report: String,
     /// Verdicts, each as text and as JSON.
@@ -100,6 +103,7 @@ pub fn run<'py>(
         ran.pictures.iter().map(|drawn| chart(&drawn.stem, &drawn.picture)).collect::<Vec<_>>(),
     )?;
     document.set_item("answer", &ran.answer)?;
+    document.set_item("decision", &ran.decision)?;
     document.set_item("report", &ran.report)?;
     let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
     document.set_item("points", columns(py, &ran.tables.points)?)?;
@@ -144,7 +148,10 @@ impl Asked {
         // A run that ended early has raised an exception before.
         let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let judged = results.verdicts()?;
-        let answer = results.answer(&judged)?;
+        let mut answer = results.answer(&judged)?;
+        let sheet = decide(&study, &tables)?;
+        answer.sheet = sheet.as_ref().map(Sheet::lines).unwrap_or_default();
+        let decision = sheet.map(|sheet| sheet.json().to_string());
         let headline = answer.headline.clone();
         let report = results.page(answer);
         if self.is_kept {
@@ -157,7 +164,18 @@ impl Asked {
         let (notes, pictures, is_sampled) = (results.notes(), results.charts, plan.is_sampled());
         drop(results.curves);
         drop(plan);
-        Ok(Ran { is_sampled, tables, pictures, answer: headline, report, verdicts, notes, done, study })
+        Ok(Ran {
+            is_sampled,
+            tables,
+            pictures,
+            answer: headline,
+            decision,
+            report,
+            verdicts,
+            notes,
+            done,
+            study,
+        })
     }
 
     fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {

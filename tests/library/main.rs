@@ -22,6 +22,7 @@ mod allan_studies;
 mod clock;
 mod compare_statistics;
 mod damage;
+mod decision;
 mod device_faults;
 mod fit_beside_model;
 mod fit_range;

@@ -16,7 +16,7 @@ const PARTS: u64 = 16;
 const T_95: f64 = 2.131_450;
 
 /// Most trials of a point, as a decision needs no more figures.
-const MOST_TRIALS: u64 = 1 << 17;
+pub(crate) const MOST_TRIALS: u64 = 1 << 17;
 
 /// Most steps of the trials of a point, so that a decision takes seconds beside a long study.
 const MOST_STEPS: u64 = 1 << 22;

@@ -22,16 +22,21 @@ pub use crate::analysis::decision::sheet::Sheet;
 
 use crate::analysis::decision::budget::budget;
 use crate::analysis::decision::choice::Choice;
-use crate::analysis::decision::evaluate::Evaluator;
+use crate::analysis::decision::evaluate::{Evaluator, MOST_TRIALS};
 use crate::analysis::decision::lever::lever;
 use crate::chart::Source;
 use crate::device::Device;
 use crate::device::cpu::Cpu;
 use crate::kernel::width::Width;
-use crate::run::{RunError, Tables};
+use crate::key::row::Key;
+use crate::key::setting::Swept;
+use crate::progress::Silent;
+use crate::run::{Plan, RunError, Tables};
 use crate::source::diagnose::StudyError;
+use crate::store::Store;
 use crate::study::Study;
 use crate::table::ColumnError;
+use crate::tally::share::Share;
 
 /// Why there is no decision sheet.
 #[derive(Debug, thiserror::Error)]
@@ -74,11 +79,33 @@ pub fn decide(study: &Study, tables: &Tables) -> Result<Option<Sheet>, DecisionE
     if choice.source != Source::Points {
         return Ok(Some(Sheet::new(&choice, vec![], None)));
     }
-    let mut device = Device::Cpu(Cpu::new(Width::PORTABLE, 0)?);
+    let mut device = processor()?;
     let mut evaluator = Evaluator { device: &mut device, row: choice.row_of_point };
     let parts = budget(study, &tables.points, &choice, &mut evaluator)?;
     let lever = lever(study, &tables.points, &choice, &mut evaluator)?;
     Ok(Some(Sheet::new(&choice, parts, lever)))
+}
+
+/// The decision sheet of a study at a single point, which has these values of keys that a sweep may vary and is sampled on
+/// the processor; `None` where it judges no error.
+///
+/// # Errors
+/// The point is not a valid one or cannot be represented, or no threads can be started.
+pub(crate) fn decide_at(
+    study: &Study,
+    swept: &[(&'static Key, Swept)],
+) -> Result<Option<Sheet>, DecisionError> {
+    let (keys, point): (Vec<&'static Key>, Vec<Swept>) = swept.iter().cloned().unzip();
+    let mut study = study.at_points(&keys, &[point])?;
+    study.trials = study.trials.min(MOST_TRIALS);
+    let plan = Plan::new(&study)?;
+    let mut store = Store::in_memory(&plan.identity());
+    plan.run(&mut store, &mut processor()?, Share::WHOLE, &Silent)?;
+    decide(&study, &plan.tables(&store, &Silent)?)
+}
+
+fn processor() -> Result<Device, DecisionError> {
+    Ok(Device::Cpu(Cpu::new(Width::PORTABLE, 0)?))
 }
 
 #[cfg(test)]

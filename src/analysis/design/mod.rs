@@ -49,6 +49,7 @@ pub(crate) mod sampling;
 pub use crate::analysis::design::measure::Measure;
 pub use crate::analysis::design::paper::PapersRule;
 
+use crate::analysis::decision::{DecisionError, Sheet, decide_at};
 use crate::analysis::design::candidates::{Candidate, Maker};
 use crate::analysis::design::optimum::least_of;
 use crate::analysis::jackknife::{T_95, jackknife};
@@ -57,11 +58,13 @@ use crate::device::error::GpuError;
 use crate::drift::schedule::{End, INTERVAL};
 use crate::kernel::moments::Moments;
 use crate::key::refusal::Refusal;
+use crate::key::setting::Swept;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::Timing;
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::run::late;
 use crate::progress::Progress;
+use crate::quantity::units::{Dimension, Quantity};
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
@@ -148,6 +151,15 @@ pub struct Design {
 }
 
 impl Design {
+    /// The decision sheet of the study at the best interval; see [`decide`](crate::analysis::decision::decide).
+    ///
+    /// # Errors
+    /// The point cannot be represented, or no threads can be started.
+    pub fn sheet(&self, study: &Study) -> Result<Option<Sheet>, DecisionError> {
+        let interval = Quantity::new(self.best().best().interval_s, Dimension::Time);
+        decide_at(study, &[(&INTERVAL, Swept::Quantity(interval))])
+    }
+
     /// The filler with the least drift.
     pub fn best(&self) -> &Filler {
         &self.fillers[self.best]

@@ -1,5 +1,6 @@
 //! The page of a design.
 
+use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
 use crate::analysis::page::{chart, study_file};
 use crate::quantity::number::significant;
@@ -9,7 +10,13 @@ use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of a design from its table and its chart.
-pub fn of_design(study: &Study, found: &Design, table: &Table, picture: Picture) -> Page {
+pub fn of_design(
+    study: &Study,
+    found: &Design,
+    sheet: Option<&Sheet>,
+    table: &Table,
+    picture: Picture,
+) -> Page {
     let mut sentences = report::recommendation(found).into_iter();
     let (head, lines) = report::by_filler(found);
     let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
@@ -19,6 +26,7 @@ pub fn of_design(study: &Study, found: &Design, table: &Table, picture: Picture)
         ("Seed", vec![study.seed.to_string()]),
         ("Chosen by", vec![format!("the {} without the non-magnetic drift", found.measure.label())]),
     ]);
+    let decision = sheet.map(|sheet| Block::Facts(one_line_each(sheet.lines())));
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
@@ -27,10 +35,16 @@ pub fn of_design(study: &Study, found: &Design, table: &Table, picture: Picture)
         sentences: sentences.collect(),
         notes: found.notes.clone(),
         sections: vec![
+            section("decision", "Decision sheet", decision.into_iter().collect()),
             section("drift", "Drift over the switching interval", vec![chart("design", picture)]),
             section("fillers", "Fillers at their best intervals", vec![Block::Grid(Grid { head, rows })]),
             section("source", "How it was made", vec![made, study_file(study, found.trials)]),
         ],
         tables: vec![("design.csv", table.clone())],
     }
+}
+
+/// Facts with a single line each.
+fn one_line_each(lines: Vec<(&'static str, String)>) -> Vec<(&'static str, Vec<String>)> {
+    lines.into_iter().map(|(name, line)| (name, vec![line])).collect()
 }

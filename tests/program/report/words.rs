@@ -46,7 +46,8 @@ fn pages_and_pictures_have_the_same_titles_axes_legends_and_subtitles() {
             assert!(words.len() > 2, "{name}: {words:?}");
             let unsaid = words.iter().map(|word| plain(word)).filter(|word| !drawn.contains(word));
             missing.extend(unsaid.map(|word| format!("{name} {stem}: `{word}`")));
-            missing.extend(drawn.contains('…').then(|| format!("{name} {stem} whole, which is cut: {drawn}")));
+            missing
+                .extend(drawn.contains('…').then(|| format!("{name} {stem} whole, which is cut: {drawn}")));
         }
     }
     assert!(missing.is_empty(), "only pages say\n{}", missing.join("\n"));
