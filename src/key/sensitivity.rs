@@ -269,3 +269,51 @@ impl Written<'_> {
         Err(at.fault(message, found, format!("write {wanted}, like the first value")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::key::holds::measure;
+
+    static ANGLE: Key = Key {
+        name: "gyro.angle",
+        label: "",
+        doc: "",
+        holds: measure(&[Dimension::Angle], 0.0, 10.0, "0 to 10 arcsec"),
+        example: "",
+        required: false,
+    };
+
+    fn input(spread: Spread) -> Uncertain {
+        Uncertain { key: &ANGLE, dimension: Dimension::Angle, spread, span: 0..0 }
+    }
+
+    fn at(spread: Spread, level: f64) -> f64 {
+        input(spread).at(level).quantity().unwrap().value
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_distributions() {
+        let normal = Spread::Normal { median: 5.0, below: 0.5, above: 0.25 };
+        for (spread, level, expected) in [
+            (Spread::Even([2.0, 4.0]), 0.25, 2.5),
+            (Spread::Log([0.1, 10.0]), 0.25, 10_f64.powf(-0.5)),
+            (normal, 0.5, 5.0),
+            (normal, 0.025, 5.0 - 0.5 * 1.959_963_985),
+            (normal, 0.975, 5.0 + 0.25 * 1.959_963_985),
+        ] {
+            assert!((at(spread, level) - expected).abs() < 1e-8, "{spread:?} at {level}");
+            assert_eq!(input(spread).truncated(), None);
+        }
+    }
+
+    #[test]
+    fn a_normal_distribution_beyond_the_limits_is_cut_off_there() {
+        // Of a normal distribution about its limit, the upper half is left.
+        let half = Spread::Normal { median: 0.0, below: 1.0, above: 1.0 };
+        assert!((at(half, 0.5) - 0.674_489_750).abs() < 1e-8, "{}", at(half, 0.5));
+        assert!(at(half, 1e-9) >= 0.0);
+        let note = input(half).truncated().unwrap();
+        assert!(note.starts_with("50 % of the distribution of gyro.angle"), "{note}");
+    }
+}

@@ -64,7 +64,9 @@ fn of_a_steady_motion_the_noise_alone_decides_and_its_ends_are_the_closed_form()
 
 #[test]
 fn a_sampled_answer_decides_as_its_closed_form_does() {
-    let desk = Desk::with(&study(&format!("{NOISE}{FREQUENCY}")));
+    // So narrow a band that the noise matters too.
+    let narrow = FREQUENCY.replace("19 Hz", "19.9 Hz").replace("21 Hz", "20.1 Hz");
+    let desk = Desk::with(&study(&format!("{NOISE}{narrow}")));
     let exact = found(&desk, "--by oracle_rms --samples 1024");
     let sampled = found(&desk, "--by rms --samples 256 --trials 4096");
     assert_eq!(sampled["trials"], 4096);
@@ -141,7 +143,9 @@ fn inputs_that_are_none_are_refused_at_their_place() {
     refused(&NOISE.replace("0.1 arcsec", "0.1 Hz"), &["gyro.tick_noise.std"]);
     refused(&FREQUENCY.replace("19 Hz", "22 Hz"), &["to = 21 Hz is not above from = 22 Hz", "backwards"]);
     refused(&FREQUENCY.replace("\"19", "\"-19"), &["motion.frequency = -19 Hz is out of range"]);
-    refused(&FREQUENCY.replace("uniform", "log").replace("19 Hz", "0 Hz"), &["cannot contain 0 Hz"]);
+    let log =
+        NOISE.replace("normal", "log").replace("mean = \"1", "from = \"0").replace("sd = \"0.1", "to = \"1");
+    refused(&log, &["a log range of gyro.tick_noise.std cannot contain 0 arcsec"]);
     refused(
         "[[sensitivity]]\nkey = \"motion.frequency\"\n",
         &["exactly one of uniform, log, normal, interval"],
@@ -185,7 +189,7 @@ fn answers_that_are_none_say_what_to_do() {
     desk.write("study.toml", &study(&format!("{NOISE}{sweep}")));
     desk.fails("sensitivity study.toml --device cpu", 3, &["motion.frequency is swept", "one point"]);
     let coarse =
-        "[[sensitivity]]\nkey = \"gyro.readout_lsb\"\nlog = { from = \"1e-7 arcsec\", to = \"1 arcsec\" }\n";
+        "[[sensitivity]]\nkey = \"gyro.readout_lsb\"\nlog = { from = \"1e-6 arcsec\", to = \"1 arcsec\" }\n";
     desk.write("study.toml", &study(coarse));
     let lost = ["gyro.readout_lsb = ", "arcsec is less than a unit"];
     desk.fails("sensitivity study.toml --device cpu --by oracle_rms --samples 256", 3, &lost[1..]);

@@ -215,13 +215,16 @@ mod tests {
     fn indices_of_ishigamis_function_are_those_of_the_closed_form() {
         let (found, (first, total, [mean, sd])) = (of(8192, 1), exact());
         for (input, index) in found.inputs.iter().enumerate() {
-            assert!((index.first.value - first[input]).abs() < 0.01, "{input}: {index:?}, {first:?}");
-            assert!((index.total.value - total[input]).abs() < 0.01, "{input}: {index:?}, {total:?}");
+            for (found, exact) in [(index.first, first[input]), (index.total, total[input])] {
+                println!("{input}: {found:?}, exactly {exact}");
+                assert!(contains(found, exact), "{input}: {found:?}, not {exact}");
+                assert!((found.value - exact).abs() < 0.02, "{input}: {found:?}, not {exact}");
+            }
         }
         assert!((found.mean.value - mean).abs() < 0.01 && (found.sd.value - sd).abs() < 0.01, "{found:?}");
     }
 
-    /// Of 200 seeds, 95 % ± 1.5 %, its standard deviation, at two and more standard deviations.
+    /// Of 200 seeds, 95 % within 1.3 standard deviations of their number.
     #[test]
     fn intervals_contain_the_closed_form_in_95_of_100_seeds() {
         let (first, total, [mean, sd]) = exact();
@@ -235,8 +238,8 @@ mod tests {
             let all = firsts.chain(totals).chain(ends);
             counts.iter_mut().zip(all).for_each(|(count, is_within)| *count += usize::from(is_within));
         }
-        println!("{counts:?}");
-        assert!(counts.iter().all(|count| (181..=199).contains(count)), "of 200: {counts:?}");
+        println!("of 200: {counts:?}");
+        assert!(counts.iter().all(|count| (186..=194).contains(count)), "of 200: {counts:?}");
     }
 
     #[test]
