@@ -54,7 +54,7 @@ def draw(picture: Mapping[str, Any], ax: Axes | None) -> Axes:
         if not axis["names"]:
             getattr(ax, f"set_{name}scale")(axis["scale"])
     if picture["x"]["names"]:
-        ax.set_xticks(range(1, len(picture["x"]["names"]) + 1), picture["x"]["names"])
+        ax.set_xticks(range(1, len(picture["x"]["names"]) + 1), picture["x"]["names"], rotation=20, ha="right")
     ax.set_title(picture["title"], fontsize="medium")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(fontsize="small")
@@ -117,8 +117,19 @@ def _pairs(points: Any) -> tuple[Any, Any]:
     return _numbers(x for x, _ in points), _numbers(y for _, y in points)
 
 
+def _ends(values: Any, limit: Any, is_log: bool) -> tuple[tuple[float | None, float | None], str]:
+    """The ends of the colours and their name: about a limit they reach equally far on both sides."""
+    if limit is None or values.size == 0 or (is_log and limit["value"] <= 0):
+        return (None, None), "viridis"
+    at = np.log10 if is_log else np.asarray
+    middle = float(at(limit["value"]))
+    reach = float(np.max(np.abs(at(values) - middle))) or 1.0
+    low, high = middle - reach, middle + reach
+    return ((10.0**low, 10.0**high) if is_log else (low, high)), "RdBu_r"
+
+
 def _map(chart: Mapping[str, Any], ax: Axes) -> None:
-    from matplotlib.colors import ListedColormap, LogNorm
+    from matplotlib.colors import ListedColormap, LogNorm, Normalize
     from matplotlib.patches import Patch
 
     columns, rows = _numbers(chart["columns"]), _numbers(chart["rows"])
@@ -127,8 +138,10 @@ def _map(chart: Mapping[str, Any], ax: Axes) -> None:
     limit = chart["limit"]
     if "values" in cells:
         values = np.ma.masked_invalid(_numbers(cells["values"]).reshape(grid))
-        norm = LogNorm() if chart["z"]["scale"] == "log" else None
-        mesh = ax.pcolormesh(columns, rows, values, shading="nearest", norm=norm)
+        is_log = chart["z"]["scale"] == "log"
+        ends, cmap = _ends(values.compressed(), limit, is_log)
+        norm = LogNorm(*ends) if is_log else Normalize(*ends)
+        mesh = ax.pcolormesh(columns, rows, values, shading="nearest", norm=norm, cmap=cmap)
         ax.figure.colorbar(mesh, ax=ax, label=title_of(chart["z"]))
     else:
         entries = cells["winners"]["of"]["entries"]

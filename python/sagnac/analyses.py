@@ -119,10 +119,11 @@ def compare(
 
     Examples
     --------
+    >>> import numpy as np
     >>> draw = np.random.default_rng(1).normal
     >>> found = compare(draw(0.0, 1.0, 20_000), draw(0.0, 1.3, 20_000), 100.0, unit="deg/h", names=("before", "after"))
-    >>> [row["coefficient"] for row in found.data["coefficients"] if row["verdict"] == "higher"]
-    ['N']
+    >>> [(row["coefficient"], row["verdict"]) for row in found.data["coefficients"]]
+    [('N', 'B higher')]
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)
     units = unit if isinstance(unit, tuple) else (unit, unit)
@@ -175,10 +176,11 @@ def psd(
 
     Examples
     --------
+    >>> import numpy as np
     >>> times = np.arange(20_000) / 100.0
     >>> rates = np.random.default_rng(1).normal(0.0, 1.0, times.size) + np.sin(2 * np.pi * 20.0 * times)
     >>> found = psd(rates, 100.0, unit="deg/h", bootstrap=0)
-    >>> [round(float(line), 1) for line in found.tables["lines.csv"]["frequency_hz"]]
+    >>> [round(float(line), 1) for line in found.tables["lines.csv"]["f_hz"]]
     [20.0]
     """
     values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)

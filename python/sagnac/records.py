@@ -179,8 +179,10 @@ class Fit(Mapping[str, Coefficient]):
     """Probability of such large residuals if the fit is right; below 1e-9 other terms are needed."""
     tau: Numbers
     """Averaging times of the fitted curve, s, up to an eighth of the record."""
+    unit: str
+    """Unit of ``deviation`` and ``fitted``, as of a :class:`Curve`."""
     deviation: Numbers
-    """The overlapping Allan deviation at these times, °/h."""
+    """The overlapping Allan deviation at these times."""
     fitted: Numbers
     """The deviation of the best fit at this sampling rate, including terms that are not identified; NaN at averaging times that
     the fit leaves out, and everywhere if it does not describe the curve."""
@@ -196,7 +198,7 @@ class Fit(Mapping[str, Coefficient]):
         ax.loglog(self.tau, self.deviation, "o", color=_plot.colour(0), markersize=4, label="overlapping Allan deviation")
         ax.loglog(self.tau, self.fitted, color=_plot.colour(1), label="fit")
         ax.set_xlabel("averaging time τ, s")
-        ax.set_ylabel("deviation σ(τ)")
+        ax.set_ylabel(f"deviation σ(τ), {self.unit}" if self.unit else "deviation σ(τ)")
         ax.legend()
         return ax
 
@@ -397,6 +399,7 @@ def fit(
         degrees_of_freedom=found["degrees_of_freedom"],
         p_value=found["p_value"],
         tau=found["tau"],
+        unit=found["unit"],
         deviation=found["deviation"],
         fitted=found["fitted"],
         missing=found["missing"],
