@@ -17,6 +17,8 @@ pub enum Role {
     /// An estimate, or a value in closed form.
     #[default]
     Estimate,
+    /// An estimate that is a fraction of records, from 0 to 1, of which it matters where it passes one half.
+    Fraction,
     /// An estimate for which less is better: an error, a drift, a deviation.
     Error,
     /// The minimum of an error. Refers to the column that locates it.

@@ -15,19 +15,40 @@ const TRIALS: u32 = 512;
 const GOLDEN: &str = "tests/data/tables.sha256";
 const NEW: &str = "tests/data/tables.new.sha256";
 
-/// SHA-256 of each table of a study by its name, as in `error_vs_dtnu/points.csv`.
-fn digests(study: &Path) -> BTreeMap<String, String> {
+/// The page of questions and answers, and the one that the test writes.
+const ANSWERS: &str = "docs/answers.md";
+const NEW_ANSWERS: &str = "docs/answers.md.new";
+
+const ABOUT_ANSWERS: &str = "# Questions and answers
+
+The question of every shipped study, and its answer: the bold line of its page, and what its decision sheet says of the requirement and of the
+next lever. A test writes this page from runs with few trials, so the figures of a full run differ a little.
+";
+
+/// A section of the page of answers, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`.
+fn digests(study: &Path) -> (String, BTreeMap<String, String>) {
     let name = study.file_stem().unwrap().to_str().unwrap();
     let desk = Desk::with("");
-    desk.done(&format!("run {} --device cpu --trials {TRIALS} --out {name}", study.display()));
+    let ended =
+        desk.done(&format!("run {} --device cpu --trials {TRIALS} --json --out {name}", study.display()));
+    let document: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+    let of = |key: &str| document[key].as_str().unwrap().to_owned();
+    let (question, answer) = (of("question"), of("answer"));
+    assert!(question.ends_with('?') && !answer.is_empty(), "{name}: {question} {answer}");
+    let mut section = format!("\n## {name}\n\n{question}\n\n**{answer}**\n");
+    let sentences = document["decision"]["sentences"].as_array().cloned().unwrap_or_default();
+    for line in [0, 4].into_iter().filter_map(|line| sentences.get(line)) {
+        let [heading, sentence] = [&line[0], &line[1]].map(|text| text.as_str().unwrap());
+        write!(section, "\n- {heading}: {sentence}").unwrap();
+    }
+    let section = section.trim_end().to_owned() + "\n";
     let tables = desk.names(name).into_iter().filter(|file| file.ends_with(".csv"));
-    tables
-        .map(|file| {
-            let digest = Sha256::digest(desk.read(&format!("{name}/{file}")));
-            let hex = digest.iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
-            (format!("{name}/{file}"), hex)
-        })
-        .collect()
+    let tables = tables.map(|file| {
+        let digest = Sha256::digest(desk.read(&format!("{name}/{file}")));
+        let hex = digest.iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
+        (format!("{name}/{file}"), hex)
+    });
+    (section, tables.collect())
 }
 
 /// After an intended change of results: CONTRIBUTING.md says what else it takes, then rename the new file.
@@ -35,9 +56,17 @@ fn digests(study: &Path) -> BTreeMap<String, String> {
 fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
     let root = Path::new(crate::ROOT);
     let files = std::fs::read_dir(root.join("studies")).unwrap().map(|entry| entry.unwrap().path());
-    let studies: Vec<PathBuf> =
+    let mut studies: Vec<PathBuf> =
         files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
-    let found: BTreeMap<String, String> = studies.iter().flat_map(|study| digests(study)).collect();
+    studies.sort();
+    let (answers, found): (Vec<String>, Vec<BTreeMap<String, String>>) =
+        studies.iter().map(|study| digests(study)).unzip();
+    let found: BTreeMap<String, String> = found.into_iter().flatten().collect();
+    let answers = format!("{ABOUT_ANSWERS}{}", answers.concat());
+    let is_current = std::fs::read_to_string(root.join(ANSWERS)).unwrap_or_default() == answers;
+    if !is_current {
+        std::fs::write(root.join(NEW_ANSWERS), answers).unwrap();
+    }
     let golden = std::fs::read_to_string(root.join(GOLDEN)).unwrap_or_default();
     let golden: BTreeMap<String, String> = golden
         .lines()
@@ -60,6 +89,7 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
             found.len()
         );
     }
+    assert!(is_current, "{ANSWERS} is out of date; the present answers are in {NEW_ANSWERS}");
 }
 
 /// Straight lines between the samples of a record, all of which designs fillers and judges them.

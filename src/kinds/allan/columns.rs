@@ -113,7 +113,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
             .is(Role::Error, "`rmse` divided by `truth`: 0.1 is 10 %. Blank if fewer than half of the records show the coefficient, because those \
                 are the ones in which it came out too large."),
         Of::new("identified", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
-            .is(Role::Estimate, "Fraction of the records that show the coefficient, 0 to 1."),
+            .is(Role::Fraction, "Fraction of the records that show the coefficient, 0 to 1."),
         Of::new("trials", Unit::NONE, "records", |row| row.found.records().into())
             .is(Role::Trials, "Number of records."),
         Of::new("verdict", Unit::NONE, "verdict", |row| Cell::Text(row.found.verdict(row.truth)))

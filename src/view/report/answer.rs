@@ -11,13 +11,13 @@ use crate::noise::keys::FILE as NOISE_FILE;
 use crate::quantity::number::short;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::table::{Column, ColumnError, Role, Table, Usual};
+use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::Verdict;
 use crate::view::picture::{Drawn, refused};
 use crate::view::report::curves::Curves;
-use crate::view::report::sentences::{best, less_is_better, of_map, side_by_side};
+use crate::view::report::sentences::{best, less_is_better, measured, of_map, side_by_side};
 use crate::view::report::standing::of_verdict;
 
 /// Most rows or curves that a headline lists side by side.
@@ -76,7 +76,10 @@ impl Answer {
         });
         let charts = charts.collect::<Result<Vec<_>, _>>()?;
         let judged = charts.iter().find(|resolved| resolved.chart.limit.is_some() && resolved.has_curves());
-        let headline = match (verdicts.first().zip(judged), charts.first()) {
+        // Where records show a coefficient is what a study of records asks first.
+        let shows = |resolved: &&Resolved| resolved.estimate.role == Role::Fraction && resolved.has_curves();
+        let first = charts.iter().find(shows).or(charts.first());
+        let headline = match (verdicts.first().zip(judged), first) {
             (Some((first, resolved)), _) => {
                 resolved.judged(first).map_err(|error| refuse(resolved.chart, error))?
             }
@@ -182,10 +185,44 @@ impl<'a> Resolved<'a> {
         }
         let curves = if self.is_environment() { self.curves() } else { None };
         let told = curves.and_then(|curves| curves.least_at_worst()).or_else(|| self.interval_for_each());
-        if told.is_some() {
-            return Ok(self.with_caveat(told));
+        if let Some(told) = told.or_else(|| self.course()) {
+            return Ok(self.with_caveat(Some(told)));
         }
-        Ok(leading(self.study, table, self.estimate, &self.rows, &by))
+        let leading = leading(self.study, table, self.estimate, &self.rows, &by);
+        Ok(leading.map(|leading| format!("{leading}{}", self.beside_names().unwrap_or_default())))
+    }
+
+    /// The course of curves of which no single value is the answer.
+    fn course(&self) -> Option<String> {
+        let curves = Curves::of(self.x, self.estimate, &self.rows, &self.series);
+        let is_error = less_is_better(&self.shown.table, self.estimate, &self.rows);
+        let is_over_time = self.x.usual == Some(Usual::Abscissa) && self.x.role == Role::Coordinate;
+        match self.estimate.role {
+            _ if !self.has_curves() => None,
+            Role::Fraction => curves.half(),
+            _ if is_error && is_given(self.x) && !self.is_environment() => curves.growth(),
+            _ if is_error && is_over_time => curves.minima(),
+            Role::Estimate if !is_error && self.study.kind().is_exact => {
+                curves.peaks().or_else(|| curves.ranges())
+            }
+            _ => None,
+        }
+    }
+
+    /// The least value for each name in a column of series other than fillers, as a further sentence.
+    fn beside_names(&self) -> Option<String> {
+        let is_named = |column: &&&Column| {
+            column.of != FILLERS && self.rows.iter().all(|&row| matches!(column.cells[row], Cell::Text(_)))
+        };
+        let names = self.series.iter().find(is_named)?;
+        let groups = grouped(self.rows.iter().copied(), |row| names.cells[row].text());
+        let least = |(name, rows): &(String, Vec<usize>)| {
+            let least = rows.iter().filter_map(|&row| self.estimate.cells[row].number()).reduce(f64::min)?;
+            Some(format!("{name} {}", measured(self.estimate, least)))
+        };
+        let told: Vec<String> = groups.iter().map(least).collect::<Option<_>>()?;
+        let is_few = (2..=MOST_BESIDE).contains(&told.len());
+        is_few.then(|| format!(" The least by {}: {}.", names.label, told.join(", ")))
     }
 
     /// The minimum over the switching interval for each condition or requirement of a gyro, if its curves differ in

@@ -6,10 +6,10 @@ use crate::view::report::sentences::{measured, names};
 
 /// The curves of one column over another.
 pub(crate) struct Curves<'t> {
-    x: &'t Column,
-    y: &'t Column,
+    pub(crate) x: &'t Column,
+    pub(crate) y: &'t Column,
     /// Names in the order of the table, with the rows that have a place, by rising x.
-    curves: Vec<(String, Vec<usize>)>,
+    pub(crate) curves: Vec<(String, Vec<usize>)>,
 }
 
 impl<'t> Curves<'t> {

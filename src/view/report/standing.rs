@@ -2,11 +2,18 @@
 
 use crate::chart::Limit;
 use crate::quantity::number::significant;
+use crate::table::{Column, grouped};
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome};
 
 /// The verb for one curve and for several.
 const STAY: [&str; 2] = ["stays", "stay"];
+
+/// Most curves whose places are grouped.
+const MOST_GROUPED: usize = 12;
+
+/// Most curves without a common order of which each has a sentence.
+const MOST_EACH: usize = 4;
 
 /// The relation of the curves to their limit as a sentence: how many stay within it everywhere and how many nowhere,
 /// and of those that exceed it which one does so last and which first. `None` without curves.
@@ -76,15 +83,52 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     } else {
         return Some(match curves[..] {
             [one] => one.sentence(limit),
+            _ if curves.len() <= MOST_EACH => {
+                let each: Vec<String> = curves.iter().map(|one| one.sentence(limit)).collect();
+                each.join("; ")
+            }
             _ => format!("{} are within {limit} in part ({})", curves.len(), names(curves)),
         });
     };
+    if let Some(each) = by_first(curves, how).filter(|_| best.place() != worst.place()) {
+        return Some(format!("within {limit}: {each}"));
+    }
     let others = if are_others { "of the others " } else { "" };
     let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
     Some(match best.place() == worst.place() {
         true => format!("{others}within {limit}: {}", side(best)),
         false => format!("{others}{first} within {limit}: {}; {other}: {}", side(best), side(worst)),
     })
+}
+
+/// The places of curves that differ in two columns, of which the second has numbers: one part for each value of the first,
+/// such as `const up to frequency 9, 6 and 4 Hz (n = 1, 2 and 3)`. `None` for other curves, or too many.
+fn by_first(curves: &[&Judged], how: &str) -> Option<String> {
+    let is_numbered = |one: &&Judged| one.series.len() == 2 && second(one).is_some() && !one.at.is_empty();
+    ((2..=MOST_GROUPED).contains(&curves.len()) && curves.iter().all(is_numbered)).then_some(())?;
+    let groups = grouped(0..curves.len(), |at| curves[at].series[0].1.text());
+    let and = |values: Vec<f64>| {
+        let texts: Vec<String> = values.into_iter().map(|value| significant(value, 3)).collect();
+        match &texts[..] {
+            [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+            _ => texts.concat(),
+        }
+    };
+    let told = groups.iter().map(|(name, places)| {
+        let group: Vec<&Judged> = places.iter().map(|&at| curves[at]).collect();
+        let (number, _) = second(group[0])?;
+        let (place, _) = group[0].at[0];
+        let places = place.valued(&and(group.iter().map(|one| one.at[0].1).collect()));
+        let numbers = and(group.iter().filter_map(|one| Some(second(one)?.1)).collect());
+        Some(format!("{name} {how} {places} ({})", number.valued(&numbers)))
+    });
+    Some(told.collect::<Option<Vec<String>>>()?.join("; "))
+}
+
+/// The second column that distinguishes a curve, with its number.
+fn second<'t>(one: &Judged<'t>) -> Option<(&'t Column, f64)> {
+    let (column, cell) = one.series.get(1)?;
+    Some((column, cell.number()?))
 }
 
 /// The names of curves.
