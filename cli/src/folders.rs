@@ -10,12 +10,13 @@ use sagnac::view::report::CARD;
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 6] = [
+const WRITTEN: [(&str, &str); 7] = [
     ("curve.csv", "allan"),
     ("psd.csv", "psd"),
     ("compare.csv", "compare"),
     ("lot.csv", "lot"),
     ("design.json", "design"),
+    ("sensitivity.json", "sensitivity"),
     ("weights.csv", "filler"),
 ];
 

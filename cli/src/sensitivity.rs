@@ -3,19 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::design::Found;
+use sagnac::analysis::page;
 use sagnac::analysis::sensitivity::report;
 use sagnac::analysis::sensitivity::{Request, Sensitivity, SensitivityError, sensitivity as find};
-use sagnac::quantity::number::significant;
 use sagnac::study::Study;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json, write, write_table};
+use crate::output::{print, print_json, whereabouts, write, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::terminal::headed;
+use crate::terminal::headed_by;
 use crate::{chart, look, whole};
 
 const EXAMPLES: &str = "\
@@ -96,16 +95,17 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     }
     if !options.quiet {
         for note in &found.notes {
-            say!("note: {note}");
+            note!("{note}");
         }
         if options.plot {
             print(&format!("{}\n", picture.text(look::of_output())))?;
         }
-        print(&table(&found))?;
+        let (heading, lines) = report::by_input(&found);
+        print(&headed_by(heading, lines.into_iter()))?;
     }
-    print(&report::summary(&found))?;
+    print(&report::answer(&found).join("\n"))?;
     if !options.quiet {
-        say!("{}; table and chart are in {}", report::effort(&found), folder.display());
+        say!("{}; {}", report::effort(&found), whereabouts(&folder));
     }
     Ok(())
 }
@@ -131,33 +131,12 @@ fn failure(study: &Study, error: SensitivityError) -> Failure {
 }
 
 fn write_all(study: &Study, found: &Sensitivity, folder: &Path) -> Result<Picture, Failure> {
-    write_table(&folder.join("sensitivity.csv"), &report::table(found))?;
+    let table = report::table(found);
+    write_table(&folder.join("sensitivity.csv"), &table)?;
     let json = serde_json::to_vec_pretty(&report::json(study, found));
     write(&folder.join("sensitivity.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
     let picture = Picture::Curves(report::figure(study, found));
     write_pictures(folder, "sensitivity", &picture)?;
+    write_page(folder, &page::of_sensitivity(study, found, &table, picture.clone()))?;
     Ok(picture)
-}
-
-/// A line for each input, by falling total index.
-fn table(found: &Sensitivity) -> String {
-    let answer = format!("{} over that range", found.answer.label);
-    let heading = ["input", "5 % to 95 %", "first-order index", "total index", &answer];
-    let range = |[low, high]: [f64; 2], symbol: &str| {
-        format!("{} to {} {symbol}", significant(low, 4), significant(high, 4)).trim_end().to_owned()
-    };
-    let lines = found.by_total().into_iter().map(|input| {
-        let index = |found: Found| match found.interval {
-            Some((low, high)) => format!("{:.3} ({low:.3} to {high:.3})", found.value),
-            None => format!("{:.3}", found.value),
-        };
-        vec![
-            input.key.to_owned(),
-            range(input.range, input.unit.symbol),
-            index(input.index.first),
-            index(input.index.total),
-            range(input.swing, found.answer.unit.symbol),
-        ]
-    });
-    headed(heading, lines)
 }

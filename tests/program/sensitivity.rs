@@ -96,7 +96,14 @@ fn the_result_has_its_files_and_words_and_repeats_with_its_seed() {
     ] {
         assert!(ended.stdout.contains(piece), "`{piece}` is missing:\n{}", ended.stdout);
     }
-    let files = ["sensitivity.csv", "sensitivity.json", "sensitivity.png", "sensitivity.svg"];
+    let files = [
+        "card.json",
+        "report.html",
+        "sensitivity.csv",
+        "sensitivity.json",
+        "sensitivity.png",
+        "sensitivity.svg",
+    ];
     assert_eq!(desk.names("out"), files);
     let [json, table] = ["out/sensitivity.json", "out/sensitivity.csv"].map(|name| desk.read(name));
     let again =

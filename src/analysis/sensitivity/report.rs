@@ -85,8 +85,32 @@ fn number(found: &Sensitivity, value: f64) -> String {
     format!("{}{}{symbol}", significant(value, 4), if symbol.is_empty() { "" } else { " " })
 }
 
-/// The answer in words: what decides it, how it is distributed, and how often it is within the limit.
-pub fn summary(found: &Sensitivity) -> String {
+/// The headings and lines of a table of the inputs, by falling total index.
+pub fn by_input(found: &Sensitivity) -> (Vec<String>, Vec<Vec<String>>) {
+    let answer = format!("{} over that range", found.answer.label);
+    let heading = ["input", "5 % to 95 %", "first-order index", "total index", &answer];
+    let range = |[low, high]: [f64; 2], symbol: &str| {
+        format!("{} to {} {symbol}", significant(low, 4), significant(high, 4)).trim_end().to_owned()
+    };
+    let index = |found: Found| match found.interval {
+        Some((low, high)) => format!("{:.3} ({low:.3} to {high:.3})", found.value),
+        None => format!("{:.3}", found.value),
+    };
+    let lines = found.by_total().into_iter().map(|input| {
+        vec![
+            input.key.to_owned(),
+            range(input.range, input.unit.symbol),
+            index(input.index.first),
+            index(input.index.total),
+            range(input.swing, found.answer.unit.symbol),
+        ]
+    });
+    (heading.map(str::to_owned).to_vec(), lines.collect())
+}
+
+/// The answer in sentences: what decides it, which is the headline, how it is distributed, and how often it is within the
+/// limit.
+pub fn answer(found: &Sensitivity) -> Vec<String> {
     let of = |value: f64| number(found, value);
     let (low, high) = found.decisive().index.total.interval.unwrap_or_default();
     let mut lines = vec![format!("{}.", headline(found))];
@@ -116,7 +140,7 @@ pub fn summary(found: &Sensitivity) -> String {
         "0" => "The inputs act independently of each other.".to_owned(),
         part => format!("{part} % of the variance comes from inputs that act together."),
     });
-    lines.join("\n")
+    lines
 }
 
 /// How the answer was evaluated, in one line.
@@ -188,7 +212,8 @@ pub fn json(study: &Study, found: &Sensitivity) -> Value {
     let level = |(level, value): (&f64, &f64)| json!({ "level": level, "value": value });
     json!({
         "title": study.title,
-        "answer": found.answer.name,
+        "answer": headline(found),
+        "column": found.answer.name,
         "unit": found.answer.unit.symbol,
         "rows": rows.collect::<serde_json::Map<String, Value>>(),
         "samples": found.samples,

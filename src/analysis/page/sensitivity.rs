@@ -1,0 +1,33 @@
+//! The page of a sensitivity.
+
+use crate::analysis::page::{chart, study_file};
+use crate::analysis::sensitivity::{Sensitivity, report};
+use crate::study::Study;
+use crate::table::Table;
+use crate::view::chart::picture::Picture;
+use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+
+/// The page of a sensitivity from its table and its chart.
+pub fn of_sensitivity(study: &Study, found: &Sensitivity, table: &Table, picture: Picture) -> Page {
+    let mut sentences = report::answer(found).into_iter();
+    let (head, lines) = report::by_input(found);
+    let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
+    let made = Block::Facts(vec![
+        ("Evaluations", vec![report::effort(found)]),
+        ("Seed", vec![study.seed.to_string()]),
+    ]);
+    let section = |id, heading, blocks| Section { id, heading, blocks };
+    Page {
+        title: study.title.clone(),
+        subtitle: format!("Which uncertain input decides the {}?", found.answer.label),
+        headline: sentences.next().unwrap_or_default(),
+        sentences: sentences.collect(),
+        notes: found.notes.clone(),
+        sections: vec![
+            section("inputs", "Uncertain inputs", vec![Block::Grid(Grid { head, rows })]),
+            section("tornado", "The answer as one input varies", vec![chart("sensitivity", picture)]),
+            section("source", "How it was made", vec![made, study_file(study, study.trials)]),
+        ],
+        tables: vec![("sensitivity.csv", table.clone())],
+    }
+}
