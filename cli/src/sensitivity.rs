@@ -112,21 +112,13 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
 
 /// An error at the place in the study that caused it.
 fn failure(study: &Study, error: SensitivityError) -> Failure {
-    match error {
-        SensitivityError::Study(error) => Failure::Study(error),
-        SensitivityError::Run(error) => error.into(),
-        SensitivityError::Column(_) | SensitivityError::SeveralRows(_) => Failure::Usage(in_options(&error)),
-        SensitivityError::Swept(key) => {
-            let help = "give the key one value, or make it an uncertain input instead";
-            Failure::Study(study.error_at(study.place_of(key), error.to_string(), help))
+    match error.in_study(study) {
+        Ok(error) => Failure::Study(error),
+        Err(SensitivityError::Run(error)) => error.into(),
+        Err(error @ (SensitivityError::Column(_) | SensitivityError::SeveralRows(_))) => {
+            Failure::Usage(in_options(&error))
         }
-        SensitivityError::NoInputs => {
-            let help = "add one as in\n[[sensitivity]]\nkey = \"gyro.tick_noise.std\"\nnormal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
-            Failure::Study(study.error_at(study.place_of("kind"), error.to_string(), help))
-        }
-        SensitivityError::NoAnswer | SensitivityError::NoValue { .. } | SensitivityError::Constant { .. } => {
-            Failure::Record(in_options(&error))
-        }
+        Err(error) => Failure::Record(in_options(&error)),
     }
 }
 

@@ -19,7 +19,7 @@ keys! {
     pub(crate) static KEYS;
     /// Uncertain inputs, each with a range or a distribution. `sagnac sensitivity` tells how much of the uncertainty of the
     /// answer comes from each of them; other commands check them and use the values of the study.
-    SENSITIVITY = "sensitivity", "", Holds::List(&Holds::Table),
+    pub(crate) SENSITIVITY = "sensitivity", "", Holds::List(&Holds::Table),
         "[[sensitivity]]\nkey = \"gyro.tick_noise.std\"\nnormal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
     /// Uncertain key, one that a sweep may vary and that holds a quantity: "gyro.tick_noise.std".
     KEY = "sensitivity.key", "", Holds::Text, "key = \"gyro.tick_noise.std\"", required;

@@ -68,8 +68,8 @@ fn a_sampled_answer_decides_as_its_closed_form_does() {
     let narrow = FREQUENCY.replace("19 Hz", "19.9 Hz").replace("21 Hz", "20.1 Hz");
     let desk = Desk::with(&study(&format!("{NOISE}{narrow}")));
     let exact = found(&desk, "--by oracle_rms --samples 1024");
-    let sampled = found(&desk, "--by rms --samples 256 --trials 4096");
-    assert_eq!(sampled["trials"], 4096);
+    let sampled = found(&desk, "--by rms --samples 256 --trials 65536");
+    assert_eq!(sampled["trials"], 65536);
     for key in ["gyro.tick_noise.std", "motion.frequency"] {
         for index in ["first", "total"] {
             let [exact, sampled] = [&exact, &sampled].map(|found| &of(found, key)[index]);

@@ -40,11 +40,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub(crate) mod error;
 pub(crate) mod evaluate;
 pub mod report;
 pub(crate) mod sobol;
 pub(crate) mod tornado;
 
+pub use crate::analysis::sensitivity::error::SensitivityError;
 pub use crate::analysis::sensitivity::sobol::Index;
 pub use crate::analysis::sensitivity::tornado::Input;
 
@@ -58,10 +60,9 @@ use crate::key::sensitivity::Uncertain;
 use crate::key::setting::Swept;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
-use crate::run::{Plan, RunError};
-use crate::source::diagnose::StudyError;
+use crate::run::Plan;
 use crate::study::Study;
-use crate::table::{Column, ColumnError, Usual};
+use crate::table::{Column, Usual};
 
 /// What to analyse.
 #[derive(Debug, Clone, Default)]
@@ -125,53 +126,11 @@ impl Sensitivity {
     }
 }
 
-/// Why an analysis is not possible.
-#[derive(Debug, thiserror::Error)]
-pub enum SensitivityError {
-    /// The study has no uncertain inputs.
-    #[error("the study has no uncertain inputs")]
-    NoInputs,
-    /// This key is swept.
-    #[error("{0} is swept: a sensitivity is of one point")]
-    Swept(&'static str),
-    /// The answer or its rows cannot be chosen.
-    #[error(transparent)]
-    Column(#[from] ColumnError),
-    /// The study has no column by which it is judged.
-    #[error("the study has no usual answer: choose one of its columns by `by = COLUMN`")]
-    NoAnswer,
-    /// Each point has several rows, which differ in this.
-    #[error("each point has several answers: {0}; choose one by `where = COLUMN=VALUE`")]
-    SeveralRows(String),
-    /// The answer has no number at a point.
-    #[error("{column} has no value at {at}; choose another answer by `by = COLUMN`")]
-    NoValue {
-        /// Column of the answer.
-        column: String,
-        /// Values at the point.
-        at: String,
-    },
-    /// The answer is the same everywhere.
-    #[error("{column} is {value} everywhere: it depends on none of the uncertain inputs")]
-    Constant {
-        /// Column of the answer.
-        column: String,
-        /// Its value.
-        value: String,
-    },
-    /// A point is not valid.
-    #[error(transparent)]
-    Study(#[from] StudyError),
-    /// The device failed.
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
 /// Samples where none are requested, for an answer in closed form and for a sampled one.
 const SAMPLES: [u64; 2] = [8192, 2048];
 
 /// log2 of the trials of all evaluations together where none are requested.
-const ALL_TRIALS_LOG2: u32 = 26;
+const ALL_TRIALS_LOG2: u32 = 27;
 
 /// Fewest trials of an evaluation, below which a 99.73 % level has no interval.
 const FEWEST_TRIALS: u64 = 4096;
