@@ -105,6 +105,12 @@ fn a_gallery_joins_the_results_of_every_command() {
         assert!(gallery.contains(headline) || headline.contains("<code>"), "{page}: {headline}");
         assert!(gallery.contains(&format!("href=\"{page}/report.html\"")), "{page}");
         assert!(text.contains("<div class=\"still\"><svg"), "{page} has no still picture");
+        let mut ids: Vec<&str> =
+            text.split(" id=\"").skip(1).filter_map(|rest| Some(rest.split_once('"')?.0)).collect();
+        let all = ids.len();
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), all, "{page} has an id twice");
     }
     // The same results give the same bytes.
     desk.done("report all");

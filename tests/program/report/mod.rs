@@ -247,3 +247,25 @@ fn pages_suit_the_dark_phones_and_paper() {
     assert!(browser.number(small) >= 30.0, "buttons can be touched");
     is_silent(&browser);
 }
+
+#[test]
+fn without_scripts_every_chart_is_a_still_picture_that_fits() {
+    let Some(browser) = Browser::start() else { return };
+    let results = Results::of("filler_map", 64);
+    browser.chromium("Emulation.setScriptExecutionDisabled", &json!({ "value": true }));
+    browser.begin(&results.page());
+    let shown = |of: &str| {
+        let script = "return [...document.querySelectorAll(arguments[0])].map((each) => each.getBoundingClientRect().width)";
+        serde_json::from_value::<Vec<f64>>(browser.ask(script, json!(of))).unwrap()
+    };
+    let pictures = shown(".still > svg");
+    assert!(pictures.len() == 2 && pictures.iter().all(|width| *width > 600.0), "{pictures:?}");
+    for gone in ["#tables", "#theme", ".reading", "figcaption"] {
+        assert!(shown(gone).iter().all(|width| *width == 0.0), "{gone} is shown");
+    }
+    // On paper the pictures are as wide as the page, and nothing of them is cut.
+    browser.chromium("Emulation.setEmulatedMedia", &json!({ "media": "print" }));
+    let script =
+        "return [...document.querySelectorAll('.still')].map((each) => each.scrollWidth - each.clientWidth)";
+    assert_eq!(browser.ask(script, json!(null)), json!([0, 0]));
+}
