@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 
 from . import _sagnac
 from ._raw import RawAnalysis
+from ._reading import Kind, reading_of
 from .errors import UsageError
-from .records import LEAST_REALISATIONS, Kind, _reading
+from .records import LEAST_REALISATIONS
 from .results import Charted, Table
 from .studies import MOST_TRIALS, _source, _threads, _whole
 
@@ -128,7 +129,7 @@ def compare(
     rates = rate if isinstance(rate, tuple) else (rate, rate)
     units = unit if isinstance(unit, tuple) else (unit, unit)
     records = [
-        _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+        reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
         for data, rate, unit in zip((a, b), rates, units)
     ]
     (first, of_first), (second, of_second) = records
@@ -183,7 +184,7 @@ def psd(
     >>> [round(float(line), 1) for line in found.tables["lines.csv"]["f_hz"]]
     [20.0]
     """
-    values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if not 0.0 < confidence < 1.0:
         raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
     if segment_detrend not in ("constant", "linear"):

@@ -10,31 +10,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _plot, _sagnac
-from .errors import RecordError, UsageError
-from .studies import MOST_THREADS, _whole
+from ._reading import Kind, reading_of
+from .errors import UsageError
+from .studies import _whole
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-Kind = Literal["rate", "increment", "angle"]
 Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
 Numbers = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 #: Least number of simulated records with usable 2.5 % quantiles.
 LEAST_REALISATIONS = 200
-
-
-@dataclass(frozen=True)
-class _Reading:
-    kind: str
-    unit: str
-    step_s: float
-    detrend: bool
-    remove_outliers: bool
-    unit_check: bool
-    threads: int
 
 
 @dataclass(frozen=True)
@@ -287,7 +276,7 @@ def allan(
     >>> curve.tau[:3], np.round(curve.value[:3], 2), curve.alpha[0]
     (array([0.01, 0.02, 0.04]), array([1.  , 0.71, 0.5 ]), np.float64(0.0))
     """
-    values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     names = [deviation] if isinstance(deviation, str) else list(deviation)
     if not 0.0 < confidence < 1.0:
         raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
@@ -379,7 +368,7 @@ def fit(
     >>> found["B"].value is None, found["B"].verdict
     (True, 'not identifiable, at most the upper end')
     """
-    values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if bootstrap is not None and bootstrap != 0:
         bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
     if isinstance(terms, str) and terms != "auto":
@@ -407,26 +396,3 @@ def fit(
         removed_slope_per_s=found["removed_slope_per_s"],
         outliers=found["outliers"],
     )
-
-
-def _reading(
-    data: ArrayLike,
-    rate: float,
-    kind: str,
-    unit: str,
-    detrend: bool,
-    remove_outliers: bool,
-    unit_check: bool,
-    threads: int | None,
-) -> tuple[Numbers, _Reading]:
-    try:
-        values = np.ascontiguousarray(data, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise RecordError(f"the data are not an array of numbers: {error}") from error
-    if np.ndim(data) != 1:
-        raise RecordError(f"the array has {np.ndim(data)} dimensions\ngive one axis, as in data[:, 0]")
-    step = 1.0 / rate if rate > 0.0 else 0.0
-    if not 1e-9 <= step <= 1e9:
-        raise UsageError(f"rate={rate}\naccepted: samples per second from 1e-9 to 1e9")
-    count = 0 if threads is None else _whole("threads", threads, 1, MOST_THREADS)
-    return values, _Reading(kind, unit, step, detrend, remove_outliers, unit_check, count)

@@ -79,7 +79,7 @@ fn study_charts(report: &Report, thinned: usize) -> Markup {
                 @if thinned > 1 {
                     p.note { "Curves show one point in " (thinned) "; the tables and chart.svg in the results folder have all points." }
                 }
-                @for (at, drawn) in report.charts.iter().enumerate() { (chart(at, drawn, "chart", report.question)) }
+                @for (at, drawn) in report.charts.iter().enumerate() { (chart(at, drawn, "chart", &[report.question])) }
             }
         }
     }

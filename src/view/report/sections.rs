@@ -112,13 +112,14 @@ impl Page {
             .collect();
         let said = |text: &str| said(&spell(text));
         let mut places = 0..;
+        let told = [&*self.title, &*self.subtitle, self.headline.trim_end_matches('.')];
         let body = html! {
             @if !charts.is_empty() { p.hint.reading { (READING) } }
             @if thinned > 1 { p.note { "Curves show one point in " (thinned) "." } }
             @for section in sections {
                 section id=(section.id) {
                     h2 { (section.heading) }
-                    @for block in &section.blocks { (self::block(block, &mut places, &said)) }
+                    @for block in &section.blocks { (self::block(block, &mut places, &told, &said)) }
                 }
             }
             (listings(&tables))
@@ -182,8 +183,13 @@ fn drawn(block: &Block) -> Option<&Drawn> {
     }
 }
 
-/// A block; `places` counts the charts.
-fn block(block: &Block, places: &mut std::ops::RangeFrom<usize>, said: &dyn Fn(&str) -> Markup) -> Markup {
+/// A block; `places` counts the charts, whose second lines are left out where the page has `told` them.
+fn block(
+    block: &Block,
+    places: &mut std::ops::RangeFrom<usize>,
+    told: &[&str],
+    said: &dyn Fn(&str) -> Markup,
+) -> Markup {
     html! {
         @match block {
             Block::Text(text) => { p { (said(text)) } }
@@ -198,9 +204,9 @@ fn block(block: &Block, places: &mut std::ops::RangeFrom<usize>, said: &dyn Fn(&
                 }
             }
             Block::Grid(grid) => { (self::grid(grid)) }
-            Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart", "")) }
+            Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart", told)) }
             Block::File(name, text) => { (file(name, text)) }
-            Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace", "")) }
+            Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace", told)) }
         }
     }
 }

@@ -103,9 +103,9 @@ pub(crate) const READING: &str = "Point at a chart or use the arrow keys to read
                                   the whole. Names in the legend switch curves off and on.";
 
 /// The place of chart `at` of the data, with a still picture of it that stays where no script draws it. The second line is left out
-/// where it is the `question` of the page.
-pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str, question: &str) -> Markup {
-    let subtitle = drawn.picture.subtitle().filter(|subtitle| *subtitle != question);
+/// where the page has `said` it before.
+pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str, said: &[&str]) -> Markup {
+    let subtitle = drawn.picture.subtitle().filter(|subtitle| !said.contains(subtitle));
     html! {
         figure class=(class) data-chart=(at) {
             figcaption {
