@@ -4,7 +4,8 @@
 - :func:`allan` computes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
 - :func:`psd` computes the spectrum of a record, and :func:`compare` tells whether the noise of two records differs.
-- :func:`design` finds the switching interval and the filler with the least drift.
+- :func:`design` finds the switching interval and the filler with the least drift, and :func:`sensitivity` which uncertain input
+  decides an answer.
 - :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
 - :mod:`sagnac.theory` has the underlying closed forms, over arrays.
 
@@ -24,7 +25,7 @@ Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 
 from . import errors, theory
 from ._sagnac import version as __version__
-from .analyses import Analysis, compare, design, psd
+from .analyses import Analysis, compare, design, psd, sensitivity
 from .errors import (
     DeviceError,
     InternalError,
@@ -68,5 +69,6 @@ __all__ = [
     "fit",
     "psd",
     "run",
+    "sensitivity",
     "theory",
 ]

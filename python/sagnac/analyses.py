@@ -1,4 +1,4 @@
-"""Designs, comparisons and spectra, as the program gives them."""
+"""Designs, sensitivities, comparisons and spectra, as the program gives them."""
 
 from __future__ import annotations
 
@@ -84,6 +84,71 @@ def design(
     if seed is not None:
         seed = _whole("seed", seed, 0, (1 << 63) - 1)
     return _analysis(_sagnac.design(path, text, by, trials, seed, device, _threads(threads), progress))
+
+
+def sensitivity(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    by: str | None = None,
+    where: Mapping[str, object] | None = None,
+    samples: int | None = None,
+    trials: int | None = None,
+    seed: int | None = None,
+    device: str = "auto",
+    threads: int | None = None,
+    progress: Callable[[int, int, str], object] | None = None,
+) -> Analysis:
+    """Which uncertain input decides the answer of a study, as ``sagnac sensitivity`` finds it.
+
+    Parameters
+    ----------
+    study
+        As for :func:`run`, with uncertain inputs in ``sensitivity``.
+    by
+        Column of the points whose value is the answer; one in closed form, such as ``oracle_rms``, needs no sampling. By default
+        the answer by which the study is judged.
+    where
+        Values of columns that choose one row of each point, such as ``{"filler": "const"}``.
+    samples
+        Number of samples, rounded up to 32 times a power of two.
+    trials
+        Trials of each evaluation of a sampled answer.
+    seed, device, threads, progress
+        As for :func:`run`.
+
+    Raises
+    ------
+    StudyError, DeviceError, UsageError
+        The study is invalid or has no uncertain inputs, the device fails, or an argument is not accepted.
+
+    Examples
+    --------
+    >>> gap = {
+    ...     "title": "A gap",
+    ...     "kind": "gap-fill",
+    ...     "gyro": {"tick": "5 ms", "tick_noise": {"std": "0.5 arcsec"}},
+    ...     "motion": {"amplitude": "12000 arcsec/s", "frequency": "5 Hz"},
+    ...     "switching": {"gap_ticks": 3, "fillers": ["quadratic"]},
+    ...     "sensitivity": [
+    ...         {"key": "gyro.tick_noise.std", "normal": {"mean": "0.5 arcsec", "sd": "0.05 arcsec"}},
+    ...         {"key": "motion.frequency", "uniform": {"from": "4 Hz", "to": "6 Hz"}},
+    ...     ],
+    ... }
+    >>> found = sensitivity(gap, by="oracle_rms", samples=1024, device="cpu")
+    >>> found.data["inputs"][0]["input"], found.data["inputs"][0]["first"]["value"] > 0.9
+    ('gyro.tick_noise.std', True)
+    """
+    path, text = _source(study)
+    if samples is not None:
+        samples = _whole("samples", samples, 1, 1 << 21)
+    if trials is not None:
+        trials = _whole("trials", trials, 1, MOST_TRIALS)
+    if seed is not None:
+        seed = _whole("seed", seed, 0, (1 << 63) - 1)
+    rows = [(str(column), str(value)) for column, value in (where or {}).items()]
+    return _analysis(
+        _sagnac.sensitivity(path, text, by, rows, samples, trials, seed, device, _threads(threads), progress)
+    )
 
 
 def compare(

@@ -9,6 +9,9 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::design::{Measure, design as find, report as design_report};
 use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::sensitivity::{
+    Request, SensitivityError, report as sensitivity_report, sensitivity as decide,
+};
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::analysis::{compare as compared, page};
 use sagnac::fit::choose::Terms;
@@ -104,6 +107,44 @@ pub fn design<'py>(
         let page = page::of_design(&study, &found, sheet.as_ref(), &table, Picture::Curves(figure));
         let mut document = design_report::json(&study, &found);
         document["decision"] = json!(sheet.as_ref().map(Sheet::json));
+        Ok(Found { page, document, tables: vec![] })
+    })?;
+    found.into_python(py)
+}
+
+/// What decides the answer of a study with uncertain inputs.
+#[pyfunction]
+#[pyo3(signature = (path, text, by, rows, samples, trials, seed, device, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
+pub fn sensitivity<'py>(
+    py: Python<'py>,
+    path: Option<PathBuf>,
+    text: String,
+    by: Option<String>,
+    rows: Vec<(String, String)>,
+    samples: Option<u64>,
+    trials: Option<u64>,
+    seed: Option<u64>,
+    device: String,
+    threads: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let listener = Listener::new(progress);
+    let found = compute(py, || {
+        let mut study = study_of(path.as_deref(), &text)?;
+        study.seed = seed.unwrap_or(study.seed);
+        let mut device = select(&device, threads)?.device;
+        let asked = Request { by, rows, samples, trials };
+        let found = decide(&study, &asked, &mut device, &listener);
+        listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)))?;
+        let found = found.map_err(|error| match error.in_study(&study) {
+            Ok(error) => Failure::Study(error),
+            Err(SensitivityError::Run(error)) => Failure::Run(error),
+            Err(error) => Failure::Usage(in_python(&error.to_string())),
+        })?;
+        let document = sensitivity_report::json(&study, &found);
+        let picture = Picture::Curves(sensitivity_report::figure(&study, &found));
+        let page = page::of_sensitivity(&study, &found, &sensitivity_report::table(&found), picture);
         Ok(Found { page, document, tables: vec![] })
     })?;
     found.into_python(py)

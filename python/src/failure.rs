@@ -112,9 +112,10 @@ impl From<ChoiceError> for Failure {
 }
 
 /// Settings of the library with the corresponding arguments.
-const ARGUMENTS: [(&str, &str); 10] = [
+const ARGUMENTS: [(&str, &str); 11] = [
     ("at", "at"),
     ("bootstrap", "bootstrap"),
+    ("by", "by"),
     ("data", "kind"),
     ("device", "device"),
     ("filler", "fillers"),

@@ -20,6 +20,7 @@ fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("colours", sagnac::view::chart::COLOURS.to_vec())?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::design, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::sensitivity, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::compare, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::psd, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;

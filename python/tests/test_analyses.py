@@ -43,6 +43,21 @@ def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> Non
         sagnac.design(studies / "smoke.toml")
 
 
+def test_a_sensitivity_is_that_of_the_program(program: Program, studies: Path) -> None:
+    study = studies / "what_decides.toml"
+    found = sagnac.sensitivity(study, by="oracle_rms", samples=32, device="cpu")
+    expected = program(
+        "sensitivity", study, "--by", "oracle_rms", "--samples", 32, "--device", "cpu", "--out", "out"
+    )  # fmt: skip
+    assert found.data == expected
+    assert found.report == (program.folder / "out/report.html").read_text(encoding="utf-8")
+    assert set(found.tables) == {"sensitivity.csv"} and found.answer
+    with pytest.raises(sagnac.UsageError, match="none"):
+        sagnac.sensitivity(study, by="none")
+    with pytest.raises(sagnac.StudyError, match="uncertain inputs"):
+        sagnac.sensitivity(studies / "smoke.toml")
+
+
 def test_a_comparison_is_that_of_the_program(program: Program) -> None:
     a, b = record(1, 1.0), record(2, 1.4)
     files = [written(program.folder, name, values) for name, values in (("A.csv", a), ("B.csv", b))]

@@ -32,8 +32,11 @@ pub(crate) fn budget(
         return Ok(vec![Part { name, share, without }]);
     }
     let columns = [&choice.column.name, &mean_square(table, choice.column).name].map(String::as_str);
-    let Some([judged, squares]) = evaluator.values(&dissected, points, columns, Effort::Parts)? else {
-        return Ok(vec![]);
+    let [judged, squares] = match evaluator.values(&dissected, points, columns, Effort::Parts) {
+        Ok(Some(found)) => found,
+        // Nothing is left of some points without one of their parts.
+        Ok(None) | Err(DecisionError::Study(_)) => return Ok(vec![]),
+        Err(error) => return Err(error),
     };
     let part = |(at, name): (usize, &&'static str)| Part {
         name,

@@ -81,8 +81,11 @@ pub(crate) fn lever(
     let mut levers: Vec<Lever> = Vec::new();
     for Tried { input, factor, .. } in at.tried(&mean_square(table, choice.column).name, evaluator) {
         let to = changed(&input, factor);
-        let found = at.values(&input, &[input.value, to], judged, evaluator, Effort::Parts)?;
-        let Some(found) = found else { continue };
+        let found = match at.values(&input, &[input.value, to], judged, evaluator, Effort::Parts) {
+            Ok(Some(found)) => found,
+            Ok(None) | Err(DecisionError::Study(_)) => continue,
+            Err(error) => return Err(error),
+        };
         let gain: Figure = found[1].with(&found[0], |new, old| 1.0 - new.abs() / old.abs()).into();
         if gain.interval.map_or(gain.value, |(low, _)| low) <= 0.0 {
             continue;

@@ -3,9 +3,18 @@
 use crate::kinds::relock::Relock;
 use crate::study::part::Part;
 
-/// All parts. Without its nominal miss, a loop starts from the errors of the miss alone.
+/// All parts. Without its nominal miss, a loop starts from the errors of the miss alone; without these there is nothing to
+/// relock, and the miss stays.
 pub(crate) static PARTS: [Part<Relock>; 8] = [
-    Part { name: "miss", off: |relock| relock.miss = 0.0 },
+    Part {
+        name: "miss",
+        off: |relock| {
+            if [relock.half_wave_error, relock.dac_step, relock.hysteresis].iter().any(|error| *error != 0.0)
+            {
+                relock.miss = 0.0;
+            }
+        },
+    },
     Part { name: "error of U_λ/2", off: |relock| relock.half_wave_error = 0.0 },
     Part { name: "step of the DAC", off: |relock| relock.dac_step = 0.0 },
     Part { name: "hysteresis", off: |relock| relock.hysteresis = 0.0 },

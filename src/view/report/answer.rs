@@ -211,6 +211,9 @@ impl<'a> Resolved<'a> {
 
     /// The least value for each name in a column of series other than fillers, as a further sentence.
     fn beside_names(&self) -> Option<String> {
+        if !less_is_better(&self.shown.table, self.estimate, &self.rows) {
+            return None;
+        }
         let is_named = |column: &&&Column| {
             column.of != FILLERS && self.rows.iter().all(|&row| matches!(column.cells[row], Cell::Text(_)))
         };

@@ -52,6 +52,8 @@ const MOST_ROUNDING: f64 = 0.1;
 
 impl Estimate {
     /// Lowers an error of a filler, of the point `point` with the key `key`.
+    ///
+    /// `is_designed_here` says whether its weights are those for the motion and noise of this point.
     pub(crate) fn new(
         point: Id,
         key: [u32; 2],
@@ -59,6 +61,7 @@ impl Estimate {
         error: Error,
         fractions: &Fractions,
         rows: Rows,
+        is_designed_here: bool,
     ) -> Result<Estimate, Refusal> {
         let fixed = fractions.fixed;
         let scale = rows.denominator as f64;
@@ -130,7 +133,7 @@ impl Estimate {
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
         let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
         // Without motion nothing is cancelled, and an oracle of 0 is possible.
-        let designed = matches!(filler.method, Method::MinimumVariance(_));
+        let designed = is_designed_here && matches!(filler.method, Method::MinimumVariance(_));
         if designed && lost && response.terms > whole.gain() {
             return Err(singular_covariance(&filler.name, sigma * fixed.lsb_arcsec));
         }

@@ -95,7 +95,15 @@ impl Lowered {
                 };
                 let Some(ticks) = ticks else { continue };
                 let Some(rows) = Rows::of(filler, error, ticks, &statistics)? else { continue };
-                estimates.push(Estimate::new(id, key, filler, error, &fractions, rows)?);
+                estimates.push(Estimate::new(
+                    id,
+                    key,
+                    filler,
+                    error,
+                    &fractions,
+                    rows,
+                    point.design.is_none(),
+                )?);
             }
             Ok(estimates)
         };
