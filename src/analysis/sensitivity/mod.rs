@@ -211,10 +211,10 @@ fn nominal(study: &Study, input: &Uncertain) -> Swept {
 }
 
 /// The column of the answer, without cells, the rows of the points, and whether the answer is known without sampling.
-fn question(
-    study: &Study,
-    asked: &Request,
-) -> Result<(Column, Vec<(String, String)>, bool), SensitivityError> {
+type Question = (Column, Vec<(String, String)>, bool);
+
+/// The question that is asked of the study.
+fn question(study: &Study, asked: &Request) -> Result<Question, SensitivityError> {
     let table = Plan::new(study)?.blank_tables().points;
     let name = match &asked.by {
         Some(name) => name,

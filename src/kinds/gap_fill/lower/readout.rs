@@ -29,9 +29,11 @@ const TERMS: u32 = 4096;
 pub(crate) struct Fractions<'a> {
     pub(crate) fixed: &'a Fixed,
     drawn: Drawn,
-    /// Covariances of the fractions at two boundaries, each with a bound of the omitted part.
-    known: RefCell<HashMap<(i32, i32), Option<(f64, f64)>>>,
+    known: RefCell<HashMap<(i32, i32), Covariance>>,
 }
+
+/// Covariance of the fractions at two boundaries, with a bound of the omitted part; `None` without a closed form.
+type Covariance = Option<(f64, f64)>;
 
 /// Treatment of tones whose amplitude or frequency is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
