@@ -162,7 +162,11 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
     }
     let judges = |chart: &&Chart| {
         let column = tables.of(chart.source).column(&chart.estimate().name);
-        chart.source != Source::Trajectories && column.is_ok_and(|column| column.role.less_is_better())
+        // A supplied chart of names side by side shows more than what is judged.
+        let is_own =
+            !chart.x.span.is_empty() || study.sweeps.iter().any(|sweep| sweep.key.name == chart.x.name);
+        let judges = column.is_ok_and(|column| column.role.less_is_better());
+        judges && is_own && chart.source != Source::Trajectories
     };
     let charts = || study.charts.iter().filter(judges);
     if let Some(chart) = charts().find(|chart| chart.limit.is_some()).or_else(|| charts().next()) {

@@ -111,6 +111,7 @@ impl Sheet {
                     if met > 0 { format!("Met under {met} of {all} conditions") } else { "Not met".into() };
                 format!("{part}: the {label} {most} {value}{at}, above {}.", limit.text())
             }
+            (None, _) if !self.value.value.is_finite() => "None is given.".to_owned(),
             (None, _) => format!("None is given; the {label} {most} {value}{at}."),
         }
     }

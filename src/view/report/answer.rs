@@ -196,7 +196,8 @@ impl<'a> Resolved<'a> {
     fn course(&self) -> Option<String> {
         let curves = Curves::of(self.x, self.estimate, &self.rows, &self.series);
         let is_error = less_is_better(&self.shown.table, self.estimate, &self.rows);
-        let is_over_time = self.x.usual == Some(Usual::Abscissa) && self.x.role == Role::Coordinate;
+        let has_places = self.shown.table.usual(Usual::Places).is_some();
+        let is_over_time = self.x.usual == Some(Usual::Abscissa) && !has_places;
         match self.estimate.role {
             _ if !self.has_curves() => None,
             Role::Fraction => curves.half(),
