@@ -85,18 +85,22 @@ fn a_gallery_joins_the_results_of_every_command() {
     desk.done("run study.toml --device cpu --trials 1000 --out all/study");
     desk.done("design runs.toml --device cpu --trials 64 --out all/study/design");
     desk.done("filler quadratic --gap-ticks 3 --out all/filler");
+    let decides = format!("{}/studies/what_decides.toml", crate::ROOT);
+    desk.done(&format!(
+        "sensitivity {decides} --by oracle_rms --samples 32 --device cpu --out all/what_decides"
+    ));
     desk.done(&format!("allan log.csv {read} --out all/allan"));
     desk.done(&format!("psd log.csv {read} --out all/psd"));
     desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
     desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
-    let pages = ["allan", "compare", "filler", "lot", "psd", "study", "study/design"];
+    let pages = ["allan", "compare", "filler", "lot", "psd", "study", "study/design", "what_decides"];
     let said = desk.done("report all").stderr;
     for page in pages {
         assert!(said.contains(&format!("all/{page}/report.html\n")), "{page}: {said}");
     }
     let gallery = desk.read("all/gallery.html");
-    assert!(gallery.contains("<h1>7 results</h1>"), "{gallery}");
-    assert_eq!(gallery.matches("<img").count(), 7);
+    assert!(gallery.contains("<h1>8 results</h1>"), "{gallery}");
+    assert_eq!(gallery.matches("<img").count(), 8);
     for page in pages {
         let text = desk.read(&format!("all/{page}/report.html"));
         let (_, from) = text.split_once("<p class=\"headline\">").unwrap();
