@@ -78,11 +78,11 @@ fn run(rng: &mut StdRng) -> String {
     )
 }
 
-/// A switch in motion and noise, read in pulses that are finer than both.
+/// A switch in motion and noise, with a constant angle of the relock.
 fn switch(rng: &mut StdRng) -> String {
     let [noise, amplitude, frequency] =
         [(0.3, 2.0), (500.0, 10_000.0), (3.0, 30.0)].map(|(low, high)| between(rng, low, high));
-    let pulse = 0.5 * noise;
+    let relock = 2.0 * noise;
     format!(
         r#"
         title = "Random switch"
@@ -92,7 +92,7 @@ fn switch(rng: &mut StdRng) -> String {
         [gyro]
         tick = "5 ms"
         tick_noise = {{ std = "{noise} arcsec" }}
-        readout_lsb = "{pulse} arcsec"
+        relock = ["{relock} arcsec"]
         [motion]
         amplitude = "{amplitude} arcsec/s"
         frequency = "{frequency} Hz"

@@ -194,7 +194,10 @@ mod tests {
     fn curves_that_come_to_the_limit_and_that_leave_it_have_no_order() {
         let (comes, leaves, between) =
             (("comes", [20.0, 5.0, 2.0]), ("leaves", [2.0, 5.0, 20.0]), ("between", [20.0, 5.0, 20.0]));
-        assert_eq!(judged(&[comes, leaves]), "2 are within 10 arcsec in part (comes and leaves).");
+        assert_eq!(
+            judged(&[comes, leaves]),
+            "Comes: within 10 arcsec from frequency 1.41 Hz on; leaves: rises above 10 arcsec at frequency 2.83 Hz."
+        );
         assert_eq!(
             judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
             "First within 10 arcsec: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
