@@ -12,7 +12,7 @@ pub fn compute<T: Send>(py: Python, work: impl FnOnce() -> Result<T, Failure> + 
     done.map_err(PyErr::from)
 }
 
-/// The same on `threads` threads, for 0 on as many as the machine has logical cores.
+/// Computes as [`compute`] does, on `threads` threads, for 0 on as many as the machine has logical cores.
 ///
 /// The threads are started for this work alone: a process forked later has none of them, and would wait forever for
 /// those of a pool that outlives the call.

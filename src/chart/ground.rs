@@ -74,11 +74,8 @@ impl Ground {
     /// else the last.
     pub(crate) fn judged(&self, limit: Limit) -> Option<&About> {
         let fits = |column: &&About| column.role.less_is_better() && column.unit == limit.unit;
-        let usual = [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| self.usual(usual));
-        usual
-            .filter(|column| fits(&column))
-            .next()
-            .or_else(|| self.columns.iter().rfind(|column| fits(column)))
+        let mut usual = [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| self.usual(usual));
+        usual.find(fits).or_else(|| self.columns.iter().rfind(fits))
     }
 
     /// The abscissa that distinguishes rows, where a curve has a row for each of its values.

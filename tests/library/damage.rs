@@ -36,7 +36,7 @@ impl Left {
         left
     }
 
-    /// The same of a folder that has one share alone: its first half in the database, the other in the journal.
+    /// A folder with one share alone: its first half is in the database, the other in the journal.
     fn of_share(study: &Study, share: Share, device: &mut Device) -> Left {
         let folder = crate::stores::folder();
         let half = crate::stores::study(MOMENTS, study.trials / 2, study.seed);

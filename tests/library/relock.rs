@@ -23,7 +23,7 @@ fn with(change: impl FnOnce(&mut Relock)) -> RelockInputs {
     inputs
 }
 
-/// The same without any noise, counting or rounding, but with a spread miss.
+/// A relock without any noise, counting or rounding, but with a spread miss.
 fn clean(change: impl FnOnce(&mut Relock)) -> RelockInputs {
     with(|relock| {
         (relock.temperature_error, relock.adc_noise, relock.adc_step, relock.count_step) =

@@ -172,8 +172,9 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
     if let Some(chart) = charts().find(|chart| chart.limit.is_some()).or_else(|| charts().next()) {
         return of(chart.source, &chart.estimate().name, chart.limit, Some(chart.filter())).map(Some);
     }
-    let usual = [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| tables.points.usual(usual));
-    let usual = usual.filter(|column| column.role.less_is_better()).next();
+    let mut usual =
+        [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| tables.points.usual(usual));
+    let usual = usual.find(|column| column.role.less_is_better());
     usual.map(|column| of(Source::Points, &column.name, None, None)).transpose()
 }
 

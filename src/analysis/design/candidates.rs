@@ -20,7 +20,7 @@ pub(crate) struct Candidate {
     pub(crate) interval_s: f64,
     pub(crate) switches: u64,
     pub(crate) filled: FilledRun,
-    /// The same without the non-magnetic drift, where there is one.
+    /// These runs without the non-magnetic drift, where there is one.
     pub(crate) switched: Option<FilledRun>,
 }
 
@@ -87,7 +87,7 @@ impl Maker<'_> {
     }
 }
 
-/// The same gyro without its non-magnetic drift.
+/// The point of a gyro without non-magnetic drift.
 fn switched(point: &RunPoint) -> RunPoint {
     let mut point = point.clone();
     point.drift.non_magnetic = 0.0;

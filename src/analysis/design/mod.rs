@@ -95,7 +95,7 @@ pub struct Tried {
     replicates: Vec<f64>,
     /// Drift without its non-magnetic part, ″/s, by which the interval is chosen.
     pub switched: Found,
-    /// The same without each part of the trials in turn.
+    /// Drift without its non-magnetic part, once for each part of the trials that is left out.
     switched_replicates: Vec<f64>,
 }
 

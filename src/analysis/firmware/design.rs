@@ -52,7 +52,8 @@ pub struct Design {
     pub extrapolation: Option<Rule>,
     /// Errors of the residual and of the extrapolation.
     pub errors: [Closed; 2],
-    /// Of a filler that is designed for the very motion of the point: the rms residual there, and with shifted frequencies.
+    /// The rms residual at the point and with shifted frequencies; present for a filler that is designed for the very motion
+    /// of the point.
     pub judged: Option<Judged>,
 }
 

@@ -29,7 +29,7 @@ const AS_GOOD: f64 = 1.05;
 /// Numbers of ticks after the gap that the chart shows, beside the chosen one.
 const SHOWN: [u32; 6] = [0, 1, 2, 4, 8, 16];
 
-/// What is asked of a filler.
+/// The requirements that a filler must meet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Asked {
     /// Largest 99.73 % residual, ″.

@@ -64,7 +64,7 @@ impl Point {
         most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
     }
 
-    /// The same point with another interval, rounded to whole ticks; where the end is exact, with the nearest interval of
+    /// This point with another interval, rounded to whole ticks; where the end is exact, with the nearest interval of
     /// which an even number makes the run, because a switch more or less would count for more than the interval. `None`
     /// for an interval that is too short, or longer than half the run.
     pub fn with_interval(&self, interval_s: f64) -> Option<Point> {

@@ -43,7 +43,7 @@ pub struct LoweredRun {
 pub struct FilledRun {
     key: [u32; 2],
     fixed: Fixed,
-    /// The same runs with an exact end, for trajectories, where they are kept and the end is drawn.
+    /// These runs with an exact end, from which trajectories are made. Present where trajectories are kept and the end is drawn.
     exact: Option<Box<Fixed>>,
     /// Residual of a switch.
     pub residual: Residual,
