@@ -277,7 +277,9 @@ pub(crate) fn read_requirement(
             "leave it out",
         ));
     };
-    for chart in charts.iter_mut().filter(|chart| chart.source == ground.source && chart.limit.is_none()) {
+    // Of several columns side by side, the limit belongs to one only.
+    let lacks = |chart: &&mut Chart| chart.limit.is_none() && chart.beside.is_empty();
+    for chart in charts.iter_mut().filter(|chart| chart.source == ground.source).filter(lacks) {
         let shown = ground.columns.iter().find(|column| column.name == chart.estimate().name);
         if shown.is_some_and(|shown| shown.role.less_is_better() && shown.unit == limit.unit) {
             chart.limit = Some(limit);
