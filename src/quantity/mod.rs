@@ -2,6 +2,7 @@
 
 pub mod error;
 pub(crate) mod expression;
+pub mod list;
 pub mod number;
 pub(crate) mod unit;
 pub mod units;

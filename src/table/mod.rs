@@ -79,6 +79,14 @@ impl Column {
     }
 }
 
+/// A label as in a sentence: `drift (bound, Z(7))` for `drift: bound, Z(7)`.
+pub(crate) fn worded(label: &str) -> String {
+    match label.split_once(": ") {
+        Some((whole, part)) => format!("{whole} ({part})"),
+        None => label.to_owned(),
+    }
+}
+
 /// A label with its unit; a pure number has an empty one.
 pub fn titled(label: &str, unit: &str) -> String {
     if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") }

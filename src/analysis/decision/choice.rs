@@ -39,6 +39,8 @@ pub(crate) struct Choice<'t> {
     pub(crate) met: [usize; 2],
     /// Number of options.
     pub(crate) options: usize,
+    /// Options with the same value as the best one.
+    pub(crate) equal: Vec<String>,
     /// The next best option, with its largest value.
     pub(crate) next: Option<(String, f64)>,
     /// Names of fillers that do not count as options, because firmware cannot have them.
@@ -98,7 +100,10 @@ impl<'t> Choice<'t> {
         options.sort_by(|a, b| b.met.cmp(&a.met).then(value(a.row).total_cmp(&value(b.row))));
         let Some(Rated { name, row, met, conditions }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);
-        let next = options.get(1).map(|next| (next.name.clone(), value(next.row)));
+        let is_equal = |option: &&Rated| value(option.row) == value(row);
+        let (equal, worse): (Vec<&Rated>, Vec<&Rated>) = options[1..].iter().partition(is_equal);
+        let equal = equal.into_iter().map(|option| option.name.clone()).collect();
+        let next = worse.first().map(|next| (next.name.clone(), value(next.row)));
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options) = (name, options.len());
@@ -114,6 +119,7 @@ impl<'t> Choice<'t> {
             condition,
             met,
             options,
+            equal,
             next,
             left_out,
         }))

@@ -19,10 +19,13 @@ const T_95: f64 = 2.131_450;
 pub(crate) const MOST_TRIALS: u64 = 1 << 17;
 
 /// Most steps of the trials of a point, so that a decision takes seconds beside a long study.
-const MOST_STEPS: u64 = 1 << 22;
+const MOST_STEPS: u64 = 1 << 24;
 
 /// Fewest trials that tell a level of 99.73 %.
 const FEWEST_TRIALS: u64 = 1 << 12;
+
+/// Most steps of the fewest trials of a point; beyond it there is no value.
+const TOO_MANY_STEPS: u64 = 1 << 29;
 
 /// Part of the trials that is enough to compare mean squares.
 const SCREENED: u64 = 8;
@@ -37,6 +40,12 @@ pub(crate) struct Value {
 }
 
 impl Value {
+    /// The upper end of the 95 % interval of the size of the value; the size itself where there is no interval.
+    pub(crate) fn upper(&self) -> f64 {
+        let (value, interval) = self.with(self, |value, _| value.abs());
+        interval.map_or(value, |(_, high)| high)
+    }
+
     /// A function of this value and another one, with its 95 % interval where the values have parts.
     pub(crate) fn with(&self, other: &Value, of: impl Fn(f64, f64) -> f64) -> (f64, Option<(f64, f64)>) {
         let value = of(self.value, other.value);
@@ -55,10 +64,8 @@ impl Value {
 /// The effort for a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Effort {
-    /// Few trials, enough to compare mean squares.
+    /// Few trials, enough to compare mean squares, without an interval.
     Screening,
-    /// A value without an interval.
-    Value,
     /// A value with the scatter of its parts.
     Parts,
 }
@@ -108,7 +115,11 @@ impl Evaluator<'_> {
             return Ok(Some(exact.map(Option::unwrap_or_default)));
         }
         let Some(steps) = plan.steps_of_a_trial() else { return Ok(None) };
-        let most = (points as u64 * MOST_STEPS / steps.max(1)).clamp(FEWEST_TRIALS, MOST_TRIALS);
+        let of_point = (steps / points as u64).max(1);
+        if of_point > TOO_MANY_STEPS / FEWEST_TRIALS {
+            return Ok(None);
+        }
+        let most = (MOST_STEPS / of_point).clamp(FEWEST_TRIALS, MOST_TRIALS);
         let most = if effort == Effort::Screening { most / SCREENED } else { most };
         let study = Study { trials: study.trials.min(most), ..study.clone() };
         let plan = Plan::new(&study)?;

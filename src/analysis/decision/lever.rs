@@ -187,7 +187,7 @@ impl<'a> Place<'a> {
         evaluator.one(&study, points.len(), column, effort)
     }
 
-    /// Whether and where a change of an input meets the limit.
+    /// Whether and where a change of an input meets the limit with its whole interval, to three digits on the safe side.
     fn needed(
         &self,
         input: &Input,
@@ -196,11 +196,10 @@ impl<'a> Place<'a> {
         column: &str,
         evaluator: &mut Evaluator,
     ) -> Option<Needed> {
-        let toward = |factor: f64| if is_down { 1.0 / factor } else { factor };
         let mut at = |factor: f64| {
-            let value = scaled(input, toward(factor));
-            let found = self.values(input, &[value], column, evaluator, Effort::Value).ok()??;
-            Some((value, found.first()?.value.abs()))
+            let value = beyond(input, if is_down { 1.0 / factor } else { factor });
+            let found = self.values(input, &[value], column, evaluator, Effort::Parts).ok()??;
+            Some((value, found.first()?.upper()))
         };
         let (most, (end, left)) = MOST.into_iter().find_map(|most| Some((most, at(most)?)))?;
         if left > limit {
@@ -226,9 +225,35 @@ fn changed(input: &Input, factor: f64) -> Quantity {
     }
 }
 
-/// The value of an input multiplied by a factor; counts are whole.
+/// The value of an input multiplied by a factor.
 fn scaled(input: &Input, factor: f64) -> Quantity {
-    let value = input.value.value * factor;
-    let value = if input.key.is_whole() { libm::round(value) } else { value };
-    Quantity::new(value, input.value.dimension)
+    Quantity::new(input.value.value * factor, input.value.dimension)
+}
+
+/// The next value with three digits in the unit of tables, or the next whole number, that an input has when it changes
+/// at least by a factor. It is never the present one.
+fn beyond(input: &Input, factor: f64) -> Quantity {
+    let exact = scaled(input, factor);
+    let size = exact.shown().abs();
+    let last = if input.key.is_whole() { 1.0 } else { libm::pow(10.0, libm::floor(libm::log10(size)) - 2.0) };
+    let steps = if factor < 1.0 { libm::floor(size / last) } else { libm::ceil(size / last) };
+    Quantity::new(exact.value * (steps * last / size), exact.dimension)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filler::keys::GAP_TICKS;
+    use crate::kinds::gap_fill::keys::READOUT_LSB;
+
+    #[test]
+    fn needed_values_lie_beyond_the_change_with_three_digits_and_are_never_the_present_ones() {
+        let needed = |key: &'static Key, value: f64, dimension: Dimension, factor: f64| {
+            beyond(&Input { key, value: Quantity::new(value, dimension) }, factor).value
+        };
+        let pulse = |factor| needed(&READOUT_LSB, 3.2, Dimension::Angle, factor);
+        assert_eq!([0.35, 0.3499, 1.00001, 0.99999].map(pulse), [1.12, 1.11, 3.21, 3.19]);
+        let ticks = |factor| needed(&GAP_TICKS, 5.0, Dimension::Count, factor);
+        assert_eq!([0.99, 0.79, 1.01, 1.21].map(ticks), [4.0, 3.0, 6.0, 7.0]);
+    }
 }

@@ -105,7 +105,7 @@ pub(crate) fn decide_at(
 }
 
 fn processor() -> Result<Device, DecisionError> {
-    Ok(Device::Cpu(Cpu::new(Width::PORTABLE, 0)?))
+    Ok(Device::Cpu(Cpu::new(Width::widest(), 0)?))
 }
 
 #[cfg(test)]

@@ -7,9 +7,10 @@ use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::lever::{Lever, Needed};
 use crate::chart::Limit;
+use crate::quantity::list::listed;
 use crate::quantity::number::significant;
-use crate::quantity::units::Quantity;
-use crate::table::{Unit, titled};
+use crate::quantity::units::{Dimension, Quantity};
+use crate::table::{Unit, titled, worded};
 use crate::view::report::agreement::capitalised;
 
 /// Parts below this fraction of the mean square are not worth a line.
@@ -34,6 +35,8 @@ pub struct Sheet {
     pub met: [usize; 2],
     /// The estimate of the best option under that condition.
     pub value: Figure,
+    /// Options with the same value as the best one.
+    pub equal: Vec<String>,
     /// The next best option, with its largest value.
     pub next: Option<(String, f64)>,
     /// Fillers that are no options, because firmware cannot have them.
@@ -55,6 +58,7 @@ impl Sheet {
             condition: choice.condition.clone(),
             met: choice.met,
             value: (choice.value(), choice.interval()).into(),
+            equal: choice.equal.clone(),
             next: choice.next.clone(),
             left_out: choice.left_out.clone(),
             budget,
@@ -99,39 +103,44 @@ impl Sheet {
     }
 
     fn requirement(&self) -> String {
-        let (label, value, at) = (&self.label, self.shown(self.value.value), self.at());
-        let most = if self.met[1] > 1 { "is at most" } else { "is" };
+        let (label, value, at) = (worded(&self.label), self.shown(self.value.value), self.at());
+        let largest = if self.met[1] > 1 { "largest " } else { "" };
+        let told = format!("the {largest}{label} is {value}{at}");
         match (self.limit, self.is_met()) {
-            (Some(limit), Some(true)) => {
-                format!("Met: the {label} {most} {value}{at}, within {}.", limit.text())
-            }
+            (Some(limit), Some(true)) => format!("Met: {told}, within {}.", limit.text()),
             (Some(limit), _) => {
                 let [met, all] = self.met;
                 let part =
                     if met > 0 { format!("Met under {met} of {all} conditions") } else { "Not met".into() };
-                format!("{part}: the {label} {most} {value}{at}, above {}.", limit.text())
+                format!("{part}: {told}, above {}.", limit.text())
             }
             (None, _) if !self.value.value.is_finite() => "None is given.".to_owned(),
-            (None, _) => format!("None is given; the {label} {most} {value}{at}."),
+            (None, _) => format!("None is given; {told}."),
         }
     }
 
     fn best(&self) -> String {
         let left_out = match &self.left_out[..] {
             [] => String::new(),
-            names => format!(" {} would need a motion that firmware does not know.", names.join(" and ")),
+            names => format!(" {} would need a motion that firmware does not know.", listed(names)),
         };
-        match (&self.next, self.options) {
-            (Some((next, value)), 2) => {
-                format!("{}; the other one, {next}, has {}.{left_out}", self.option, self.shown(*value))
-            }
-            (Some((next, value)), options) => format!(
-                "{}, of {options} options; next is {next} with {}.{left_out}",
-                self.option,
-                self.shown(*value)
-            ),
-            (None, _) => format!("There is only one option.{left_out}"),
+        if self.options < 2 {
+            return format!("There is only one option.{left_out}");
         }
+        let equal = match &self.equal[..] {
+            [] => String::new(),
+            names => format!(" (as good: {})", listed(names)),
+        };
+        let next = match &self.next {
+            Some((next, value)) if self.options == 2 => {
+                format!("; the other one, {next}, has {}", self.shown(*value))
+            }
+            Some((next, value)) => {
+                format!(", of {} options; next is {next} with {}", self.options, self.shown(*value))
+            }
+            None => format!(", of {} options", self.options),
+        };
+        format!("{}{equal}{next}.{left_out}", self.option)
     }
 
     fn margin_told(&self) -> String {
@@ -144,13 +153,19 @@ impl Sheet {
                 _ => "Without a limit there is none.".to_owned(),
             };
         };
-        let met = margin.value >= 0.0;
         let told = |figure: Figure| with_interval(figure, percent);
-        match met {
-            true => format!("{} of the limit is left.", told(margin)),
+        if margin.value >= 0.0 {
+            return format!("{} of the limit is left.", told(margin));
+        }
+        let over = |of: fn(f64) -> f64| Figure {
+            value: of(margin.value),
+            interval: margin.interval.map(|(low, high)| (of(high), of(low))),
+        };
+        match margin.value > -1.0 {
+            true => format!("The limit is exceeded by {}.", told(over(|left| -left))),
             false => {
-                let interval = margin.interval.map(|(low, high)| (-high, -low));
-                format!("The limit is exceeded by {}.", told(Figure { value: -margin.value, interval }))
+                let times = with_interval(over(|left| 1.0 - left), |times| significant(times, 3));
+                format!("The value is {times} times the limit.")
             }
         }
     }
@@ -162,7 +177,7 @@ impl Sheet {
         let told = |part: &Part| format!("{} {}", part.name, with_interval(part.share, percent));
         let parts: Vec<String> =
             self.budget.iter().filter(|part| part.share.value.abs() >= LEAST_SHARE).map(told).collect();
-        let without = self.shown(first.without.value);
+        let without = with_interval(first.without, |value| self.shown(value));
         let all: f64 = self.budget.iter().map(|part| part.share.value).sum();
         let together = match (all - 1.0).abs() > 0.02 {
             true => " The parts do not add up, because they depend on each other.",
@@ -172,7 +187,7 @@ impl Sheet {
             "{} of the mean square; without {} the {} is {without}.{together}",
             capitalised(&parts.join(", ")),
             first.name,
-            self.label
+            worded(&self.label)
         )
     }
 
@@ -180,20 +195,22 @@ impl Sheet {
         let Some(lever) = &self.lever else {
             return "No single input was found whose change gains anything.".to_owned();
         };
-        let Lever { key, label, from, to, gain, needed } = lever;
+        let Lever { key, label, gain, needed, .. } = lever;
+        let (from, to) = (short(lever.from), short(lever.to));
         let gain = with_interval(*gain, percent);
         let tried = format!("{to} instead of {from} gains {gain}");
+        let name = format!("{} ({key})", capitalised(label));
         match needed {
-            Some(Needed::Value(value)) => {
-                format!("{} ({key}): {} meets the limit; {tried}.", capitalised(label), short(*value))
+            Some(Needed::Value(value)) if *value == lever.to => {
+                format!("{name}: {to} instead of {from} meets the limit and gains {gain}.")
             }
+            Some(Needed::Value(value)) => format!("{name}: {} meets the limit; {tried}.", short(*value)),
             Some(Needed::NotEven(value, left)) => format!(
-                "{} ({key}): {tried}, but alone it does not meet the limit: even {} leaves {}.",
-                capitalised(label),
+                "{name}: {tried}, but alone it does not meet the limit: even {} leaves {}.",
                 short(*value),
                 self.shown(*left)
             ),
-            None => format!("{} ({key}): {tried}.", capitalised(label)),
+            None => format!("{name}: {tried}."),
         }
     }
 
@@ -223,6 +240,7 @@ impl Sheet {
             "limit": self.limit.map(|limit| limit.value),
             "met": self.is_met(),
             "best": { "option": self.option, "of": self.options, "at": self.condition, "estimate": figure(self.value) },
+            "as_good": self.equal,
             "next": self.next.as_ref().map(|(name, value)| json!({ "option": name, "estimate": value })),
             "margin": self.margin().map(figure),
             "budget": self.budget.iter().map(part).collect::<Vec<_>>(),
@@ -233,12 +251,22 @@ impl Sheet {
 }
 
 /// A value with its interval in brackets, unless the digits shown do not tell its ends apart.
-fn with_interval(figure: Figure, shown: fn(f64) -> String) -> String {
+fn with_interval(figure: Figure, shown: impl Fn(f64) -> String) -> String {
     match figure.interval {
         Some((low, high)) if shown(low) != shown(high) => {
             format!("{} (95 %: {} to {})", shown(figure.value), shown(low), shown(high))
         }
         _ => shown(figure.value),
+    }
+}
+
+/// A quantity; a time below a tenth of a second in milliseconds.
+fn short(quantity: Quantity) -> String {
+    match quantity.dimension {
+        Dimension::Time if quantity.value.abs() < 0.1 => {
+            format!("{} ms", significant(1000.0 * quantity.value, 12))
+        }
+        _ => quantity.to_string(),
     }
 }
 
@@ -248,10 +276,4 @@ fn percent(value: f64) -> String {
 
 fn rounded(value: f64) -> f64 {
     significant(value, 4).parse().unwrap_or(value)
-}
-
-/// A quantity with three digits.
-fn short(quantity: Quantity) -> String {
-    let value = significant(quantity.value, 3).parse().unwrap_or(quantity.value);
-    Quantity { value, ..quantity }.to_string()
 }

@@ -55,7 +55,7 @@ fn the_sheet_names_the_cause_and_the_change_that_meets_the_limit() {
     let applied = PULSES.replace("\"4 arcsec\"", &format!("\"{} arcsec\"", needed.value));
     let applied = decided(&applied);
     assert_eq!(applied.is_met(), Some(true));
-    assert!((applied.value.value / 5.0 - 1.0).abs() < 0.02, "{:?}", applied.value);
+    assert!((4.9..=5.0).contains(&applied.value.value), "{:?}", applied.value);
     let tried = decided(&PULSES.replace("\"4 arcsec\"", "\"3.2 arcsec\""));
     let gain = 1.0 - tried.value.value / sheet.value.value;
     let (low, high) = lever.gain.interval.unwrap();
@@ -75,4 +75,13 @@ fn a_study_without_a_limit_has_a_best_option_and_no_margin() {
 fn the_same_results_give_the_same_sheet() {
     let (study, tables) = ran(PULSES);
     assert_eq!(decide(&study, &tables).unwrap(), decide(&study, &tables).unwrap());
+}
+
+#[test]
+fn options_with_the_same_value_are_as_good_and_none_is_the_next() {
+    let sheet =
+        decided(&PULSES.replace("[\"const\", \"quadratic\"]", "[\"const\", \"linear\", \"quadratic\"]"));
+    assert_eq!((sheet.options, &sheet.equal[..]), (3, &["linear".to_owned()][..]));
+    assert_eq!(sheet.next.as_ref().map(|next| next.0.as_str()), Some("quadratic"));
+    assert!(sheet.lines()[1].1.starts_with("const (as good: linear), of 3 options; next is quadratic"));
 }

@@ -2,6 +2,7 @@
 
 use crate::analysis::compare::words::{probability, times};
 use crate::analysis::log;
+use crate::quantity::list::listed;
 use crate::quantity::number::{significant, with_unit};
 
 use crate::analysis::lot::pool::Pooled;
@@ -108,6 +109,6 @@ fn left_out(lot: &Lot, one: &Coefficient) -> Option<String> {
         "{}: {shown} of {} units show it; left out: {}{effect}.",
         one.title(),
         one.found.len(),
-        left_out.join(" and ")
+        listed(&left_out)
     ))
 }

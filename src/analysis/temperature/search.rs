@@ -5,6 +5,7 @@ use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::{Finding, Model};
 use crate::fit::choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL};
 use crate::fit::regression::{Blocks, Posterior, Regression};
+use crate::quantity::list::listed;
 use crate::theory::allan::{Part, Process, Term, blocks, holds};
 
 /// Times of a warm-up that are tried in one pass, and how many of them the noise is learnt beside.
@@ -179,7 +180,7 @@ impl Search {
             };
             let others = rivals(effect, best, choices);
             let verdict = match (estimate, place) {
-                _ if !others.is_empty() => format!("cannot be told from {}", others.join(" and ")),
+                _ if !others.is_empty() => format!("cannot be told from {}", listed(&others)),
                 (None, _) => "cannot be told from the other terms".to_owned(),
                 (Some(estimate), Some(_)) if estimate.is_identified() => "identified".to_owned(),
                 (_, Some(_)) => "not identified: the interval contains 0".to_owned(),

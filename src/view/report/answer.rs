@@ -8,6 +8,7 @@ use crate::kinds::switched_run::SwitchedRun;
 use crate::motion::Frequency;
 use crate::motion::keys::GYRO as SUSPENDED_GYRO;
 use crate::noise::keys::FILE as NOISE_FILE;
+use crate::quantity::list::listed;
 use crate::quantity::number::short;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
@@ -266,7 +267,7 @@ impl<'a> Resolved<'a> {
         if names.is_empty() {
             return headline;
         }
-        let (is, names) = (if names.len() == 1 { "is" } else { "are" }, names.join(" and "));
+        let (is, names) = (if names.len() == 1 { "is" } else { "are" }, listed(&names));
         let caveat = format!("Without a band {names} {is} designed for {why}, which firmware does not know.");
         headline.map(|headline| format!("{headline} {caveat}"))
     }

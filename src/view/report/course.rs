@@ -1,7 +1,9 @@
 //! Sentences on curves of which no single value is the answer: where they pass one half, where they peak, how they grow,
 //! and between which values they lie.
 
+use crate::quantity::list::listed;
 use crate::quantity::number::significant;
+use crate::table::worded;
 use crate::view::report::curves::Curves;
 use crate::view::report::sentences::measured;
 
@@ -72,7 +74,7 @@ impl Curves<'_> {
             };
             let peaks: Vec<String> =
                 rows.windows(3).filter(is_peak).map(|three| self.at(self.x.value(three[1]))).collect();
-            (1..=MOST_PEAKS).contains(&peaks.len()).then(|| self.told(name, peaks.join(" and ")))
+            (1..=MOST_PEAKS).contains(&peaks.len()).then(|| self.told(name, listed(&peaks)))
         };
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
         Some(format!("The {} peaks at {} {}.", self.y.label, self.x.label, told.join(", ")))
@@ -103,7 +105,7 @@ impl Curves<'_> {
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
         let rows = || self.curves.iter().flat_map(|(_, rows)| rows).map(|&row| self.x.value(row));
         let (from, to) = (rows().reduce(f64::min)?, rows().reduce(f64::max)?);
-        let (label, from) = (&self.y.label, self.x.valued(&significant(from, 3)));
+        let (label, from) = (worded(&self.y.label), self.x.valued(&significant(from, 3)));
         Some(format!("The {label} grows between {from} and {}: {}.", self.at(to), told.join("; ")))
     }
 

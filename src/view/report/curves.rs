@@ -1,7 +1,8 @@
 //! Sentences on whole curves: the place of the minimum, or the largest value.
 
+use crate::quantity::list::listed;
 use crate::quantity::number::significant;
-use crate::table::{Column, grouped};
+use crate::table::{Column, grouped, worded};
 use crate::view::report::sentences::{measured, names};
 
 /// The curves of one column over another.
@@ -44,7 +45,7 @@ impl<'t> Curves<'t> {
             ranged.filter_map(|(name, rows)| Some((name.as_str(), self.largest(rows)?))).collect();
         worst.sort_by(|a, b| self.y.value(a.1).total_cmp(&self.y.value(b.1)));
         let ((name, row), others) = worst.split_first()?;
-        let (label, shown) = (&self.y.label, |row: usize| measured(self.y, self.y.value(row)));
+        let (label, shown) = (worded(&self.y.label), |row: usize| measured(self.y, self.y.value(row)));
         let (most, place, count) = (shown(*row), self.place(*row), worst.len());
         let alike = 1 + others.iter().filter(|other| shown(other.1) == most).count();
         Some(match others.first() {
@@ -71,14 +72,19 @@ impl<'t> Curves<'t> {
             (differs(x) && differs(y)).then(|| (name.clone(), row, self.at_end(rows, row)))
         };
         let found = self.curves.iter().map(least).collect::<Option<Vec<_>>>()?;
-        let start = format!("The {} is least at {}", y.label, x.label);
+        let start = format!("The {} is least at {}", worded(&y.label), x.label);
         if found.len() > most {
             let ends = |column: &Column| {
                 let of = |end: fn(f64, f64) -> f64| found.iter().map(|one| column.value(one.1)).reduce(end);
                 [of(f64::min), of(f64::max)].map(|end| measured(column, end.unwrap_or(0.0))).join(" to ")
             };
-            let depends = given.iter().map(|column| column.label.as_str()).collect::<Vec<_>>().join(" and ");
-            return Some(format!("{start} {}, which depends on the {depends}: {}.", ends(x), ends(y)));
+            let depends = given.iter().map(|column| column.label.as_str()).collect::<Vec<_>>();
+            return Some(format!(
+                "{start} {}, which depends on the {}: {}.",
+                ends(x),
+                listed(&depends),
+                ends(y)
+            ));
         }
         let told = found.iter().map(|(name, row, end)| {
             let with = names(chosen, *row);
@@ -86,8 +92,7 @@ impl<'t> Curves<'t> {
             format!("{}{with}{end} ({name}: {})", measured(x, x.value(*row)), measured(y, y.value(*row)))
         });
         let told: Vec<String> = told.collect();
-        let (last, others) = told.split_last().filter(|(_, others)| !others.is_empty())?;
-        Some(format!("{start} {} and {last}.", others.join(", ")))
+        (told.len() > 1).then(|| format!("{start} {}.", listed(&told)))
     }
 
     fn largest(&self, rows: &[usize]) -> Option<usize> {

@@ -1,7 +1,7 @@
 //! Sentences with answers: the minimum and the winner.
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, Role, Table};
+use crate::table::{Cell, Column, Role, Table, worded};
 use crate::view::chart::map::{Cells, Map, share};
 
 /// The statement of a table about an estimate.
@@ -41,7 +41,7 @@ pub(crate) fn best(table: &Table, column: &Column, rows: &[usize], by: &[&Column
         places.join(", ")
     };
     let shown = |value: f64| measured(column, value);
-    let label = &column.label;
+    let label = worded(&column.label);
     let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
     let band = column.interval(least.0).map_or(String::new(), |(low, high)| {
         format!(" (95 %: {} to {})", significant(low, 4), significant(high, 4))

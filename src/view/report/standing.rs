@@ -1,6 +1,7 @@
 //! The relation of the curves to their limit, in one sentence for all.
 
 use crate::chart::Limit;
+use crate::quantity::list::listed;
 use crate::quantity::number::significant;
 use crate::table::{Column, grouped};
 use crate::view::report::agreement::capitalised;
@@ -36,10 +37,15 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     };
     let with_most = |curves: &[&Judged]| {
         let named = curves.iter().map(|one| format!("{}, at most {}", one.name(), most(one.most)));
-        listed(curves.len(), named, "; ")
+        first_of(curves.len(), named, "; ")
     };
     let parts = match all {
         0 => return None,
+        1 if answers[0].at.is_empty() => {
+            let one = &answers[0];
+            let side = if one.outcome == Outcome::AboveFrom { "above" } else { "within" };
+            return Some(format!("{}: {}, {side} {limit}.", capitalised(&one.name()), most(one.most)));
+        }
         1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
         _ if always.len() == all => {
             return Some(format!("All {all} curves stay within {limit} ({}).", with_most(&always)));
@@ -109,10 +115,7 @@ fn by_first(curves: &[&Judged], how: &str) -> Option<String> {
     let groups = grouped(0..curves.len(), |at| curves[at].series[0].1.text());
     let and = |values: Vec<f64>| {
         let texts: Vec<String> = values.into_iter().map(|value| significant(value, 3)).collect();
-        match &texts[..] {
-            [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-            _ => texts.concat(),
-        }
+        listed(&texts)
     };
     let told = groups.iter().map(|(name, places)| {
         let group: Vec<&Judged> = places.iter().map(|&at| curves[at]).collect();
@@ -135,7 +138,7 @@ fn second<'t>(one: &Judged<'t>) -> Option<(&'t Column, f64)> {
 fn names(curves: &[&Judged]) -> String {
     // Names contain commas.
     let between = if curves.len() > 2 { "; " } else { " and " };
-    listed(curves.len(), curves.iter().map(|answer| answer.name()), between)
+    first_of(curves.len(), curves.iter().map(|answer| answer.name()), between)
 }
 
 /// A value to three digits.
@@ -144,7 +147,7 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// Some texts; of more than four the first three.
-fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
+fn first_of(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
     let shown: Vec<String> = texts.take(if count == 4 { 4 } else { 3 }).collect();
     let more = if count > shown.len() { " and others" } else { "" };
     format!("{}{more}", shown.join(between))
