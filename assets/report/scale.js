@@ -59,11 +59,14 @@ class Range {
 
   /** Values with labels, at most about so many, and values between them without: of the `ladders` that the page gives, the first that suit. */
   ticks(most, ladders) {
-    const { levels, steps } = this.log ? ladders.log : ladders.linear;
+    const { levels, steps, in_full: [leastFull, mostFull] } = this.log ? ladders.log : ladders.linear;
     for (const { major, minor } of levels) {
-      const labelled = major.filter(([value]) => this.holds(value)).map(([value, label]) => ({ value, label }));
-      const few = labelled.length >= Math.min(3, most) && labelled.length <= most;
-      if (few) return { major: labelled, minor: minor.filter((value) => this.holds(value)) };
+      const held = major.filter(([value]) => this.holds(value));
+      if (held.length < Math.min(3, most) || held.length > most) continue;
+      // The given labels are those of a wider axis.
+      const full = held.every(([value]) => value >= leastFull && value <= mostFull);
+      const labelled = held.map(([value, label]) => ({ value, label: full ? significant(value) : label }));
+      return { major: labelled, minor: minor.filter((value) => this.holds(value)) };
     }
     const least = ((this.high - this.low) / most) * (1 - 1e-9);
     const { step, shown, decimals, power } = steps.find((each) => each.step >= least) ?? steps[steps.length - 1];

@@ -11,6 +11,7 @@ use crate::kinds::gap_fill::judged::Judged;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
+use crate::motion::keys::Design::{FirstHalf, Whole};
 use crate::quantity::number::significant;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
@@ -176,10 +177,13 @@ fn method(filler: &Filler, inputs: &Inputs) -> String {
         Method::MinimumVariance(band) => band,
     };
     let hz = |nu| significant(nu, 6);
-    let spread = match (band, inputs.motion.single_tone()) {
-        (Some(band), _) => format!(" from {} Hz to {} Hz", hz(band.low_hz), hz(band.high_hz)),
-        (None, Some((_, nu))) => format!(" at {} Hz", hz(nu)),
-        (None, None) => String::new(),
+    let recorded = inputs.motion.profile.as_ref().map(|profile| profile.design);
+    let spread = match (band, recorded, inputs.motion.single_tone()) {
+        (Some(band), ..) => format!(" from {} Hz to {} Hz", hz(band.low_hz), hz(band.high_hz)),
+        (None, Some(FirstHalf), _) => ", as in the first half of the recorded profile,".to_owned(),
+        (None, Some(Whole), _) => ", as in the whole recorded profile,".to_owned(),
+        (None, None, Some((_, nu))) => format!(" at {} Hz", hz(nu)),
+        (None, None, None) => String::new(),
     };
     let rate = significant(inputs.motion.rate_rms(inputs.tick_s), 6);
     let noise = significant(inputs.sigma_arcsec(), 6);

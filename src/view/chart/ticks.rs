@@ -58,6 +58,8 @@ pub(crate) struct Ladder {
     levels: Vec<Ticks>,
     /// Even distances between ticks, rising.
     steps: Vec<Step>,
+    /// Between these sizes labels are written in full.
+    in_full: [f64; 2],
 }
 
 /// Ticks at even distances, with the format of their labels: multiples of `shown` with a number of decimals, and a
@@ -178,7 +180,7 @@ impl Range {
             steps.push(Step::new(step, shown));
             step = of.step(1.001 * step.value());
         }
-        Ladder { levels, steps }
+        Ladder { levels, steps, in_full: IN_FULL }
     }
 
     /// The multiples of `step` inside the range.
@@ -198,9 +200,11 @@ fn without(all: &[Decimal], labelled: &[(f64, String)]) -> Vec<f64> {
         .collect()
 }
 
-/// Whether labels up to this size are easier to read in full than as powers of ten.
+/// Sizes of labels that are easier to read in full than as powers of ten.
+const IN_FULL: [f64; 2] = [1e-3 * (1.0 - 1e-9), 1e5 * (1.0 + 1e-9)];
+
 fn plain(size: f64) -> bool {
-    size == 0.0 || (1e-3 * (1.0 - 1e-9)..=1e5 * (1.0 + 1e-9)).contains(&size)
+    size == 0.0 || (IN_FULL[0]..=IN_FULL[1]).contains(&size)
 }
 
 /// Labels in a common format: in full where that suits all of them, else as powers of ten.
