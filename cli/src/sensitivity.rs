@@ -14,6 +14,7 @@ use crate::failure::{Failure, in_options};
 use crate::output::{print, print_json, whereabouts, write, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
+use crate::results::sheet_text;
 use crate::terminal::headed_by;
 use crate::{chart, look, whole};
 
@@ -104,6 +105,7 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
         print(&headed_by(heading, lines.into_iter()))?;
     }
     print(&report::answer(&found).join("\n"))?;
+    print(&format!("\n{}", sheet_text(&report::decision(&found).headed())))?;
     if !options.quiet {
         say!("{}; {}", report::effort(&found), whereabouts(&folder));
     }

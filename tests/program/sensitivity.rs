@@ -118,6 +118,21 @@ fn the_result_has_its_files_and_words_and_repeats_with_its_seed() {
 }
 
 #[test]
+fn the_decision_judges_nearly_all_answers_by_the_limit_of_the_study() {
+    let decided = |limit: &str| {
+        let desk = Desk::with(&format!("limit = \"{limit}\"\n{}", study(&format!("{NOISE}{FREQUENCY}"))));
+        found(&desk, "--samples 64 --trials 256")
+    };
+    let loose = decided("100 deg");
+    let most = &loose["quantiles"][2];
+    assert_eq!((&loose["decision"]["met"], &most["level"]), (&Value::Bool(true), &serde_json::json!(0.95)));
+    let most = number(&most["value"]);
+    let tight = decided(&format!("{} arcsec", 0.5 * most));
+    assert_eq!(tight["decision"]["met"], Value::Bool(false));
+    assert_eq!(tight["decision"]["sentences"][2][1], "95 % of answers reach up to 2 times the limit.");
+}
+
+#[test]
 fn whole_numbers_and_truncated_distributions_are_inputs_too() {
     let wide = NOISE.replace("sd = \"0.1", "sd = \"0.6").replace("1 arcsec\", sd", "2 arcsec\", sd");
     let gap = "[[sensitivity]]\nkey = \"switching.gap_ticks\"\nuniform = { from = 1, to = 3 }\n";

@@ -8,6 +8,7 @@ use sagnac::kinds::gap_fill::judged::SHIFT;
 use sagnac::quantity::number::significant;
 use sagnac::theory::gap::Weights;
 
+use crate::results::sheet_text;
 use crate::terminal::aligned;
 
 /// Denominators up to this are shown as fractions.
@@ -44,7 +45,10 @@ pub fn of(firmware: &Firmware) -> String {
     if let Some(reason) = &firmware.unsampled {
         text += &format!("\nno rms: {reason}\n");
     }
-    text + &format!("\n{}\n", firmware.headline())
+    text += &format!("\n{}\n", firmware.headline());
+    text + &firmware
+        .decision()
+        .map_or_else(String::new, |decision| format!("\n{}\n", sheet_text(&decision.headed())))
 }
 
 /// The search of the ticks as a table, with the choice.

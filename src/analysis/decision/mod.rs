@@ -14,10 +14,12 @@ pub(crate) mod budget;
 pub(crate) mod choice;
 pub(crate) mod evaluate;
 pub(crate) mod lever;
+pub(crate) mod lines;
 pub(crate) mod sheet;
 
 pub use crate::analysis::decision::budget::Part;
 pub use crate::analysis::decision::lever::{Lever, Needed};
+pub use crate::analysis::decision::lines::Lines;
 pub use crate::analysis::decision::sheet::Sheet;
 
 use crate::analysis::decision::budget::budget;

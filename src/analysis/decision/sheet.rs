@@ -6,6 +6,7 @@ use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::lever::{Lever, Needed};
+use crate::analysis::decision::lines::Lines;
 use crate::chart::Limit;
 use crate::quantity::list::listed;
 use crate::quantity::number::significant;
@@ -81,13 +82,9 @@ impl Sheet {
 
     /// The five lines of the sheet: a heading with a sentence each.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        vec![
-            ("Requirement", self.requirement()),
-            ("Best option", self.best()),
-            ("Margin", self.margin_told()),
-            ("What limits", self.limits()),
-            ("Next lever", self.lever_told()),
-        ]
+        let sentences =
+            [self.requirement(), self.best(), self.margin_told(), self.limits(), self.lever_told()];
+        Lines { met: self.is_met(), sentences }.headed()
     }
 
     fn shown(&self, value: f64) -> String {
@@ -245,13 +242,13 @@ impl Sheet {
             "margin": self.margin().map(figure),
             "budget": self.budget.iter().map(part).collect::<Vec<_>>(),
             "lever": self.lever.as_ref().map(lever),
-            "sentences": self.lines().into_iter().map(|(name, text)| json!([name, text])).collect::<Vec<_>>(),
+            "sentences": self.lines(),
         })
     }
 }
 
 /// A value with its interval in brackets, unless the digits shown do not tell its ends apart.
-fn with_interval(figure: Figure, shown: impl Fn(f64) -> String) -> String {
+pub(crate) fn with_interval(figure: Figure, shown: impl Fn(f64) -> String) -> String {
     match figure.interval {
         Some((low, high)) if shown(low) != shown(high) => {
             format!("{} (95 %: {} to {})", shown(figure.value), shown(low), shown(high))
@@ -270,7 +267,7 @@ fn short(quantity: Quantity) -> String {
     }
 }
 
-fn percent(value: f64) -> String {
+pub(crate) fn percent(value: f64) -> String {
     format!("{} %", significant(100.0 * value, 3)).replace('-', "−")
 }
 

@@ -7,7 +7,7 @@ use crate::filler::{Fill, Filler, Method};
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::Judged;
+use crate::kinds::gap_fill::judged::{Judged, of_noise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
@@ -56,6 +56,8 @@ pub struct Design {
     /// The rms residual at the point and with shifted frequencies; present for a filler that is designed for the very motion
     /// of the point.
     pub judged: Option<Judged>,
+    /// The part of the rms residual that comes from noise and whole pulses, ″.
+    pub noise_rms: f64,
 }
 
 /// The closed form of an error, ″; values are absent where the motion has none.
@@ -97,7 +99,9 @@ impl Firmware {
             let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(ERRORS[i]) });
             let (name, method) = (filler.name.clone(), method(filler, inputs));
             let judged = point.fills.get(place).and_then(|fill| Judged::of(inputs, filler, fill));
-            designs.push(Design { name, method, interpolation, extrapolation, errors, judged });
+            let weights: Vec<f64> = interpolation.whole().values().collect();
+            let noise_rms = of_noise(inputs, &interpolation.ticks, &weights);
+            designs.push(Design { name, method, interpolation, extrapolation, errors, judged, noise_rms });
         }
         Ok(Firmware {
             title: study.title.clone(),

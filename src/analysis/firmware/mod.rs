@@ -4,7 +4,7 @@
 //! Study, Point ─ design ─▶ Firmware ─┬─ header ─▶ sagnac_filler.h
 //!                                    ├─ vectors ─▶ test_vectors.csv
 //!                                    ├─ weights ─▶ weights.csv
-//!                                    ├─ headline ─▶ sentence
+//!                                    ├─ headline, decision ─▶ sentences
 //!                                    └─ response ─▶ Figure
 //! ```
 //!
@@ -28,6 +28,7 @@
 
 pub mod alone;
 pub mod choice;
+pub(crate) mod decision;
 pub mod design;
 pub(crate) mod header;
 pub(crate) mod played;

@@ -13,7 +13,7 @@ use crate::analysis::firmware::played::Played;
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::scale::Scale;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::SHIFT;
+use crate::kinds::gap_fill::judged::{SHIFT, of_noise};
 use crate::quantity::number::significant;
 use crate::table::column::{ColumnOf, columns_of};
 use crate::table::{Cell, Role, Table, Unit};
@@ -49,6 +49,8 @@ pub struct Candidate {
     pub own_rms: f64,
     /// Largest rms residual on the motion as given and on the shifted ones, ″.
     pub rms: f64,
+    /// The part of the rms residual that comes from noise and whole pulses, ″.
+    pub noise_rms: f64,
     /// Level below which 99.73 % of residuals stay on the motion as given, ″.
     pub own_level: f64,
     /// The largest such level on the motion as given and on the shifted ones, ″.
@@ -115,7 +117,8 @@ impl Trade {
             let errors = motions.each_ref().map(|motion| motion.errors(&ticks, &weights));
             let [own_rms, own_level] = errors[0];
             let worst = |which: usize| errors.iter().map(|error| error[which]).fold(0.0, f64::max);
-            Some(Candidate { before, after, own_rms, rms: worst(0), own_level, level: worst(1) })
+            let noise_rms = of_noise(inputs, &ticks, &weights);
+            Some(Candidate { before, after, own_rms, rms: worst(0), noise_rms, own_level, level: worst(1) })
         };
         let sides = (0..=most_after).flat_map(|after| (1..=MOST_BEFORE).map(move |before| (after, before)));
         let sides: Vec<(u32, u32)> = sides.collect();

@@ -78,6 +78,7 @@ impl Firmware {
         json!({
             "title": self.title,
             "answer": self.headline(),
+            "decision": self.decision().map(|decision| decision.json()),
             "at": at,
             "tick_s": self.tick_s,
             "gap_ticks": self.gap_ticks,

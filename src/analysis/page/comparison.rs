@@ -25,6 +25,7 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis) -> Page {
         title: format!("{} and {} compared", a.label, b.label),
         subtitle: analysis.treatment().summary(),
         headline: sentences.next().unwrap_or_default(),
+        sheet: vec![],
         sentences: sentences.collect(),
         notes: notes(analysis),
         sections: vec![

@@ -26,25 +26,19 @@ pub fn of_design(
         ("Seed", vec![study.seed.to_string()]),
         ("Chosen by", vec![format!("the {} without the non-magnetic drift", found.measure.label())]),
     ]);
-    let decision = sheet.map(|sheet| Block::Facts(one_line_each(sheet.lines())));
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
         subtitle: "How often should the gyro switch, and with which filler?".to_owned(),
+        sheet: sheet.map(Sheet::lines).unwrap_or_default(),
         headline: sentences.next().unwrap_or_default(),
         sentences: sentences.collect(),
         notes: found.notes.clone(),
         sections: vec![
-            section("decision", "Decision sheet", decision.into_iter().collect()),
             section("drift", "Drift over the switching interval", vec![chart("design", picture)]),
             section("fillers", "Fillers at their best intervals", vec![Block::Grid(Grid { head, rows })]),
             section("source", "How it was made", vec![made, study_file(study, found.trials)]),
         ],
         tables: vec![("design.csv", table.clone())],
     }
-}
-
-/// Facts with a single line each.
-fn one_line_each(lines: Vec<(&'static str, String)>) -> Vec<(&'static str, Vec<String>)> {
-    lines.into_iter().map(|(name, line)| (name, vec![line])).collect()
 }

@@ -22,6 +22,7 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     Page {
         title: firmware.title.clone(),
         subtitle: format!("Weights for a gap of {} lost {ticks}{place}", firmware.gap_ticks),
+        sheet: firmware.decision().map(|decision| decision.headed()).unwrap_or_default(),
         headline: firmware.headline(),
         sentences: vec![],
         notes: firmware.unsampled.iter().map(|why| format!("There is no rms: {why}.")).collect(),

@@ -18,6 +18,7 @@ pub fn of_lot(lot: &Lot) -> Page {
         title: format!("A lot of {} units", lot.labels.len()),
         subtitle: figures::subtitle(lot),
         headline: sentences.next().unwrap_or_default(),
+        sheet: vec![],
         sentences: sentences.collect(),
         notes: notes(lot),
         sections: vec![

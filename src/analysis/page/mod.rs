@@ -62,6 +62,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>, furt
         title: format!("Noise of {file}"),
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         headline: answer::headline(noise),
+        sheet: vec![],
         sentences: answer::sentences(analysis),
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),

@@ -20,6 +20,7 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity, table: &Table, picture
     Page {
         title: study.title.clone(),
         subtitle: format!("Which uncertain input decides the {}?", found.answer.label),
+        sheet: report::decision(found).headed(),
         headline: sentences.next().unwrap_or_default(),
         sentences: sentences.collect(),
         notes: found.notes.clone(),

@@ -234,8 +234,12 @@ fn question(study: &Study, asked: &Request) -> Result<Question, SensitivityError
     Ok((Column { cells: vec![], band: None, ..column.clone() }, rows, is_exact))
 }
 
-/// The limit of the first chart that shows this answer and has one.
+/// The limit that the study requires of this answer, else that of the first chart that shows it and has one.
 fn limit(study: &Study, answer: &Column) -> Option<Limit> {
+    let required = study.requirement.filter(|required| answer.name == required.column);
+    if let Some(required) = required {
+        return Some(required.limit);
+    }
     let shows = |chart: &&Chart| chart.source == Source::Points && answer.name == chart.y.name;
     study.charts.iter().filter(shows).find_map(|chart| chart.limit)
 }

@@ -2,14 +2,18 @@
 
 use serde_json::{Value, json};
 
+use crate::analysis::decision::sheet::{percent as share_of, with_interval};
+use crate::analysis::decision::{Figure, Lines};
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
 use crate::key::scale::Scale;
+use crate::quantity::list::listed;
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::columns_of;
 use crate::table::{ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Figure as Drawing, Grouping, Series, SeriesPoint};
+use crate::view::report::agreement::capitalised;
 
 type Of<'a> = ColumnOf<&'a Input>;
 
@@ -143,6 +147,74 @@ pub fn answer(found: &Sensitivity) -> Vec<String> {
     lines
 }
 
+/// Most inputs that are named as those that limit.
+const MOST_NAMED: usize = 3;
+
+/// The decision: whether nearly all answers are within the limit, and which input decides it. 95 % of answers count,
+/// which is the highest of [`LEVELS`].
+pub fn decision(found: &Sensitivity) -> Lines {
+    let of = |value: f64| number(found, value);
+    let [_, _, most] = found.quantiles.map(f64::abs);
+    let limit = found.within.as_ref().map(|(limit, _)| limit.value);
+    let met = limit.map(|limit| most <= limit);
+    let requirement = match (limit, met) {
+        (Some(limit), Some(true)) => {
+            format!("Met: 95 % of answers are below {}, within {}.", of(most), of(limit))
+        }
+        (Some(limit), _) => format!("Not met: 95 % of answers are below {}, above {}.", of(most), of(limit)),
+        (None, _) => format!("None is given; 95 % of answers are below {}.", of(most)),
+    };
+    let rows: Vec<String> = found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect();
+    let best = match rows.is_empty() {
+        true => "Options are not compared; the study has one row.".to_owned(),
+        false => format!("Options are not compared; the answer is that of {}.", listed(&rows)),
+    };
+    let margin = match limit {
+        None => "Without a limit there is none.".to_owned(),
+        Some(limit) if most <= limit => {
+            format!("{} of the limit is left for 95 % of answers.", share_of(1.0 - most / limit))
+        }
+        Some(limit) => {
+            format!("95 % of answers reach up to {} times the limit.", significant(most / limit, 3))
+        }
+    };
+    let named = found.by_total().into_iter().take(MOST_NAMED);
+    let named: Vec<String> = named
+        .map(|input| {
+            let Found { value, interval } = input.index.total;
+            let figure = Figure { value, interval };
+            format!("{} {}", input.key, with_interval(figure, |part| share_of(part.clamp(0.0, 1.0))))
+        })
+        .collect();
+    let limits = format!("{} of the variance of the answer.", listed(&named));
+    let sentences = [requirement, best, margin, limits, lever(found, limit)];
+    Lines { met, sentences }
+}
+
+/// The input whose value between its 5 % and its 95 % quantile lowers the answer most.
+fn lever(found: &Sensitivity, limit: Option<f64>) -> String {
+    let ends = |input: &Input| [0, 1].map(|end| (input.range[end], input.ends[end].abs()));
+    let lowest =
+        |input: &Input| ends(input).into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+    let lowers = |a: &&Input, b: &&Input| lowest(a).1.total_cmp(&lowest(b).1);
+    let Some(input) = found.inputs.iter().min_by(lowers) else { return String::new() };
+    let (at, left) = lowest(input);
+    let value = format!("{} {}", significant(at, 4), input.unit.symbol);
+    let judged = match limit {
+        Some(limit) if left <= limit => ", which meets the limit",
+        Some(_) => ", which alone does not meet the limit",
+        None => "",
+    };
+    format!(
+        "{} ({}): at {} the answer is {} instead of {}{judged}.",
+        capitalised(input.label),
+        input.key,
+        value.trim_end(),
+        number(found, left),
+        number(found, found.nominal)
+    )
+}
+
 /// How the answer was evaluated, in one line.
 pub fn effort(found: &Sensitivity) -> String {
     let (evaluations, samples) = (found.evaluations, found.samples);
@@ -153,7 +225,7 @@ pub fn effort(found: &Sensitivity) -> String {
 }
 
 /// The tornado chart: the answer as each input goes from its 5 % to its 95 % quantile.
-pub fn figure(study: &Study, found: &Sensitivity) -> Figure {
+pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
     let inputs = found.by_total();
     let series = |style: usize, y: &dyn Fn(&Input) -> f64| {
         let band = |input: &Input| (style == 0).then_some((input.swing[0], input.swing[1]));
@@ -168,7 +240,7 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Figure {
     };
     let names = inputs.iter().map(|input| input.label.to_owned()).collect();
     let styles = ["nominal", "at 5 %", "at 95 %"].map(str::to_owned);
-    Figure {
+    Drawing {
         title: study.title.clone(),
         subtitle: Some(headline(found)),
         x: Axis { scale: Scale::Linear, whole: true, names, ..Axis::new("uncertain input", "") },
@@ -181,7 +253,7 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Figure {
             series(2, &|input| input.ends[1]),
         ],
         chosen: found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect(),
-        ..Figure::default()
+        ..Drawing::default()
     }
 }
 
@@ -212,6 +284,7 @@ pub fn json(study: &Study, found: &Sensitivity) -> Value {
     let level = |(level, value): (&f64, &f64)| json!({ "level": level, "value": value });
     json!({
         "title": study.title,
+        "decision": decision(found).json(),
         "answer": headline(found),
         "column": found.answer.name,
         "unit": found.answer.unit.symbol,

@@ -56,6 +56,12 @@ pub(crate) fn played(inputs: &Inputs, speed: f64, lags: usize) -> Vec<f64> {
     covariance
 }
 
+/// The rms residual that some weights leave of the noise and pulses of `inputs` alone, ″.
+pub(crate) fn of_noise(inputs: &Inputs, ticks: &[i32], weights: &[f64]) -> f64 {
+    let last = ticks.iter().map(|tick| tick.unsigned_abs()).max().unwrap_or(0) + inputs.gap_ticks;
+    rms(inputs, ticks, weights, &vec![0.0; 2 * last as usize + 1])
+}
+
 /// The rms residual that some weights leave of a motion of this covariance, with the noise and pulses of `inputs`, ″.
 pub(crate) fn rms(inputs: &Inputs, ticks: &[i32], weights: &[f64], covariance: &[f64]) -> f64 {
     let noise = inputs.noise_covariance();

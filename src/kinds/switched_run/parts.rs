@@ -15,7 +15,7 @@ static OF_DRIFT: [Part<Drift>; 4] = [
         },
     },
     Part {
-        name: "non-magnetic drift",
+        name: "non-magnetic drift with its spread",
         off: |drift| (drift.non_magnetic, drift.non_magnetic_spread) = (0.0, 0.0),
     },
     Part { name: "angle random walk", off: |drift| drift.angle_random_walk = 0.0 },

@@ -9,6 +9,7 @@ use crate::view::picture::Drawn;
 use crate::view::report::Report;
 use crate::view::report::agreement::{Agreement, agreements};
 use crate::view::report::data::{Packed, data};
+use crate::view::report::sections::sheet;
 use crate::view::report::shell::{READING, Shell, chart, file, listings};
 use crate::view::report::source::{Source, hexadecimal};
 
@@ -54,9 +55,7 @@ fn answer(report: &Report) -> Markup {
         section #answer {
             h2 { "Answer" }
             @if !report.answer.headline.is_empty() { p.headline { (report.answer.headline) } }
-            @if !report.answer.sheet.is_empty() {
-                dl.sheet { @for (name, sentence) in &report.answer.sheet { dt { (name) } dd { (sentence) } } }
-            }
+            (sheet(&report.answer.sheet, &|sentence| html! { (sentence) }))
             @for (heading, sentences) in &report.answer.curves {
                 @if sentences.len() > 1 {
                     details open[sentences.len() <= 4] {

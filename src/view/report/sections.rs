@@ -25,6 +25,8 @@ pub struct Page {
     pub subtitle: String,
     /// The answer in one sentence.
     pub headline: String,
+    /// The lines of the decision, each with its heading.
+    pub sheet: Vec<(&'static str, String)>,
     /// Further sentences of the answer.
     pub sentences: Vec<String>,
     /// Notes attached to the results.
@@ -128,6 +130,7 @@ impl Page {
             section #answer {
                 h2 { "Answer" }
                 p.headline { (said(&self.headline)) }
+                (sheet(&self.sheet, &said))
                 @if !self.sentences.is_empty() { ul { @for sentence in &self.sentences { li { (said(sentence)) } } } }
                 @if self.notes.len() > MOST_NOTES {
                     details {
@@ -180,6 +183,13 @@ fn drawn(block: &Block) -> Option<&Drawn> {
     match block {
         Block::Chart(drawn) | Block::Trace(drawn) => Some(drawn),
         _ => None,
+    }
+}
+
+/// The lines of a decision, each with its heading.
+pub(crate) fn sheet(lines: &[(&'static str, String)], said: &dyn Fn(&str) -> Markup) -> Markup {
+    html! {
+        @if !lines.is_empty() { dl.sheet { @for (name, sentence) in lines { dt { (name) } dd { (said(sentence)) } } } }
     }
 }
 

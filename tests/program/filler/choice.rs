@@ -122,6 +122,11 @@ fn minimum_variance_from_options_is_that_of_the_study_that_says_the_same() {
     near(&entry(&of("20Hz"), "minimum-variance", "residual")["rms_arcsec"], &[1.13], 5e-3);
 }
 
+/// The 99.73 % level of the chosen ticks with four digits.
+fn level_of(search: &Value) -> String {
+    significant(search["chosen"]["q9973_arcsec"].as_f64().unwrap(), 4)
+}
+
 #[test]
 fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
     let desk = Desk::with(STUDY);
@@ -141,11 +146,16 @@ fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
         1e-6,
     );
     assert!(search["chosen"]["q9973_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{search:#}");
+    let decision = &found["decision"];
+    assert_eq!(decision["met"], Value::Bool(true));
+    let requirement =
+        format!("Met: 99.73 % of residuals are below {} arcsec, within 8 arcsec.", level_of(search));
+    assert_eq!(decision["sentences"][0], serde_json::json!(["Requirement", requirement]));
     let folder = "results/minimum-variance/filler";
     // The chart's numbers are in the table, and the headline has the error that the limit is held against.
     let trade = desk.table(&format!("{folder}/trade.csv"));
     let own = row(&trade, &[("before", &before.to_string()), ("after", &after.to_string())]);
-    let level = significant(search["chosen"]["q9973_arcsec"].as_f64().unwrap(), 4);
+    let level = level_of(search);
     assert_eq!(significant(number(own, "q9973_arcsec"), 4), level);
     assert_eq!(trade.len(), search["candidates"].as_array().unwrap().len());
     let answer = found["answer"].as_str().unwrap();

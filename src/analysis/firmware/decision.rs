@@ -1,0 +1,105 @@
+//! The decision to which fillers at a point lead.
+
+use crate::analysis::decision::Lines;
+use crate::analysis::decision::sheet::percent;
+use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
+use crate::quantity::number::significant;
+
+impl Firmware {
+    /// The decision: that of the search where there is one, else which filler leaves least. `None` where no motion and no
+    /// noise is given that determines an error.
+    pub fn decision(&self) -> Option<Lines> {
+        match &self.trade {
+            Some(trade) => Some(trade.decision()),
+            None => self.of_designs(),
+        }
+    }
+
+    fn of_designs(&self) -> Option<Lines> {
+        let known = |design| Some((design, Design::robust_rms(design)?));
+        let mut known: Vec<(&Design, f64)> = self.designs.iter().filter_map(known).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let &(best, rms) = known.first()?;
+        let margin = match known.get(1) {
+            Some((_, next)) => format!("The next filler is {} above the best.", percent(next / rms - 1.0)),
+            None => "Without a limit there is none.".to_owned(),
+        };
+        let option = match known.get(1) {
+            Some((next, value)) => {
+                format!(
+                    "{}, of {} fillers; next is {} with {}.",
+                    best.name,
+                    known.len(),
+                    next.name,
+                    arcsec(*value)
+                )
+            }
+            None => format!("{}; there is only one filler with a known error.", best.name),
+        };
+        let sentences = [
+            format!("None is given; the rms residual is {}.", arcsec(rms)),
+            option,
+            margin,
+            limits(rms, best.noise_rms),
+            "Not searched; --limit or --latency searches the ticks of a minimum-variance filler.".to_owned(),
+        ];
+        Some(Lines { met: None, sentences })
+    }
+}
+
+impl Trade {
+    fn decision(&self) -> Lines {
+        let chosen = self.chosen;
+        let level = arcsec(chosen.level);
+        let requirement = match (self.asked.limit_arcsec.map(arcsec), self.meets()) {
+            (Some(limit), Some(true)) => {
+                format!("Met: 99.73 % of residuals are below {level}, within {limit}.")
+            }
+            (Some(limit), _) => format!("Not met: 99.73 % of residuals are below {level}, above {limit}."),
+            (None, _) => format!("None is given; 99.73 % of residuals are below {level}."),
+        };
+        let margin = match self.asked.limit_arcsec.map(|limit| chosen.level / limit) {
+            None => "Without a limit there is none.".to_owned(),
+            Some(part) if part <= 1.0 => format!("{} of the limit is left.", percent(1.0 - part)),
+            Some(part) => format!("The level is {} times the limit.", significant(part, 3)),
+        };
+        let sentences = [
+            requirement,
+            format!("{}, of {} choices of ticks.", self.told(chosen), self.candidates.len()),
+            margin,
+            limits(chosen.rms, chosen.noise_rms),
+            self.lever(),
+        ];
+        Lines { met: self.meets(), sentences }
+    }
+
+    /// What other ticks would gain.
+    fn lever(&self) -> String {
+        let least = self.candidates.iter().min_by(|a, b| a.level.total_cmp(&b.level));
+        match least.filter(|least| least.level < self.chosen.level) {
+            Some(&least) => {
+                format!("Ticks that are read: {} leave {}, the least.", self.told(least), arcsec(least.level))
+            }
+            None => "No other ticks within the latency leave less.".to_owned(),
+        }
+    }
+
+    fn told(&self, one: Candidate) -> String {
+        let latency_ms = significant(1e3 * self.latency_s(one), 4);
+        format!("{} ticks before the gap and {} after it ({latency_ms} ms)", one.before, one.after)
+    }
+}
+
+/// The shares of motion and noise in the mean square, which are independent.
+fn limits(rms: f64, noise_rms: f64) -> String {
+    let part = (noise_rms / rms).min(1.0);
+    let noise = part * part;
+    let mut parts = [("motion", 1.0 - noise), ("noise of ticks and readout", noise)];
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let [(first, most), (second, least)] = parts;
+    format!("The {first} is {} of the mean square, the {second} {}.", percent(most), percent(least))
+}
+
+fn arcsec(value: f64) -> String {
+    format!("{} arcsec", significant(value, 4))
+}
