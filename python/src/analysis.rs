@@ -28,7 +28,7 @@ use serde_json::{Value, json};
 use super::compute::{compute, compute_on};
 use super::failure::{Failure, in_python};
 use super::progress::Listener;
-use super::record::{Reading, side_by_side, terms_of};
+use super::record::{Reading, copied, terms_of};
 use super::run::study_of;
 use super::table::columns;
 
@@ -160,7 +160,7 @@ pub fn compare<'py>(
     names: (String, String),
     terms: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (a, b) = (side_by_side(&a)?, side_by_side(&b)?);
+    let (a, b) = (&copied(&a)?, &copied(&b)?);
     let found = compute_on(py, readings.0.threads, || {
         let treatment = readings.0.treatment();
         let a = readings.0.log(a, &names.0)?;
@@ -190,7 +190,7 @@ pub fn psd<'py>(
     terms: Option<Vec<String>>,
     bootstrap: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
+    let values = &copied(&data)?;
     let found = compute_on(py, reading.threads, || {
         let treatment = reading.treatment();
         let log = reading.log(values, &name)?;

@@ -19,6 +19,7 @@ use sagnac::fit::curve::FitError;
 use sagnac::fit::range::Fitting;
 use sagnac::fit::record::curve_of;
 use sagnac::quantity::number::significant;
+use sagnac::record::excess;
 use sagnac::record::log::MOST_SAMPLES;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
@@ -123,9 +124,10 @@ impl Reading {
             let found = format!("the array has {} samples, more than {MOST_SAMPLES}", values.len());
             return Err(Failure::Record(format!("{found}\nanalyse a part of it, or average neighbours")));
         }
-        if let Some(place) = values.iter().position(|value| value.is_infinite()) {
+        let found = values.iter().enumerate().find_map(|(place, value)| Some((place, excess(*value)?)));
+        if let Some((place, excess)) = found {
             let help = "give NaN for missing samples";
-            return Err(Failure::Record(format!("sample {place} of the array is infinite\n{help}")));
+            return Err(Failure::Record(format!("sample {place} of the array is {excess}\n{help}")));
         }
         let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
         if let Some(fault) = samples.fault() {
@@ -201,9 +203,11 @@ fn warning(doubt: Doubt, unit: &Unit) -> String {
     }
 }
 
-/// The contiguous samples of an array, without a copy.
-pub fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
-    data.as_slice().map_err(|error| Failure::Usage(error.to_string()).into())
+/// A copy of the contiguous samples of an array: another Python thread may write to the array while this one computes
+/// without Python's lock.
+pub fn copied(data: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
+    let samples = data.as_slice().map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok(samples.to_vec())
 }
 
 /// The common results of both functions for a record.
@@ -234,7 +238,7 @@ pub fn curves<'py>(
     confidence: f64,
     intervals: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
+    let values = &copied(&data)?;
     let is_of_record = match intervals {
         "record" => true,
         "stable32" => false,
@@ -310,7 +314,7 @@ pub fn fit<'py>(
     is_forced: bool,
     bootstrap: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
+    let values = &copied(&data)?;
     let (record, sheet, fitted) = compute_on(py, reading.threads, || {
         let terms = terms_of(terms.as_deref(), reading.trend())?;
         let record = reading.record(values)?;

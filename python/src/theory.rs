@@ -17,6 +17,7 @@ use sagnac::theory::suspension::{Mode, Suspension};
 
 use super::compute::compute;
 use super::failure::Failure;
+use super::record::copied;
 
 type Numbers<'py> = PyReadonlyArray1<'py, f64>;
 type Column<'py> = Bound<'py, PyArray1<f64>>;
@@ -27,15 +28,17 @@ fn over<'py, const N: usize, const M: usize>(
     arrays: &[Numbers<'py>; N],
     of: impl Fn([f64; N]) -> [f64; M] + Send + Sync,
 ) -> PyResult<[Column<'py>; M]> {
-    let mut slices: [&[f64]; N] = [&[]; N];
-    for (slice, array) in slices.iter_mut().zip(arrays) {
-        *slice = array.as_slice().map_err(|error| Failure::Usage(error.to_string()))?;
+    let mut samples = [(); N].map(|()| Vec::new());
+    for (samples, array) in samples.iter_mut().zip(arrays) {
+        *samples = copied(array)?;
     }
     let columns = compute(py, || {
-        let length = slices.iter().map(|slice| slice.len()).min().unwrap_or(0);
+        let length = samples.iter().map(Vec::len).min().unwrap_or(0);
         let mut columns = [(); M].map(|()| Vec::with_capacity(length));
         for place in 0..length {
-            for (column, value) in columns.iter_mut().zip(of(slices.map(|slice| slice[place]))) {
+            for (column, value) in
+                columns.iter_mut().zip(of(samples.each_ref().map(|samples| samples[place])))
+            {
                 column.push(value);
             }
         }

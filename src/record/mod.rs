@@ -48,6 +48,18 @@ use crate::record::recording::Recording;
 /// Most samples of a record, 2^24, which is more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
 
+/// The largest size of a number of a record or a log, in any unit: sums of squares stay finite.
+const LARGEST: f64 = 1e100;
+
+/// What is wrong with a number that is too large to be computed with; `None` for others and for a missing one.
+pub fn excess(number: f64) -> Option<String> {
+    match number.abs() {
+        f64::INFINITY => Some("infinite".to_owned()),
+        size if size > LARGEST => Some(format!("{number:e}, beyond {LARGEST:e},")),
+        _ => None,
+    }
+}
+
 /// Allowed sampling steps of a record or a log, s. A step outside is an error in a unit, or the bytes are not times.
 pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
 

@@ -63,12 +63,11 @@ fn finite(
     size: f64,
 ) -> Result<Vec<f64>, RecordError> {
     let values: Vec<f64> = numbers.iter().map(|number| number * size).collect();
-    let Some(row) = values.iter().position(|value| !value.is_finite()) else { return Ok(values) };
-    let wrong = if numbers[row].is_nan() { "missing" } else { "too large" };
+    let Some(row) = values.iter().position(|value| value.is_nan()) else { return Ok(values) };
     Err(file.refuse_row(
         row,
         column,
-        [format!("the {name} is {wrong}"), wrong.to_owned(), MISSING.to_owned()],
+        [format!("the {name} is missing"), "missing".to_owned(), MISSING.to_owned()],
     ))
 }
 
@@ -129,7 +128,7 @@ mod tests {
             (rows("0,1\n0.1,1\n0.2,\n"), "the rate is missing", "r.csv:4:5", "finite number"),
             (rows("0,1\n#\nNaN,1\n"), "the time is missing", "r.csv:4:1", "finite number"),
             (rows("0,1\n0.1,-inf\n"), "`rate [deg/s]` is infinite", "r.csv:3:5", "finite number"),
-            (rows("0,1\n0.1, 1e308\n"), "the rate is too large", "r.csv:3:6", "finite number"),
+            (rows("0,1\n0.1, 1e308\n"), "1e308, beyond 1e100, here", "r.csv:3:6", "finite number"),
             (rows("0,1\n0.1\n"), "this row has 1 cell, the header has 2", "r.csv:3:1", "needs 2 cells"),
             (rows("0,1\n0,1,1,5\n"), "this row has 4 cells", "r.csv:3:1", "divided by commas"),
             (rows("0,1\r\n0.1,x\r\n").replace("]\n", "]\r\n"), "\"x\", which is no", "r.csv:3:5", "numbers"),

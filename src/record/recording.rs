@@ -2,7 +2,6 @@
 
 use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
-use crate::record::STEPS_S;
 use crate::record::error::RecordError;
 use crate::record::format::{Columns, FORMATS, Origin, Source};
 use crate::record::layout::Decimal;
@@ -10,6 +9,7 @@ use crate::record::log::read::Hints;
 use crate::record::names::Name;
 use crate::record::spelling::unit_of;
 use crate::record::text::{TEXT_WANTED, Text};
+use crate::record::{STEPS_S, excess};
 use crate::source::diagnose::choices;
 use crate::source::place::Place;
 
@@ -238,9 +238,10 @@ impl<'a> Recording<'a> {
     pub(crate) fn read(&mut self, columns: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
         let numbers = self.columns.read(columns, rules)?;
         for (numbers, &column) in numbers.iter().zip(columns) {
-            if let Some(row) = numbers.iter().position(|number| number.is_infinite()) {
+            let found = numbers.iter().enumerate().find_map(|(row, number)| Some((row, excess(*number)?)));
+            if let Some((row, excess)) = found {
                 let name = self.title(column);
-                let message = format!("{}: {name} is infinite at row {}", self.file, row + 1);
+                let message = format!("{}: {name} is {excess} at row {}", self.file, row + 1);
                 return Err(RecordError::new(message, "", "put NaN where a sample is missing", None));
             }
         }

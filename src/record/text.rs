@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::record::cells::{Cells, Decimal};
 use crate::record::error::{Faults, RecordError};
+use crate::record::excess;
 use crate::record::format::{Bytes, Columns, Origin, Source};
 use crate::record::layout::Layout;
 use crate::record::names::Name;
@@ -167,7 +168,7 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
     for cell in Cells::new(text, layout.delimiter) {
         if let Some(slot) = slots.get(count).copied().flatten() {
             match layout.decimal.value(&text[cell.clone()]) {
-                Some(number) if !number.is_infinite() => columns[slot].push(number),
+                Some(number) if excess(number).is_none() => columns[slot].push(number),
                 _ => return false,
             }
         }
@@ -215,8 +216,8 @@ fn refusal(
             let message = format!("{name} holds \"{shown}\", which is not a number");
             return refused(cell.clone(), message, "not a number", &help);
         };
-        if number.is_infinite() {
-            return refused(cell.clone(), format!("{name} is infinite here"), "not finite", missing);
+        if let Some(excess) = excess(number) {
+            return refused(cell.clone(), format!("{name} is {excess} here"), "too large", missing);
         }
     }
     let cells_of = |count: usize| format!("{count} cell{}", if count == 1 { "" } else { "s" });

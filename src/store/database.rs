@@ -1,5 +1,6 @@
 //! The database under a store: opening, checking, reading and inserting.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
@@ -8,6 +9,8 @@ use rusqlite::{Connection, Params, Row, Transaction, TransactionBehavior, params
 
 use crate::store::lock::{Lock, own_name};
 use crate::store::row::{COLUMNS, Raw};
+use crate::store::session::Session;
+use crate::store::whole::ordinary;
 use crate::store::{Address, Identity, Keep, Provenance, StoreError, schema};
 use crate::tally::block::Block;
 use crate::tally::id::Id;
@@ -35,13 +38,12 @@ impl Database {
         std::fs::create_dir_all(folder)
             .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let lock = Lock::take(folder)?;
+        ordinary(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let connection = Connection::open(&path).map_err(|source| StoreError::of(&path, source))?;
         let database = Database::of(path, connection, Some(lock));
         database.exclusive()?;
         if !database.is_empty()? {
-            database.claimed()?;
-            database.structure("quick_check")?;
-            database.all_sound()?;
+            database.sound()?;
         }
         database.execute_batch("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")?;
         // The tables and their owner are written together; otherwise a run killed here would leave a folder without an
@@ -100,6 +102,18 @@ impl Database {
         }
     }
 
+    /// Checks everything that is read later: the owner, the tables, the pages, every row and the provenance. Every opening of
+    /// a store of a study begins with it, to sample, to show and to merge.
+    ///
+    /// # Errors
+    /// The database belongs to another program or version, or is damaged.
+    pub(crate) fn sound(&self) -> Result<(), StoreError> {
+        self.claimed()?;
+        self.structure("quick_check")?;
+        self.all_sound()?;
+        self.sessions().map(drop)
+    }
+
     /// Reads every row. Rows are looked up by key, so a row with an altered key would hide those behind it, which SQLite's
     /// quick check does not notice.
     fn all_sound(&self) -> Result<(), StoreError> {
@@ -142,58 +156,33 @@ impl Database {
         }
         let sql = format!("INSERT INTO tally ({COLUMNS}) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
         let row = params![point.0, estimate.0, block.first as i64, block.log2, digest.0, sums, checksum];
-        self.execute(&sql, row)?;
-        Ok(true)
+        match self.execute(&sql, row)? {
+            1 => Ok(true),
+            _ => Err(StoreError::Damaged {
+                path: self.path.clone(),
+                what: "it does not keep a row".to_owned(),
+            }),
+        }
     }
 
     /// Writes the provenance of this session, replacing any earlier one.
     fn note(&self, Provenance { device, trials, seconds }: &Provenance) -> Result<(), StoreError> {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |time| time.as_secs());
-        let sql = "INSERT OR REPLACE INTO provenance (session, finished, program, device, trials, seconds)
-                   VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
-        let values = params![self.session.0, now as i64, schema::PROGRAM, device, *trials as i64, seconds];
-        self.execute(sql, values).map(drop)
+        self.put_session(&Session {
+            id: self.session.0.to_vec(),
+            finished: now as i64,
+            program: schema::PROGRAM.to_owned(),
+            device: device.clone(),
+            trials: i64::try_from(*trials).unwrap_or(i64::MAX),
+            seconds: *seconds,
+        })
     }
 
-    /// Takes over the provenance of another store. A session that has continued since the last merge is updated.
-    ///
-    /// # Errors
-    /// A session of the other store cannot be read, or the disk fails; sessions taken over before are kept.
-    pub(crate) fn take_over_provenance(&self, source: &Database) -> Result<(), StoreError> {
-        let theirs = |error| source.failed(error);
-        let sql = "SELECT session, finished, program, device, trials, seconds FROM provenance";
-        let mut statement = source.connection.prepare(sql).map_err(theirs)?;
-        let mut sessions = statement.query([]).map_err(theirs)?;
-        while let Some(row) = sessions.next().map_err(theirs)? {
-            self.put_session(&Session::read(row).map_err(theirs)?)?;
-        }
-        Ok(())
-    }
-
-    /// Inserts a session, or updates it where it has continued.
-    fn put_session(&self, session: &Session) -> Result<(), StoreError> {
-        let Session { id, finished, program, device, trials, seconds } = session;
-        let sql = "INSERT INTO provenance VALUES (?1, ?2, ?3, ?4, ?5, ?6)
-                   ON CONFLICT DO UPDATE SET finished = ?2, device = ?4, trials = ?5, seconds = ?6
-                   WHERE trials < ?5";
-        self.execute(sql, params![id, finished, program, device, trials, seconds]).map(drop)
-    }
-}
-
-/// A row of the provenance.
-struct Session {
-    id: Vec<u8>,
-    finished: i64,
-    program: String,
-    device: String,
-    trials: i64,
-    seconds: f64,
-}
-
-impl Session {
-    fn read(row: &Row) -> Result<Session, rusqlite::Error> {
-        let (id, finished, program, device, trials, seconds) = row.try_into()?;
-        Ok(Session { id, finished, program, device, trials, seconds })
+    /// The keys of the study with this prefix, with their values.
+    pub(crate) fn keys_with(&self, prefix: &str) -> Result<BTreeMap<String, String>, StoreError> {
+        let pairs: Vec<(String, String)> =
+            self.query("SELECT key, value FROM study", [], |row| row.try_into())?;
+        Ok(pairs.into_iter().filter(|(key, _)| key.starts_with(prefix)).collect())
     }
 }
 
@@ -207,8 +196,8 @@ impl Keep for Database {
         if self.is_empty()? {
             return Ok(vec![]);
         }
-        let keys = self.query("SELECT key FROM study", [], |row| row.get::<_, String>(0))?;
-        Ok(keys.iter().filter_map(|key| key.strip_prefix(SHARE)?.parse().ok()).collect())
+        let keys = self.keys_with(SHARE)?;
+        Ok(keys.keys().filter_map(|key| key.strip_prefix(SHARE)?.parse().ok()).collect())
     }
 
     fn insert(&mut self, rows: &[Raw], so_far: Option<&Provenance>, from: &Path) -> Result<u64, StoreError> {
@@ -233,12 +222,7 @@ impl Keep for Database {
     }
 
     fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
-        let sql =
-            "SELECT device, SUM(trials), SUM(seconds) FROM provenance GROUP BY device ORDER BY 2 DESC, 1";
-        self.query(sql, [], |row| {
-            let trials = row.get::<_, i64>(1)?.max(0) as u64;
-            Ok(Provenance { device: row.get(0)?, trials, seconds: row.get(2)? })
-        })
+        self.by_device()
     }
 
     fn database(&self) -> Option<&Database> {

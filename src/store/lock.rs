@@ -10,6 +10,7 @@ use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::store::StoreError;
+use crate::store::whole::ordinary;
 
 /// The name of the file in a results folder.
 pub const LOCK: &str = "tallies.lock";
@@ -42,7 +43,7 @@ impl Lock {
             _ => StoreError::Folder { path: folder.to_owned(), source },
         };
         let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).clone();
-        let mut file = options.open(&path).map_err(failed)?;
+        let mut file = ordinary(&path).and_then(|()| options.open(&path)).map_err(failed)?;
         match file.try_lock() {
             // On a file system without such locks, SQLite's lock is the only one.
             Ok(()) | Err(TryLockError::Error(_)) => {}

@@ -42,6 +42,8 @@ pub(crate) mod row;
 #[cfg(feature = "store")]
 pub(crate) mod schema;
 #[cfg(feature = "store")]
+pub(crate) mod session;
+#[cfg(feature = "store")]
 pub mod source;
 #[cfg(all(test, feature = "store"))]
 mod tests;
@@ -140,6 +142,13 @@ pub struct Provenance {
     pub trials: u64,
     /// Seconds over all points since the store was opened.
     pub seconds: f64,
+}
+
+impl Provenance {
+    /// The trials of all of them. A folder from someone else may claim any numbers.
+    pub fn trials_of(all: &[Provenance]) -> u64 {
+        all.iter().fold(0, |sum: u64, by| sum.saturating_add(by.trials))
+    }
 }
 
 /// The open store of a results folder.

@@ -38,6 +38,18 @@ pub(crate) struct Claim {
     pub(crate) program: String,
 }
 
+/// The tables of a database, as SQLite keeps their text.
+const TABLES: [&str; 3] = [
+    "CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE tally (
+         point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
+         digest BLOB NOT NULL, sums BLOB NOT NULL, checksum INTEGER NOT NULL,
+         PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID",
+    "CREATE TABLE provenance (
+         session BLOB PRIMARY KEY, finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
+         trials INTEGER NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID",
+];
+
 impl Database {
     /// Creates the tables of an empty database and claims it for a study, or checks that they belong to this study.
     ///
@@ -66,6 +78,7 @@ impl Database {
         if version != SCHEMA_VERSION {
             return Err(StoreError::Schema { path: self.path.clone(), found: version.to_string() });
         }
+        self.only_ours()?;
         let pairs = self.query("SELECT key, value FROM study", [], |row| row.try_into())?;
         let mut about: BTreeMap<String, String> = pairs.into_iter().collect();
         let mut take = |key: &str| about.remove(key);
@@ -81,6 +94,28 @@ impl Database {
         })
     }
 
+    /// Checks that the database holds our tables and nothing else: a trigger could drop what is written, and a view in the
+    /// place of a table could give anything, or never end.
+    fn only_ours(&self) -> Result<(), StoreError> {
+        let sql = "SELECT type, name, sql FROM sqlite_schema";
+        let held: Vec<(String, String, Option<String>)> = self.query(sql, [], |row| row.try_into())?;
+        // Versions break lines in different places.
+        let words = |sql: &str| sql.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let is_ours = |sql: &str| TABLES.iter().any(|table| words(table) == words(sql));
+        let path = self.path.clone();
+        for (kind, name, _) in held.iter().filter(|(_, _, sql)| !sql.as_deref().is_some_and(is_ours)) {
+            let what = format!("{} `{}`", kind.escape_debug(), name.escape_debug());
+            return Err(match kind.as_str() {
+                "table" => StoreError::Damaged { path, what: format!("its {what} is not as it was written") },
+                _ => StoreError::Foreign { path, what: format!("it holds the {what}") },
+            });
+        }
+        match held.len() == TABLES.len() {
+            true => Ok(()),
+            false => Err(StoreError::Damaged { path, what: "a table is missing".to_owned() }),
+        }
+    }
+
     /// Whether a database has no owner yet, as after a program was killed while claiming it.
     pub(crate) fn is_empty(&self) -> Result<bool, StoreError> {
         let counts = self.query("SELECT COUNT(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0))?;
@@ -91,10 +126,14 @@ impl Database {
     /// another program.
     fn foreign(&self) -> StoreError {
         let path = self.path.clone();
+        // Views are not read: one of a stranger may never end.
+        let sql = "SELECT COUNT(*) FROM sqlite_schema WHERE type = 'view'";
+        let has_views = self.query(sql, [], |row| row.get::<_, i64>(0)).map_or(true, |views| views != [0]);
         let sql = "SELECT value FROM study WHERE key = 'schema'";
-        match self.connection.query_row(sql, [], |row| row.get::<_, String>(0)) {
-            Ok(found) => StoreError::Schema { path, found },
-            Err(_) => StoreError::Foreign { path, what: "it was written by another program".to_owned() },
+        let found = || self.connection.query_row(sql, [], |row| row.get::<_, String>(0)).ok();
+        match (!has_views).then(found).flatten() {
+            Some(found) => StoreError::Schema { path, found },
+            None => StoreError::Foreign { path, what: "it was written by another program".to_owned() },
         }
     }
 
@@ -102,14 +141,8 @@ impl Database {
         self.execute_batch(&format!(
             "PRAGMA application_id = {APPLICATION};
              PRAGMA user_version = {SCHEMA_VERSION};
-             CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-             CREATE TABLE tally (
-                 point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
-                 digest BLOB NOT NULL, sums BLOB NOT NULL, checksum INTEGER NOT NULL,
-                 PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID;
-             CREATE TABLE provenance (
-                 session BLOB PRIMARY KEY, finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
-                 trials INTEGER NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID;"
+             {};",
+            TABLES.join(";")
         ))?;
         let Identity { kind, seed, streams, kernels } = identity;
         let claims = [

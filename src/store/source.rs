@@ -9,6 +9,7 @@ use rusqlite::{Connection, OpenFlags};
 use crate::store::database::Database;
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
+use crate::store::whole::ordinary;
 use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
 use crate::tally::share::Share;
 
@@ -43,7 +44,7 @@ impl Source {
     /// The store is missing, in use, or cannot be read.
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
-        if let Err(source) = std::fs::File::open(&path) {
+        if let Err(source) = ordinary(&path).and_then(|()| std::fs::File::open(&path)) {
             return Err(match source.kind() {
                 ErrorKind::NotFound => StoreError::NoResults(folder.to_owned()),
                 _ => StoreError::Folder { path, source },
@@ -82,6 +83,9 @@ impl Source {
     /// It belongs to another study, program or version, or is damaged.
     pub fn into_store(self, identity: &Identity) -> Result<Store, StoreError> {
         self.is_of(identity)?;
+        if !self.database.is_empty()? {
+            self.database.sound()?;
+        }
         let path = self.database.path.clone();
         Ok(Store { path, keep: Box::new(self.database), identity: identity.clone() })
     }
@@ -167,6 +171,14 @@ impl Store {
             Err(error) if salvage && error.is_damage() => {}
             found => found?,
         }
+        // Nothing is taken over before all is known to be sound.
+        if !salvage && !source.database.is_empty()? {
+            source.database.sound()?;
+        }
+        let sessions = match source.database.each_session() {
+            Err(error) if salvage && error.is_damage() => vec![],
+            sessions => sessions?,
+        };
         let mut merged = Merged::default();
         let mut seen = salvage.then(BTreeSet::new);
         let mut batch: Vec<Raw> = Vec::new();
@@ -201,10 +213,12 @@ impl Store {
         }
         self.take_over(&batch, source, &mut merged)?;
         // A store in memory records only its own provenance.
-        let own = self.keep.database();
-        match own.map_or(Ok(()), |own| own.take_over_provenance(&source.database)) {
-            Err(error) if salvage && error.is_damage() => {}
-            taken => taken?,
+        let Some(own) = self.keep.database() else { return Ok(merged) };
+        for session in sessions {
+            match session {
+                Err(error) if salvage && error.is_damage() => {}
+                session => own.put_session(&session?)?,
+            }
         }
         Ok(merged)
     }

@@ -207,6 +207,8 @@ fn a_session_that_went_on_counts_once() {
     let mut store = Store::open(out.path(), &identity()).unwrap();
     for trials in [8, 4] {
         let source = Source::open(folder.path()).unwrap();
+        // As versions without checksums leave it.
+        source.database.execute_batch("DELETE FROM study WHERE key LIKE 'session %'").unwrap();
         source.database.connection.execute("UPDATE provenance SET trials = ?1", [trials]).unwrap();
         store.merge(&source, false).unwrap();
     }
@@ -296,4 +298,97 @@ fn a_store_in_memory_holds_the_same_as_one_on_disk() {
     assert_eq!(memory.total(&rows[0].address).unwrap(), disk.total(&rows[0].address).unwrap());
     let trials = |store: &Store| store.index().unwrap().trials(&rows[0].address).unwrap();
     assert_eq!(trials(&memory), trials(&disk));
+}
+
+#[test]
+fn a_database_with_a_trigger_or_a_view_is_refused_and_nothing_is_read_from_it() {
+    let trigger = "CREATE TRIGGER dropped BEFORE INSERT ON tally BEGIN SELECT RAISE(IGNORE); END";
+    let endless = "DROP TABLE study; CREATE VIEW study AS WITH RECURSIVE n(key, value) AS
+                   (SELECT 'a', 1 UNION ALL SELECT key, value + 1 FROM n) SELECT key, value FROM n";
+    for sql in [trigger, endless, "CREATE INDEX i ON tally (first)"] {
+        let folder = folder_of(&[row(0, 2)]);
+        Connection::open(folder.path().join(FILE)).unwrap().execute_batch(sql).unwrap();
+        let is_foreign = |error: StoreError| assert!(matches!(error, StoreError::Foreign { .. }), "{error}");
+        is_foreign(Store::open(folder.path(), &identity()).unwrap_err());
+        is_foreign(Source::open(folder.path()).unwrap().into_store(&identity()).unwrap_err());
+        let mut merged = Store::in_memory(&identity());
+        for salvage in [false, true] {
+            is_foreign(merged.merge(&Source::open(folder.path()).unwrap(), salvage).unwrap_err());
+        }
+        assert_eq!(merged.keep.keys().unwrap(), []);
+    }
+}
+
+#[test]
+fn an_altered_session_is_found_by_its_checksum_and_left_out_by_salvage() {
+    let changes = [
+        "UPDATE provenance SET trials = trials + 1",
+        "UPDATE provenance SET device = 'GPU'",
+        "UPDATE provenance SET session = x'00'",
+        "DELETE FROM provenance",
+    ];
+    for sql in changes {
+        let folder = folder_of(&[row(0, 2)]);
+        Connection::open(folder.path().join(FILE)).unwrap().execute_batch(sql).unwrap();
+        let is_damaged =
+            |error: StoreError| assert!(matches!(error, StoreError::Damaged { .. }), "{sql}: {error}");
+        is_damaged(Store::open(folder.path(), &identity()).unwrap_err());
+        is_damaged(Source::open(folder.path()).unwrap().into_store(&identity()).unwrap_err());
+        let out = tempfile::tempdir().unwrap();
+        let mut merged = Store::open(out.path(), &identity()).unwrap();
+        is_damaged(merged.merge(&Source::open(folder.path()).unwrap(), false).unwrap_err());
+        assert_eq!(merged.keep.keys().unwrap(), [], "{sql}: rows were taken over before all was checked");
+        let taken = merged.merge(&Source::open(folder.path()).unwrap(), true).unwrap();
+        // A session under another key looks like one of an earlier version.
+        let left = if sql.contains("SET session") { vec![so_far(1)] } else { vec![] };
+        assert_eq!((taken.added, merged.provenance().unwrap()), (1, left), "{sql}");
+        drop(merged);
+        Store::open(out.path(), &identity()).unwrap();
+    }
+}
+
+#[test]
+fn sessions_without_checksums_are_believed_and_their_sums_do_not_overflow() {
+    let folder = folder_of(&[row(0, 2)]);
+    let connection = Connection::open(folder.path().join(FILE)).unwrap();
+    let most = i64::MAX;
+    let sessions = format!(
+        "INSERT INTO provenance VALUES (x'01', 0, 'sagnac 0.1.0', 'CPU', {most}, 1.0), (x'02', 0, 'sagnac 0.1.0', 'CPU', {most}, 1.0),
+         (x'03', 0, 'sagnac 0.1.0', 'CPU', {most}, 1.0)"
+    );
+    connection.execute_batch(&sessions).unwrap();
+    drop(connection);
+    let out = tempfile::tempdir().unwrap();
+    let mut merged = Store::open(out.path(), &identity()).unwrap();
+    merged.merge(&Source::open(folder.path()).unwrap(), false).unwrap();
+    drop(merged);
+    let merged = Store::open(out.path(), &identity()).unwrap();
+    assert_eq!(Provenance::trials_of(&merged.provenance().unwrap()), u64::MAX);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_in_a_folder_are_not_written_through() {
+    use std::os::unix::fs::symlink;
+    let folder = folder_of(&[row(0, 2)]);
+    let outside = tempfile::tempdir().unwrap();
+    let victim = outside.path().join("victim");
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(&victim, "mine").unwrap();
+    symlink(&victim, path("report.partial")).unwrap();
+    crate::store::write_whole(&path("report.html"), b"page").unwrap();
+    assert_eq!(std::fs::read(path("report.html")).unwrap(), b"page");
+    std::fs::remove_file(path(LOCK)).unwrap();
+    symlink(&victim, path(LOCK)).unwrap();
+    for error in [
+        Source::open(folder.path()).map(drop).unwrap_err(),
+        Store::open(folder.path(), &identity()).map(drop).unwrap_err(),
+    ] {
+        assert!(error.to_string().contains("tallies.lock is a link"), "{error}");
+    }
+    std::fs::remove_file(path(LOCK)).unwrap();
+    std::fs::rename(path(FILE), outside.path().join(FILE)).unwrap();
+    symlink(outside.path().join(FILE), path(FILE)).unwrap();
+    assert!(Store::open(folder.path(), &identity()).unwrap_err().to_string().contains("is a link"));
+    assert_eq!(std::fs::read_to_string(victim).unwrap(), "mine");
 }

@@ -4,14 +4,32 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
+/// Refuses what is not an ordinary file, where there is something: a link in a folder from someone else may lead to any
+/// file, and a pipe may never end.
+///
+/// # Errors
+/// It is not an ordinary file.
+#[cfg(feature = "store")]
+pub(crate) fn ordinary(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if !found.is_file() => {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            Err(io::Error::other(format!("{name} is a link or no ordinary file")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Writes a file as a whole or not at all: an existing file stays until the new one is on disk.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
     let partial = path.with_extension("partial");
-    let written =
-        File::create(&partial).and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()));
+    // What is there is left over by a run that was killed, or a link into the files of whoever writes here.
+    let _ = fs::remove_file(&partial);
+    let written = File::create_new(&partial)
+        .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()));
     written.and_then(|()| fs::rename(&partial, path)).inspect_err(|_| {
         // On a full disk, the space is worth more than half a file.
         let _ = fs::remove_file(&partial);

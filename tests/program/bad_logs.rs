@@ -46,6 +46,11 @@ fn a_log_that_is_none_is_refused_with_its_place_and_what_to_do() {
             RATE.into(),
             vec!["log.csv:10:1", "column 1 is infinite", "NaN where a sample is missing"],
         ),
+        (
+            number(9, "-1e308"),
+            RATE.into(),
+            vec!["log.csv:10:1", "column 1 is -1e308, beyond 1e100, here", "NaN where a sample is missing"],
+        ),
         (number(9, "1.2.3"), RATE.into(), vec!["log.csv:10:1", "\"1.2.3\", which is not a number"]),
         (
             of(&|i, y| if i == 99 { "99;1,5".into() } else { format!("{i};{y}") }),

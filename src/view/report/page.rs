@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use crate::chart;
 use crate::quantity::number::significant;
+use crate::store::Provenance;
 use crate::table::Table;
 use crate::view::picture::Drawn;
 use crate::view::report::Report;
@@ -103,7 +104,7 @@ fn closed_forms(table: &Table, agreements: &[Agreement]) -> Markup {
 }
 
 fn source(source: &Source, digest: Option<&str>) -> Markup {
-    let trials: u64 = source.provenance.iter().map(|by| by.trials).sum();
+    let trials = Provenance::trials_of(&source.provenance);
     html! {
         section #source {
             h2 { "How it was made" }

@@ -83,7 +83,7 @@ impl Source {
             stops: study.precision.is_some(),
             lacking,
             points: sweep::count(&study.sweeps),
-            counts_again: plan.counts_again(provenance.iter().map(|by| by.trials).sum()),
+            counts_again: plan.counts_again(Provenance::trials_of(&provenance)),
             provenance,
             kind: study.kind(),
             kernels: identity.kernels,
