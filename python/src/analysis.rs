@@ -25,10 +25,10 @@ use sagnac::view::chart::picture::Picture;
 use sagnac::view::report::sections::Page;
 use serde_json::{Value, json};
 
-use super::compute::{compute, compute_on};
+use super::compute::{compute, compute_on, read_on};
 use super::failure::{Failure, in_python};
 use super::progress::Listener;
-use super::record::{Reading, copied, terms_of};
+use super::record::{Reading, side_by_side, terms_of};
 use super::run::study_of;
 use super::table::columns;
 
@@ -160,11 +160,11 @@ pub fn compare<'py>(
     names: (String, String),
     terms: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (a, b) = (&copied(&a)?, &copied(&b)?);
+    let (a, b) = (side_by_side(&a)?, side_by_side(&b)?);
+    let (a, b) =
+        read_on(py, readings.0.threads, || Ok((readings.0.log(a, &names.0)?, readings.1.log(b, &names.1)?)))?;
     let found = compute_on(py, readings.0.threads, || {
         let treatment = readings.0.treatment();
-        let a = readings.0.log(a, &names.0)?;
-        let b = readings.1.log(b, &names.1)?;
         let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
         let logs = [(Path::new(&names.0), &a), (Path::new(&names.1), &b)];
         let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
@@ -190,10 +190,10 @@ pub fn psd<'py>(
     terms: Option<Vec<String>>,
     bootstrap: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = &copied(&data)?;
+    let values = side_by_side(&data)?;
+    let log = read_on(py, reading.threads, || reading.log(values, &name))?;
     let found = compute_on(py, reading.threads, || {
         let treatment = reading.treatment();
-        let log = reading.log(values, &name)?;
         let welch = Welch {
             segment: segment_s.map(|length_s| libm::round(length_s / log.step_s) as usize),
             trend: if is_linear { Trend::Linear } else { Trend::None },

@@ -30,7 +30,7 @@ use sagnac::record::log::samples::{Fault, Samples};
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
 
-use super::compute::compute_on;
+use super::compute::{compute_on, read_on};
 use super::failure::{Failure, in_python};
 
 /// The kind of the samples, and their treatment.
@@ -203,11 +203,10 @@ fn warning(doubt: Doubt, unit: &Unit) -> String {
     }
 }
 
-/// A copy of the contiguous samples of an array: another Python thread may write to the array while this one computes
-/// without Python's lock.
-pub fn copied(data: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
-    let samples = data.as_slice().map_err(|error| Failure::Usage(error.to_string()))?;
-    Ok(samples.to_vec())
+/// The contiguous samples of an array, without a copy. They are read with Python's lock, because another thread may write to
+/// the array.
+pub fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
+    data.as_slice().map_err(|error| Failure::Usage(error.to_string()).into())
 }
 
 /// The common results of both functions for a record.
@@ -238,7 +237,7 @@ pub fn curves<'py>(
     confidence: f64,
     intervals: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = &copied(&data)?;
+    let values = side_by_side(&data)?;
     let is_of_record = match intervals {
         "record" => true,
         "stable32" => false,
@@ -247,9 +246,9 @@ pub fn curves<'py>(
             return Err(Failure::Usage(message).into());
         }
     };
+    let record = read_on(py, reading.threads, || reading.record(values))?;
     let (record, curves) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
-        let record = reading.record(values)?;
         let model = is_of_record.then(|| model(&record.angles, reading.trend()));
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
@@ -314,10 +313,10 @@ pub fn fit<'py>(
     is_forced: bool,
     bootstrap: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = &copied(&data)?;
+    let values = side_by_side(&data)?;
+    let record = read_on(py, reading.threads, || reading.record(values))?;
     let (record, sheet, fitted) = compute_on(py, reading.threads, || {
         let terms = terms_of(terms.as_deref(), reading.trend())?;
-        let record = reading.record(values)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
         let sheet = DataSheet::of(&record.angles, &fitting, record.unit, simulated)

@@ -17,7 +17,7 @@ use sagnac::theory::suspension::{Mode, Suspension};
 
 use super::compute::compute;
 use super::failure::Failure;
-use super::record::copied;
+use super::record::side_by_side;
 
 type Numbers<'py> = PyReadonlyArray1<'py, f64>;
 type Column<'py> = Bound<'py, PyArray1<f64>>;
@@ -28,9 +28,10 @@ fn over<'py, const N: usize, const M: usize>(
     arrays: &[Numbers<'py>; N],
     of: impl Fn([f64; N]) -> [f64; M] + Send + Sync,
 ) -> PyResult<[Column<'py>; M]> {
+    // Another Python thread may write to the arrays while this one computes without Python's lock.
     let mut samples = [(); N].map(|()| Vec::new());
     for (samples, array) in samples.iter_mut().zip(arrays) {
-        *samples = copied(array)?;
+        *samples = side_by_side(array)?.to_vec();
     }
     let columns = compute(py, || {
         let length = samples.iter().map(Vec::len).min().unwrap_or(0);
