@@ -103,7 +103,7 @@ impl Database {
         let words = |sql: &str| sql.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         let is_ours = |sql: &str| TABLES.iter().any(|table| words(table) == words(sql));
         let path = self.path.clone();
-        for (kind, name, _) in held.iter().filter(|(_, _, sql)| !sql.as_deref().is_some_and(is_ours)) {
+        if let Some((kind, name, _)) = held.iter().find(|(_, _, sql)| !sql.as_deref().is_some_and(is_ours)) {
             let what = format!("{} `{}`", kind.escape_debug(), name.escape_debug());
             return Err(match kind.as_str() {
                 "table" => StoreError::Damaged { path, what: format!("its {what} is not as it was written") },
