@@ -170,10 +170,10 @@ fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
         said.contains(": own. That filler is designed for exactly this frequency, which firmware does not know; of the others the"),
         "{said}"
     );
-    assert!(said.contains("the least is ") && said.contains(": quadratic (error = residual)."), "{said}");
+    assert!(said.contains("the least is ") && said.ends_with(": quadratic."), "{said}");
     let banded = "{ kind = \"minimum-variance\", name = \"own band\", band = [\"18 Hz\", \"22 Hz\"] }";
     let said = headline(&Desk::with(&fillers(banded)));
-    assert!(said.contains(": own band (error = residual).") && !said.contains("designed"), "{said}");
+    assert!(said.ends_with(": own band.") && !said.contains("designed"), "{said}");
     // A verdict, in which one name begins as the other does.
     let chart = format!("{SWEEP}[chart]\nx = \"frequency\"\ny = \"q9973\"\nlimit = \"40 arcsec\"\n");
     let said = headline(&Desk::with(&format!("{}{chart}", fillers(&format!("{own}, {banded}")))));

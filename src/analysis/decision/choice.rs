@@ -7,6 +7,17 @@ use crate::table::{Cell, Column, ColumnError, Table, Usual, grouped};
 use crate::view::report::answer::{Bandless, apart, is_given};
 use crate::view::report::sentences::names;
 
+/// The option after the best one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Next {
+    /// Name.
+    pub option: String,
+    /// Its largest value over all conditions.
+    pub value: f64,
+    /// Number of conditions under which it is within the limit.
+    pub met: usize,
+}
+
 /// An option with its worst row.
 #[derive(Debug, Clone)]
 struct Rated {
@@ -41,8 +52,8 @@ pub(crate) struct Choice<'t> {
     pub(crate) options: usize,
     /// Options with the same value as the best one.
     pub(crate) equal: Vec<String>,
-    /// The next best option, with its largest value.
-    pub(crate) next: Option<(String, f64)>,
+    /// The next best option.
+    pub(crate) next: Option<Next>,
     /// Names of fillers that do not count as options, because firmware cannot have them.
     pub(crate) left_out: Vec<String>,
 }
@@ -103,7 +114,11 @@ impl<'t> Choice<'t> {
         let is_equal = |option: &&Rated| value(option.row) == value(row);
         let (equal, worse): (Vec<&Rated>, Vec<&Rated>) = options[1..].iter().partition(is_equal);
         let equal = equal.into_iter().map(|option| option.name.clone()).collect();
-        let next = worse.first().map(|next| (next.name.clone(), value(next.row)));
+        let next = worse.first().map(|next| Next {
+            option: next.name.clone(),
+            value: value(next.row),
+            met: next.met,
+        });
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options) = (name, options.len());

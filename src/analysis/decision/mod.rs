@@ -18,6 +18,7 @@ pub(crate) mod lines;
 pub(crate) mod sheet;
 
 pub use crate::analysis::decision::budget::Part;
+pub use crate::analysis::decision::choice::Next;
 pub use crate::analysis::decision::lever::{Lever, Needed};
 pub use crate::analysis::decision::lines::Lines;
 pub use crate::analysis::decision::sheet::Sheet;

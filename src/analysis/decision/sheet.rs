@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
-use crate::analysis::decision::choice::Choice;
+use crate::analysis::decision::choice::{Choice, Next};
 use crate::analysis::decision::lever::{Lever, Needed};
 use crate::analysis::decision::lines::Lines;
 use crate::chart::Limit;
@@ -38,8 +38,8 @@ pub struct Sheet {
     pub value: Figure,
     /// Options with the same value as the best one.
     pub equal: Vec<String>,
-    /// The next best option, with its largest value.
-    pub next: Option<(String, f64)>,
+    /// The next best option.
+    pub next: Option<Next>,
     /// Fillers that are no options, because firmware cannot have them.
     pub left_out: Vec<String>,
     /// The error budget, the largest part first; empty where there is none.
@@ -128,12 +128,18 @@ impl Sheet {
             [] => String::new(),
             names => format!(" (as good: {})", listed(names)),
         };
+        let [met, all] = self.met;
         let next = match &self.next {
-            Some((next, value)) if self.options == 2 => {
-                format!("; the other one, {next}, has {}", self.shown(*value))
+            // The option that meets the limit more often may be the one with the larger value.
+            Some(Next { option, met: less, .. }) if *less != met => {
+                let other = if self.options == 2 { "the other one," } else { "next is" };
+                format!(", within the limit under {met} of {all} conditions; {other} {option}, under {less}")
             }
-            Some((next, value)) => {
-                format!(", of {} options; next is {next} with {}", self.options, self.shown(*value))
+            Some(Next { option, value, .. }) if self.options == 2 => {
+                format!("; the other one, {option}, has {}", self.shown(*value))
+            }
+            Some(Next { option, value, .. }) => {
+                format!(", of {} options; next is {option} with {}", self.options, self.shown(*value))
             }
             None => format!(", of {} options", self.options),
         };
@@ -144,8 +150,8 @@ impl Sheet {
         let Some(margin) = self.margin().filter(|margin| margin.value.is_finite()) else {
             let over = |next: f64| next / self.value.value - 1.0;
             return match &self.next {
-                Some((_, next)) if over(*next) > 0.0 => {
-                    format!("The next option is {} above the best.", percent(over(*next)))
+                Some(Next { value, .. }) if over(*value) > 0.0 => {
+                    format!("The next option is {} above the best.", percent(over(*value)))
                 }
                 _ => "Without a limit there is none.".to_owned(),
             };
@@ -238,7 +244,7 @@ impl Sheet {
             "met": self.is_met(),
             "best": { "option": self.option, "of": self.options, "at": self.condition, "estimate": figure(self.value) },
             "as_good": self.equal,
-            "next": self.next.as_ref().map(|(name, value)| json!({ "option": name, "estimate": value })),
+            "next": self.next.as_ref().map(|next| json!({ "option": next.option, "estimate": next.value })),
             "margin": self.margin().map(figure),
             "budget": self.budget.iter().map(part).collect::<Vec<_>>(),
             "lever": self.lever.as_ref().map(lever),

@@ -68,7 +68,7 @@ fn a_study_without_a_limit_has_a_best_option_and_no_margin() {
     assert_eq!((sheet.is_met(), sheet.margin(), sheet.options), (None, None, 2));
     let headings: Vec<&str> = sheet.lines().into_iter().map(|(heading, _)| heading).collect();
     assert_eq!(headings, ["Requirement", "Best option", "Margin", "What limits", "Next lever"]);
-    assert!(sheet.next.is_some_and(|(name, value)| name == "quadratic" && value > sheet.value.value));
+    assert!(sheet.next.is_some_and(|next| next.option == "quadratic" && next.value > sheet.value.value));
 }
 
 #[test]
@@ -82,6 +82,26 @@ fn options_with_the_same_value_are_as_good_and_none_is_the_next() {
     let sheet =
         decided(&PULSES.replace("[\"const\", \"quadratic\"]", "[\"const\", \"linear\", \"quadratic\"]"));
     assert_eq!((sheet.options, &sheet.equal[..]), (3, &["linear".to_owned()][..]));
-    assert_eq!(sheet.next.as_ref().map(|next| next.0.as_str()), Some("quadratic"));
+    assert_eq!(sheet.next.as_ref().map(|next| next.option.as_str()), Some("quadratic"));
     assert!(sheet.lines()[1].1.starts_with("const (as good: linear), of 3 options; next is quadratic"));
+}
+
+#[test]
+fn an_option_that_meets_the_limit_more_often_says_so() {
+    // With a light pulse both fillers meet a limit between their errors with a heavy one.
+    let sweep = "\n[[sweep]]\nkey = \"gyro.readout_lsb\"\nlist = [\"0.05 arcsec\", \"4 arcsec\"]\n";
+    let both = format!("{PULSES}{sweep}");
+    let limit = |arcsec: f64| both.replace("limit = \"5 arcsec\"", &format!("limit = \"{arcsec} arcsec\""));
+    let worst = |name: &str| {
+        let sheet = decided(&both);
+        if sheet.option == name { sheet.value.value } else { sheet.next.map_or(0.0, |next| next.value) }
+    };
+    let between = 0.5 * (worst("const") + worst("quadratic"));
+    let sheet = decided(&limit(between));
+    let told = &sheet.lines()[1].1;
+    assert!(sheet.next.as_ref().is_some_and(|next| next.met == 1), "{:?}", sheet.next);
+    assert!(
+        told.contains("within the limit under 2 of 2 conditions; the other one, quadratic, under 1"),
+        "{told}"
+    );
 }

@@ -335,13 +335,7 @@ fn undrawn(study: &Study, points: &Table) -> Option<String> {
     // Every study of the kind has the columns.
     let abscissa = points.usual(Usual::Abscissa).into_iter().collect();
     let by = apart(study, Source::Points, points, abscissa).ok()?;
-    let sentence = leading(study, points, estimate, &rows, &by)?;
-    match points.chosen(&filter) {
-        Ok(chosen) if !chosen.is_empty() => {
-            Some(format!("{} ({}).", sentence.trim_end_matches('.'), chosen.join(", ")))
-        }
-        _ => Some(sentence),
-    }
+    leading(study, points, estimate, &rows, &by)
 }
 
 /// The columns that distinguish rows, each once, after some `columns`.
