@@ -3,7 +3,6 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::decision::Sheet;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::study::Study;
 use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
@@ -13,7 +12,7 @@ use crate::failure::Failure;
 use crate::folders::{self, left_out, whole};
 use crate::output::write;
 use crate::progress::{self, Shown};
-use crate::results::{decision, held, lacking};
+use crate::results::{decision, held, lacking, sheet_lines};
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
@@ -116,7 +115,7 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let lacking = lacking(&study, &plan, &store, &tables)?;
     let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
     let mut answer = results.answer(&results.verdicts()?)?;
-    answer.sheet = decision(&study, &tables, lacking)?.as_ref().map(Sheet::lines).unwrap_or_default();
+    answer.sheet = sheet_lines(decision(&study, &tables, lacking)?.as_ref(), lacking);
     let card = results.card(&answer.headline);
     write(&folder.join(REPORT), results.page(answer).as_bytes())?;
     Ok(card)

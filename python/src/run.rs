@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::decision::{Sheet, decide};
+use sagnac::analysis::decision::{Lines, decide};
 use sagnac::device::select::Selection;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
@@ -150,7 +150,7 @@ impl Asked {
         let judged = results.verdicts()?;
         let mut answer = results.answer(&judged)?;
         let sheet = decide(&study, &tables)?;
-        answer.sheet = sheet.as_ref().map(Sheet::lines).unwrap_or_default();
+        answer.sheet = Lines::of_study(sheet.as_ref());
         let decision = sheet.map(|sheet| sheet.json().to_string());
         let headline = answer.headline.clone();
         let report = results.page(answer);

@@ -71,11 +71,12 @@ impl Ground {
     }
 
     /// The estimate to which a limit of the study applies: of those in its unit for which less is better, the default one,
-    /// else the last.
+    /// else the last. Without any, it is the default estimate in that unit.
     pub(crate) fn judged(&self, limit: Limit) -> Option<&About> {
         let fits = |column: &&About| column.role.less_is_better() && column.unit == limit.unit;
-        let mut usual = [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| self.usual(usual));
-        usual.find(fits).or_else(|| self.columns.iter().rfind(fits))
+        let usual = || [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| self.usual(usual));
+        let error = usual().find(fits).or_else(|| self.columns.iter().rfind(fits));
+        error.or_else(|| usual().find(|column| column.unit == limit.unit))
     }
 
     /// The abscissa that distinguishes rows, where a curve has a row for each of its values.

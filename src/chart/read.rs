@@ -15,6 +15,7 @@ use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::source::diagnose::Fault;
+use crate::table::column::About;
 use crate::table::{Unit, Usual};
 
 /// The charts of a study: those written, or one that suits the sweeps.
@@ -281,7 +282,8 @@ pub(crate) fn read_requirement(
     let lacks = |chart: &&mut Chart| chart.limit.is_none() && chart.beside.is_empty();
     for chart in charts.iter_mut().filter(|chart| chart.source == ground.source).filter(lacks) {
         let shown = ground.columns.iter().find(|column| column.name == chart.estimate().name);
-        if shown.is_some_and(|shown| shown.role.less_is_better() && shown.unit == limit.unit) {
+        let is_judged = |shown: &About| shown.role.less_is_better() || shown.name == column.name;
+        if shown.is_some_and(|shown| is_judged(shown) && shown.unit == limit.unit) {
             chart.limit = Some(limit);
         }
     }

@@ -4,7 +4,7 @@ pub mod summary;
 
 use std::path::Path;
 
-use sagnac::analysis::decision::{Sheet, decide};
+use sagnac::analysis::decision::{Lines, Sheet, decide};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -50,6 +50,11 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
 /// A point cannot be evaluated again, or no threads can be started.
 pub fn decision(study: &Study, tables: &Tables, lacking: u64) -> Result<Option<Sheet>, Failure> {
     if lacking > 0 { Ok(None) } else { Ok(decide(study, tables)?) }
+}
+
+/// The lines of the decision of results; none where trials are `lacking`.
+pub fn sheet_lines(sheet: Option<&Sheet>, lacking: u64) -> Vec<(&'static str, String)> {
+    if lacking > 0 { vec![] } else { Lines::of_study(sheet) }
 }
 
 /// The lines of a decision sheet, with their headings in a column.
@@ -99,7 +104,7 @@ impl Ran<'_> {
         let verdicts = results.verdicts()?;
         let mut answer = results.answer(&verdicts)?;
         let sheet = decision(study, &tables, *lacking)?;
-        answer.sheet = sheet.as_ref().map(Sheet::lines).unwrap_or_default();
+        answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
         let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
         write(&folder.join(REPORT), results.page(answer).as_bytes())?;
         progress.clear();

@@ -186,7 +186,7 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
         // A supplied chart of names side by side shows more than what is judged.
         let is_own =
             !chart.x.span.is_empty() || study.sweeps.iter().any(|sweep| sweep.key.name == chart.x.name);
-        let judges = column.is_ok_and(|column| column.role.less_is_better());
+        let judges = column.is_ok_and(|column| column.role.less_is_better() || chart.limit.is_some());
         judges && is_own && chart.source != Source::Trajectories
     };
     let charts = || study.charts.iter().filter(judges);

@@ -2,6 +2,8 @@
 
 use serde_json::{Value as Json, json};
 
+use crate::analysis::decision::Sheet;
+
 /// The heading of each line.
 const HEADINGS: [&str; 5] = ["Requirement", "Best option", "Margin", "What limits", "Next lever"];
 
@@ -16,6 +18,23 @@ pub struct Lines {
 }
 
 impl Lines {
+    /// The lines of a study that judges nothing, as a description without a limit.
+    fn unjudged() -> Lines {
+        let sentences = [
+            "None is given, and no estimate of the study is an error, of which less is better.",
+            "None is better without a requirement; `limit` states one.",
+            "Without a limit there is none.",
+            "The parts of this estimate are not separated.",
+            "It is searched where there is a limit.",
+        ];
+        Lines { met: None, sentences: sentences.map(str::to_owned) }
+    }
+
+    /// The headings and sentences of a study with complete results, whose sheet is absent where it judges nothing.
+    pub fn of_study(sheet: Option<&Sheet>) -> Vec<(&'static str, String)> {
+        sheet.map_or_else(|| Lines::unjudged().headed(), Sheet::lines)
+    }
+
     /// Each heading with its sentence.
     pub fn headed(&self) -> Vec<(&'static str, String)> {
         HEADINGS.into_iter().zip(self.sentences.iter().cloned()).collect()

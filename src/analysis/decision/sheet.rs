@@ -263,13 +263,12 @@ pub(crate) fn with_interval(figure: Figure, shown: impl Fn(f64) -> String) -> St
     }
 }
 
-/// A quantity; a time below a tenth of a second in milliseconds.
+/// A quantity with six digits; a time below a tenth of a second in milliseconds.
 fn short(quantity: Quantity) -> String {
+    let value = significant(quantity.value, 6).parse().unwrap_or(quantity.value);
     match quantity.dimension {
-        Dimension::Time if quantity.value.abs() < 0.1 => {
-            format!("{} ms", significant(1000.0 * quantity.value, 12))
-        }
-        _ => quantity.to_string(),
+        Dimension::Time if value.abs() < 0.1 => format!("{} ms", significant(1000.0 * value, 6)),
+        _ => Quantity { value, ..quantity }.to_string(),
     }
 }
 

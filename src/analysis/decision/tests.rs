@@ -1,4 +1,4 @@
-use crate::analysis::decision::{Needed, Sheet, decide};
+use crate::analysis::decision::{Lines, Needed, Sheet, decide};
 use crate::device::Device;
 use crate::device::cpu::Cpu;
 use crate::kernel::width::Width;
@@ -104,4 +104,23 @@ fn an_option_that_meets_the_limit_more_often_says_so() {
         told.contains("within the limit under 2 of 2 conditions; the other one, quadratic, under 1"),
         "{told}"
     );
+}
+
+#[test]
+fn a_response_is_judged_by_a_limit_only() {
+    let study = |limit: &str| {
+        format!(
+            "title = \"t\"\nkind = \"suspension\"\n{limit}[suspension]\ngyro = \"LGK-400\"\n\
+             [[sweep]]\nkey = \"suspension.gyro\"\nlist = [\"LGK-400\", \"LGV-1\"]\n\
+             [[sweep]]\nkey = \"suspension.frequency\"\nlist = [\"100 Hz\", \"300 Hz\", \"380 Hz\", \"700 Hz\"]\n"
+        )
+    };
+    let (unlimited, tables) = ran(&study(""));
+    let sheet = decide(&unlimited, &tables).unwrap();
+    assert_eq!(sheet, None);
+    assert!(Lines::of_study(sheet.as_ref())[0].1.starts_with("None is given"));
+    // The useful modes are at 380 Hz and 300 Hz; only LGK-400 has another one, at 700 Hz.
+    let sheet = decided(&study("limit = \"5000 arcsec/s/g\"\n"));
+    assert_eq!((sheet.option.as_str(), sheet.met), ("LGV-1", [3, 4]), "{:?}", sheet.lines());
+    assert!(sheet.next.is_some_and(|next| next.option == "LGK-400" && next.met == 2));
 }

@@ -25,8 +25,9 @@ use crate::view::report::standing::of_verdict;
 const MOST_BESIDE: usize = 4;
 
 /// Prefixes of keys that are conditions or requirements instead of choices of a designer.
-const GIVEN: [&str; 9] = [
+const GIVEN: [&str; 10] = [
     "coefficient",
+    "suspension.frequency",
     "run.",
     "motion.",
     "drift.",
