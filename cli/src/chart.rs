@@ -13,7 +13,7 @@ use toml::{Table, Value};
 
 use crate::charts::{is_chart_stem, write_pictures};
 use crate::failure::Failure;
-use crate::output::print;
+use crate::output::{print, print_drawn};
 use crate::progress::{self, Shown};
 use crate::results::summary::summary;
 use crate::results::{held, lacking};
@@ -143,7 +143,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
         note!("{note}");
     }
     for drawn in drawn.iter().filter(|_| options.plot) {
-        print(&format!("{}\n", drawn.picture.text(look::of_output())))?;
+        print_drawn(&format!("{}\n", drawn.picture.text(look::of_output())))?;
     }
     let curves = shown(&study, &tables)?;
     let verdicts = verdicts(&study, &curves)?;

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
-use crate::output::{print, print_json, whereabouts, write, write_page, write_table};
+use crate::output::{print, print_drawn, print_json, whereabouts, write, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::results::sheet_text;
@@ -105,7 +105,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
             note!("{note}");
         }
         if options.plot {
-            print(&format!("{}\n", picture.text(look::of_output())))?;
+            print_drawn(&format!("{}\n", picture.text(look::of_output())))?;
         }
         print(&summary(&found, &table))?;
     }

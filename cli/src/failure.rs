@@ -22,6 +22,7 @@ use sagnac::store::error::StoreError;
 use sagnac::tally::share::Share;
 
 use crate::look;
+use crate::output::say;
 use crate::run::stop::Cause;
 use sagnac::quantity::number::short;
 
@@ -241,8 +242,8 @@ impl Failure {
     /// Prints the error on the standard error stream.
     pub fn report(&self) -> ExitCode {
         match self {
-            Failure::Study(error) => say!("{}", error.render(look::colours_messages(), 110)),
-            Failure::Log(error) => say!("{}", error.render(look::colours_messages(), 110)),
+            Failure::Study(error) => say(&error.render(look::colours_messages(), 110)),
+            Failure::Log(error) => say(&error.render(look::colours_messages(), 110)),
             Failure::OutputClosed => {}
             Failure::Store(StoreError::Folder { path, source }) if is_no_folder(source.kind()) => {
                 let (path, part) =

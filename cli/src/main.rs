@@ -1,14 +1,11 @@
 //! The `sagnac` program: it maps arguments to library calls, with one exit point.
 
-/// Prints a line on the standard error stream. If that cannot be written, for example on a full disk, neither the work
-/// nor the exit code changes.
+/// Prints a line on the standard error stream, made visible. If that cannot be written, for example on a full disk,
+/// neither the work nor the exit code changes.
 macro_rules! say {
-    ($($words:tt)*) => {{
-        use std::io::Write as _;
-        $crate::progress::aside(|| {
-            let _ = writeln!(std::io::stderr(), $($words)*);
-        });
-    }};
+    ($($words:tt)*) => {
+        $crate::output::say(&sagnac::quantity::visible::visible(&format!($($words)*)))
+    };
 }
 
 /// Prints a note, broken at words where the standard error stream is a terminal.

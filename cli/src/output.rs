@@ -1,9 +1,10 @@
 //! Writing of data to the standard output and to files.
 
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::quantity::visible::{visible, visible_json};
 use sagnac::store::whole::write_whole;
 use sagnac::table::Table;
 use sagnac::view::report::sections::Page;
@@ -12,7 +13,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::failure::{Failure, in_options};
-use crate::progress::{How, Shown};
+use crate::progress::{How, Shown, aside};
 
 /// Where a command on logs writes its results, and what it prints.
 #[derive(Debug, Args)]
@@ -40,13 +41,28 @@ impl Output {
     }
 }
 
-/// Prints `text` with a final line end.
+/// Prints `text`, made [`visible`], with a final line end.
 ///
 /// # Errors
 /// The reader has closed the output, or it cannot be written.
 pub fn print(text: &str) -> Result<(), Failure> {
+    print_drawn(&visible(text))
+}
+
+/// Prints a plot, which has colours and texts that are visible already.
+///
+/// # Errors
+/// It fails where [`print`] does.
+pub fn print_drawn(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()).map_err(failure)
+}
+
+/// Prints a line on the standard error stream as it is, and changes nothing where that fails.
+pub fn say(text: &str) {
+    aside(|| {
+        let _ = writeln!(io::stderr(), "{text}");
+    });
 }
 
 /// Prints `value` as an indented JSON document.
@@ -54,12 +70,8 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// # Errors
 /// It fails where [`print`] does.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let mut stdout = BufWriter::new(io::stdout().lock());
-    serde_json::to_writer_pretty(&mut stdout, value)
-        .map_err(io::Error::from)
-        .and_then(|()| writeln!(stdout))
-        .and_then(|()| stdout.flush())
-        .map_err(failure)
+    let text = serde_json::to_string_pretty(value).map_err(|error| failure(error.into()))?;
+    print_drawn(&visible_json(&text))
 }
 
 /// Prints the documents of several inputs as an array, and that of a single input as it is.

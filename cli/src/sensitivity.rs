@@ -11,7 +11,7 @@ use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json, whereabouts, write, write_page, write_table};
+use crate::output::{print, print_drawn, print_json, whereabouts, write, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::results::sheet_text;
@@ -99,7 +99,7 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
             note!("{note}");
         }
         if options.plot {
-            print(&format!("{}\n", picture.text(look::of_output())))?;
+            print_drawn(&format!("{}\n", picture.text(look::of_output())))?;
         }
         let (heading, lines) = report::by_input(&found);
         print(&headed_by(heading, lines.into_iter()))?;

@@ -6,6 +6,7 @@ use sagnac::allan::tau::TauError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::device::select::SelectError;
+use sagnac::quantity::visible::visible;
 use sagnac::run::RunError;
 use sagnac::run::keep::KeepError;
 use sagnac::source::diagnose::StudyError as Refused;
@@ -43,19 +44,25 @@ pub enum Failure {
 
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> PyErr {
+        // Python prints exceptions to terminals.
+        let told = |message: &str| visible(message).into_owned();
         match failure {
             Failure::Study(error) => StudyError::new_err(error.render(false, WIDTH).trim_end().to_owned()),
-            Failure::Usage(message) => UsageError::new_err(message),
-            Failure::Record(message) => RecordError::new_err(message),
-            Failure::Store(error) => StorageError::new_err(in_python(&error.to_string())),
-            Failure::Select(error) if error.is_usage() => UsageError::new_err(in_python(&error.to_string())),
-            Failure::Select(error) => DeviceError::new_err(in_python(&error.to_string())),
-            Failure::Run(RunError::Store(error)) => StorageError::new_err(in_python(&error.to_string())),
+            Failure::Usage(message) => UsageError::new_err(told(&message)),
+            Failure::Record(message) => RecordError::new_err(told(&message)),
+            Failure::Store(error) => StorageError::new_err(told(&in_python(&error.to_string()))),
+            Failure::Select(error) if error.is_usage() => {
+                UsageError::new_err(told(&in_python(&error.to_string())))
+            }
+            Failure::Select(error) => DeviceError::new_err(told(&in_python(&error.to_string()))),
+            Failure::Run(RunError::Store(error)) => {
+                StorageError::new_err(told(&in_python(&error.to_string())))
+            }
             Failure::Run(RunError::Gpu(error)) => DeviceError::new_err(format!(
                 "{error}\ncompleted work is kept if out= is given: run again to continue, or use device=\"cpu\""
             )),
-            Failure::Run(RunError::Refused(error)) => RecordError::new_err(error.to_string()),
-            Failure::Write(message) => StorageError::new_err(message),
+            Failure::Run(RunError::Refused(error)) => RecordError::new_err(told(&error.to_string())),
+            Failure::Write(message) => StorageError::new_err(told(&message)),
             Failure::Threads(message) => DeviceError::new_err(format!("cannot start threads: {message}")),
             Failure::Python(error) => error,
             Failure::Panic => InternalError::new_err(

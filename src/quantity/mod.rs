@@ -6,3 +6,4 @@ pub mod list;
 pub mod number;
 pub(crate) mod unit;
 pub mod units;
+pub mod visible;

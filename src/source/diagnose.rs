@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 
+use crate::quantity::visible::visible;
 use crate::source::place::Place;
 use crate::source::setting::spelled;
 
@@ -175,13 +176,22 @@ impl StudyError {
         self
     }
 
+    /// The same error with every text in it [`visible`].
+    fn visible(&self) -> StudyError {
+        let [message, label, help] =
+            [&self.message, &self.label, &self.help].map(|text| visible(text).into_owned());
+        let shown = self.shown.as_ref().map(|place| place.visible());
+        let several = self.several.iter().map(StudyError::visible).collect();
+        StudyError { several, ..StudyError::new(message, label, help, shown) }
+    }
+
     /// The report for the user, with file, line, caret and help, `width` columns wide; it has escape codes only if
     /// `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
         let mut report = String::new();
-        match handler.render_report(&mut report, self) {
+        match handler.render_report(&mut report, &self.visible()) {
             Ok(()) => report,
             // The text does not contain the place.
             Err(_) => format!("{self}\nhelp: {}\n", self.help),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use miette::{MietteError, MietteSpanContents, NamedSource, SourceCode, SourceSpan, SpanContents};
 
+use crate::quantity::visible::visible;
 use crate::source::diagnose::Text;
 
 /// Characters of a line that an error shows on each side of its cell, where it shows only a piece of the line.
@@ -63,6 +64,19 @@ impl Place {
         let ends = before[..start].bytes().zip(before[..start].bytes().skip(1).chain([0]));
         let line = 1 + ends.filter(|&(byte, next)| byte == b'\n' || (byte == b'\r' && next != b'\n')).count();
         Place::new(text.name(), line, &whole.as_bytes()[start..end], span.start - start..span.end - start)
+    }
+}
+
+impl Place {
+    /// The same place in a text whose control characters are visible.
+    pub(crate) fn visible(&self) -> Place {
+        let whole = self.text.inner();
+        let [start, end] = [self.span.start, self.span.end].map(|at| match whole.get(..at) {
+            Some(before) => visible(before).len(),
+            None => at,
+        });
+        let text = NamedSource::new(visible(self.text.name()), visible(whole).into_owned());
+        Place { text: Arc::new(text), span: start..end, ..*self }
     }
 }
 

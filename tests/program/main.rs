@@ -36,6 +36,8 @@ mod compare;
 mod descriptions;
 mod design;
 mod documents;
+#[cfg(unix)]
+mod escapes;
 mod exact_studies;
 mod filler;
 mod folders;

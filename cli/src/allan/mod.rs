@@ -22,7 +22,9 @@ pub use crate::allan::options::Options;
 use crate::allan::temperature::Thermal;
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_documents, remove, unwritten, whereabouts, write, write_page, write_table};
+use crate::output::{
+    print, print_documents, print_drawn, remove, unwritten, whereabouts, write, write_page, write_table,
+};
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -81,7 +83,7 @@ fn of_log(
     if !options.output.quiet {
         notes.iter().for_each(|note| note!("{}", in_options(note)));
         if options.plot {
-            print(&plotted(figures))?;
+            print_drawn(&plotted(figures))?;
         }
         let of_temperature = thermal.map_or_else(String::new, |thermal| thermal.report(analysis));
         let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);

@@ -17,7 +17,7 @@ use sagnac::spectrum::Welch;
 use crate::allan::options::{probability, simulated};
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
-use crate::output::{Output, print, print_json, whereabouts, write_page, write_table};
+use crate::output::{Output, print, print_drawn, print_json, whereabouts, write_page, write_table};
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -81,7 +81,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     if !options.output.quiet {
         notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
         if options.plot {
-            print(&plotted(figures))?;
+            print_drawn(&plotted(figures))?;
         }
         print(&report::report(&analysis))?;
         say!("{}", whereabouts(&folder));

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use crate::charts::draw;
 use crate::failure::Failure;
 use crate::look;
-use crate::output::{print, write, write_table};
+use crate::output::{print, print_drawn, write, write_table};
 use crate::progress::Shown;
 use crate::results::summary::summary;
 
@@ -119,7 +119,7 @@ impl Ran<'_> {
                 note!("{note}");
             }
             if let Some(first) = results.charts.first().filter(|_| self.plot) {
-                print(&format!("{}\n", first.picture.text(look::of_output())))?;
+                print_drawn(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
             print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;
             // For a single curve the verdict says the same.

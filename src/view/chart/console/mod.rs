@@ -11,6 +11,8 @@ pub(crate) mod page;
 #[cfg(test)]
 mod tests;
 
+use crate::quantity::visible::visible;
+
 /// The capabilities of a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
@@ -26,9 +28,10 @@ impl Look {
     /// Least width with room for axes and curves.
     pub const LEAST_WIDTH: usize = 40;
 
-    /// The text in characters that the terminal can show.
+    /// The text in characters that the terminal can show, none of which commands it.
     fn spelled(self, text: &str) -> String {
-        if self.unicode { text.to_owned() } else { crate::view::chart::console::ascii::spelled(text) }
+        let text = visible(text);
+        if self.unicode { text.into_owned() } else { crate::view::chart::console::ascii::spelled(&text) }
     }
 
     /// The one of two items that the terminal can show.
