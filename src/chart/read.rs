@@ -15,7 +15,6 @@ use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::source::diagnose::Fault;
-use crate::table::column::About;
 use crate::table::{Unit, Usual};
 
 /// The charts of a study: those written, or one that suits the sweeps.
@@ -252,7 +251,8 @@ fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
 
 const PERCENT: &str = "accepted: a percentage such as \"10 %\", of a relative column";
 
-/// Reads the requirement of a study on one of its tables, and gives it to the charts of the estimate that lack a limit.
+/// Reads the requirement of a study on one of its tables, and gives it to the charts of that estimate that lack a limit. A
+/// supplied chart becomes one of that estimate.
 ///
 /// # Errors
 /// No table has an estimate of that dimension, or it is not above 0.
@@ -278,12 +278,14 @@ pub(crate) fn read_requirement(
             "leave it out",
         ));
     };
-    // Of several columns side by side, the limit belongs to one only.
-    let lacks = |chart: &&mut Chart| chart.limit.is_none() && chart.beside.is_empty();
-    for chart in charts.iter_mut().filter(|chart| chart.source == ground.source).filter(lacks) {
-        let shown = ground.columns.iter().find(|column| column.name == chart.estimate().name);
-        let is_judged = |shown: &About| shown.role.less_is_better() || shown.name == column.name;
-        if shown.is_some_and(|shown| is_judged(shown) && shown.unit == limit.unit) {
+    for chart in charts.iter_mut().filter(|chart| chart.source == ground.source) {
+        // A supplied chart shows what is judged instead of the default estimates.
+        let is_supplied = chart.x.span.is_empty() && matches!(chart.shows, Shows::Curves { .. });
+        if is_supplied && chart.estimate().name != column.name {
+            (chart.y, chart.beside) = (column.name.into(), vec![]);
+        }
+        // Of several columns side by side, the limit belongs to one only.
+        if chart.limit.is_none() && chart.beside.is_empty() && chart.estimate().name == column.name {
             chart.limit = Some(limit);
         }
     }

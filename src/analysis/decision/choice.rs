@@ -4,7 +4,8 @@ use crate::chart::{Chart, Limit, Source};
 use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Table, Usual, grouped};
-use crate::view::report::answer::{Bandless, apart, is_given};
+use crate::view::report::answer::{apart, is_given};
+use crate::view::report::bandless::Bandless;
 use crate::view::report::sentences::names;
 
 /// The option after the best one.
@@ -46,6 +47,8 @@ pub(crate) struct Choice<'t> {
     pub(crate) option: String,
     /// The condition under which it is worst; empty where there is only one.
     pub(crate) condition: String,
+    /// Whether a condition has a whole curve over the averaging time, which counts at its minimum.
+    pub(crate) is_minimum: bool,
     /// Number of conditions under which it is within the limit, and of all conditions.
     pub(crate) met: [usize; 2],
     /// Number of options.
@@ -121,7 +124,7 @@ impl<'t> Choice<'t> {
         });
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
-        let (option, options) = (name, options.len());
+        let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, conditions];
         Ok(Some(Choice {
             source,
@@ -132,6 +135,7 @@ impl<'t> Choice<'t> {
             point,
             option,
             condition,
+            is_minimum,
             met,
             options,
             equal,

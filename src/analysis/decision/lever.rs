@@ -9,6 +9,7 @@ use crate::key::setting::Swept;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::study::Study;
 use crate::table::Table;
+use crate::view::report::answer::is_given;
 
 /// Factor by which each input is tried.
 const TRIED: f64 = 1.25;
@@ -114,6 +115,8 @@ impl Lever {
 struct Place<'a> {
     study: &'a Study,
     swept: Vec<(&'static Key, Swept)>,
+    /// Names of the swept keys that are conditions.
+    conditions: Vec<&'static str>,
     point: usize,
 }
 
@@ -124,7 +127,9 @@ impl<'a> Place<'a> {
             let value = sweep.values.iter().find(|value| value.cell() == *shown)?;
             Some((sweep.key, value.clone()))
         });
-        Place { study, swept: swept.collect(), point: choice.point }
+        let varied = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.key.name);
+        let conditions = varied.filter(|name| table.column(name).is_ok_and(is_given)).collect();
+        Place { study, swept: swept.collect(), conditions, point: choice.point }
     }
 
     /// The changes that lower the mean square, the most effective first.
@@ -153,7 +158,8 @@ impl<'a> Place<'a> {
         tried
     }
 
-    /// The inputs that can change: those swept and those written, without what the question asks for.
+    /// The inputs that can change: those swept and those written, without what the question asks for and the conditions
+    /// over which the results are given anyway.
     fn inputs(&self) -> Vec<Input> {
         let swept = self.swept.iter().filter_map(|(key, value)| Some((*key, value.quantity()?)));
         let of_files = self.study.subject.values(self.point);
@@ -161,7 +167,8 @@ impl<'a> Place<'a> {
         let mut inputs: Vec<Input> = Vec::new();
         for (key, value) in swept.chain(written) {
             let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
-            if is_new && value.value != 0.0 && !key.name.starts_with(ASKED) {
+            let is_asked = key.name.starts_with(ASKED) || self.conditions.contains(&key.name);
+            if is_new && value.value != 0.0 && !is_asked {
                 inputs.push(Input { key, value });
             }
         }

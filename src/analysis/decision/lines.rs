@@ -22,7 +22,7 @@ impl Lines {
     fn unjudged() -> Lines {
         let sentences = [
             "None is given, and no estimate of the study is an error, of which less is better.",
-            "None is better without a requirement; `limit` states one.",
+            "None is better without a requirement, which a limit would state.",
             "Without a limit there is none.",
             "The parts of this estimate are not separated.",
             "It is searched where there is a limit.",

@@ -32,6 +32,8 @@ pub struct Sheet {
     pub options: usize,
     /// The condition under which the best option is worst; empty where there is only one.
     pub condition: String,
+    /// Whether a condition has a whole curve over the averaging time, which counts at its minimum.
+    pub is_minimum: bool,
     /// Number of conditions under which it is within the limit, and of all conditions.
     pub met: [usize; 2],
     /// The estimate of the best option under that condition.
@@ -57,6 +59,7 @@ impl Sheet {
             option: choice.option.clone(),
             options: choice.options,
             condition: choice.condition.clone(),
+            is_minimum: choice.is_minimum,
             met: choice.met,
             value: (choice.value(), choice.interval()).into(),
             equal: choice.equal.clone(),
@@ -67,9 +70,15 @@ impl Sheet {
         }
     }
 
-    /// Whether the best option meets the limit under all conditions; `None` without a limit.
+    /// Whether the best option meets the limit under all conditions; `None` without a limit, and where the 95 % interval
+    /// contains it.
     pub fn is_met(&self) -> Option<bool> {
-        Some(self.value.value <= self.limit?.value)
+        let limit = self.limit?.value;
+        (!self.is_open(limit)).then_some(self.value.value <= limit)
+    }
+
+    fn is_open(&self, limit: f64) -> bool {
+        self.value.interval.is_some_and(|(low, high)| low <= limit && limit < high)
     }
 
     /// The fraction of the limit that is left; negative where it is exceeded.
@@ -101,9 +110,19 @@ impl Sheet {
 
     fn requirement(&self) -> String {
         let (label, value, at) = (worded(&self.label), self.shown(self.value.value), self.at());
-        let largest = if self.met[1] > 1 { "largest " } else { "" };
-        let told = format!("the {largest}{label} is {value}{at}");
+        let which = match (self.met[1] > 1, self.is_minimum) {
+            (true, true) => "largest minimum of the ",
+            (true, false) => "largest ",
+            (false, true) => "least ",
+            (false, false) => "",
+        };
+        let of_best = if self.options > 1 { " of the best option" } else { "" };
+        let told = format!("the {which}{label}{of_best} is {value}{at}");
         match (self.limit, self.is_met()) {
+            // Both sides of the limit are in the interval.
+            (Some(limit), _) if self.is_open(limit.value) => {
+                format!("Not decided by these trials: {told}, whose 95 % interval contains {}.", limit.text())
+            }
             (Some(limit), Some(true)) => format!("Met: {told}, within {}.", limit.text()),
             (Some(limit), _) => {
                 let [met, all] = self.met;
@@ -183,8 +202,8 @@ impl Sheet {
         let without = with_interval(first.without, |value| self.shown(value));
         let all: f64 = self.budget.iter().map(|part| part.share.value).sum();
         let together = match (all - 1.0).abs() > 0.02 {
-            true => " The parts do not add up, because they depend on each other.",
-            false => "",
+            true => format!(" They add up to {}, because parts act together.", percent(all)),
+            false => String::new(),
         };
         format!(
             "{} of the mean square; without {} the {} is {without}.{together}",

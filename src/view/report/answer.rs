@@ -2,14 +2,11 @@
 
 use crate::chart::{Chart, Source};
 use crate::drift::schedule::INTERVAL;
-use crate::filler::{FILLERS, Filler, Method};
-use crate::kinds::gap_fill::GapFill;
-use crate::kinds::switched_run::SwitchedRun;
-use crate::motion::Frequency;
+use crate::filler::FILLERS;
 use crate::motion::keys::GYRO as SUSPENDED_GYRO;
 use crate::noise::keys::FILE as NOISE_FILE;
 use crate::quantity::list::listed;
-use crate::quantity::number::short;
+use crate::quantity::number::{short, significant};
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
@@ -17,16 +14,19 @@ use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::Verdict;
 use crate::view::picture::{Drawn, refused};
+use crate::view::report::bandless::Bandless;
 use crate::view::report::curves::Curves;
 use crate::view::report::sentences::{best, less_is_better, measured, of_map, side_by_side};
 use crate::view::report::standing::of_verdict;
+use crate::view::verdict::Answer as Judged;
 
 /// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;
 
 /// Prefixes of keys that are conditions or requirements instead of choices of a designer.
-const GIVEN: [&str; 10] = [
+const GIVEN: [&str; 11] = [
     "coefficient",
+    "record.rate",
     "suspension.frequency",
     "run.",
     "motion.",
@@ -152,22 +152,31 @@ impl<'a> Resolved<'a> {
     /// The verdict, after the minimum of a chart over the switching interval: the interval is chosen, so the limit
     /// alone does not answer the question.
     fn judged(&self, verdict: &Verdict) -> Result<Option<String>, ColumnError> {
-        let judged = of_verdict(&verdict.answers, verdict.limit);
+        // Fillers that firmware cannot have answer no question on a limit, unless there are no others.
+        let names = Bandless::of(self.study, &self.shown.table).map(|bandless| bandless.names);
+        let is_usable = |answer: &&Judged| {
+            let is_bandless = |cell: &Cell| names.iter().flatten().any(|name| cell.text() == *name);
+            !answer.series.iter().any(|(column, cell)| column.of == FILLERS && is_bandless(cell))
+        };
+        let usable: Vec<Judged> = verdict.answers.iter().filter(is_usable).cloned().collect();
+        let are_left_out = !usable.is_empty() && usable.len() < verdict.answers.len();
+        let judged = of_verdict(if are_left_out { &usable } else { &verdict.answers }, verdict.limit);
         let chosen = match self.interval_for_each() {
             None if self.is_over_interval() => {
                 best(&self.shown.table, self.estimate, &self.rows, &self.by()?).map(|best| best.sentence())
             }
             told => told,
         };
-        Ok(self.with_caveat(match chosen {
+        let told = match chosen {
             Some(best) => judged.map(|judged| format!("{best} {judged}")),
             None => judged,
-        }))
+        };
+        Ok(self.with_caveat(told, are_left_out))
     }
 
     fn of_picture(&self) -> Result<Option<String>, ColumnError> {
         if let Picture::Map(map) = &self.drawn.picture {
-            return Ok(self.with_caveat(of_map(map)));
+            return Ok(self.with_caveat(of_map(map), false));
         }
         let (table, by, filter) = (&self.shown.table, self.by()?, self.chart.filter());
         let ground = self.study.ground(self.chart.source);
@@ -188,7 +197,7 @@ impl<'a> Resolved<'a> {
         let curves = if self.is_environment() { self.curves() } else { None };
         let told = curves.and_then(|curves| curves.least_at_worst()).or_else(|| self.interval_for_each());
         if let Some(told) = told.or_else(|| self.course()) {
-            return Ok(self.with_caveat(Some(told)));
+            return Ok(self.with_caveat(Some(told), false));
         }
         let leading = leading(self.study, table, self.estimate, &self.rows, &by);
         Ok(leading.map(|leading| format!("{leading}{}", self.beside_names().unwrap_or_default())))
@@ -223,8 +232,13 @@ impl<'a> Resolved<'a> {
         let names = self.series.iter().find(is_named)?;
         let groups = grouped(self.rows.iter().copied(), |row| names.cells[row].text());
         let least = |(name, rows): &(String, Vec<usize>)| {
-            let least = rows.iter().filter_map(|&row| self.estimate.cells[row].number()).reduce(f64::min)?;
-            Some(format!("{name} {}", measured(self.estimate, least)))
+            let known = rows.iter().filter(|&&row| self.estimate.cells[row].number().is_some());
+            let row = *known.min_by(|&&a, &&b| self.estimate.value(a).total_cmp(&self.estimate.value(b)))?;
+            let place = match self.x.cells[row].number() {
+                Some(x) => format!(" at {}", self.x.valued(&significant(x, 4))),
+                None => String::new(),
+            };
+            Some(format!("{name} {}{place}", measured(self.estimate, self.estimate.value(row))))
         };
         let told: Vec<String> = groups.iter().map(least).collect::<Option<_>>()?;
         let is_few = (2..=MOST_BESIDE).contains(&told.len());
@@ -259,8 +273,8 @@ impl<'a> Resolved<'a> {
             .then(|| Curves::of(self.x, self.estimate, &self.rows, &self.series))
     }
 
-    /// A headline with a caveat on the fillers among the rows of the chart.
-    fn with_caveat(&self, headline: Option<String>) -> Option<String> {
+    /// A headline with a caveat on the fillers among the rows of the chart, which the headline may leave out.
+    fn with_caveat(&self, headline: Option<String>, are_left_out: bool) -> Option<String> {
         let Some(Bandless { column, mut names, why }) = Bandless::of(self.study, &self.shown.table) else {
             return headline;
         };
@@ -268,8 +282,15 @@ impl<'a> Resolved<'a> {
         if names.is_empty() {
             return headline;
         }
-        let (is, names) = (if names.len() == 1 { "is" } else { "are" }, listed(&names));
-        let caveat = format!("Without a band {names} {is} designed for {why}, which firmware does not know.");
+        let (is, they, all) = match names.len() {
+            1 => ("is", "it is", listed(&names)),
+            _ => ("are", "they are", listed(&names)),
+        };
+        let subject = match are_left_out {
+            true => format!("Left out {is} {all}: without a band {they}"),
+            false => format!("Without a band {all} {is}"),
+        };
+        let caveat = format!("{subject} designed for {why}, which firmware does not know.");
         headline.map(|headline| format!("{headline} {caveat}"))
     }
 }
@@ -292,39 +313,15 @@ fn leading(
         return Some(sentence);
     }
     let others: Vec<usize> = rows.iter().copied().filter(|&row| !is_bandless(row)).collect();
-    let second = best(table, estimate, &others, by)
-        .map_or(String::new(), |second| format!("; of the others the least is {}", second.value));
-    Some(format!("{sentence} That filler is designed for {why}, which firmware does not know{second}."))
-}
-
-/// The fillers that are designed without a band, whose weights firmware cannot have: they follow the motion of each
-/// point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of the band.
-pub(crate) struct Bandless<'a> {
-    /// The column of all fillers.
-    pub(crate) column: &'a Column,
-    pub(crate) names: Vec<&'a str>,
-    /// What they are designed for.
-    why: &'static str,
-}
-
-impl<'a> Bandless<'a> {
-    pub(crate) fn of(study: &'a Study, table: &'a Table) -> Option<Bandless<'a>> {
-        let column = table.listed_by(FILLERS)?;
-        let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
-        let is_bandless = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
-        let names = gap_fill.fillers.iter().filter(is_bandless).map(|filler| filler.name.as_str());
-        let names: Vec<&str> = names.collect();
-        let of_design = |key: &str| ["motion.", "gyro.", "noise."].iter().any(|table| key.starts_with(table));
-        let varies = study.sweeps.iter().any(|sweep| sweep.values.len() > 1 && of_design(sweep.key.name));
-        let is_tuned =
-            gap_fill.inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
-        let why = match (varies, is_tuned) {
-            (true, _) => "the very motion of each point",
-            (false, true) => "exactly this frequency",
-            (false, false) => return None,
-        };
-        (!names.is_empty()).then_some(Bandless { column, names, why })
-    }
+    let aim = format!("designed for {why}, which firmware does not know");
+    Some(match best(table, estimate, &others, by) {
+        Some(second) => format!(
+            "{} Fillers that are {aim}, are left out; the least of them is {}.",
+            second.sentence(),
+            first.value
+        ),
+        None => format!("{sentence} That filler is {aim}."),
+    })
 }
 
 /// The best row of a study without its own chart.

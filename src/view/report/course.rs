@@ -16,6 +16,9 @@ const MOST_PEAKS: usize = 4;
 /// Relative rise over the least value from which a curve counts as grown.
 const GROWN: f64 = 0.1;
 
+/// Largest deviation from a power of x, as a logarithm, of a curve that follows one.
+const STRAIGHT: f64 = 0.2;
+
 impl Curves<'_> {
     fn named(&self) -> Option<()> {
         (1..=MOST_CURVES).contains(&self.curves.len()).then_some(())
@@ -80,26 +83,32 @@ impl Curves<'_> {
         Some(format!("The {} peaks at {} {}.", self.y.label, self.x.label, told.join(", ")))
     }
 
-    /// How each curve grows from the least to the greatest x, with the power of x that joins its ends, and from where on it
-    /// is a tenth above its least value. `None` where a curve does not grow.
+    /// How each curve grows from the least x to its largest value, with the power of x where it follows one, and from where
+    /// on it is a tenth above its least value. `None` where a curve does not grow.
     pub(crate) fn growth(&self) -> Option<String> {
         self.named()?;
         let of_curve = |(name, rows): &(String, Vec<usize>)| {
             let (&first, &last) = (rows.first()?, rows.last()?);
-            let ends = [first, last].map(|row| (self.x.value(row), self.y.value(row)));
-            let [(from, low), (to, high)] = ends;
+            let top = *rows.iter().max_by(|&&a, &&b| self.y.value(a).total_cmp(&self.y.value(b)))?;
+            let [(from, low), (to, high)] = [first, top].map(|row| (self.x.value(row), self.y.value(row)));
             let grows = 0.0 < from && from < to && 0.0 < low && low * (1.0 + GROWN) < high;
             grows.then_some(())?;
             let power = libm::log(high / low) / libm::log(to / from);
+            let law = |row: usize| low * libm::pow(self.x.value(row) / from, power);
+            let follows = rows.iter().all(|&row| libm::log(self.y.value(row) / law(row)).abs() < STRAIGHT);
+            let power = if follows { format!("power {}, ", significant(power, 2)) } else { String::new() };
             let least = rows.iter().map(|&row| self.y.value(row)).fold(f64::INFINITY, f64::min);
             let grown = rows.iter().find(|&&row| self.y.value(row) > (1.0 + GROWN) * least)?;
             let on = self.x.valued(&significant(self.x.value(*grown), 3));
+            let at = match top == last {
+                true => String::new(),
+                false => format!(" at {}", self.x.valued(&significant(to, 3))),
+            };
             let name = if name.is_empty() { String::new() } else { format!("{name} ") };
+            let (low, high) = (significant(low, 3), significant(high, 3));
             Some(format!(
-                "{name}from {} to {} (power {}, a tenth above its least from {on} on)",
-                significant(low, 3),
-                measured(self.y, high),
-                significant(power, 2)
+                "{name}from {low} to {high} {}{at} ({power}10 % above its least value from {on} on)",
+                self.y.unit.symbol
             ))
         };
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
@@ -160,10 +169,14 @@ mod tests {
 
     #[test]
     fn growth_has_a_power_and_a_place_where_it_begins() {
-        let expected = "The rms grows between frequency 1 Hz and 4 Hz: a from 1 to 4 arcsec (power 1, a tenth above its least \
-                        from frequency 2 Hz on).";
+        let expected = "The rms grows between frequency 1 Hz and 4 Hz: a from 1 to 4 arcsec (power 1, 10 % above its least \
+                        value from frequency 2 Hz on).";
         assert_eq!(said(&[("a", [1.0, 2.0, 4.0])], |curves| curves.growth()).as_deref(), Some(expected));
         assert_eq!(said(&[("a", [4.0, 2.0, 1.0])], |curves| curves.growth()), None);
+        // Flat, then steep, then less: no power, and the largest value has its place.
+        let expected = "The rms grows between frequency 1 Hz and 4 Hz: a from 1 to 9 arcsec at frequency 2 Hz (10 % above its \
+                        least value from frequency 2 Hz on).";
+        assert_eq!(said(&[("a", [1.0, 9.0, 8.0])], |curves| curves.growth()).as_deref(), Some(expected));
     }
 
     #[test]

@@ -14,6 +14,7 @@
 pub(crate) mod agreement;
 pub mod answer;
 pub(crate) mod axes;
+pub(crate) mod bandless;
 pub(crate) mod course;
 pub(crate) mod curves;
 pub(crate) mod data;

@@ -48,7 +48,9 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         }
         1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
         _ if always.len() == all => {
-            return Some(format!("All {all} curves stay within {limit} ({}).", with_most(&always)));
+            // The one with the least margin is the last.
+            let worst = always.last().map(|one| format!(": at most {} ({})", most(one.most), one.name()));
+            return Some(format!("All {all} curves stay within {limit}{}.", worst.unwrap_or_default()));
         }
         _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
         _ => [
@@ -183,7 +185,7 @@ mod tests {
         let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
         assert_eq!(
             judged(&[good, ("fine", [1.0; 3])]),
-            "All 2 curves stay within 10 arcsec (fine, at most 1 arcsec; good, at most 3 arcsec)."
+            "All 2 curves stay within 10 arcsec: at most 3 arcsec (good)."
         );
         assert_eq!(judged(&[good]), "Good: within 10 arcsec up to the last point, frequency 4 Hz.");
         assert_eq!(
