@@ -27,6 +27,7 @@ mod explain;
 mod failure;
 mod filler;
 mod folders;
+mod limits;
 mod look;
 mod lot;
 mod merge;

@@ -36,7 +36,8 @@ from .errors import (
     UsageError,
 )
 from .fillers import Filler, Fillers, Rule, filler
-from .records import Allan, Coefficient, Curve, Fit, Minimum, allan, fit
+from .noise import Allan, Coefficient, Curve, Fit, Minimum
+from .records import allan, fit
 from .results import Results, Table, Verdict
 from .studies import run
 

@@ -74,11 +74,13 @@ class RawRecord(TypedDict):
 
 
 class RawCurves(RawRecord):
+    decision: str
     curves: list[RawCurve]
 
 
 class RawFit(RawRecord):
     answer: str
+    decision: str
     rows: list[tuple[str, str, float | None, float | None, float | None, str]]
     intervals: str
     without_bootstrap: str | None

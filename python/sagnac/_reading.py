@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -49,3 +50,8 @@ def reading_of(
     if not 1e-9 <= step <= 1e9:
         raise UsageError(f"rate={rate}\naccepted: samples per second from 1e-9 to 1e9")
     return values, Reading(kind, unit, step, detrend, remove_outliers, unit_check, _threads(threads))
+
+
+def limits_of(limits: Mapping[str, str | float] | None) -> list[str]:
+    """Limits as the texts that the program takes."""
+    return [f"{name}={value}" for name, value in (limits or {}).items()]

@@ -127,6 +127,7 @@ def compare(
     readings: tuple[_Reading, _Reading],
     names: tuple[str, str],
     terms: list[str] | None,
+    limits: list[str],
 ) -> RawAnalysis: ...
 def psd(
     data: _Numbers,
@@ -137,6 +138,7 @@ def psd(
     confidence: float,
     terms: list[str] | None,
     bootstrap: int | None,
+    limits: list[str],
 ) -> RawAnalysis: ...
 def curves(
     data: _Numbers,
@@ -145,6 +147,7 @@ def curves(
     taus: str | list[float],
     confidence: float,
     intervals: str,
+    limits: list[str],
 ) -> RawCurves: ...
 def fit(
     data: _Numbers,
@@ -153,6 +156,7 @@ def fit(
     range: tuple[float | None, float | None],
     is_forced: bool,
     bootstrap: int | None,
+    limits: list[str],
 ) -> RawFit: ...
 def of_kinds(kinds: Sequence[str], made: _Made) -> RawFillers: ...
 def of_study(path: Path, at: Sequence[str], fillers: Sequence[str]) -> RawFillers: ...

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _sagnac
 from ._raw import RawAnalysis
-from ._reading import Kind, reading_of
+from ._reading import Kind, limits_of, reading_of
 from .errors import UsageError
 from .records import LEAST_REALISATIONS
 from .results import Charted, Table
@@ -31,6 +31,12 @@ class Analysis(Charted):
     """What the program prints with ``--json``."""
     tables: dict[str, Table]
     """The tables by the names of their files, such as ``design.csv``."""
+
+    @property
+    def decision(self) -> dict[str, Any] | None:
+        """The decision: ``met``, and in ``sentences`` the five lines with their headings; None where no error is known."""
+        found: dict[str, Any] | None = self.data["decision"]
+        return found
 
     def __repr__(self) -> str:
         return f"<Analysis: {self.answer}>"
@@ -160,6 +166,7 @@ def compare(
     kind: Kind = "rate",
     names: tuple[str, str] = ("A", "B"),
     terms: Literal["auto"] | Sequence[str] = "auto",
+    limits: Mapping[str, float] | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -177,6 +184,8 @@ def compare(
         What the records are called.
     terms, kind, detrend, remove_outliers, unit_check, threads
         As for :func:`fit`.
+    limits
+        Largest accepted ratios of coefficients, b over a, which the ``decision`` is held against: ``{"N": 1.1}``.
 
     Raises
     ------
@@ -198,7 +207,9 @@ def compare(
         for data, rate, unit in zip((a, b), rates, units)
     ]
     (first, of_first), (second, of_second) = records
-    return _analysis(_sagnac.compare(first, second, (of_first, of_second), names, _terms(terms)))
+    return _analysis(
+        _sagnac.compare(first, second, (of_first, of_second), names, _terms(terms), limits_of(limits))
+    )
 
 
 def psd(
@@ -213,6 +224,7 @@ def psd(
     confidence: float = 0.95,
     terms: Literal["auto"] | Sequence[str] = "auto",
     bootstrap: int | None = None,
+    limits: Mapping[str, str | float] | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -234,6 +246,8 @@ def psd(
         Probability of the intervals.
     terms, bootstrap
         As for :func:`fit`, of the fit whose density is drawn beside.
+    limits
+        As for :func:`fit`; ``in_run_stability`` and ``floor``, the N of the flat part of the density, can be limited too.
 
     Raises
     ------
@@ -258,7 +272,9 @@ def psd(
         bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
     is_linear = segment_detrend == "linear"
     return _analysis(
-        _sagnac.psd(values, reading, name, segment, is_linear, confidence, _terms(terms), bootstrap)
+        _sagnac.psd(
+            values, reading, name, segment, is_linear, confidence, _terms(terms), bootstrap, limits_of(limits)
+        )
     )
 
 

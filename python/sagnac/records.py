@@ -2,209 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+import json
+from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from . import _plot, _sagnac
-from ._reading import Kind, reading_of
+from . import _sagnac
+from ._reading import Kind, limits_of, reading_of
 from .errors import UsageError
+from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .studies import _whole
 
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.axes import Axes
-
 Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
-Numbers = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 #: Least number of simulated records with usable 2.5 % quantiles.
 LEAST_REALISATIONS = 200
-
-
-@dataclass(frozen=True)
-class Minimum:
-    """The minimum of a curve, which data sheets call in-run bias stability. It differs from the bias instability B."""
-
-    tau: float
-    value: float
-    lower: float | None
-    upper: float | None
-    at_end: bool
-    """Whether the curve ends there, so that a longer record may show a lower one."""
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A deviation over averaging times. All arrays have one value for each time."""
-
-    deviation: str
-    unit: str
-    """``deg/h``, or ``arcsec`` for a time deviation; ``ug`` and ``ug*s`` for accelerations; empty for plain numbers."""
-    m: Counts
-    """Averaging factors: τ in samples."""
-    tau: Numbers
-    """Averaging times, s."""
-    terms: Counts
-    """Number of averaged differences; those that touch a gap are omitted."""
-    value: Numbers
-    """Deviation; NaN where there is no term."""
-    lower: Numbers
-    upper: Numbers
-    """Ends of the interval; NaN where it is unknown."""
-    alpha: Numbers
-    """The noise, S(f) ∝ f^α: 2 quantisation, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
-    record is too short."""
-    alpha_carried: NDArray[np.bool_]
-    """Whether α was identified at a shorter τ, because there are too few groups at this one."""
-    edf: Numbers
-    """Equivalent degrees of freedom of the variance."""
-    minimum: Minimum | None
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """The arrays as the columns of a pandas DataFrame; pandas has to be installed."""
-        import pandas
-
-        names = ["m", "tau", "terms", "value", "lower", "upper", "alpha", "alpha_carried", "edf"]
-        return pandas.DataFrame({name: getattr(self, name) for name in names})
-
-
-@dataclass(frozen=True)
-class Allan(Mapping[str, Curve]):
-    """The curves of a record by the names of their deviations: ``found["oadev"].tau``."""
-
-    curves: dict[str, Curve]
-    missing: int
-    """Number of samples that are NaN."""
-    mean_rate: float | None
-    """Mean rate, °/h, or acceleration, µg; for plain numbers in their unit, or per s if they are not rates."""
-    removed_slope_per_s: float
-    """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
-    outliers: Counts
-    """Indices of the samples, or for angles of the increments, that are outliers; the curves include them unless
-    ``remove_outliers`` is given."""
-    outlier_threshold: float
-
-    @property
-    def answer(self) -> str:
-        """The in-run stability in one sentence, from the first curve that has a minimum."""
-        curve = next((curve for curve in self.curves.values() if curve.minimum is not None), None)
-        if curve is None or curve.minimum is None:
-            return "No curve has a minimum."
-        least = curve.minimum
-        end = ", where the curve ends" if least.at_end else ""
-        return f"In-run stability {least.value:.4g} {curve.unit} at τ = {least.tau:.4g} s{end}."
-
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the curves with their intervals with matplotlib, which has to be installed; returns the axes."""
-        ax = _plot.axes_of(ax)
-        for style, curve in enumerate(self.curves.values()):
-            look = _plot.colour(style)
-            ax.loglog(curve.tau, curve.value, color=look, marker="o", markersize=3, label=curve.deviation)
-            ax.fill_between(curve.tau, curve.lower, curve.upper, color=look, alpha=0.2, linewidth=0)
-        units = {curve.unit for curve in self.curves.values()}
-        ax.set_xlabel("averaging time τ, s")
-        ax.set_ylabel(", ".join(["deviation σ(τ)", *filter(None, sorted(units))]))
-        ax.legend()
-        return ax
-
-    def __getitem__(self, deviation: str) -> Curve:
-        return self.curves[deviation]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.curves)
-
-    def __len__(self) -> int:
-        return len(self.curves)
-
-
-@dataclass(frozen=True)
-class Coefficient:
-    """One coefficient of a record."""
-
-    name: str
-    unit: str
-    """Unit as in data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``; of accelerometers
-    Q ``m/s``, N ``m/s/sqrt(h)``, B ``ug``, K ``ug/sqrt(h)``, R ``ug/h``."""
-    value: float | None
-    """Value; None if it is not identified."""
-    lower: float | None
-    upper: float | None
-    """Ends of the 95 % interval; without a value, ``upper`` is an upper bound."""
-    verdict: str
-    """``identified``, or another statement."""
-
-    @property
-    def is_identified(self) -> bool:
-        """Whether the interval of its square does not contain 0, and no other term fits equally well."""
-        return self.verdict == "identified"
-
-
-@dataclass(frozen=True)
-class Fit(Mapping[str, Coefficient]):
-    """The coefficients of a record by their names: ``found["N"].value``."""
-
-    coefficients: dict[str, Coefficient]
-    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested; L if the record shows a filter."""
-    answer: str
-    """The coefficients in one sentence."""
-    described: bool
-    """Whether the terms describe the curve."""
-    fit_from: float
-    fit_to: float
-    """Shortest and longest averaging time of the fit, s."""
-    intervals: str
-    """Method of the intervals, such as ``bootstrap of 1000`` or ``closed form``."""
-    without_bootstrap: str | None
-    """Why no records were simulated, if that was not requested."""
-    chi_squared: float
-    """Sum of the squared residuals, weighted with the covariance of the points of the curve."""
-    degrees_of_freedom: int
-    p_value: float | None
-    """Probability of such large residuals if the fit is right; below 1e-9 other terms are needed."""
-    tau: Numbers
-    """Averaging times of the fitted curve, s, up to an eighth of the record."""
-    unit: str
-    """Unit of ``deviation`` and ``fitted``, as of a :class:`Curve`."""
-    deviation: Numbers
-    """The overlapping Allan deviation at these times."""
-    fitted: Numbers
-    """The deviation of the best fit at this sampling rate, including terms that are not identified; NaN at averaging times that
-    the fit leaves out, and everywhere if it does not describe the curve."""
-    missing: int
-    mean_rate: float | None
-    removed_slope_per_s: float
-    outliers: Counts
-    """The same as in :class:`Allan`."""
-
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the curve and the fit with matplotlib, which has to be installed; returns the axes."""
-        ax = _plot.axes_of(ax)
-        ax.loglog(self.tau, self.deviation, "o", color=_plot.colour(0), markersize=4, label="overlapping Allan deviation")
-        ax.loglog(self.tau, self.fitted, color=_plot.colour(1), label="fit")
-        ax.set_xlabel("averaging time τ, s")
-        ax.set_ylabel(f"deviation σ(τ), {self.unit}" if self.unit else "deviation σ(τ)")
-        ax.legend()
-        return ax
-
-    def __getitem__(self, name: str) -> Coefficient:
-        return self.coefficients[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.coefficients)
-
-    def __len__(self) -> int:
-        return len(self.coefficients)
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """The coefficients as a pandas DataFrame, a row for each; pandas has to be installed."""
-        import pandas
-
-        return pandas.DataFrame([vars(coefficient) for coefficient in self.coefficients.values()])
 
 
 def allan(
@@ -217,6 +31,7 @@ def allan(
     taus: str | ArrayLike = "octave",
     confidence: float = 0.95,
     intervals: Literal["record", "stable32"] = "record",
+    limits: Mapping[str, str | float] | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -246,6 +61,8 @@ def allan(
         Probability of the intervals.
     intervals
         Noise that the intervals suppose: that of the record as a whole, or with ``stable32`` the power law of each averaging time.
+    limits
+        Largest accepted in-run stability, which :attr:`Allan.decision` is held against: ``{"in_run_stability": "0.01 deg/h"}``.
     detrend
         Removes a straight line from the rate.
     remove_outliers
@@ -281,7 +98,7 @@ def allan(
     if not 0.0 < confidence < 1.0:
         raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
     times = taus if isinstance(taus, str) else [float(tau) for tau in np.atleast_1d(np.asarray(taus))]
-    found = _sagnac.curves(values, reading, names, times, confidence, intervals)
+    found = _sagnac.curves(values, reading, names, times, confidence, intervals, limits_of(limits))
     curves = {}
     for raw in found["curves"]:
         least = raw["minimum"]
@@ -303,6 +120,7 @@ def allan(
         curves=curves,
         missing=found["missing"],
         mean_rate=found["mean_rate"],
+        decision=json.loads(found["decision"]),
         removed_slope_per_s=found["removed_slope_per_s"],
         outliers=found["outliers"],
         outlier_threshold=found["outlier_threshold"],
@@ -320,6 +138,7 @@ def fit(
     fit_to: float | None = None,
     force: bool = False,
     bootstrap: int | None = None,
+    limits: Mapping[str, str | float] | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
     unit_check: bool = True,
@@ -341,6 +160,9 @@ def fit(
     bootstrap
         Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
         in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
+    limits
+        Largest accepted coefficients, which :attr:`Fit.decision` is held against: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
+        if the upper end of the 95 % interval, or the bound, is within it, and not met if the lower end is above it.
 
     Notes
     -----
@@ -374,11 +196,18 @@ def fit(
     if isinstance(terms, str) and terms != "auto":
         raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
     found = _sagnac.fit(
-        values, reading, None if terms == "auto" else list(terms), (fit_from, fit_to), force, bootstrap
+        values,
+        reading,
+        None if terms == "auto" else list(terms),
+        (fit_from, fit_to),
+        force,
+        bootstrap,
+        limits_of(limits),
     )
     return Fit(
         coefficients={row[0]: Coefficient(*row) for row in found["rows"]},
         answer=found["answer"],
+        decision=json.loads(found["decision"]),
         described=found["described"],
         fit_from=found["range"][0],
         fit_to=found["range"][1],

@@ -6,9 +6,11 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::trend::Trend;
+use sagnac::analysis::compare::decision::RatioLimit;
 use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::design::{Measure, design as find, report as design_report};
 use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::requirement::Limited;
 use sagnac::analysis::sensitivity::{
     Request, SensitivityError, report as sensitivity_report, sensitivity as decide,
 };
@@ -28,7 +30,7 @@ use serde_json::{Value, json};
 use super::compute::{compute, compute_on, read_on};
 use super::failure::{Failure, in_python};
 use super::progress::Listener;
-use super::record::{Reading, side_by_side, terms_of};
+use super::record::{Reading, limits_of, side_by_side, terms_of};
 use super::run::study_of;
 use super::table::columns;
 
@@ -159,6 +161,7 @@ pub fn compare<'py>(
     readings: (Reading, Reading),
     names: (String, String),
     terms: Option<Vec<String>>,
+    limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (side_by_side(&a)?, side_by_side(&b)?);
     let (a, b) =
@@ -166,12 +169,15 @@ pub fn compare<'py>(
     let found = compute_on(py, readings.0.threads, || {
         let treatment = readings.0.treatment();
         let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
+        let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<Vec<_>, _>>()?;
+        compared::decision::check(&limits, Some(fitting.terms.all()))?;
         let logs = [(Path::new(&names.0), &a), (Path::new(&names.1), &b)];
         let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
             .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
         let tables = vec![];
-        let document = compared::tables::document(&analysis);
-        Ok(Found { page: page::of_comparison([&a, &b], &analysis), document, tables })
+        let decision = analysis.decision(&limits);
+        let document = compared::tables::document(&analysis, &decision);
+        Ok(Found { page: page::of_comparison([&a, &b], &analysis, &decision), document, tables })
     })?;
     found.into_python(py)
 }
@@ -189,6 +195,7 @@ pub fn psd<'py>(
     confidence: f64,
     terms: Option<Vec<String>>,
     bootstrap: Option<usize>,
+    limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
     let log = read_on(py, reading.threads, || reading.log(values, &name))?;
@@ -202,6 +209,8 @@ pub fn psd<'py>(
         let densities = densities(&log, &treatment, &welch)
             .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
         let terms: Terms = terms_of(terms.as_deref(), treatment.trend)?;
+        let unit = log.channels[0].unit.curves;
+        let limits = limits_of(&limits, &Limited::OF_LOG, Some(terms.all()), unit)?;
         let asked = Asked {
             confidence,
             fitting: Some(Fitting::from(terms)),
@@ -211,8 +220,9 @@ pub fn psd<'py>(
         let noise = log::Analysis::of(&log, Path::new(&name), &treatment, &asked, &Silent)?;
         let analysis = spectrum::Analysis::of(noise, densities);
         let tables = vec![("psd.csv", spectrum::tables::table(&analysis))];
-        let document = spectrum::tables::document(&analysis);
-        Ok(Found { page: page::of_log(&log, &analysis, None, vec![]), document, tables })
+        let decision = analysis.decision(&limits);
+        let document = spectrum::tables::document(&analysis, &decision);
+        Ok(Found { page: page::of_log(&log, &analysis, &decision, None, vec![]), document, tables })
     })?;
     found.into_python(py)
 }

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::requirement::LimitError;
 use sagnac::device::select::SelectError;
 use sagnac::quantity::visible::visible;
 use sagnac::run::RunError;
@@ -106,6 +107,12 @@ impl From<SelectError> for Failure {
 impl From<TauError> for Failure {
     fn from(error: TauError) -> Failure {
         Failure::Usage(in_python(&error.to_string()))
+    }
+}
+
+impl From<LimitError> for Failure {
+    fn from(error: LimitError) -> Failure {
+        Failure::Usage(format!("limits: {error}"))
     }
 }
 

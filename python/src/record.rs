@@ -12,8 +12,10 @@ use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
+use sagnac::analysis::log::tables::least_or_bound;
 use sagnac::analysis::log::{Treatment, model, slope};
 use sagnac::analysis::page::of_noise;
+use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::range::Fitting;
@@ -59,6 +61,23 @@ struct Record {
     /// What looks doubtful in the samples.
     doubt: Option<String>,
     unit: sagnac::allan::unit::Unit,
+}
+
+impl Record {
+    /// The record as it is held against limits, without what it shows.
+    fn subject(&self, step_s: f64) -> Subject<'_> {
+        Subject {
+            label: "record",
+            unit: self.unit,
+            noise: Ok(None),
+            stability: None,
+            floor: None,
+            level: String::new(),
+            samples: self.angles.len().saturating_sub(1),
+            step_s,
+            spread: self.angles.spread(),
+        }
+    }
 }
 
 /// Averaging times: the name of a choice, or seconds.
@@ -236,6 +255,7 @@ pub fn curves<'py>(
     taus: Times,
     confidence: f64,
     intervals: &str,
+    limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
     let is_of_record = match intervals {
@@ -247,6 +267,7 @@ pub fn curves<'py>(
         }
     };
     let record = read_on(py, reading.threads, || reading.record(values))?;
+    let limits = limits_of(&limits, &[Limited::Stability], None, record.unit)?;
     let (record, curves) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
         let model = is_of_record.then(|| model(&record.angles, reading.trend()));
@@ -263,6 +284,12 @@ pub fn curves<'py>(
         Ok((record, curves))
     })?;
     let document = document(py, &record)?;
+    let stability = curves.iter().find(|(deviation, _)| !deviation.is_of_angle());
+    let stability = stability
+        .and_then(|(deviation, points)| Some(least_or_bound(record.unit, *deviation, &minimum(points)?)));
+    let level = format!("{} %", significant(100.0 * confidence, 6));
+    let subject = Subject { stability, level, ..record.subject(reading.step_s) };
+    document.set_item("decision", decide(&[subject], &limits, "record").json().to_string())?;
     let curves = curves.iter().map(|(deviation, points)| of_curve(py, *deviation, points, record.unit));
     document.set_item("curves", curves.collect::<PyResult<Vec<_>>>()?)?;
     Ok(document)
@@ -312,11 +339,14 @@ pub fn fit<'py>(
     range: (Option<f64>, Option<f64>),
     is_forced: bool,
     bootstrap: Option<usize>,
+    limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
     let record = read_on(py, reading.threads, || reading.record(values))?;
-    let (record, sheet, fitted) = compute_on(py, reading.threads, || {
+    let (record, sheet, fitted, decision) = compute_on(py, reading.threads, || {
         let terms = terms_of(terms.as_deref(), reading.trend())?;
+        let known = Term::ALL.map(Limited::Coefficient);
+        let limits = limits_of(&limits, &known, Some(terms.all()), record.unit)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
         let sheet = DataSheet::of(&record.angles, &fitting, record.unit, simulated)
@@ -334,7 +364,9 @@ pub fn fit<'py>(
                 (tau_s, variance.sqrt(), model.filter(|_| is_fitted).map(f64::sqrt))
             })
             .collect();
-        Ok((record, sheet, fitted))
+        let subject = Subject { noise: Ok(Some(&sheet)), ..record.subject(reading.step_s) };
+        let decision = decide(&[subject], &limits, "record");
+        Ok((record, sheet, fitted, decision))
     })?;
     let document = document(py, &record)?;
     let rows = sheet.rows.iter().map(|row| {
@@ -342,6 +374,7 @@ pub fn fit<'py>(
         (row.name, row.unit, row.value, lower, upper, row.verdict)
     });
     document.set_item("answer", format!("{}.", of_noise(&sheet)))?;
+    document.set_item("decision", decision.json().to_string())?;
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
     let why = sheet.intervals.without.as_deref().map(in_python);
@@ -356,6 +389,22 @@ pub fn fit<'py>(
     document.set_item("deviation", column(&|(_, deviation, _)| *deviation))?;
     document.set_item("fitted", column(&|(.., fitted)| fitted.unwrap_or(f64::NAN)))?;
     Ok(document)
+}
+
+/// The limits of these texts on some of `known`, for a record of this unit and a fit of these terms.
+///
+/// # Errors
+/// A text is no limit, or a limit does not fit the record, the fit or another limit.
+pub fn limits_of(
+    texts: &[String],
+    known: &[Limited],
+    fitted: Option<&[Term]>,
+    unit: sagnac::allan::unit::Unit,
+) -> Result<Vec<Limit>, Failure> {
+    let limits = texts.iter().map(|text| Limit::parse(text, known)).collect::<Result<Vec<_>, _>>()?;
+    check(&limits, fitted)?;
+    applies(&limits, &[unit])?;
+    Ok(limits)
 }
 
 /// The terms of these names; without them those that the record supports.

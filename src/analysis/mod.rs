@@ -12,6 +12,7 @@ mod jackknife;
 pub mod log;
 pub mod lot;
 pub mod page;
+pub mod requirement;
 pub mod sensitivity;
 pub mod spectrum;
 pub mod temperature;

@@ -175,21 +175,52 @@ pub(crate) fn round_12(x: f64) -> f64 {
 /// # Ok::<(), sagnac::quantity::error::UnitError>(())
 /// ```
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
+    let (number, unit) = number_and_unit(text)?;
+    let (factor, dimension) = unit_of(unit, text.trim(), wanted)?;
+    Ok(Quantity::new(finite(number * factor, text)?, dimension))
+}
+
+/// Reads `"<number> <unit>"` as a multiple of the first of some `units` that measures the same; returns it with the place
+/// of that unit.
+///
+/// # Errors
+/// Those of [`parse`].
+///
+/// # Example
+/// ```
+/// use sagnac::quantity::units::parse_in;
+///
+/// assert_eq!(parse_in("3 arcmin/√h", &["deg/sqrt(h)", "m/s/sqrt(h)"])?, (0.05, 0));
+/// assert_eq!(parse_in("2 mm/s/sqrt(h)", &["deg/sqrt(h)", "m/s/sqrt(h)"])?, (0.002, 1));
+/// # Ok::<(), sagnac::quantity::error::UnitError>(())
+/// ```
+pub fn parse_in(text: &str, units: &[&str]) -> Result<(f64, usize), UnitError> {
+    let (number, unit) = number_and_unit(text)?;
+    let size = expression::parse(unit)?;
+    for (place, own) in units.iter().enumerate() {
+        let own = expression::parse(own)?;
+        if own.exponents == size.exponents {
+            return Ok((round_12(finite(number * (size.factor / own.factor), text)?), place));
+        }
+    }
+    Err(UnitError::Dimension { text: text.trim().to_owned(), found: named(size.exponents) })
+}
+
+/// The number at the start of a text, and the unit behind it.
+fn number_and_unit(text: &str) -> Result<(f64, &str), UnitError> {
     let text = text.trim();
-    let owned = || text.to_owned();
     let (number, unit) = text.split_at(number_length(text));
     if let Some(instead) = without_comma(number, unit) {
-        return Err(UnitError::Comma { text: owned(), instead });
+        return Err(UnitError::Comma { text: text.to_owned(), instead });
     }
     let unit = unit.trim();
     let digits = number.replace('_', "").replace('−', "-");
-    let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber(owned()))?;
-    if unit.is_empty() {
-        return Err(UnitError::BareNumber(owned()));
-    }
-    let (factor, dimension) = unit_of(unit, text, wanted)?;
-    let value = number * factor;
-    if value.is_finite() { Ok(Quantity::new(value, dimension)) } else { Err(UnitError::NotFinite(owned())) }
+    let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber(text.to_owned()))?;
+    if unit.is_empty() { Err(UnitError::BareNumber(text.to_owned())) } else { Ok((number, unit)) }
+}
+
+fn finite(value: f64, text: &str) -> Result<f64, UnitError> {
+    if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite(text.trim().to_owned())) }
 }
 
 /// Reads a unit alone. Returns its size in base units, and the one of the `wanted` dimensions that it measures.
@@ -207,9 +238,14 @@ fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimensi
     if let Some(dimension) = wanted.iter().copied().find(of_size) {
         return Ok((size.factor, dimension));
     }
-    let known = Dimension::ALL.into_iter().filter(|known| !known.units().is_empty()).find(of_size);
-    let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
-    Err(UnitError::Dimension { text: text.to_owned(), found })
+    Err(UnitError::Dimension { text: text.to_owned(), found: named(size.exponents) })
+}
+
+/// What has these powers of base units, for sentences.
+fn named(exponents: Exponents) -> String {
+    let mut known = Dimension::ALL.into_iter().filter(|known| !known.units().is_empty());
+    let known = known.find(|known| known.row().exponents == exponents);
+    known.map_or_else(|| format!("a quantity in {exponents}"), |dimension| dimension.name().to_owned())
 }
 
 /// Possible meanings of a number with a comma: decimals, or thousands where three digits follow.

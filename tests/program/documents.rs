@@ -97,6 +97,7 @@ fn design_sensitivity_filler_allan_psd_compare_and_lot_print_what_their_schemas_
         &format!("{deviations} --bootstrap 0"),
         "--bootstrap 200",
         "--bootstrap 0 --dynamic 30min",
+        "--bootstrap 0 --limit N=0.001deg/sqrt(h) --limit B=0.1deg/h --limit floor=1deg/sqrt(h)",
     ] {
         check(&allan, &desk.done(&format!("allan {log} {read} {more}")).stdout, more);
     }
@@ -105,13 +106,16 @@ fn design_sensitivity_filler_allan_psd_compare_and_lot_print_what_their_schemas_
     let warm = desk.done(&format!("allan warm.csv {read} --column gz --temperature temp --bootstrap 0"));
     check(&allan, &warm.stdout, "temperature");
     check(&schema("compare"), &desk.done(&format!("compare {log} {log} {read}")).stdout, "compare");
+    desk.write("g.csv", &std::fs::read_to_string(&log).unwrap().replacen("9.8947", "9.9947", 1));
+    let held = format!("compare {log} g.csv {read} --limit N=1.1 --limit sine=2 --fit Q,N,sine");
+    check(&schema("compare"), &desk.done(&held).stdout, "compare with limits");
     check(
         &schema("compare"),
         &desk.done(&format!("compare {log} {log} {read} --fit none")).stdout,
         "compare without a fit",
     );
     desk.write("two.csv", &crate::logs::log());
-    for more in ["", "--fit none"] {
+    for more in ["", "--fit none", "--limit in_run_stability=1deg/s"] {
         let words = format!("lot two.csv --data rate --column gx,gz --json {more}");
         check(&schema("lot"), &desk.done(&words).stdout, &words);
     }

@@ -33,6 +33,7 @@ mod bad_runs;
 mod bad_studies;
 mod cli;
 mod compare;
+mod decisions;
 mod descriptions;
 mod design;
 mod documents;

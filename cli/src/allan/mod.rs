@@ -22,9 +22,11 @@ pub use crate::allan::options::Options;
 use crate::allan::temperature::Thermal;
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
+use crate::limits;
 use crate::output::{
     print, print_documents, print_drawn, remove, unwritten, whereabouts, write, write_page, write_table,
 };
+use crate::results::print_decision;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -47,6 +49,7 @@ fn of_log(
 ) -> Result<Option<Value>, Failure> {
     let treatment = options.reading.treatment();
     let mut log = treatment.read(path, request)?;
+    limits::apply(&options.limit, &log)?;
     let (asked, progress) = (options.asked(), options.output.progress());
     let of = |log: &Log, treatment: &Treatment| Analysis::of(log, path, treatment, &asked, &progress);
     let mut analysis = of(&log, &treatment)?;
@@ -59,13 +62,14 @@ fn of_log(
     };
     let with_spectra = spectrum::Analysis::of(analysis, densities);
     let analysis = &with_spectra.noise;
+    let decision = with_spectra.decision(&options.limit);
     let figures = figures::figures(analysis);
     save(analysis, &figures, folder)?;
     temperature::save(thermal.as_ref(), analysis, folder)?;
     dynamic::save(dynamic.as_ref(), folder)?;
     let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
     let further = of_temperature.chain(dynamic.as_ref().map(page::of_dynamic)).collect();
-    write_page(folder, &page::of_log(&log, &with_spectra, without.as_ref(), further))?;
+    write_page(folder, &page::of_log(&log, &with_spectra, &decision, without.as_ref(), further))?;
     let mut notes = notes::notes(analysis);
     notes.extend(thermal.iter().flat_map(Thermal::notes).chain(noise_file::notes(analysis)));
     if let Some(path) = &options.kalibr {
@@ -73,7 +77,7 @@ fn of_log(
         notes.extend(kalibr::notes(analysis)?);
     }
     if options.output.json {
-        let mut document = tables::document(analysis);
+        let mut document = tables::document(analysis, &decision);
         if let Some(thermal) = &thermal {
             document["temperature"] = thermal.document(analysis);
         }
@@ -88,6 +92,7 @@ fn of_log(
         let of_temperature = thermal.map_or_else(String::new, |thermal| thermal.report(analysis));
         let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
         print(&(report::report(analysis) + &of_temperature + &over_time))?;
+        print_decision(&decision)?;
         say!("{}", whereabouts(folder));
         if let Some(path) = &options.kalibr {
             say!("the Kalibr file is {}", path.display());

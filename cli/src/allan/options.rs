@@ -8,6 +8,7 @@ use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
+use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::temperature::effect::Effect;
 use sagnac::analysis::temperature::model::Effects;
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
@@ -15,6 +16,7 @@ use sagnac::record::log::read::Request;
 use sagnac::record::log::temperature::Thermometer;
 
 use crate::failure::Failure;
+use crate::limits;
 use crate::output::Output;
 use crate::reading::{Reading, seconds};
 use crate::words::{list_of, one_of};
@@ -31,6 +33,8 @@ Examples:
   sagnac allan imu.csv --data rate --time time --column gx,gy,gz,ax,ay,az \\
     --unit deg/s,deg/s,deg/s,g,g,g
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
+    --limit \"N=0.003 deg/sqrt(h)\" --limit \"in_run_stability=0.01 deg/h\"
 
 Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
 header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
@@ -79,6 +83,10 @@ pub struct Options {
     /// Compute all results from the record without the fitted dependence
     #[arg(help_heading = "Temperature", long, requires = "temperature")]
     pub compensate: bool,
+    /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
+    /// in_run_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
+    pub limit: Vec<Limit>,
     #[command(flatten)]
     pub output: Output,
     /// Also write an imu.yaml for Kalibr: noise density N and random walk K of gyros and accelerometers
@@ -115,8 +123,9 @@ impl Options {
     /// Checks that the options agree with each other.
     ///
     /// # Errors
-    /// The results do not fit into one file for Kalibr.
+    /// The results do not fit into one file for Kalibr, or a limit does not fit the fit.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
+        limits::agree(&self.limit, &self.reading)?;
         let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
         match &self.kalibr {
             None => Ok(()),

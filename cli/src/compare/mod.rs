@@ -5,6 +5,7 @@ pub mod report;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::analysis::compare::decision::{RatioLimit, check};
 use sagnac::analysis::compare::logs::Analysis;
 use sagnac::analysis::compare::{figures, notes, tables};
 use sagnac::analysis::page::of_comparison;
@@ -16,6 +17,7 @@ use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
 use crate::output::{Output, print, print_json, whereabouts, write_or_remove, write_page, write_table};
 use crate::reading::Reading;
+use crate::results::print_decision;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,6 +25,7 @@ Examples:
   sagnac compare gyro1.csv gyro2.csv --data rate --unit rad/s --time stamp --time-unit ns \\
     --column gz
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
+  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz --limit N=1.1
 
 Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
 columns, the first is read from A and the second from B, and so it is with units. If the logs have
@@ -40,24 +43,38 @@ pub struct Options {
     b: PathBuf,
     #[command(flatten)]
     reading: Reading,
+    /// Largest accepted ratio of a coefficient, B over A, which the decision is held against, as in N=1.1: of Q, N, B, K, R, markov,
+    /// sine; may be repeated. The coefficients of a log have limits in `sagnac allan`
+    #[arg(long, value_name = "NAME=RATIO", value_parser = limit)]
+    limit: Vec<RatioLimit>,
     #[command(flatten)]
     output: Output,
 }
 
+/// Reads a limit on a ratio.
+fn limit(text: &str) -> Result<RatioLimit, String> {
+    RatioLimit::parse(text).map_err(|error| error.to_string())
+}
+
 /// Compares two logs.
 pub fn compare(options: &Options) -> Result<(), Failure> {
+    let fitting = options.reading.fitting();
+    let terms = fitting.as_ref().map(|fitting| fitting.terms.all());
+    check(&options.limit, terms).map_err(|error| Failure::Usage(format!("--limit: {error}")))?;
     let [a, b] = logs(options)?;
     let analysis = analysis(options, [&a, &b])?;
+    let decision = analysis.decision(&options.limit);
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = options.output.folder(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
     save(&analysis, &folder)?;
-    write_page(&folder, &of_comparison([&a, &b], &analysis))?;
+    write_page(&folder, &of_comparison([&a, &b], &analysis, &decision))?;
     if options.output.json {
-        return print_json(&tables::document(&analysis));
+        return print_json(&tables::document(&analysis, &decision));
     }
     if !options.output.quiet {
         notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
         print(&report::report(&analysis))?;
+        print_decision(&decision)?;
         say!("{}", whereabouts(&folder));
     }
     Ok(())

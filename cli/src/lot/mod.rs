@@ -9,18 +9,23 @@ use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::lot::words::notes;
 use sagnac::analysis::lot::{Lot, figures, tables};
 use sagnac::analysis::page::of_lot;
+use sagnac::analysis::requirement::Limit;
 use sagnac::progress::Silent;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
+use crate::limits;
 use crate::output::{Output, print, print_json, whereabouts, write_page, write_table};
 use crate::reading::Reading;
+use crate::results::print_decision;
 
 const EXAMPLES: &str = "\
 Examples:
   sagnac lot gyro1.csv gyro2.csv gyro3.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac lot bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
+  sagnac lot gyro1.csv gyro2.csv gyro3.csv --data rate --unit deg/h --rate 100Hz --column gz \\
+    --limit \"N=0.003 deg/sqrt(h)\"
 
 Every column of every log is a unit of the lot. All logs are read with the same options, as
 `sagnac allan` reads them; with time stamps their sampling rates may differ.";
@@ -33,22 +38,29 @@ pub struct Options {
     files: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
+    /// Largest accepted value of every unit, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R,
+    /// markov, sine, in_run_stability; in the unit of gyros or of accelerometers; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_lot)]
+    limit: Vec<Limit>,
     #[command(flatten)]
     output: Output,
 }
 
 /// Pools the logs of a lot.
 pub fn lot(options: &Options) -> Result<(), Failure> {
+    limits::agree(&options.limit, &options.reading)?;
     let lot = analysis(options)?;
+    let decision = lot.decision(&options.limit);
     let folder = options.output.folder("lot");
     save(&lot, &folder)?;
-    write_page(&folder, &of_lot(&lot))?;
+    write_page(&folder, &of_lot(&lot, &decision))?;
     if options.output.json {
-        return print_json(&tables::document(&lot));
+        return print_json(&tables::document(&lot, &decision));
     }
     if !options.output.quiet {
         notes(&lot).iter().for_each(|note| note!("{}", in_options(note)));
         print(&report::report(&lot))?;
+        print_decision(&decision)?;
         say!("{}", whereabouts(&folder));
     }
     Ok(())
@@ -61,6 +73,7 @@ fn analysis(options: &Options) -> Result<Lot, Failure> {
     let asked = Asked { fitting: reading.fitting(), simulated: Some(0), ..Asked::default() };
     let of = |path: &PathBuf| -> Result<log::Analysis, Failure> {
         let log = treatment.read(path, &request)?;
+        limits::apply(&options.limit, &log)?;
         Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)
     };
     Ok(Lot::of(options.files.iter().map(of).collect::<Result<_, _>>()?)?)

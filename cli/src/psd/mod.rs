@@ -10,6 +10,7 @@ use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::page::of_log;
+use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
@@ -17,8 +18,10 @@ use sagnac::spectrum::Welch;
 use crate::allan::options::{probability, simulated};
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
+use crate::limits;
 use crate::output::{Output, print, print_drawn, print_json, whereabouts, write_page, write_table};
 use crate::reading::{Reading, seconds};
+use crate::results::print_decision;
 use crate::words::one_of;
 
 const EXAMPLES: &str = "\
@@ -26,6 +29,8 @@ Examples:
   sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac psd log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --segment \"2 s\" --fit N,B
+  sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
+    --limit \"floor=0.003 deg/sqrt(h)\"
 
 The log is read as by `sagnac allan`, and no segment crosses a gap. Densities are one-sided: white
 noise of the angle random walk N has 2N². The noise model of the Allan fit is drawn over them.";
@@ -52,6 +57,11 @@ pub struct Options {
     /// Probability of the confidence intervals of densities and of the floor
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     confidence: f64,
+    /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine of
+    /// the fit, in_run_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be
+    /// repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
+    limit: Vec<Limit>,
     #[command(flatten)]
     output: Output,
     /// Also draw the chart as text
@@ -66,17 +76,20 @@ fn trend() -> impl TypedValueParser<Value = Trend> {
 /// Computes the spectra of a log.
 pub fn psd(options: &Options) -> Result<(), Failure> {
     let treatment = options.reading.treatment();
+    limits::agree(&options.limit, &options.reading)?;
     let log = treatment.read(&options.file, &options.reading.request()?)?;
+    limits::apply(&options.limit, &log)?;
     let analysis = analysis(options, &log)?;
+    let decision = analysis.decision(&options.limit);
     let folder = options.output.folder(options.file.file_stem().unwrap_or_default());
     let figures = figures::figures(&analysis);
     write_table(&folder.join("psd.csv"), &tables::table(&analysis))?;
     write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
     write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
     write_figures(&folder, &figures)?;
-    write_page(&folder, &of_log(&log, &analysis, None, vec![]))?;
+    write_page(&folder, &of_log(&log, &analysis, &decision, None, vec![]))?;
     if options.output.json {
-        return print_json(&tables::document(&analysis));
+        return print_json(&tables::document(&analysis, &decision));
     }
     if !options.output.quiet {
         notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
@@ -84,6 +97,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
             print_drawn(&plotted(figures))?;
         }
         print(&report::report(&analysis))?;
+        print_decision(&decision)?;
         say!("{}", whereabouts(&folder));
     }
     Ok(())

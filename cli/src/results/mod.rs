@@ -5,6 +5,7 @@ pub mod summary;
 use std::path::Path;
 
 use sagnac::analysis::decision::{Lines, Sheet, decide};
+use sagnac::analysis::requirement::Decision;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -66,6 +67,14 @@ pub fn sheet_text(lines: &[(&'static str, String)]) -> String {
         format!("{name:<indent$}{}", text.replace('\n', &format!("\n{:indent$}", "")))
     };
     lines.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Prints the lines of a decision on records, below the results.
+///
+/// # Errors
+/// The output cannot be written.
+pub fn print_decision(decision: &Decision) -> Result<(), Failure> {
+    print(&format!("\n{}", sheet_text(&decision.lines.headed())))
 }
 
 /// A study with results to show.

@@ -36,6 +36,7 @@
 //! p < 5 % exactly where the 95 % interval excludes 0. A square estimated below 0 counts as 0, so p errs towards "no
 //! difference" for terms that a record does not show.
 
+pub mod decision;
 pub mod difference;
 pub(crate) mod estimate;
 pub mod figures;

@@ -10,6 +10,7 @@ use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::sentences;
 use crate::analysis::log::tables::text;
+use crate::analysis::requirement::Decision;
 
 /// A row of `compare.csv`.
 pub(crate) struct RatioRow<'a> {
@@ -130,8 +131,8 @@ fn beyond(length: Length) -> Option<f64> {
     if let Length::Beyond(length_s) = length { Some(length_s) } else { None }
 }
 
-/// The complete comparison as JSON.
-pub fn document(analysis: &Analysis) -> Value {
+/// The complete comparison as JSON, with the decision to which it leads.
+pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
     let comparison = &analysis.comparison;
     let [a, b] = &analysis.sides;
     let same = comparison.same.map(|same| {
@@ -151,6 +152,7 @@ pub fn document(analysis: &Analysis) -> Value {
         "coefficients": analysis.rows.iter().flatten().map(of_row).collect::<Vec<_>>(),
         "coefficients_missing": analysis.rows.as_ref().err(),
         "described": described(comparison.described()),
+        "decision": decision.json(),
         "sentences": sentences(analysis),
     })
 }

@@ -17,6 +17,9 @@ use crate::view::report::agreement::capitalised;
 /// Parts below this fraction of the mean square are not worth a line.
 const LEAST_SHARE: f64 = 0.005;
 
+/// Probability of the intervals.
+pub(crate) const LEVEL: &str = "95 %";
+
 /// The decision sheet of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
@@ -175,21 +178,7 @@ impl Sheet {
                 _ => "Without a limit there is none.".to_owned(),
             };
         };
-        let told = |figure: Figure| with_interval(figure, percent);
-        if margin.value >= 0.0 {
-            return format!("{} of the limit is left.", told(margin));
-        }
-        let over = |of: fn(f64) -> f64| Figure {
-            value: of(margin.value),
-            interval: margin.interval.map(|(low, high)| (of(high), of(low))),
-        };
-        match margin.value > -1.0 {
-            true => format!("The limit is exceeded by {}.", told(over(|left| -left))),
-            false => {
-                let times = with_interval(over(|left| 1.0 - left), |times| significant(times, 3));
-                format!("The value is {times} times the limit.")
-            }
-        }
+        margin_in_words(margin, LEVEL)
     }
 
     fn limits(&self) -> String {
@@ -272,11 +261,37 @@ impl Sheet {
     }
 }
 
-/// A value with its interval in brackets, unless the digits shown do not tell its ends apart.
+/// The fraction of a limit that is left, or by how much the limit is exceeded, in a sentence. The probability of the
+/// interval is `level`.
+pub(crate) fn margin_in_words(margin: Figure, level: &str) -> String {
+    let told = |figure: Figure| at_level(figure, level, percent);
+    if margin.value >= 0.0 {
+        return format!("{} of the limit is left.", told(margin));
+    }
+    let over = |of: fn(f64) -> f64| Figure {
+        value: of(margin.value),
+        interval: margin.interval.map(|(low, high)| (of(high), of(low))),
+    };
+    match margin.value > -1.0 {
+        true => format!("The limit is exceeded by {}.", told(over(|left| -left))),
+        false => {
+            let times = at_level(over(|left| 1.0 - left), level, |times| significant(times, 3));
+            format!("The value is {times} times the limit.")
+        }
+    }
+}
+
+/// A value with its 95 % interval in brackets, unless the digits shown do not tell its ends apart.
 pub(crate) fn with_interval(figure: Figure, shown: impl Fn(f64) -> String) -> String {
+    at_level(figure, LEVEL, shown)
+}
+
+/// A value with its interval in brackets after the probability of the interval, unless the digits shown do not tell its ends
+/// apart.
+pub(crate) fn at_level(figure: Figure, level: &str, shown: impl Fn(f64) -> String) -> String {
     match figure.interval {
         Some((low, high)) if shown(low) != shown(high) => {
-            format!("{} (95 %: {} to {})", shown(figure.value), shown(low), shown(high))
+            format!("{} ({level}: {} to {})", shown(figure.value), shown(low), shown(high))
         }
         _ => shown(figure.value),
     }

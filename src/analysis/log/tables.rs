@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::log::notes::of_columns;
 use crate::analysis::log::{self, Analysis, Curve};
+use crate::analysis::requirement::Decision;
 
 /// A row of `curve.csv`.
 pub(crate) struct CurveRow<'a> {
@@ -160,6 +161,21 @@ pub(crate) fn in_run_stability(unit: Curves, deviation: Deviation, minimum: &Min
     }
 }
 
+/// The minimum of a curve as a row; where the curve ends there, its interval ends in an upper bound without a value.
+pub fn least_or_bound(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
+    let row = in_run_stability(unit, deviation, minimum);
+    match minimum.at_end {
+        true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
+        false => row,
+    }
+}
+
+/// The minimum of the first curve of rates, or the bound on it.
+pub(crate) fn least_of_rates(column: &log::Column) -> Option<Row> {
+    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
+    Some(least_or_bound(column.unit, curve.deviation, &curve.minimum?))
+}
+
 /// A coefficient as JSON.
 pub(crate) fn document_of(row: &Row) -> Value {
     json!({
@@ -181,8 +197,8 @@ fn alpha_from(point: &Point) -> &'static str {
     }
 }
 
-/// The complete analysis as JSON.
-pub fn document(analysis: &Analysis) -> Value {
+/// The complete analysis as JSON, with the decision to which it leads.
+pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
     let treatment = &analysis.treatment;
     let columns: Vec<Value> = analysis.columns.iter().map(|column| of_column(analysis, column)).collect();
     json!({
@@ -200,6 +216,7 @@ pub fn document(analysis: &Analysis) -> Value {
             "outliers_removed": treatment.outliers_removed,
         },
         "reading": analysis.reading,
+        "decision": decision.json(),
         "columns": columns,
         "notes": of_columns(analysis),
     })

@@ -15,6 +15,7 @@
 //! units show a coefficient, no spread tells whether one is odd. A unit then stands apart if its interval lies
 //! above the bounds of all others.
 
+pub mod decision;
 pub mod figures;
 mod members;
 pub mod pool;
@@ -23,7 +24,7 @@ pub mod words;
 
 use crate::allan::{Unit as Curves, minimum};
 use crate::analysis::data_sheet::{Row, each_once};
-use crate::analysis::log::tables::in_run_stability;
+use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column};
 
 use crate::analysis::lot::members::{Member, labels, twice, units, whole};
@@ -285,11 +286,7 @@ fn rows(log: &log::Analysis, column: &Column) -> Vec<Row> {
     let stability = column.curves.first().and_then(|curve| {
         let known = curve.points.partition_point(|point| SHORTEST_RECORD * point.m <= log.samples);
         let minimum = minimum(&curve.points[..known])?;
-        let row = in_run_stability(column.unit, curve.deviation, &minimum);
-        Some(match minimum.at_end {
-            true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
-            false => row,
-        })
+        Some(least_or_bound(column.unit, curve.deviation, &minimum))
     });
     column.coefficients().iter().cloned().chain(stability).collect()
 }

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::log;
 use crate::analysis::log::tables::{document_of, text};
+use crate::analysis::requirement::Decision;
 use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
@@ -137,8 +138,8 @@ pub fn lot(lot: &Lot) -> Table {
     Table { columns: columns_of(&lot_columns(), &rows) }
 }
 
-/// The complete lot as JSON.
-pub fn document(lot: &Lot) -> Value {
+/// The complete lot as JSON, with the decision to which it leads.
+pub fn document(lot: &Lot, decision: &Decision) -> Value {
     let units: Vec<Value> = lot
         .units()
         .zip(&lot.labels)
@@ -165,6 +166,7 @@ pub fn document(lot: &Lot) -> Value {
         "treatment": lot.logs.first().map(|log| log.treatment.summary()),
         "tests": lot.tests,
         "coefficients": lot.coefficients.iter().map(of_coefficient).collect::<Vec<_>>(),
+        "decision": decision.json(),
         "sentences": sentences(lot),
     })
 }

@@ -7,13 +7,14 @@ use crate::analysis::compare::words::{interval, length, probability, sentences, 
 use crate::analysis::compare::{figures, tables};
 use crate::analysis::page::chart;
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, sampling};
+use crate::analysis::requirement::Decision;
 use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
-/// The page of two logs from their comparison.
-pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis) -> Page {
+/// The page of two logs from their comparison and the decision to which it leads.
+pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
     let [a, b] = &analysis.sides;
     let mut sentences = sentences(analysis).into_iter();
     let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
@@ -25,7 +26,7 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis) -> Page {
         title: format!("{} and {} compared", a.label, b.label),
         subtitle: analysis.treatment().summary(),
         headline: sentences.next().unwrap_or_default(),
-        sheet: vec![],
+        sheet: decision.lines.headed(),
         sentences: sentences.collect(),
         notes: notes(analysis),
         sections: vec![

@@ -33,6 +33,7 @@ pub use crate::analysis::page::sensitivity::of_sensitivity;
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
 use crate::analysis::page::answer::range;
+use crate::analysis::requirement::Decision;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
 use crate::record::log::channel::Log;
 use crate::study::Study;
@@ -41,8 +42,15 @@ use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Page, Section};
 
-/// The page of a log from its analysis, with the sections of `further` analyses. If it has no spectra, `without` says why.
-pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>, further: Vec<Section>) -> Page {
+/// The page of a log from its analysis and the decision to which it leads, with the sections of `further` analyses. If it has
+/// no spectra, `without` says why.
+pub fn of_log(
+    log: &Log,
+    analysis: &Analysis,
+    decision: &Decision,
+    without: Option<&NoSpectrum>,
+    further: Vec<Section>,
+) -> Page {
     let noise = &analysis.noise;
     let file = noise.path.file_name().unwrap_or(noise.path.as_os_str()).to_string_lossy();
     let tables = [
@@ -62,7 +70,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, without: Option<&NoSpectrum>, furt
         title: format!("Noise of {file}"),
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         headline: answer::headline(noise),
-        sheet: vec![],
+        sheet: decision.lines.headed(),
         sentences: answer::sentences(analysis),
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),

@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! Log, Welch ─ densities ─┬─ of ─▶ Analysis ─┬─ tables ─▶ psd.csv, lines.csv, white_noise.csv, JSON
-//! log::Analysis ───────────┘                 └─ figures ─▶ chart
+//! log::Analysis ───────────┘                 ├─ figures ─▶ chart
+//!                                            └─ decision ─▶ Decision, also of `sagnac allan`
 //! ```
 
+pub mod decision;
 pub mod figures;
 pub mod notes;
 pub mod tables;

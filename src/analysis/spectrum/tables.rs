@@ -6,6 +6,7 @@ use crate::allan::{Deviation, Trend, Unit as Curves};
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log;
 use crate::analysis::log::tables::{key, text};
+use crate::analysis::requirement::Decision;
 use crate::analysis::spectrum::notes::of_columns;
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
 use crate::spectrum::{FALSE_ALARM, Line, Point};
@@ -154,8 +155,8 @@ pub fn white_noise(analysis: &Analysis) -> Table {
 }
 
 /// The complete analysis as JSON: that of `sagnac allan`, with densities in place of its curves.
-pub fn document(analysis: &Analysis) -> Value {
-    let mut document = log::tables::document(&analysis.noise);
+pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
+    let mut document = log::tables::document(&analysis.noise, decision);
     document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });
     document["notes"] = json!(of_columns(analysis));
     if let Value::Array(columns) = &mut document["columns"] {

@@ -1,0 +1,206 @@
+"""Results of the analysis of a record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _plot
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
+
+Numbers = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """The minimum of a curve, which data sheets call in-run bias stability. It differs from the bias instability B."""
+
+    tau: float
+    value: float
+    lower: float | None
+    upper: float | None
+    at_end: bool
+    """Whether the curve ends there, so that a longer record may show a lower one."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A deviation over averaging times. All arrays have one value for each time."""
+
+    deviation: str
+    unit: str
+    """``deg/h``, or ``arcsec`` for a time deviation; ``ug`` and ``ug*s`` for accelerations; empty for plain numbers."""
+    m: Counts
+    """Averaging factors: τ in samples."""
+    tau: Numbers
+    """Averaging times, s."""
+    terms: Counts
+    """Number of averaged differences; those that touch a gap are omitted."""
+    value: Numbers
+    """Deviation; NaN where there is no term."""
+    lower: Numbers
+    upper: Numbers
+    """Ends of the interval; NaN where it is unknown."""
+    alpha: Numbers
+    """The noise, S(f) ∝ f^α: 2 quantisation, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
+    record is too short."""
+    alpha_carried: NDArray[np.bool_]
+    """Whether α was identified at a shorter τ, because there are too few groups at this one."""
+    edf: Numbers
+    """Equivalent degrees of freedom of the variance."""
+    minimum: Minimum | None
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The arrays as the columns of a pandas DataFrame; pandas has to be installed."""
+        import pandas
+
+        names = ["m", "tau", "terms", "value", "lower", "upper", "alpha", "alpha_carried", "edf"]
+        return pandas.DataFrame({name: getattr(self, name) for name in names})
+
+
+@dataclass(frozen=True)
+class Allan(Mapping[str, Curve]):
+    """The curves of a record by the names of their deviations: ``found["oadev"].tau``."""
+
+    curves: dict[str, Curve]
+    missing: int
+    """Number of samples that are NaN."""
+    mean_rate: float | None
+    """Mean rate, °/h, or acceleration, µg; for plain numbers in their unit, or per s if they are not rates."""
+    decision: dict[str, Any]
+    """The decision: ``met``, and in ``sentences`` the five lines with their headings, and in ``limits`` each limit with its
+    ``standing``."""
+    removed_slope_per_s: float
+    """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
+    outliers: Counts
+    """Indices of the samples, or for angles of the increments, that are outliers; the curves include them unless
+    ``remove_outliers`` is given."""
+    outlier_threshold: float
+
+    @property
+    def answer(self) -> str:
+        """The in-run stability in one sentence, from the first curve that has a minimum."""
+        curve = next((curve for curve in self.curves.values() if curve.minimum is not None), None)
+        if curve is None or curve.minimum is None:
+            return "No curve has a minimum."
+        least = curve.minimum
+        end = ", where the curve ends" if least.at_end else ""
+        return f"In-run stability {least.value:.4g} {curve.unit} at τ = {least.tau:.4g} s{end}."
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the curves with their intervals with matplotlib, which has to be installed; returns the axes."""
+        ax = _plot.axes_of(ax)
+        for style, curve in enumerate(self.curves.values()):
+            look = _plot.colour(style)
+            ax.loglog(curve.tau, curve.value, color=look, marker="o", markersize=3, label=curve.deviation)
+            ax.fill_between(curve.tau, curve.lower, curve.upper, color=look, alpha=0.2, linewidth=0)
+        units = {curve.unit for curve in self.curves.values()}
+        ax.set_xlabel("averaging time τ, s")
+        ax.set_ylabel(", ".join(["deviation σ(τ)", *filter(None, sorted(units))]))
+        ax.legend()
+        return ax
+
+    def __getitem__(self, deviation: str) -> Curve:
+        return self.curves[deviation]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.curves)
+
+    def __len__(self) -> int:
+        return len(self.curves)
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One coefficient of a record."""
+
+    name: str
+    unit: str
+    """Unit as in data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``; of accelerometers
+    Q ``m/s``, N ``m/s/sqrt(h)``, B ``ug``, K ``ug/sqrt(h)``, R ``ug/h``."""
+    value: float | None
+    """Value; None if it is not identified."""
+    lower: float | None
+    upper: float | None
+    """Ends of the 95 % interval; without a value, ``upper`` is an upper bound."""
+    verdict: str
+    """``identified``, or another statement."""
+
+    @property
+    def is_identified(self) -> bool:
+        """Whether the interval of its square does not contain 0, and no other term fits equally well."""
+        return self.verdict == "identified"
+
+
+@dataclass(frozen=True)
+class Fit(Mapping[str, Coefficient]):
+    """The coefficients of a record by their names: ``found["N"].value``."""
+
+    coefficients: dict[str, Coefficient]
+    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested; L if the record shows a filter."""
+    answer: str
+    """The coefficients in one sentence."""
+    decision: dict[str, Any]
+    """The decision: ``met``, in ``sentences`` the five lines with their headings, and in ``limits`` each limit with its
+    ``standing``."""
+    described: bool
+    """Whether the terms describe the curve."""
+    fit_from: float
+    fit_to: float
+    """Shortest and longest averaging time of the fit, s."""
+    intervals: str
+    """Method of the intervals, such as ``bootstrap of 1000`` or ``closed form``."""
+    without_bootstrap: str | None
+    """Why no records were simulated, if that was not requested."""
+    chi_squared: float
+    """Sum of the squared residuals, weighted with the covariance of the points of the curve."""
+    degrees_of_freedom: int
+    p_value: float | None
+    """Probability of such large residuals if the fit is right; below 1e-9 other terms are needed."""
+    tau: Numbers
+    """Averaging times of the fitted curve, s, up to an eighth of the record."""
+    unit: str
+    """Unit of ``deviation`` and ``fitted``, as of a :class:`Curve`."""
+    deviation: Numbers
+    """The overlapping Allan deviation at these times."""
+    fitted: Numbers
+    """The deviation of the best fit at this sampling rate, including terms that are not identified; NaN at averaging times that
+    the fit leaves out, and everywhere if it does not describe the curve."""
+    missing: int
+    mean_rate: float | None
+    removed_slope_per_s: float
+    outliers: Counts
+    """The same as in :class:`Allan`."""
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the curve and the fit with matplotlib, which has to be installed; returns the axes."""
+        ax = _plot.axes_of(ax)
+        ax.loglog(self.tau, self.deviation, "o", color=_plot.colour(0), markersize=4, label="overlapping Allan deviation")
+        ax.loglog(self.tau, self.fitted, color=_plot.colour(1), label="fit")
+        ax.set_xlabel("averaging time τ, s")
+        ax.set_ylabel(f"deviation σ(τ), {self.unit}" if self.unit else "deviation σ(τ)")
+        ax.legend()
+        return ax
+
+    def __getitem__(self, name: str) -> Coefficient:
+        return self.coefficients[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.coefficients)
+
+    def __len__(self) -> int:
+        return len(self.coefficients)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The coefficients as a pandas DataFrame, a row for each; pandas has to be installed."""
+        import pandas
+
+        return pandas.DataFrame([vars(coefficient) for coefficient in self.coefficients.values()])

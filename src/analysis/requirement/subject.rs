@@ -1,0 +1,115 @@
+//! What a record shows of that which can be limited.
+
+use crate::allan::{Spread, Unit};
+use crate::analysis::data_sheet::{DataSheet, Row};
+use crate::analysis::decision::sheet::LEVEL;
+use crate::analysis::log::tables::least_of_rates;
+use crate::analysis::log::{self, Column};
+use crate::analysis::requirement::limit::Limited;
+use crate::fit::Fit;
+
+/// A record that is held against limits: a column of a log, or a unit of a lot.
+#[derive(Debug, Clone)]
+pub struct Subject<'a> {
+    /// What it is called.
+    pub label: &'a str,
+    /// Unit of its curves.
+    pub unit: Unit,
+    /// Its coefficients; absent where none were requested, or why there are none.
+    pub noise: Result<Option<&'a DataSheet>, &'a str>,
+    /// The minimum of its curve; without a value where the curve ends there.
+    pub stability: Option<Row>,
+    /// N of the flat part of its density.
+    pub floor: Option<&'a Row>,
+    /// Probability of the intervals of the minimum and of the floor, such as `95 %`.
+    pub level: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// Time from sample to sample, s.
+    pub step_s: f64,
+    /// Deviations of its estimates beyond those of Gaussian noise.
+    pub spread: &'a Spread,
+}
+
+/// Why a record says nothing about a limit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Gap {
+    /// Coefficients could not be determined.
+    Failed(String),
+    /// No coefficients were requested.
+    NotAsked,
+    /// The fit describes the curve over no range of τ.
+    NotDescribed,
+    /// The term is not among those of the fit.
+    NotFitted,
+    /// The coefficient has neither value nor bound.
+    NoBound,
+    /// No curve of rates has a minimum with an interval.
+    NoMinimum,
+    /// No octave of the density is flat, or there is no density.
+    NoFloor,
+}
+
+impl Gap {
+    /// The reason, for a limit on this.
+    pub(crate) fn told(&self, of: Limited) -> String {
+        let name = of.told();
+        match self {
+            Gap::Failed(why) => format!("there are no coefficients: {why}"),
+            Gap::NotAsked => "no coefficients were fitted".to_owned(),
+            Gap::NotDescribed => format!("the fit describes no range of τ and says nothing about {name}"),
+            Gap::NotFitted => format!("the fit does not contain {name}"),
+            Gap::NoBound => format!("the record gives neither a value nor a bound of {name}"),
+            Gap::NoMinimum => "no curve has a minimum with an interval".to_owned(),
+            Gap::NoFloor => "no octave of the density is flat".to_owned(),
+        }
+    }
+}
+
+impl<'a> Subject<'a> {
+    /// A column of a log, with N of its density where that is flat.
+    pub(crate) fn of_column(log: &log::Analysis, column: &'a Column, floor: Option<&'a Row>) -> Subject<'a> {
+        Subject {
+            label: &column.name,
+            unit: column.unit,
+            noise: column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
+            stability: least_of_rates(column),
+            floor,
+            level: log.percent(),
+            samples: log.samples,
+            step_s: log.step_s,
+            spread: &column.spread,
+        }
+    }
+
+    /// Length of the record, s.
+    pub(crate) fn length_s(&self) -> f64 {
+        self.samples as f64 * self.step_s
+    }
+
+    /// The fit, where it describes a range of the curve.
+    pub(crate) fn fit(&self) -> Result<&'a Fit, Gap> {
+        let sheet = self.noise.map_err(|why| Gap::Failed(why.to_owned()))?.ok_or(Gap::NotAsked)?;
+        if sheet.fit.is_described() { Ok(&sheet.fit) } else { Err(Gap::NotDescribed) }
+    }
+
+    /// What the record shows of this: a row with an interval.
+    pub(crate) fn shown(&self, of: Limited) -> Result<&Row, Gap> {
+        let (row, without) = match of {
+            Limited::Coefficient(term) => {
+                self.fit()?;
+                let rows = self.noise.ok().flatten().map_or(&[][..], |sheet| &sheet.rows);
+                let row = rows.iter().find(|row| row.name == term.symbol()).ok_or(Gap::NotFitted)?;
+                (Some(row), Gap::NoBound)
+            }
+            Limited::Stability => (self.stability.as_ref(), Gap::NoMinimum),
+            Limited::Floor => (self.floor, Gap::NoFloor),
+        };
+        row.filter(|row| row.interval.is_some()).ok_or(without)
+    }
+
+    /// Probability of the interval of this.
+    pub(crate) fn level_of(&self, of: Limited) -> &str {
+        if matches!(of, Limited::Coefficient(_)) { LEVEL } else { &self.level }
+    }
+}

@@ -1,0 +1,320 @@
+//! The decisions in which `sagnac allan`, `psd`, `compare` and `lot` end: limits are held against intervals, and every line says
+//! what the numbers say.
+
+use sagnac::quantity::number::significant;
+use serde_json::{Value, json};
+
+use crate::desk::{Desk, unwrapped};
+use crate::logs::desk_with;
+use crate::noise::white;
+
+const READ: &str = "--data rate --unit deg/h --rate 1Hz";
+
+/// Columns of numbers under their names.
+fn text(columns: &[(&str, Vec<f64>)]) -> String {
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let row =
+        |i: usize| columns.iter().map(|(_, numbers)| numbers[i].to_string()).collect::<Vec<_>>().join(",");
+    let rows: Vec<String> = (0..columns[0].1.len()).map(row).collect();
+    format!("{}\n{}\n", names.join(","), rows.join("\n"))
+}
+
+/// White noise with N = 0.1 °/√h, of which the record does not identify B.
+fn gyro() -> Desk {
+    desk_with("g.csv", text(&[("gz", white(4096, 6.0, 1))]))
+}
+
+/// A document with its limits, as `N=0.1 deg/sqrt(h)`.
+fn document(desk: &Desk, words: &str, limits: &[&str]) -> Value {
+    let limits: Vec<String> =
+        limits.iter().map(|limit| format!("--limit {}", limit.replace(' ', ""))).collect();
+    let ended = desk.done(&format!("{words} {} --json", limits.join(" ")));
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+fn allan(desk: &Desk, more: &str, limits: &[&str]) -> Value {
+    document(desk, &format!("allan g.csv {READ} --bootstrap 0 {more}"), limits)
+}
+
+fn line(document: &Value, heading: &str) -> String {
+    let lines = document["decision"]["sentences"].as_array().unwrap();
+    let found = lines.iter().find(|line| line[0] == heading).unwrap();
+    found[1].as_str().unwrap().to_owned()
+}
+
+/// Value and ends of a coefficient of a document.
+fn coefficient(document: &Value, column: usize, name: &str) -> [Option<f64>; 3] {
+    let rows = document["columns"][column]["coefficients"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["coefficient"] == name).unwrap();
+    ["value", "lower", "upper"].map(|end| row[end].as_f64())
+}
+
+#[test]
+fn a_limit_is_met_missed_or_open_by_the_ends_of_the_interval() {
+    let desk = gyro();
+    let free = allan(&desk, "", &[]);
+    assert_eq!((&free["decision"]["met"], &free["decision"]["limits"]), (&Value::Null, &json!([])));
+    assert_eq!(line(&free, "Requirement"), "None is given; the record identifies N.");
+    assert!(
+        line(&free, "What limits")
+            .starts_with("N is the largest part of the Allan variance from τ = 1 s to 512 s")
+    );
+    let [Some(value), Some(low), Some(high)] = coefficient(&free, 0, "N") else { panic!("{free:#}") };
+    let held = |limit: f64| allan(&desk, "", &[&format!("N={limit} deg/sqrt(h)")]);
+    for (limit, met, begin, standing) in [
+        (high * (1.0 + 1e-9), json!(true), "Met: N is ", "met"),
+        (high * (1.0 - 1e-9), json!(null), "Not decided: N is ", "not decided"),
+        (low * (1.0 + 1e-9), json!(null), "Not decided: N is ", "not decided"),
+        (low * (1.0 - 1e-9), json!(false), "Not met: N is ", "not met"),
+    ] {
+        let found = held(limit);
+        assert_eq!(found["decision"]["met"], met, "{limit}: {:#}", found["decision"]);
+        assert_eq!(found["decision"]["limits"][0]["standing"], standing);
+        assert!(line(&found, "Requirement").starts_with(begin), "{}", line(&found, "Requirement"));
+        // No number of the analysis depends on the limit.
+        assert_eq!(found["columns"], free["columns"]);
+    }
+    // 1/√T: the end of the interval has to come to the limit.
+    let limit = value * (high / value).powf(0.4);
+    let lever = line(&held(limit), "Next lever");
+    assert!(lever.contains(&format!(", {} times as long", significant(0.4_f64.powi(-2), 2))), "{lever}");
+    let far = line(&held(0.5 * value), "Next lever");
+    assert_eq!(
+        far,
+        "N has to fall to 50 % of its value; the mean of 4 such sensors with independent noise is that low."
+    );
+    let margin = line(&held(2.0 * value), "Margin");
+    assert!(margin.starts_with("50 % (95 %: ") && margin.ends_with("of the limit is left."), "{margin}");
+}
+
+#[test]
+fn a_bound_meets_a_limit_or_decides_nothing() {
+    let desk = gyro();
+    let free = allan(&desk, "", &[]);
+    let [None, _, Some(bound)] = coefficient(&free, 0, "B") else { panic!("{free:#}") };
+    let held = |part: f64| allan(&desk, "", &[&format!("B={} deg/h", part * bound)]);
+    let (above, below) = (held(1.25), held(0.5));
+    assert_eq!((&above["decision"]["met"], &below["decision"]["met"]), (&json!(true), &json!(null)));
+    assert!(line(&above, "Requirement").starts_with("Met: B is not identified, but at most "), "{above:#}");
+    assert_eq!(line(&above, "Margin"), "At least 20 % of the limit is left.");
+    assert_eq!(line(&below, "Margin"), "The upper bound is 2 times the limit.");
+    assert!(line(&below, "Requirement").contains("is not identified, and its upper bound of"), "{below:#}");
+}
+
+#[test]
+fn several_limits_are_judged_together_and_the_worst_one_says_what_limits() {
+    let desk = gyro();
+    let found = allan(
+        &desk,
+        "",
+        &["angle_random_walk=0.05 deg/sqrt(h)", "B=100 deg/h", "in_run_stability=100 deg/h"],
+    );
+    assert_eq!(found["decision"]["met"], json!(false));
+    let names: Vec<&str> = found["decision"]["limits"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| one["coefficient"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["N", "B", "in_run_stability"]);
+    assert!(line(&found, "Requirement").ends_with("Of 3 limits 2 are met and 1 is not met."), "{found:#}");
+    assert!(line(&found, "What limits").starts_with("N: even the lower end"), "{found:#}");
+    assert!(
+        line(&found, "Margin").starts_with("The least is that of N. The limit is exceeded by"),
+        "{found:#}"
+    );
+}
+
+#[test]
+fn what_the_fit_does_not_describe_decides_nothing() {
+    let desk = gyro();
+    // No ramp and no random walk is like white noise at any averaging time.
+    for force in ["", "--force"] {
+        let found = allan(&desk, &format!("--fit K,R {force}"), &["K=1e6 deg/h/sqrt(h)"]);
+        assert_eq!(found["decision"]["met"], Value::Null);
+        assert_eq!(found["decision"]["limits"][0]["standing"], "unknown");
+        assert_eq!(
+            line(&found, "Requirement"),
+            "Not decided: the fit describes no range of τ and says nothing about K."
+        );
+        assert_eq!(line(&found, "Margin"), "Unknown, because no limit can be judged.");
+        assert!(line(&found, "Next lever").starts_with("Fit other terms or another range"), "{found:#}");
+    }
+}
+
+#[test]
+fn gyros_and_accelerometers_have_limits_in_their_own_units() {
+    let axes = [("gx [deg/h]", 6.0), ("gy [deg/h]", 12.0), ("gz [deg/h]", 7.0), ("ax [ug]", 50.0)];
+    let columns: Vec<(&str, Vec<f64>)> =
+        (1..).zip(axes).map(|(seed, (name, sigma))| (name, white(4096, sigma, seed))).collect();
+    let desk = desk_with("imu.csv", text(&columns));
+    let read = "allan imu.csv --data rate --rate 1Hz --bootstrap 0";
+    let found = document(&desk, read, &["N=0.15 deg/sqrt(h)", "N=0.1 m/s/sqrt(h)"]);
+    let standings: Vec<(&str, &str)> = found["decision"]["limits"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| (one["record"].as_str().unwrap(), one["standing"].as_str().unwrap()))
+        .collect();
+    assert_eq!(standings, [("gx", "met"), ("gy", "not met"), ("gz", "met"), ("ax", "met")]);
+    assert!(line(&found, "Requirement").starts_with("Not met: gy: N is 0.2"), "{found:#}");
+    assert!(
+        line(&found, "Requirement")
+            .ends_with("Of 4 limits, one for each column, 3 are met and 1 is not met."),
+        "{found:#}"
+    );
+    assert!(line(&found, "Best option").contains("gy the worst, with N at most 1."), "{found:#}");
+    assert!(line(&found, "Next lever").starts_with("gy: N has to fall to 7"), "{found:#}");
+    // 50 µg in samples of 1 s.
+    let n = &found["decision"]["limits"][3];
+    assert!((n["value"].as_f64().unwrap() / (50e-6 * 9.80665 * 60.0) - 1.0).abs() < 0.05, "{n}");
+    let free = document(&desk, read, &[]);
+    let best = line(&free, "Best option");
+    assert!(
+        best.starts_with("Of 3 columns gx has the least N, 0.") && best.contains(" and gy the largest, 0.2"),
+        "{best}"
+    );
+    desk.fails(
+        &format!("{read} --column gx --limit N=1m/s/sqrt(h)"),
+        2,
+        &["is for accelerations, which no column has"],
+    );
+}
+
+#[test]
+fn noise_behind_a_filter_is_held_against_limits_by_its_n_and_not_by_its_curve() {
+    // The mean of three samples: N stays 0.1 °/√h, while the deviation at one sample falls by √3.
+    let x = white(16_386, 6.0, 1);
+    let rates: Vec<f64> = x.windows(3).map(|x| (x[0] + x[1] + x[2]) / 3.0).collect();
+    let desk = desk_with("g.csv", text(&[("gz", rates)]));
+    let found = allan(&desk, "", &["N=0.08 deg/sqrt(h)"]);
+    let first = found["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap();
+    assert!(first / 60.0 < 0.07, "{first}");
+    assert_eq!(found["decision"]["met"], json!(false), "{:#}", found["decision"]);
+    assert_eq!(allan(&desk, "", &["N=0.12 deg/sqrt(h)"])["decision"]["met"], json!(true));
+    // The fit starts beyond the filter, and only there a term is named.
+    let limits = line(&found, "What limits");
+    assert!(
+        limits.contains("N is the largest part of the Allan variance from τ = ")
+            && !limits.contains("τ = 1 s"),
+        "{limits}"
+    );
+}
+
+#[test]
+fn outliers_widen_the_interval_that_is_held_against_a_limit() {
+    let mut rates = white(4096, 6.0, 1);
+    let clean = allan(&gyro(), "", &["N=0.12 deg/sqrt(h)"]);
+    for i in 0..8 {
+        rates[2000 + 31 * i] = 400.0;
+    }
+    let desk = desk_with("g.csv", text(&[("gz", rates)]));
+    let kept = allan(&desk, "", &["N=0.12 deg/sqrt(h)"]);
+    let removed = allan(&desk, "--remove-outliers", &["N=0.12 deg/sqrt(h)"]);
+    assert_eq!((&clean["decision"]["met"], &removed["decision"]["met"]), (&json!(true), &json!(true)));
+    assert_ne!(kept["decision"]["met"], json!(true), "{:#}", kept["decision"]);
+}
+
+#[test]
+fn a_spectrum_and_the_page_end_in_the_decision_of_the_log() {
+    let desk = gyro();
+    let limits = ["floor=0.2 deg/sqrt(h)", "N=0.2 deg/sqrt(h)"];
+    let psd = document(&desk, &format!("psd g.csv {READ} --bootstrap 0"), &limits);
+    assert_eq!(psd["decision"]["met"], json!(true));
+    let floor = psd["columns"][0]["white_noise"]["floor"]["n"].as_f64().unwrap();
+    assert_eq!(psd["decision"]["limits"][0]["value"], floor);
+    assert_eq!(psd["decision"], allan(&desk, "", &limits)["decision"]);
+    let ended = desk.done(&format!("psd g.csv {READ} --bootstrap 0 --limit floor=0.2deg/sqrt(h) --out out"));
+    let page = desk.read("out/report.html");
+    for heading in ["Requirement", "Best option", "Margin", "What limits", "Next lever"] {
+        assert!(
+            ended.stdout.contains(&format!("\n{heading}  ")),
+            "{heading} is missing in\n{}",
+            ended.stdout
+        );
+        assert!(page.contains(&format!("<dt>{heading}</dt>")), "{heading} is missing in the page");
+    }
+    assert!(page.contains("Met: N of the floor is"), "the requirement is missing in the page");
+    assert!(unwrapped(&ended.stdout).contains("Met: N of the floor is"), "{}", ended.stdout);
+}
+
+#[test]
+fn a_comparison_is_held_against_limits_on_the_ratio() {
+    let desk = desk_with("a.csv", text(&[("gz", white(4096, 6.0, 1))]));
+    desk.write("b.csv", &text(&[("gz", white(4096, 3.0, 2))]));
+    let compared = |limits: &[&str]| document(&desk, &format!("compare a.csv b.csv {READ}"), limits);
+    let free = compared(&[]);
+    assert_eq!(free["decision"]["met"], Value::Null);
+    assert!(line(&free, "Best option").starts_with("b has less N"), "{free:#}");
+    let row = free["coefficients"].as_array().unwrap().iter().find(|row| row["coefficient"] == "N").unwrap();
+    let [low, high] = ["ratio_lower", "ratio_upper"].map(|end| row[end].as_f64().unwrap());
+    for (limit, met) in [
+        (high * (1.0 + 1e-9), json!(true)),
+        (high * (1.0 - 1e-9), json!(null)),
+        (low * (1.0 - 1e-9), json!(false)),
+    ] {
+        let found = compared(&[&format!("N={limit}")]);
+        assert_eq!(found["decision"]["met"], met, "{limit}: {:#}", found["decision"]);
+        assert_eq!(found["decision"]["limits"][0]["value"], row["ratio"]);
+    }
+    let same = document(&desk, &format!("compare a.csv a.csv {READ}"), &["N=2"]);
+    assert_eq!(
+        (&same["decision"]["met"], line(&same, "Requirement").as_str()),
+        (&Value::Null, "Not decided: both logs are one record.")
+    );
+    let compare = format!("compare a.csv b.csv {READ} --limit");
+    desk.fails(
+        &format!("{compare} N=0.1deg/sqrt(h)"),
+        2,
+        &["is not a positive number", "the ratio of B over A"],
+    );
+    desk.fails(&format!("{compare} N=1 --limit n=2"), 2, &["limit the same"]);
+    desk.fails(&format!("{compare} K=1 --fit N,B"), 2, &["K is not fitted"]);
+}
+
+#[test]
+fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
+    let sigmas = [6.0, 6.3, 5.8, 12.0, 6.1, 5.9];
+    let names = ["g1", "g2", "g3", "g4", "g5", "g6"];
+    let columns: Vec<(&str, Vec<f64>)> = (1..)
+        .zip(names.into_iter().zip(sigmas))
+        .map(|(seed, (name, sigma))| (name, white(4096, sigma, seed)))
+        .collect();
+    let desk = desk_with("lot.csv", text(&columns));
+    let lot = format!("lot lot.csv {READ} --column g1,g2,g3,g4,g5,g6");
+    let found = document(&desk, &lot, &["N=0.12 deg/sqrt(h)"]);
+    assert_eq!(found["decision"]["met"], json!(false));
+    assert!(line(&found, "Requirement").starts_with("Not met: g4: N is "), "{found:#}");
+    assert_eq!(line(&found, "Next lever"), "Without g4, which is odd, every unit meets its limits.");
+    let margin = line(&found, "Margin");
+    assert!(
+        margin.contains("The N of the next unit is below") && margin.ends_with("which is above the limit."),
+        "{margin}"
+    );
+    let wide = document(&desk, &lot, &["N=0.3 deg/sqrt(h)"]);
+    assert_eq!(wide["decision"]["met"], json!(true));
+    let free = line(&document(&desk, &lot, &[]), "Best option");
+    assert!(free.starts_with("Of 6 units g") && free.contains("and g4 the largest, 0.2"), "{free}");
+    desk.fails(&format!("{lot} --limit floor=1deg/sqrt(h)"), 2, &["`floor` is nothing that can be limited"]);
+}
+
+#[test]
+fn limits_that_make_no_sense_are_refused_before_anything_is_written() {
+    let desk = gyro();
+    for (limit, pieces) in [
+        ("--limit N", ["has no `=`", "N=0.003 deg/sqrt(h)"]),
+        ("--limit M=1", ["`M` is nothing that can be limited", "accepted: Q, N, B, K, R"]),
+        ("--limit N=1deg/h", ["is an angular rate", "deg/sqrt(h) for gyros"]),
+        ("--limit N=0deg/sqrt(h)", ["0 is not a positive number", "deg/sqrt(h)"]),
+        ("--limit N=1", ["is for plain numbers, which no column has", "in deg/sqrt(h)"]),
+        ("--limit N=1deg/sqrt(h) --limit n=2deg/sqrt(h)", ["limit the same", "give each limit once"]),
+        ("--limit K=1deg/h/sqrt(h) --fit N,B", ["K is not fitted", "fit this term too"]),
+        ("--limit N=1deg/sqrt(h) --fit none", ["none are fitted", "leave out the limit"]),
+        ("--limit R=1deg/h/h --detrend linear", ["R is not fitted", "leave out the limit"]),
+    ] {
+        for command in ["allan", "psd"] {
+            desk.fails(&format!("{command} g.csv {READ} {limit}"), 2, &pieces);
+        }
+    }
+    assert!(!desk.path("results").exists(), "a refused limit left results");
+}
