@@ -7,7 +7,7 @@ use sagnac::run::RESOLVED;
 use sagnac::study::Study;
 use sagnac::table::Column;
 use sagnac::view::picture::verdict::verdicts;
-use sagnac::view::picture::{pictures, shown};
+use sagnac::view::picture::{incomplete, pictures, shown};
 use serde::Serialize;
 use toml::{Table, Value};
 
@@ -132,9 +132,14 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let plan = checked(&study)?;
     let store = held(&options.folder, &plan)?;
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
-    let drawn = pictures(&study, &tables)?;
+    let lacking = lacking(&study, &plan, &store, &tables)?;
+    let drawn = pictures(&study, &tables, lacking)?;
     for drawn in &drawn {
         write_pictures(&options.folder, &options.name, &drawn.picture)?;
+    }
+    // Said even where only errors are: the picture is not the one of the study.
+    if let Some(sentence) = incomplete(lacking) {
+        note!("{}: {sentence}", options.folder.display());
     }
     if options.quiet {
         return Ok(());
@@ -147,7 +152,6 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     }
     let curves = shown(&study, &tables)?;
     let verdicts = verdicts(&study, &curves)?;
-    let lacking = lacking(&study, &plan, &store, &tables)?;
     print(&summary(&study, &tables, &curves, &verdicts, lacking)?)?;
     say!("{}.svg and .png are in {}", options.name, options.folder.display());
     Ok(())

@@ -1,9 +1,11 @@
 //! `sagnac check`.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
+use sagnac::source::text_file::read_bytes;
 use sagnac::store::check::Report;
 use sagnac::store::error::StoreError;
 use sagnac::store::source::Source;
@@ -107,17 +109,23 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         for (source, table) in tables.all() {
             let name = source.file();
             let path = folder.join(name);
-            match std::fs::read(&path) {
-                Ok(found) if found == csv(table, &path)? => about += &format!(", {name} matches them"),
+            let earlier = format!(", {name} is from an earlier state");
+            let wanted = csv(table, &path)?;
+            // A table that is longer cannot match, so no more of it is read.
+            match read_bytes(&path, wanted.len() as u64 + 1) {
+                Ok(found) if found == wanted => about += &format!(", {name} matches them"),
                 // An interrupted run has not written the table yet, or not for all trials.
-                Ok(_) if lacking > 0 => about += &format!(", {name} is from an earlier state"),
+                Err(error) if error.kind() == ErrorKind::FileTooLarge && lacking > 0 => about += &earlier,
+                Ok(_) if lacking > 0 => about += &earlier,
                 Err(_) if lacking > 0 => {}
-                Ok(_) => faults.push(format!(
+                Err(error) if error.kind() != ErrorKind::FileTooLarge => {
+                    faults.push(format!("cannot read {}: {error}", path.display()));
+                }
+                _ => faults.push(format!(
                     "{} does not match the tallies\nrun {} again to rebuild it",
                     path.display(),
                     resolved.display()
                 )),
-                Err(error) => faults.push(format!("cannot read {}: {error}", path.display())),
             }
         }
     }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
 use sagnac::device::select::Selection;
+use sagnac::quantity::visible::visible;
 use sagnac::verify::select;
 
 use crate::failure::{EXIT_CODES, Failure};
@@ -195,12 +196,25 @@ fn threads(text: &str) -> Result<usize, String> {
         .ok_or_else(|| "expected 1 to 4096".to_owned())
 }
 
+/// Whether the message of an error has characters that are not visible.
+fn hides(error: &clap::Error) -> bool {
+    let message = error.render().to_string();
+    visible(&message) != message
+}
+
 /// Runs the program.
 pub fn main() -> ExitCode {
     crate::output::outlive_limits();
     let color = crate::look::of_arguments(std::env::args_os());
-    let matches = Cli::command().color(color).get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let cli = match Cli::command().color(color).try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        // An argument, such as a name of a file, stands in the message; its control characters must not.
+        Err(error) if error.use_stderr() && hides(&error) => {
+            say!("{}", error.render());
+            return ExitCode::from(2);
+        }
+        Err(error) => error.exit(),
+    };
     crate::look::follow(&cli.look);
     match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,7 +4,9 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED, keep};
+use sagnac::source::text_file::read_bytes;
 use sagnac::study::Study;
+use sagnac::view::picture::incomplete;
 use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
 use sagnac::view::results::Results;
 
@@ -113,6 +115,9 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     keep(&study, folder)?;
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
+    if let Some(sentence) = incomplete(lacking) {
+        note!("{}: {sentence}", folder.display());
+    }
     let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
     let mut answer = results.answer(&results.verdicts()?)?;
     answer.sheet = sheet_lines(decision(&study, &tables, lacking)?.as_ref(), lacking);
@@ -136,8 +141,8 @@ fn kept(folder: &Path) -> Result<Card, Failure> {
     if size > MOST_BYTES {
         return Err(again(path, &format!("has {size} bytes, more than any card")));
     }
-    let text =
-        std::fs::read(&path).map_err(|error| again(path.clone(), &format!("cannot be read: {error}")))?;
+    let text = read_bytes(&path, MOST_BYTES + 1)
+        .map_err(|error| again(path.clone(), &format!("cannot be read: {error}")))?;
     serde_json::from_slice(&text).map_err(|error| again(path, &format!("is no card of results: {error}")))
 }
 

@@ -119,7 +119,7 @@ impl Asked {
         study.seed = self.seed.unwrap_or(study.seed);
         let plan = Plan::new(&study)?;
         // Checks for errors that would otherwise occur after sampling.
-        pictures(&study, &plan.blank_tables())?;
+        pictures(&study, &plan.blank_tables(), 0)?;
         let mut store = Store::open(&self.folder, &plan.identity())?;
         if self.is_kept {
             // Kept from the start, as the run may be killed.

@@ -1,6 +1,5 @@
 //! The formats of recorded data.
 
-use std::fs::File;
 use std::io::{self, Chain, Cursor, Read, Seek};
 use std::path::Path;
 
@@ -15,9 +14,10 @@ use crate::record::names::Name;
 use crate::record::recording::Rules;
 use crate::record::{mat, npy, npz};
 use crate::source::place::Place;
+use crate::source::text_file::open;
 
 /// Bytes from which the format and the layout of a file are determined.
-const HEAD: u64 = 1 << 20;
+pub(crate) const HEAD: u64 = 1 << 20;
 
 /// A format of files.
 pub(crate) struct Format {
@@ -117,7 +117,7 @@ impl<'a> Origin<'a> {
     pub(crate) fn open(self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
         match self {
             Origin::Path(path) => {
-                let file = File::open(path)?;
+                let file = open(path)?;
                 let about = file.metadata()?;
                 Ok((Box::new(file), about.is_file().then_some(about.len())))
             }
@@ -154,6 +154,12 @@ impl<'a> Source<'a> {
         Ok(Source { file, origin, head, length, rest })
     }
 
+    /// Whether the head is the whole file.
+    pub(crate) fn is_whole(&self) -> bool {
+        let length = self.head.len() as u64;
+        length < HEAD || self.length == Some(length)
+    }
+
     /// The bytes from `start` on, which is in the head.
     pub(crate) fn from(self, start: usize) -> Bytes<'a> {
         let mut head = Cursor::new(self.head);
@@ -180,7 +186,7 @@ impl<'a> Source<'a> {
         self.size()?;
         match self.origin {
             Origin::Path(path) => {
-                let file = File::open(path).map_err(|error| RecordError::unreadable(&self.file, &error))?;
+                let file = open(path).map_err(|error| RecordError::unreadable(&self.file, &error))?;
                 Ok(Box::new(file))
             }
             Origin::Bytes(bytes) => Ok(Box::new(Cursor::new(bytes))),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::record::cells::{Cells, Decimal};
 use crate::record::error::{Faults, RecordError};
 use crate::record::excess;
-use crate::record::format::{Bytes, Columns, Origin, Source};
+use crate::record::format::{Bytes, Columns, HEAD, Origin, Source};
 use crate::record::layout::Layout;
 use crate::record::names::Name;
 use crate::record::recording::Rules;
@@ -42,9 +42,27 @@ pub(crate) struct Text<'a> {
 impl<'a> Text<'a> {
     /// Finds the layout, with these decimals if they are given.
     pub(crate) fn open(source: Source<'a>, decimal: Option<Decimal>) -> Result<Text<'a>, RecordError> {
-        let layout = Layout::of(&source.head, &source.file, decimal)?;
+        let layout = if source.is_whole() {
+            Layout::of(&source.head, &source.file, decimal)?
+        } else {
+            // The last line goes on behind the head: its cells cannot be counted.
+            let whole = source.head.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+            match whole {
+                // Not text, which is said where the rows are read.
+                0 if source.head.contains(&0) => Layout::of(&source.head, &source.file, decimal)?,
+                _ => Layout::of(&source.head[..whole], &source.file, decimal).map_err(|_| hidden(&source))?,
+            }
+        };
         Ok(Text { origin: source.origin, rows: source.from(layout.start), layout })
     }
+}
+
+/// The error for a text whose first line with content is not within the head.
+fn hidden(source: &Source) -> RecordError {
+    let most = HEAD >> 20;
+    let message = format!("{} has no complete header and no complete row in its first {most} MiB", source.file);
+    let help = format!("remove long comments, and keep the header or the first row below {most} MiB");
+    RecordError::new(message, "", help, None)
 }
 
 impl Columns for Text<'_> {

@@ -4,6 +4,7 @@ use std::io::Error;
 use std::path::{Path, PathBuf};
 
 use crate::run::RESOLVED;
+use crate::source::text_file::{MOST_RECORD, read_bytes};
 use crate::store::whole::write_whole;
 use crate::study::Study;
 
@@ -27,7 +28,7 @@ pub fn keep(study: &Study, folder: &Path) -> Result<Vec<String>, KeepError> {
     let mut replaced = Vec::new();
     for input in study.inputs() {
         let path = folder.join(&input.name);
-        match std::fs::read(&path) {
+        match read_bytes(&path, MOST_RECORD) {
             // The file may be the one from which the study was read.
             Ok(there) if there == input.text.as_bytes() => continue,
             Ok(_) => replaced.push(input.name.clone()),

@@ -3,4 +3,4 @@
 pub mod diagnose;
 pub(crate) mod place;
 pub mod setting;
-pub(crate) mod text_file;
+pub mod text_file;

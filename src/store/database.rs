@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
+use rusqlite::limits::Limit;
 use rusqlite::{Connection, Params, Row, Transaction, TransactionBehavior, params};
 
 use crate::store::lock::{Lock, own_name};
 use crate::store::row::{COLUMNS, Raw};
 use crate::store::session::Session;
-use crate::store::whole::ordinary;
+use crate::store::whole::ordinary_database;
 use crate::store::{Address, Identity, Keep, Provenance, StoreError, schema};
 use crate::tally::block::Block;
 use crate::tally::id::Id;
@@ -30,6 +31,10 @@ pub(crate) struct Database {
 /// Number of sessions that this process has opened.
 static SESSIONS: AtomicU64 = AtomicU64::new(0);
 
+/// Most bytes of a row, or of a text, that SQLite reads into memory. Rows have kilobytes, those of a million records some
+/// tens of megabytes; a database of a stranger may claim gigabytes of zeros.
+const MOST_BYTES: i32 = 256 << 20;
+
 /// Prefix of a share among the keys of the study.
 const SHARE: &str = "share ";
 
@@ -38,7 +43,7 @@ impl Database {
         std::fs::create_dir_all(folder)
             .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let lock = Lock::take(folder)?;
-        ordinary(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
+        ordinary_database(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let connection = Connection::open(&path).map_err(|source| StoreError::of(&path, source))?;
         let database = Database::of(path, connection, Some(lock));
         database.exclusive()?;
@@ -56,6 +61,8 @@ impl Database {
     }
 
     pub(crate) fn of(path: PathBuf, connection: Connection, lock: Option<Lock>) -> Database {
+        // It fails only for a negative limit.
+        let _ = connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MOST_BYTES);
         let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
         let session = Id::of(&format!("{}{count}{:?}", own_name(), SystemTime::now()));
         Database { path, connection, _lock: lock, session }

@@ -173,6 +173,9 @@ impl StoreError {
             }
             (_, Some(ErrorCode::DiskFull)) => StoreError::Full(path),
             (_, Some(ErrorCode::ReadOnly)) => StoreError::ReadOnly(path),
+            (_, Some(ErrorCode::TooBig)) => {
+                StoreError::Damaged { path, what: "it holds a row that is longer than any".to_owned() }
+            }
             (_, Some(ErrorCode::NotADatabase)) => StoreError::Foreign { path, what },
             // Wrong column types, invalid text or a missing table, none of which this program writes.
             (_, Some(ErrorCode::DatabaseCorrupt | ErrorCode::Unknown))

@@ -103,12 +103,18 @@ impl Database {
         let words = |sql: &str| sql.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         let is_ours = |sql: &str| TABLES.iter().any(|table| words(table) == words(sql));
         let path = self.path.clone();
-        if let Some((kind, name, _)) = held.iter().find(|(_, _, sql)| !sql.as_deref().is_some_and(is_ours)) {
+        let others = || held.iter().filter(|(_, _, sql)| !sql.as_deref().is_some_and(is_ours));
+        // First what computes when it is read: of an altered table, salvage reads what is left.
+        let computes = |(kind, _, sql): &&(String, String, Option<String>)| {
+            kind != "table" || sql.as_deref().is_none_or(|sql| words(sql).get(1).is_some_and(|word| word.eq_ignore_ascii_case("virtual")))
+        };
+        if let Some((kind, name, _)) = others().find(computes) {
+            let what = format!("it holds the {} `{}`", kind.escape_debug(), name.escape_debug());
+            return Err(StoreError::Foreign { path, what });
+        }
+        if let Some((kind, name, _)) = others().next() {
             let what = format!("{} `{}`", kind.escape_debug(), name.escape_debug());
-            return Err(match kind.as_str() {
-                "table" => StoreError::Damaged { path, what: format!("its {what} is not as it was written") },
-                _ => StoreError::Foreign { path, what: format!("it holds the {what}") },
-            });
+            return Err(StoreError::Damaged { path, what: format!("its {what} is not as it was written") });
         }
         match held.len() == TABLES.len() {
             true => Ok(()),

@@ -9,7 +9,7 @@ use rusqlite::{Connection, OpenFlags};
 use crate::store::database::Database;
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::whole::ordinary;
+use crate::store::whole::ordinary_database;
 use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
 use crate::tally::share::Share;
 
@@ -44,7 +44,7 @@ impl Source {
     /// The store is missing, in use, or cannot be read.
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
-        if let Err(source) = ordinary(&path).and_then(|()| std::fs::File::open(&path)) {
+        if let Err(source) = ordinary_database(&path).and_then(|()| std::fs::File::open(&path)) {
             return Err(match source.kind() {
                 ErrorKind::NotFound => StoreError::NoResults(folder.to_owned()),
                 _ => StoreError::Folder { path, source },

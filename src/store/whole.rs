@@ -20,6 +20,19 @@ pub(crate) fn ordinary(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Refuses a database that is not an ordinary file, or has a journal that is none.
+///
+/// # Errors
+/// One of the files is not an ordinary file.
+#[cfg(feature = "store")]
+pub(crate) fn ordinary_database(path: &Path) -> io::Result<()> {
+    ["", "-wal", "-journal", "-shm"].into_iter().try_for_each(|end| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(end);
+        ordinary(Path::new(&name))
+    })
+}
+
 /// Writes a file as a whole or not at all: an existing file stays until the new one is on disk.
 ///
 /// # Errors

@@ -211,18 +211,29 @@ impl Table {
         self.columns.iter().find(|other| other.name == column.of)
     }
 
-    /// Writes the table as CSV: a header, then the rows; blanks stay empty.
+    /// Writes the table as CSV: a header, then the rows; blanks stay empty. A text that a spreadsheet would take for a
+    /// formula, because it begins with `=`, `+`, `-`, `@`, a tab or a carriage return and is no number, has an apostrophe
+    /// before it (OWASP, "CSV Injection").
     ///
     /// # Errors
     /// The errors of the writer.
     pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(to);
-        writer.write_record(self.columns.iter().map(Column::header))?;
+        writer.write_record(self.columns.iter().map(|column| guarded(column.header())))?;
         for row in 0..self.rows() {
-            writer.write_record(self.columns.iter().map(|column| column.cells[row].text()))?;
+            writer.write_record(self.columns.iter().map(|column| match &column.cells[row] {
+                Cell::Text(text) => guarded(text.clone()),
+                cell => cell.text(),
+            }))?;
         }
         writer.flush()
     }
+}
+
+/// A text of a file that no spreadsheet takes for a formula.
+fn guarded(text: String) -> String {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
+    if is_formula { format!("'{text}") } else { text }
 }
 
 /// Rows by a key that each has, in the order of their first rows.
@@ -329,6 +340,23 @@ mod tests {
         assert_eq!(Cell::Number(12000.0).text(), "12000");
         assert_eq!(Cell::from(Some(f64::NAN)).text(), "");
         assert_eq!(Cell::from(None).text(), "");
+    }
+
+    #[test]
+    fn files_have_no_formulas_and_their_numbers_stay() {
+        let text = |text: &str| Cell::Text(text.to_owned());
+        let texts = ["=cmd|' /C calc'!A0", "+1+1", "-1+1", "@SUM(A1)", "\t=1", "\r=1", "-2.5", "const", ""];
+        let cells = texts.map(text).into_iter().chain([Cell::Number(-1.5), Cell::Integer(-3)]).collect();
+        let table = Table { columns: vec![Column { cells, ..column("=name", Unit::NONE) }] };
+        let mut file = Vec::new();
+        table.write_csv(&mut file).unwrap();
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&file[..]);
+        let found: Vec<String> = reader.records().map(|row| row.unwrap()[0].to_owned()).collect();
+        let wanted = [
+            "'=name", "'=cmd|' /C calc'!A0", "'+1+1", "'-1+1", "'@SUM(A1)", "'\t=1", "'\r=1", "-2.5", "const",
+            "", "-1.5", "-3",
+        ];
+        assert_eq!(found, wanted);
     }
 
     #[test]

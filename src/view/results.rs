@@ -9,7 +9,7 @@ use crate::study::Study;
 use crate::table::{Cell, Role, Table};
 use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::{Verdict, verdicts};
-use crate::view::picture::{Drawn, pictures, shown};
+use crate::view::picture::{Drawn, incomplete, pictures, shown};
 use crate::view::report::Report;
 use crate::view::report::answer::Answer;
 use crate::view::report::gallery::Card;
@@ -44,12 +44,11 @@ impl<'a> Results<'a> {
         lacking: u64,
         degraded: &[String],
     ) -> Result<Results<'a>, E> {
-        let (charts, curves) = (pictures(study, tables)?, shown(study, tables)?);
+        let (charts, curves) = (pictures(study, tables, lacking)?, shown(study, tables)?);
         let index = store.index()?;
         let held = plan.held(&index)?;
-        let missing = || format!("the run is incomplete: {} trials are missing", short(lacking as f64));
         let uneven = if study.precision.is_some() { None } else { uneven(&tables.points) };
-        let notes = (lacking > 0).then(missing).into_iter().chain(degraded.iter().cloned());
+        let notes = incomplete(lacking).into_iter().chain(degraded.iter().cloned());
         let notes = notes.chain(plan.notes(store, &index, held)?).chain(uneven).collect();
         let source = Source::of(study, plan, store, held, lacking)?;
         Ok(Results { study, tables, lacking, charts, curves, notes, source })

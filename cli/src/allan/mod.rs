@@ -8,6 +8,7 @@ mod temperature;
 
 use std::path::{Path, PathBuf};
 
+use sagnac::source::text_file::{MOST_TOML, read_text};
 use sagnac::analysis::dynamic::Dynamic;
 use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
 use sagnac::analysis::page;
@@ -141,7 +142,7 @@ fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Fail
         let entry = entry.map_err(unwritten(folder))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_named = name == "noise.toml" || name.starts_with("noise_") && name.ends_with(".toml");
-        let is_ours = || std::fs::read_to_string(entry.path()).is_ok_and(|text| noise_file::is_ours(&text));
+        let is_ours = || read_text(&entry.path(), MOST_TOML).is_ok_and(|text| noise_file::is_ours(&text));
         if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
             remove(&entry.path())?;
         }

@@ -53,6 +53,11 @@ pub(crate) fn summary(
         0 => String::new(),
         lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
     };
+    if verdicts.is_empty()
+        && let Some(sentence) = sagnac::view::picture::incomplete(lacking)
+    {
+        text += &format!("\n{sentence}\n");
+    }
     for verdict in verdicts {
         // A pipe gets unbroken lines.
         let width = look::columns().unwrap_or(usize::MAX);

@@ -212,7 +212,7 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
 /// The plan of a study, with checks for errors that would otherwise occur after sampling.
 pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
-    pictures(study, &plan.blank_tables())?;
+    pictures(study, &plan.blank_tables(), 0)?;
     Ok(plan)
 }
 

@@ -83,6 +83,18 @@ impl Picture {
         }
     }
 
+    /// Puts a sentence before the second line.
+    pub(crate) fn preface(&mut self, sentence: &str) {
+        let subtitle = match self {
+            Picture::Curves(figure) => &mut figure.subtitle,
+            Picture::Map(map) => &mut map.subtitle,
+        };
+        *subtitle = Some(match subtitle.take() {
+            Some(second) => format!("{sentence} {second}"),
+            None => sentence.to_owned(),
+        });
+    }
+
     /// The axis of the shown quantity: y of curves, z of maps.
     pub fn shown(&self) -> &Axis {
         match self {

@@ -10,6 +10,7 @@ pub mod verdict;
 use crate::chart::{Chart, Named, Shows};
 use crate::key::setting::Swept;
 use crate::kinds::keys::{explain_key, explained_keys};
+use crate::quantity::number::short;
 use crate::quantity::unit::bare;
 use crate::quantity::units::Dimension;
 use crate::run::Tables;
@@ -47,12 +48,17 @@ impl Drawn {
     }
 }
 
-/// All charts of a study, in order.
+/// What results say that lack trials.
+pub fn incomplete(lacking: u64) -> Option<String> {
+    (lacking > 0).then(|| format!("the run is incomplete: {} trials are missing", short(lacking as f64)))
+}
+
+/// All charts of a study, in order. Each states how many trials are `lacking`.
 ///
 /// # Errors
 /// The table lacks something that a chart requires; the error points at the name in the study. Charts of
 /// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show this before anything is sampled.
-pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError> {
+pub fn pictures(study: &Study, tables: &Tables, lacking: u64) -> Result<Vec<Drawn>, StudyError> {
     let of = |(index, chart): (usize, &Chart)| {
         let table = tables.of(chart.source);
         let drawn = match &chart.shows {
@@ -62,7 +68,10 @@ pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError
                 Map::from_table(table, chart).map(|(map, notes)| (Picture::Map(map), notes.sentence()))
             }
         };
-        let (picture, note) = drawn.map_err(|error| refused(study, chart, &error))?;
+        let (mut picture, note) = drawn.map_err(|error| refused(study, chart, &error))?;
+        if lacking > 0 {
+            picture.preface(&format!("Incomplete, {} trials are missing.", short(lacking as f64)));
+        }
         Ok(Drawn { stem: chart_stem(index, study.charts.len()), picture, note })
     };
     study.charts.iter().enumerate().map(of).collect()
