@@ -2,7 +2,8 @@
 
 use crate::analysis::{compare, design, dynamic, firmware, log, lot, sensitivity, spectrum, temperature};
 use crate::chart::file::Source;
-use crate::kinds::KINDS;
+use crate::key::row::Key;
+use crate::kinds::{KINDS, switched_run};
 use crate::quantity::unit::bare;
 use crate::study::kind::Kind;
 use crate::table::About;
@@ -17,6 +18,8 @@ pub struct File {
     pub by: By,
     /// Its columns except the swept keys, in the order of the file.
     pub columns: Vec<About>,
+    /// The keys whose sweeps have columns before these.
+    sweepable: Vec<&'static Key>,
 }
 
 /// The writer of a file of results.
@@ -30,18 +33,25 @@ pub enum By {
 
 /// All files with columns.
 pub fn files() -> Vec<File> {
-    let command = |name, command, columns| File { name, by: By::Command(command), columns };
+    let command =
+        |name, command, columns| File { name, by: By::Command(command), columns, sweepable: vec![] };
+    let of_designs = |name, columns| File {
+        sweepable: switched_run::sweepable(),
+        ..command(name, "sagnac design", columns)
+    };
     let of_kinds = KINDS.iter().flat_map(|kind| {
         let columns = kind.columns.iter();
         columns.map(|(source, columns)| File {
             name: source.file(),
             by: By::Study(kind, *source),
             columns: columns(),
+            sweepable: (kind.sweepable)(),
         })
     });
     of_kinds
         .chain([
-            command("design.csv", "sagnac design", abouts(&design::report::columns(&design::Measure::ALL))),
+            of_designs("design.csv", abouts(&design::report::columns(&design::Measure::ALL))),
+            of_designs("pareto.csv", abouts(&design::report::pareto_columns())),
             command("sensitivity.csv", "sagnac sensitivity", abouts(&sensitivity::report::columns())),
             command("events.csv", "sagnac allan", abouts(&log::events::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
@@ -96,9 +106,7 @@ impl File {
 
     /// The label of a swept key that heads a column of this file.
     fn swept(&self, name: &str) -> Option<&'static str> {
-        let By::Study(kind, _) = self.by else { return None };
-        let keys = (kind.sweepable)();
-        let of = |name: &str| keys.iter().find(|key| key.name == name).map(|key| key.label);
+        let of = |name: &str| self.sweepable.iter().find(|key| key.name == name).map(|key| key.label);
         of(name).or_else(|| bare(name).find_map(of))
     }
 }

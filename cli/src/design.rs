@@ -6,17 +6,22 @@ use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::design::report;
-use sagnac::analysis::design::{Design, Measure, design as find};
+use sagnac::analysis::design::searched::band;
+use sagnac::analysis::design::{Constraints, Design, Measure, Request, Search, design as find};
 use sagnac::analysis::page;
 use sagnac::quantity::number::short;
+use sagnac::quantity::units::Dimension;
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
 use serde_json::{Value, json};
 
-use crate::charts::write_pictures;
+use crate::charts::{write_figures, write_pictures};
 use crate::failure::Failure;
-use crate::output::{print, print_drawn, print_json, whereabouts, write, write_page, write_table};
+use crate::filler::alone::at_least_0;
+use crate::output::{
+    print, print_drawn, print_json, whereabouts, write, write_or_remove, write_page, write_table,
+};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::results::sheet_text;
@@ -27,18 +32,34 @@ use crate::{look, whole};
 const EXAMPLES: &str = "\
 Examples:
   sagnac design studies/design_point.toml
-  sagnac design studies/design_point.toml --by drift_rms --trials 10000 --plot";
+  sagnac design studies/design_point.toml --by drift_rms --trials 10000 --plot
+  sagnac design studies/design_point.toml --trials 10000 --search --latency \"20 ms\" --memory 600";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Study of kind = "switched-run". The candidates are its swept intervals; without such a sweep they are intervals
-    /// that suit the run
+    /// that suit the run. Other swept keys are choices too: each combination of their values is tried
     #[arg(value_name = "STUDY")]
     study: PathBuf,
     /// Estimate to minimise
     #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_q9973")]
     by: Measure,
+    /// Longest time from the end of the gap to the correction, such as "10 ms": fillers that read later ticks are left out
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    latency: Option<String>,
+    /// Largest memory of a filler in firmware, its constants and its state on a 32-bit processor: larger fillers are left
+    /// out
+    #[arg(long, value_name = "BYTES", value_parser = memory, allow_negative_numbers = true)]
+    memory: Option<u64>,
+    /// Also try a handful of minimum-variance fillers that meet these constraints: of all numbers of ticks before and after
+    /// the gap those that are worth their latency and memory
+    #[arg(long)]
+    search: bool,
+    /// Frequency band of the vibration for which searched fillers are designed, such as "18 Hz,22 Hz" [default: that of
+    /// the study's motion, with 5 % on either side]
+    #[arg(long, value_name = "LOW,HIGH", requires = "search", allow_hyphen_values = true)]
+    band: Option<String>,
     #[command(flatten)]
     device: DeviceArg,
     /// Output folder [default: design in results/<name of the study file>, or design_<estimate> for another --by than
@@ -64,6 +85,23 @@ pub struct Options {
     quiet: bool,
 }
 
+impl Options {
+    /// What the design is asked for.
+    fn request(&self) -> Result<Request, Failure> {
+        let latency_s = self.latency.as_deref().map(|text| at_least_0("--latency", text, Dimension::Time));
+        let constraints = Constraints { latency_s: latency_s.transpose()?, memory_bytes: self.memory };
+        let refused = |text: &str, why: String| Failure::Usage(format!("--band = {text}: {why}"));
+        let band = self.band.as_deref().map(|text| band(text).map_err(|why| refused(text, why)));
+        let band = band.transpose()?;
+        Ok(Request { measure: self.by, constraints, search: self.search.then_some(Search { band }) })
+    }
+}
+
+/// A number of bytes.
+fn memory(text: &str) -> Result<u64, String> {
+    whole::whole(text, 0..=1 << 32)
+}
+
 /// The measures, as options list them.
 fn measures() -> impl TypedValueParser<Value = Measure> {
     let named =
@@ -84,19 +122,20 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = Study::read(&options.study)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
+    let request = options.request()?;
     let mut device = options.device.select(!options.quiet)?;
     let shown = Shown::new(options.progress.how(options.quiet));
-    let found = find(&study, options.by, &mut device, &shown)
+    let found = find(&study, &request, &mut device, &shown)
         .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
     let table = report::table(&found);
-    let sheet = found.sheet(&study)?;
-    let mut document = report::json(&study, &found);
+    let sheet = found.sheet()?;
+    let mut document = report::json(&found);
     document["decision"] = json!(sheet.as_ref().map(Sheet::json));
-    let picture = write_all(&study, &found, sheet.as_ref(), &document, &table, &folder)?;
+    let picture = write_all(&found, sheet.as_ref(), &document, &table, &folder)?;
     if options.json {
         return print_json(&document);
     }
@@ -120,7 +159,6 @@ pub fn design(options: &Options) -> Result<(), Failure> {
 }
 
 fn write_all(
-    study: &Study,
     found: &Design,
     sheet: Option<&Sheet>,
     document: &Value,
@@ -130,16 +168,22 @@ fn write_all(
     write_table(&folder.join("design.csv"), table)?;
     let json = serde_json::to_vec_pretty(document);
     write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
-    let figure = report::figure(study, found, table).map_err(|error| Failure::Picture(error.to_string()))?;
+    let figure = report::figure(found).map_err(|error| Failure::Picture(error.to_string()))?;
     let picture = Picture::Curves(figure);
     write_pictures(folder, "design", &picture)?;
-    write_page(folder, &page::of_design(study, found, sheet, table, picture.clone()))?;
+    write_or_remove(&folder.join("pareto.csv"), report::pareto_table(found))?;
+    write_figures(folder, &[("pareto".to_owned(), report::pareto_figure(found))])?;
+    write_page(folder, &page::of_design(found, sheet, table, picture.clone()))?;
     Ok(picture)
 }
 
 /// A line for each filler at its best interval.
 fn summary(found: &Design, table: &Table) -> String {
     let (heading, lines) = report::by_filler(found);
-    let (tried, runs, time) = (table.rows(), found.trials, report::duration(found.duration_s));
-    format!("{tried} candidates, {runs} runs each of {time}\n{}", headed_by(heading, lines.into_iter()))
+    let (tried, runs, time) = (table.rows(), found.trials, report::duration(found.variant().duration_s));
+    let fillers = headed_by(heading, lines.into_iter());
+    let variants = report::by_variant(found);
+    let variants =
+        variants.map_or_else(String::new, |(heading, lines)| headed_by(heading, lines.into_iter()) + "\n");
+    format!("{tried} candidates, {runs} runs each of {time}\n{variants}{fillers}")
 }

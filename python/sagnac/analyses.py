@@ -46,6 +46,10 @@ def design(
     study: str | os.PathLike[str] | Mapping[str, Any],
     *,
     by: Measure = "drift_q9973",
+    latency: str | None = None,
+    memory: int | None = None,
+    search: bool = False,
+    band: str | None = None,
     trials: int | None = None,
     seed: int | None = None,
     device: str = "auto",
@@ -58,8 +62,17 @@ def design(
     ----------
     study
         As for :func:`run`; of ``kind = "switched-run"``. The candidates are its swept intervals, or intervals that suit the run.
+        Other swept keys are choices too: each combination of their values is a variant, and the best one wins.
     by
         Estimate to minimise.
+    latency
+        Longest time from the end of the gap to the correction, such as ``"10 ms"``; fillers that read later ticks are left out.
+    memory
+        Largest memory of a filler in firmware, bytes; larger fillers are left out.
+    search
+        Whether a handful of minimum-variance fillers that meet these constraints are tried too.
+    band
+        Band of the vibration for which searched fillers are designed, such as ``"18 Hz,22 Hz"``, instead of the motion of the study.
     trials
         Runs of each candidate instead of the number in the study, rounded up to 32 times a power of two.
     seed, device, threads, progress
@@ -85,11 +98,15 @@ def design(
     (True, 'Switch every')
     """
     path, text = _source(study)
+    if band is not None and not search:
+        raise UsageError("band is that of searched fillers\nadd search=True, or leave band out")
+    if memory is not None:
+        memory = _whole("memory", memory, 0, 1 << 32)
     if trials is not None:
         trials = _whole("trials", trials, 1, MOST_TRIALS)
     if seed is not None:
         seed = _whole("seed", seed, 0, (1 << 63) - 1)
-    return _analysis(_sagnac.design(path, text, by, trials, seed, device, _threads(threads), progress))
+    return _analysis(_sagnac.design(path, text, by, latency, memory, search, band, trials, seed, device, _threads(threads), progress))
 
 
 def sensitivity(

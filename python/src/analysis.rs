@@ -8,7 +8,10 @@ use pyo3::types::PyDict;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::decision::RatioLimit;
 use sagnac::analysis::decision::Sheet;
-use sagnac::analysis::design::{Measure, design as find, report as design_report};
+use sagnac::analysis::design::searched::band as band_of;
+use sagnac::analysis::design::{
+    Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
+};
 use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::requirement::Limited;
 use sagnac::analysis::sensitivity::{
@@ -19,6 +22,7 @@ use sagnac::analysis::{compare as compared, page};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::range::Fitting;
 use sagnac::progress::Silent;
+use sagnac::quantity::units::{Dimension, parse};
 use sagnac::run::RunError;
 use sagnac::spectrum::Welch;
 use sagnac::table::Table;
@@ -73,13 +77,17 @@ pub fn chart(stem: &str, picture: &Picture) -> (String, String, String) {
 
 /// The best switching interval and filler of a study.
 #[pyfunction]
-#[pyo3(signature = (path, text, by, trials, seed, device, threads, progress))]
+#[pyo3(signature = (path, text, by, latency, memory, search, band, trials, seed, device, threads, progress))]
 #[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
 pub fn design<'py>(
     py: Python<'py>,
     path: Option<PathBuf>,
     text: String,
     by: String,
+    latency: Option<String>,
+    memory: Option<u64>,
+    search: bool,
+    band: Option<String>,
     trials: Option<u64>,
     seed: Option<u64>,
     device: String,
@@ -96,18 +104,33 @@ pub fn design<'py>(
             Failure::Usage(format!("by=\"{by}\" is not known\naccepted: {known}"))
         })?;
         let mut device = select(&device, threads)?.device;
-        let found = find(&study, measure, &mut device, &listener);
+        let latency_s = latency.as_deref().map(|text| {
+            let refused = |what: String| Failure::Usage(format!("latency=\"{text}\": {what}"));
+            match parse(text, &[Dimension::Time]) {
+                Ok(time) if time.value >= 0.0 => Ok(time.value),
+                Ok(_) => Err(refused("it is below 0".to_owned())),
+                Err(error) => Err(refused(error.to_string())),
+            }
+        });
+        let latency_s = latency_s.transpose()?;
+        let constraints = Constraints { latency_s, memory_bytes: memory };
+        let band = band
+            .as_deref()
+            .map(|text| band_of(text).map_err(|why| Failure::Usage(format!("band=\"{text}\": {why}"))));
+        let search = search.then_some(Search { band: band.transpose()? });
+        let request = DesignRequest { measure, constraints, search };
+        let found = find(&study, &request, &mut device, &listener);
         listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)))?;
         let found = found.map_err(|error| match error.in_study(&study) {
             Ok(error) => Failure::Study(error),
             Err(error) => Failure::Run(RunError::Gpu(error)),
         })?;
         let table = design_report::table(&found);
-        let figure = design_report::figure(&study, &found, &table);
+        let figure = design_report::figure(&found);
         let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
-        let sheet = found.sheet(&study)?;
-        let page = page::of_design(&study, &found, sheet.as_ref(), &table, Picture::Curves(figure));
-        let mut document = design_report::json(&study, &found);
+        let sheet = found.sheet()?;
+        let page = page::of_design(&found, sheet.as_ref(), &table, Picture::Curves(figure));
+        let mut document = design_report::json(&found);
         document["decision"] = json!(sheet.as_ref().map(Sheet::json));
         Ok(Found { page, document, tables: vec![] })
     })?;

@@ -37,6 +37,14 @@ def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> Non
     assert found.answer == expected["answer"]
     assert found.report == (program.folder / "out/report.html").read_text(encoding="utf-8")
     assert found.tables["design.csv"].rows == sum(len(filler["tried"]) for filler in expected["fillers"])
+    searched = sagnac.design(study, trials=64, search=True, latency="20 ms", memory=600, device="cpu")
+    options = ["--trials", 64, "--search", "--latency", "20 ms", "--memory", 600, "--device", "cpu"]
+    assert searched.data == program("design", study, *options, "--out", "searched")
+    assert searched.tables["pareto.csv"].rows == len(searched.data["pareto"])
+    with pytest.raises(sagnac.UsageError, match="below 0"):
+        sagnac.design(study, latency="-1 ms")
+    with pytest.raises(sagnac.UsageError, match="search"):
+        sagnac.design(study, band="18 Hz,22 Hz")
     with pytest.raises(sagnac.UsageError, match="accepted: drift_q9973"):
         sagnac.design(study, by="drift")  # type: ignore[arg-type]
     with pytest.raises(sagnac.StudyError, match="switched-run"):

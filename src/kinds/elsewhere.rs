@@ -1,6 +1,6 @@
 //! A study at other points than its own.
 
-use toml::Spanned;
+use toml::{Spanned, Table, Value};
 
 use crate::key::common::Streams;
 use crate::key::row::Key;
@@ -28,6 +28,24 @@ impl Study {
         (study.seed, study.trials, study.streams) = (self.seed, self.trials, Streams::Common);
         study.precision = None;
         Ok(study)
+    }
+
+    /// The study with other fillers: `edit` changes the entries of `switching.fillers`. Its text is written anew, without
+    /// comments.
+    ///
+    /// # Errors
+    /// A filler is not a valid one.
+    pub(crate) fn with_fillers(&self, edit: impl FnOnce(&mut Vec<Value>)) -> Result<Study, StudyError> {
+        // The text is that of a valid study.
+        let mut root: Table = self.text.inner().parse().unwrap_or_default();
+        let fillers = root.get_mut("switching").and_then(|table| table.get_mut("fillers"));
+        if let Some(Value::Array(fillers)) = fillers {
+            edit(fillers);
+        }
+        let text = toml::to_string(&root).unwrap_or_default();
+        let study = Study::parse(self.text.name(), &text)?;
+        let (seed, trials, streams) = (self.seed, self.trials, self.streams);
+        Ok(Study { seed, trials, streams, precision: self.precision.clone(), ..study })
     }
 
     /// The values of one key at some points as a sweep.

@@ -16,14 +16,21 @@ pub(crate) fn table<R>(
     swept: impl Fn(&R) -> &Values,
 ) -> Table {
     let of_sweep = |(at, sweep): (usize, &Sweep)| Column {
+        cells: rows.iter().map(|row| swept(row)[at].1.cell()).collect(),
+        ..column_of(sweep)
+    };
+    let keys = sweeps.iter().enumerate().map(of_sweep);
+    Table { columns: keys.chain(columns_of(columns, rows)).collect() }
+}
+
+/// The column of a swept key, without its cells.
+pub(crate) fn column_of(sweep: &Sweep) -> Column {
+    Column {
         name: sweep.key.name.to_owned(),
         label: sweep.key.label.to_owned(),
         unit: sweep.values.first().map(Swept::unit).unwrap_or_default(),
         role: Role::Key,
         meaning: sweep.key.label.to_owned(),
-        cells: rows.iter().map(|row| swept(row)[at].1.cell()).collect(),
         ..Column::default()
-    };
-    let keys = sweeps.iter().enumerate().map(of_sweep);
-    Table { columns: keys.chain(columns_of(columns, rows)).collect() }
+    }
 }

@@ -24,6 +24,7 @@ mod compare_statistics;
 mod damage;
 mod decision;
 mod device_faults;
+mod filler_memory;
 mod fit_beside_model;
 mod fit_range;
 mod groups;

@@ -92,6 +92,9 @@ fn written_by_commands() -> Vec<(File, String)> {
         ));
     }
     desk.done(&format!(
+        "design {studies}/design_point.toml --trials 64 --device cpu --latency 10ms --out pareto"
+    ));
+    desk.done(&format!(
         "sensitivity {studies}/what_decides.toml --by oracle_rms --samples 32 --out sensitivity"
     ));
     let all = files();
@@ -118,6 +121,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("filler", "test_vectors.csv", "filler"),
         ("sensitivity", "sensitivity.csv", "sensitivity"),
         ("filler", "trade.csv", "trade"),
+        ("design", "pareto.csv", "pareto"),
     ];
     let files = files.into_iter().chain(by.map(|by| ("design", "design.csv", by)));
     let files = files.map(|(by, name, folder)| (command(by, name), format!("{folder}/{name}")));

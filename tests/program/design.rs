@@ -252,24 +252,20 @@ fn a_best_interval_at_the_end_of_what_was_tried_is_called_that() {
 }
 
 #[test]
-fn other_kinds_other_sweeps_and_gyros_without_drift_are_refused() {
+fn other_kinds_and_gyros_without_drift_are_refused() {
     let budget = PAPER.replace("switched-run", "drift-budget").replace("trials = 4096\n", "");
     refused(
         &budget,
         "2:8",
         &["kind = \"drift-budget\" has no switching interval", "kind = \"switched-run\""],
     );
-    let sweep = |key: &str, list: &str| format!("{PAPER}[[sweep]]\nkey = \"{key}\"\nlist = {list}\n");
-    refused(
-        &sweep("drift.magnetic", "[\"7 arcsec/s\", \"14 arcsec/s\"]"),
-        "15:8",
-        &["drift.magnetic is swept", "a design is for one gyro", "give one value"],
-    );
-    refused(&sweep("run.duration", "[\"1 h\", \"2 h\"]"), "15:8", &["run.duration is swept"]);
     let nothing = PAPER
         .replace("magnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\n", "")
         .replace("residual_max = \"10 arcsec\"\n", "");
     refused(&nothing, "5:16", &["there is no drift and no residual", "give drift.magnetic"]);
+    let sweep = "[[sweep]]\nkey = \"run.duration\"\nlist = [\"1 h\", \"2 h\"]\n";
+    let at = ["there is no drift and no residual", "at run.duration = 3600 s"];
+    refused(&format!("{nothing}{sweep}"), "5:16", &at);
 }
 
 #[test]

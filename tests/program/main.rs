@@ -36,6 +36,7 @@ mod compare;
 mod decisions;
 mod descriptions;
 mod design;
+mod design_choices;
 mod documents;
 #[cfg(unix)]
 mod escapes;

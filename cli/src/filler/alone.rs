@@ -102,11 +102,7 @@ impl Given {
         }
         let [limit, latency] = [Dimension::Angle, Dimension::Time];
         let value = |(name, text): (&str, &Option<String>), dimension| {
-            let Some(text) = text else { return Ok(None) };
-            let quantity = parse(text, &[dimension]);
-            let refused = |what: String| Failure::Usage(format!("{name} = {text}: {what}"));
-            let value = quantity.map_err(|error| refused(error.to_string()))?.value;
-            if value >= 0.0 { Ok(Some(value)) } else { Err(refused("it is below 0".to_owned())) }
+            text.as_ref().map(|text| at_least_0(name, text, dimension)).transpose()
         };
         let [of_limit, of_latency] = searched;
         Ok(Some(Asked { limit_arcsec: value(of_limit, limit)?, latency_s: value(of_latency, latency)? }))
@@ -148,4 +144,14 @@ impl Given {
         let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
         Failure::Usage(said)
     }
+}
+
+/// The value of an option that is a quantity of at least 0.
+///
+/// # Errors
+/// The text is not such a quantity.
+pub fn at_least_0(name: &str, text: &str, dimension: Dimension) -> Result<f64, Failure> {
+    let refused = |what: String| Failure::Usage(format!("{name} = {text}: {what}"));
+    let value = parse(text, &[dimension]).map_err(|error| refused(error.to_string()))?.value;
+    if value >= 0.0 { Ok(value) } else { Err(refused("it is below 0".to_owned())) }
 }

@@ -98,7 +98,7 @@ impl Options {
     fn trade(&self, study: &Study) -> Result<Option<Trade>, Failure> {
         let Some(asked) = self.alone.asked(&self.what)? else { return Ok(None) };
         let points = study.asked::<GapFill>().map(|gap_fill| &gap_fill.points[..]);
-        let trade = points.and_then(|points| Trade::new(&points.first()?.inputs, asked));
+        let trade = points.and_then(|points| Trade::new(&points.first()?.inputs, asked, None));
         trade.map(Some).ok_or_else(|| {
             let message =
                 "no ticks determine a filler: the noise is too small beside the motion to choose weights by";

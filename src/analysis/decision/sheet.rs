@@ -298,7 +298,7 @@ pub(crate) fn at_level(figure: Figure, level: &str, shown: impl Fn(f64) -> Strin
 }
 
 /// A quantity with six digits; a time below a tenth of a second in milliseconds.
-fn short(quantity: Quantity) -> String {
+pub(crate) fn short(quantity: Quantity) -> String {
     let value = significant(quantity.value, 6).parse().unwrap_or(quantity.value);
     match quantity.dimension {
         Dimension::Time if value.abs() < 0.1 => format!("{} ms", significant(1000.0 * value, 6)),

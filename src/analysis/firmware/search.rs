@@ -6,6 +6,8 @@
 //! for other motions it is that of normally distributed errors. A correction comes as many ticks after the gap as the filler
 //! reads there, which is its latency.
 
+use core::f64::consts::SQRT_2;
+
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -17,7 +19,7 @@ use crate::kinds::gap_fill::judged::{SHIFT, of_noise};
 use crate::quantity::number::significant;
 use crate::table::column::{ColumnOf, columns_of};
 use crate::table::{Cell, Role, Table, Unit};
-use crate::theory::minimum_variance::minimum_variance_weights;
+use crate::theory::minimum_variance::{Band, minimum_variance_weights};
 use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 
 /// Most ticks before the gap.
@@ -98,9 +100,9 @@ pub struct Trade {
 }
 
 impl Trade {
-    /// Searches the ticks for the motion and noise of a point; `None` if the motion determines no weights without more
-    /// noise.
-    pub fn new(inputs: &Inputs, asked: Asked) -> Option<Trade> {
+    /// Searches the ticks for the motion and noise of a point, or for as much motion in a band; `None` if the motion
+    /// determines no weights without more noise.
+    pub fn new(inputs: &Inputs, asked: Asked, band: Option<Band>) -> Option<Trade> {
         let (n, tick_s) = (inputs.gap_ticks, inputs.tick_s);
         let most_after = asked.latency_s.map_or(MOST_AFTER, |latency_s| {
             // Times are rounded to 12 digits, which must not drop a tick.
@@ -109,11 +111,14 @@ impl Trade {
         });
         let lags = 2 * MAX_SIDE + n as usize;
         let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| Played::new(inputs, speed, lags));
+        let design = match band {
+            Some(band) => band.covariance(inputs.motion.rate_rms(tick_s) * SQRT_2, tick_s, lags),
+            None => motions[0].covariance.clone(),
+        };
         let candidate = |(after, before): (u32, u32)| {
             let after_gap = (n + 1..=n + after).map(u32::cast_signed);
             let ticks: Vec<i32> = (1 - before.cast_signed()..=0).chain(after_gap).collect();
-            let weights =
-                minimum_variance_weights(&ticks, n, &motions[0].covariance, &inputs.noise_covariance())?;
+            let weights = minimum_variance_weights(&ticks, n, &design, &inputs.noise_covariance())?;
             let errors = motions.each_ref().map(|motion| motion.errors(&ticks, &weights));
             let [own_rms, own_level] = errors[0];
             let worst = |which: usize| errors.iter().map(|error| error[which]).fold(0.0, f64::max);
@@ -226,7 +231,6 @@ mod tests {
     use super::*;
     use crate::kinds::gap_fill::inputs::TickNoise;
     use crate::motion::{Gaussian, Motion};
-    use crate::theory::minimum_variance::Band;
 
     fn inputs() -> Inputs {
         let band = Band { low_hz: 18.0, high_hz: 22.0 };
@@ -243,7 +247,7 @@ mod tests {
     #[test]
     fn the_choice_is_the_soonest_that_meets_the_limit_with_the_fewest_ticks() {
         let asked = Asked { limit_arcsec: Some(9.0), latency_s: Some(0.02) };
-        let trade = Trade::new(&inputs(), asked).unwrap();
+        let trade = Trade::new(&inputs(), asked, None).unwrap();
         let Candidate { before, after, level, .. } = trade.chosen;
         assert!(level <= 9.0 && trade.meets() == Some(true) && after <= 4, "{:?}", trade.chosen);
         for one in &trade.candidates {
@@ -257,7 +261,7 @@ mod tests {
 
     #[test]
     fn levels_of_gaussian_motion_are_three_times_the_rms() {
-        let trade = Trade::new(&inputs(), Asked::default()).unwrap();
+        let trade = Trade::new(&inputs(), Asked::default(), None).unwrap();
         for one in &trade.candidates {
             assert!((one.level / one.rms - 2.999_977).abs() < 1e-5, "{one:?}");
         }
@@ -265,7 +269,7 @@ mod tests {
 
     #[test]
     fn without_a_limit_and_beyond_it_few_ticks_come_near_to_the_least_error() {
-        let of = |limit_arcsec| Trade::new(&inputs(), Asked { limit_arcsec, latency_s: None }).unwrap();
+        let of = |limit_arcsec| Trade::new(&inputs(), Asked { limit_arcsec, latency_s: None }, None).unwrap();
         let (free, strict) = (of(None), of(Some(1e-6)));
         assert_eq!((free.meets(), strict.meets()), (None, Some(false)));
         assert_eq!(free.chosen, strict.chosen);

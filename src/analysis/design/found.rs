@@ -1,0 +1,209 @@
+//! The result of a design: for each variant, filler and interval.
+
+use crate::analysis::decision::{DecisionError, Sheet, decide_at};
+use crate::analysis::design::constraints::{Constraints, Cost, LeftOut, keep};
+use crate::analysis::design::report::variants;
+use crate::analysis::design::{Measure, PapersRule};
+use crate::analysis::jackknife::{T_95, jackknife};
+use crate::drift::schedule::INTERVAL;
+use crate::key::setting::Swept;
+use crate::key::sweep::Sweep;
+use crate::kinds::switched_run::SwitchedRun;
+use crate::quantity::units::{Dimension, Quantity};
+use crate::study::Study;
+
+/// A value with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Value, in the unit of the measure.
+    pub value: f64,
+    /// 95 % interval; absent for too few runs.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// The result of the runs at one interval with one filler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tried {
+    /// Switching interval MT, s.
+    pub interval_s: f64,
+    /// Number of switches in a run.
+    pub switches: u64,
+    /// Drift, ″/s.
+    pub drift: Found,
+    /// Rms drift in closed form, ″/s; absent for the largest angle.
+    pub closed_form: Option<f64>,
+    /// Drift without each part of the trials in turn.
+    pub(crate) replicates: Vec<f64>,
+    /// Drift without its non-magnetic part, ″/s, by which the interval is chosen.
+    pub switched: Found,
+    /// Drift without its non-magnetic part, once for each part of the trials that is left out.
+    pub(crate) switched_replicates: Vec<f64>,
+}
+
+/// The results of one filler, in the order of the intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filler {
+    /// Name; absent where the study gives the residual by its largest value.
+    pub name: Option<String>,
+    /// Latency and memory of the filler; absent where it has no name.
+    pub cost: Option<Cost>,
+    /// Rms residual of one switch, ″.
+    pub residual_rms: f64,
+    /// Approximate largest residual δP_max, ″: sines at their peaks plus three standard deviations of the rest.
+    pub residual_max: f64,
+    /// Results, by ascending interval.
+    pub tried: Vec<Tried>,
+    /// Index of the best interval.
+    pub best: usize,
+    /// Best interval, s, with the uncertainty from a law fitted near the minimum, which is absent where the minimum is
+    /// at an end of the tried range.
+    pub optimum: Found,
+    /// The interval of the paper's rule, with its result.
+    pub papers_rule: Option<PapersRule>,
+}
+
+impl Filler {
+    /// The result at the best interval.
+    pub fn best(&self) -> &Tried {
+        &self.tried[self.best]
+    }
+
+    /// Whether an interval shorter or longer than all that were tried may be better.
+    pub fn is_at_edge(&self) -> bool {
+        self.tried.len() > 1 && (self.best == 0 || self.best + 1 == self.tried.len())
+    }
+}
+
+/// The results of one combination of the swept keys other than the interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// Name of each of these keys with its value, in the order of the sweeps; empty where none is swept.
+    pub swept: Vec<(&'static str, Swept)>,
+    /// Run time t, s.
+    pub duration_s: f64,
+    /// Non-magnetic drift, ″/s, which is part of the drift but not of the choice of an interval.
+    pub non_magnetic: f64,
+    /// Results by filler, in the order of the study, without those that break a constraint.
+    pub fillers: Vec<Filler>,
+    /// Index of the filler with the least drift.
+    pub best: usize,
+}
+
+impl Variant {
+    /// The filler with the least drift.
+    pub fn best(&self) -> &Filler {
+        &self.fillers[self.best]
+    }
+
+    /// The angle that a drift adds up to in the run time, ″.
+    pub fn angle(&self, drift: f64) -> f64 {
+        drift * self.duration_s
+    }
+}
+
+/// The result of a design.
+#[derive(Debug, Clone)]
+pub struct Design {
+    /// The study, with all fillers that were tried.
+    pub study: Study,
+    /// Minimised quantity.
+    pub measure: Measure,
+    /// What fillers had to meet.
+    pub constraints: Constraints,
+    /// Whether a search added fillers to the study.
+    pub is_searched: bool,
+    /// Number of runs for each filler and interval.
+    pub trials: u64,
+    /// Notes on the results, each a sentence.
+    pub notes: Vec<String>,
+    /// Fillers that break a constraint.
+    pub left_out: Vec<LeftOut>,
+    /// The results of each combination of swept keys, in the order of the sweeps; a single one where none is swept.
+    pub variants: Vec<Variant>,
+    /// Index of the variant with the least drift.
+    pub best: usize,
+}
+
+impl Design {
+    /// The swept keys other than the interval, in the order written.
+    pub(crate) fn keys(&self) -> Vec<Sweep> {
+        self.study.sweeps.iter().filter(|sweep| sweep.key.name != INTERVAL.name).cloned().collect()
+    }
+
+    /// The decision sheet of the study at the best interval and values of swept keys; see
+    /// [`decide`](crate::analysis::decision::decide).
+    ///
+    /// # Errors
+    /// The point cannot be represented, or no threads can be started.
+    pub fn sheet(&self) -> Result<Option<Sheet>, DecisionError> {
+        let interval = Quantity::new(self.best().best().interval_s, Dimension::Time);
+        let keys = self.keys();
+        let swept =
+            keys.iter().zip(&self.variant().swept).map(|(sweep, (_, value))| (sweep.key, value.clone()));
+        let point: Vec<_> = swept.chain([(&INTERVAL, Swept::Quantity(interval))]).collect();
+        let judged = self.judged();
+        let mut sheet = match judged.contains(&false) {
+            false => decide_at(&self.study, &point)?,
+            true => decide_at(&self.study.with_fillers(|all| keep(all, |place| judged[place]))?, &point)?,
+        };
+        if let Some(sheet) = sheet.as_mut().filter(|_| self.trades()) {
+            variants::name_in(sheet, self);
+        }
+        Ok(sheet)
+    }
+
+    /// Whether the decision is about each filler of the study: where there is more to choose than these, about the best one
+    /// alone, else about all.
+    fn judged(&self) -> Vec<bool> {
+        let trades = self.trades();
+        let kept = |name: &str| !trades || self.best().name.as_deref() == Some(name);
+        let runs = self.study.asked::<SwitchedRun>();
+        runs.iter().flat_map(|runs| runs.fillers()).map(|filler| kept(&filler.name)).collect()
+    }
+
+    /// The variant with the least drift.
+    pub fn variant(&self) -> &Variant {
+        &self.variants[self.best]
+    }
+
+    /// The filler with the least drift.
+    pub fn best(&self) -> &Filler {
+        self.variant().best()
+    }
+
+    /// The ratio of the drift of another filler at its own best interval to the least one, with its 95 % interval, from
+    /// the same random numbers.
+    pub fn worse_by(&self, filler: &Filler) -> Found {
+        self.times_best(filler.best())
+    }
+
+    /// The same ratio for any runs.
+    pub fn times_best(&self, other: &Tried) -> Found {
+        let best = self.best().best();
+        let ratio = |k: usize| other.replicates[k] / best.replicates[k];
+        let value = other.drift.value / best.drift.value;
+        let half = T_95 * jackknife(&(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>());
+        Found { value, interval: Some((value - half, value + half)) }
+    }
+
+    /// Whether the drift of some runs does not differ significantly from the least one.
+    pub fn is_as_good(&self, other: &Tried) -> bool {
+        self.times_best(other).interval.is_none_or(|(low, _)| low <= 1.0)
+    }
+
+    /// Whether there is more to choose than the interval and the fillers of the study.
+    pub fn trades(&self) -> bool {
+        !self.variant().swept.is_empty() || self.constraints.are_given() || self.is_searched
+    }
+
+    /// The drift by which variants are compared: without its non-magnetic part, unless that differs between them.
+    pub(crate) fn deciding(&self, tried: &Tried) -> f64 {
+        deciding(&self.variants, tried)
+    }
+}
+
+/// The drift by which some variants are compared.
+pub(crate) fn deciding(variants: &[Variant], tried: &Tried) -> f64 {
+    let alike = variants.iter().all(|variant| variant.non_magnetic == variants[0].non_magnetic);
+    if alike { tried.switched.value } else { tried.drift.value }
+}

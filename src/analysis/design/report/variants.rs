@@ -1,0 +1,140 @@
+//! The variants of a design in words and as a table.
+
+use crate::analysis::decision::choice::Next;
+use crate::analysis::decision::sheet::{Sheet, short};
+use crate::analysis::design::constraints::milliseconds;
+use crate::analysis::design::report::{called, duration, four_digits, range, three_digits};
+use crate::analysis::design::{Design, Filler, Variant};
+use crate::key::setting::Swept;
+
+/// Each value of a variant with the label of its key, such as `time constant of the loop 3 ms`.
+pub(crate) fn told(found: &Design, variant: &Variant) -> Vec<String> {
+    let each = found.keys().into_iter().zip(&variant.swept);
+    each.map(|(sweep, (_, value))| format!("{} {}", sweep.key.label, shown(value))).collect()
+}
+
+/// Names a choice: its filler and the values of swept keys.
+pub(crate) fn named(found: &Design, variant: &Variant, filler: &Filler) -> String {
+    filler.name.iter().cloned().chain(told(found, variant)).collect::<Vec<_>>().join(", ")
+}
+
+/// Makes the options of a decision sheet those of the design: each filler with each combination of swept values.
+pub(crate) fn name_in(sheet: &mut Sheet, found: &Design) {
+    let mut all: Vec<(&Variant, &Filler)> = Vec::new();
+    for variant in &found.variants {
+        all.extend(variant.fillers.iter().map(|filler| (variant, filler)));
+    }
+    all.retain(|(_, filler)| !std::ptr::eq(*filler, found.best()));
+    let drift = |filler: &Filler| found.deciding(filler.best());
+    all.sort_by(|a, b| drift(a.1).total_cmp(&drift(b.1)));
+    sheet.options = 1 + all.len();
+    sheet.option = named(found, found.variant(), found.best());
+    let name = |(variant, filler): &(&Variant, &Filler)| named(found, variant, filler);
+    let (good, worse): (Vec<_>, Vec<_>) =
+        all.into_iter().partition(|(_, filler)| found.is_as_good(filler.best()));
+    sheet.equal = good.iter().map(name).collect();
+    // Another estimate than the minimised one has values that the design does not know.
+    let next = worse.first().filter(|_| sheet.label == found.measure.label());
+    sheet.next =
+        next.map(|next| Next { option: name(next), value: next.1.best().drift.value, met: sheet.met[0] });
+}
+
+/// A value with its unit.
+pub(crate) fn shown(value: &Swept) -> String {
+    value.quantity().map_or_else(|| value.to_string(), short)
+}
+
+/// The headings of latency and memory, where the design shows them.
+pub(crate) fn cost_heads(found: &Design) -> Vec<String> {
+    let is_shown = found.trades() && found.best().cost.is_some();
+    let heads = ["latency, ms", "memory, bytes"].map(str::to_owned);
+    heads.into_iter().filter(|_| is_shown).collect()
+}
+
+/// The cells of latency and memory, where the design shows them.
+pub(crate) fn costs(found: &Design, filler: &Filler) -> Vec<String> {
+    let cost = filler.cost.filter(|_| found.trades());
+    let cells = cost.map(|cost| {
+        let latency = milliseconds(cost.latency_s);
+        [latency.trim_end_matches(" ms").to_owned(), cost.memory.bytes().to_string()]
+    });
+    cells.into_iter().flatten().collect()
+}
+
+/// The headings and lines of a table of the variants, each at its best interval with its best filler. `None` where no
+/// key but the interval is swept.
+pub fn by_variant(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
+    let keys = found.keys();
+    if keys.is_empty() {
+        return None;
+    }
+    let alike = found.variants.iter().all(|variant| variant.duration_s == found.variant().duration_s);
+    let after = if alike { duration(found.variant().duration_s) } else { "the run".to_owned() };
+    let label = found.measure.label();
+    let own = [
+        "filler",
+        "best interval, s",
+        "95 % interval, s",
+        "switches",
+        label,
+        "95 % of it",
+        "times the least",
+    ];
+    let mut heading: Vec<String> = keys.iter().map(|sweep| sweep.key.label.to_owned()).collect();
+    heading.extend(own.map(str::to_owned));
+    heading.insert(keys.len() + 6, format!("″ after {after}"));
+    heading.extend(cost_heads(found));
+    let line = |variant: &Variant| {
+        let filler = variant.best();
+        let best = filler.best();
+        let interval = best.drift.interval.map_or_else(
+            || "unknown".to_owned(),
+            |(low, high)| format!("{} to {}", three_digits(low), three_digits(high)),
+        );
+        let times = three_digits(found.times_best(best).value);
+        let as_good = !std::ptr::eq(filler, found.best()) && found.is_as_good(best);
+        let mut line: Vec<String> = variant.swept.iter().map(|(_, value)| shown(value)).collect();
+        line.extend([
+            called(filler).to_owned(),
+            four_digits(best.interval_s),
+            range(filler),
+            best.switches.to_string(),
+            format!("{} °/h", three_digits(best.drift.value)),
+            interval,
+            three_digits(variant.angle(best.drift.value)),
+            if as_good { format!("{times}, as good") } else { times },
+        ]);
+        line.extend(costs(found, filler));
+        line
+    };
+    Some((heading, found.variants.iter().map(line).collect()))
+}
+
+/// What the other variants leave, in a sentence or two; none where there is a single variant.
+pub(crate) fn next_variant(found: &Design) -> Vec<String> {
+    let others =
+        || found.variants.iter().enumerate().filter(|(place, _)| *place != found.best).map(|(_, own)| own);
+    let best_of = |variant: &&Variant| variant.best().best().clone();
+    let (good, worse): (Vec<&Variant>, Vec<&Variant>) =
+        others().partition(|variant| found.is_as_good(&best_of(variant)));
+    let mut sentences = Vec::new();
+    let places: Vec<String> = good.iter().map(|variant| told(found, variant).join(", ")).collect();
+    match &places[..] {
+        [] => {}
+        [one] => sentences.push(format!("As good in these runs: {one}.")),
+        all => sentences.push(format!("As good in these runs: {}.", all.join("; "))),
+    }
+    let drift = |variant: &&Variant| found.deciding(&best_of(variant));
+    if let Some(next) = worse.into_iter().min_by(|a, b| drift(a).total_cmp(&drift(b))) {
+        let times = found.times_best(next.best().best());
+        let (low, high) = times.interval.unwrap_or((times.value, times.value));
+        let [times, low, high] = [times.value, low, high].map(three_digits);
+        let interval = four_digits(next.best().best().interval_s);
+        let with = next.best().name.as_ref().map_or(String::new(), |name| format!(" with {name}"));
+        sentences.push(format!(
+            "Next is {}{with}, which leaves {times} times as much at its own best interval of {interval} s ({low} to {high}).",
+            told(found, next).join(", ")
+        ));
+    }
+    sentences
+}

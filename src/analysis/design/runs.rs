@@ -1,0 +1,156 @@
+//! Sampling of all candidates of a variant, and the best one of each filler.
+
+use crate::analysis::design::candidates::{Candidate, Maker};
+use crate::analysis::design::constraints::Cost;
+use crate::analysis::design::found::{Filler, Found, Tried};
+use crate::analysis::design::paper::{self, PapersRule};
+use crate::analysis::design::{DesignError, Measure, optimum, sampling};
+use crate::kernel::moments::Moments;
+use crate::kinds::switched_run::lower::FilledRun;
+use crate::progress::Progress;
+use crate::sampling::worker::Worker;
+use crate::tally::stats::{Estimates, NORMAL_95};
+use crate::theory::drift::budget::Optimum;
+
+/// The runs of a variant with its candidates.
+pub(crate) struct Chosen<'a> {
+    pub(crate) maker: Maker<'a>,
+    /// Latency and memory of each filler; none where the study has no fillers.
+    pub(crate) costs: &'a [Cost],
+    /// The candidates of each filler.
+    pub(crate) candidates: Vec<Vec<Candidate>>,
+}
+
+/// Samples candidates, and counts the switches of their runs.
+pub(crate) struct Runner<'a> {
+    pub(crate) worker: Worker<'a>,
+    pub(crate) progress: &'a dyn Progress,
+    pub(crate) measure: Measure,
+    /// Number of runs of each candidate.
+    pub(crate) trials: u64,
+    /// Switches of all runs that are known to be needed, and of those that are done.
+    pub(crate) total: u64,
+    pub(crate) done: u64,
+}
+
+/// Number of switches in all runs of a candidate.
+pub(crate) fn work(candidate: &Candidate, trials: u64) -> u64 {
+    let launches = 1 + u64::from(candidate.switched.is_some());
+    candidate.switches * trials * launches
+}
+
+impl Runner<'_> {
+    /// The results of each filler of a variant.
+    pub(crate) fn fillers(&mut self, chosen: &Chosen) -> Result<Vec<Filler>, DesignError> {
+        let Chosen { maker, costs, candidates } = chosen;
+        let (runs, duration_s) = (maker.runs, maker.runs.points[0].schedule.duration_s);
+        let mut fillers = Vec::new();
+        for (place, candidates) in candidates.iter().enumerate() {
+            let tried = candidates.iter().map(|candidate| self.tried(candidate, duration_s));
+            let mut tried = tried.collect::<Result<Vec<Tried>, DesignError>>()?;
+            let fitted = optimum::of(&tried);
+            if let Some(candidate) = maker.at(fitted.value, place)?.filter(|_| !maker.swept) {
+                insert(&mut tried, self.joining(&candidate, duration_s)?);
+            }
+            let filled = &candidates[0].filled;
+            let mut papers_rule = None;
+            if let Some(Optimum { interval_s, bound }) = paper::optimum(&runs.points[0], filled)
+                && let Some(candidate) = maker.at(interval_s, place)?
+            {
+                let at_rule = self.joining(&candidate, duration_s)?;
+                if !maker.swept {
+                    insert(&mut tried, at_rule.clone());
+                }
+                papers_rule = Some(PapersRule { interval_s, bound, tried: at_rule });
+            }
+            let (best, optimum) = optimum::among(&tried, fitted);
+            let name = runs.fillers().get(place).map(|filler| filler.name.clone());
+            let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
+            let cost = costs.get(place).copied();
+            fillers.push(Filler {
+                name,
+                cost,
+                residual_rms,
+                residual_max,
+                tried,
+                best,
+                optimum,
+                papers_rule,
+            });
+        }
+        Ok(fillers)
+    }
+
+    /// Samples a candidate that is found on the way, such as the optimum or the interval of the paper's rule.
+    fn joining(&mut self, candidate: &Candidate, duration_s: f64) -> Result<Tried, DesignError> {
+        self.total += work(candidate, self.trials);
+        self.progress.start("switches", self.done, self.total);
+        self.tried(candidate, duration_s)
+    }
+
+    fn tried(&mut self, candidate: &Candidate, duration_s: f64) -> Result<Tried, DesignError> {
+        let (measure, trials) = (self.measure, self.trials);
+        self.done += work(candidate, trials);
+        let Candidate { interval_s, switches, filled, .. } = candidate;
+        let mut level = |filled: &FilledRun| {
+            let parts = sampling::parts(filled, *switches, trials, &mut self.worker, self.progress)?;
+            of_parts(filled, &parts, measure, trials, duration_s)
+        };
+        let (drift, replicates) = level(filled)?;
+        let (switched, switched_replicates) = match &candidate.switched {
+            Some(filled) => level(filled)?,
+            None => (drift, replicates.clone()),
+        };
+        let oracle = filled.estimates[usize::from(measure.is_largest())].oracle;
+        let closed_form = oracle.map(|oracle| oracle.rms() / duration_s);
+        let (interval_s, switches) = (*interval_s, *switches);
+        Ok(Tried { interval_s, switches, drift, closed_form, replicates, switched, switched_replicates })
+    }
+}
+
+/// Inserts a result in the order of the intervals, each interval once.
+fn insert(all: &mut Vec<Tried>, tried: Tried) {
+    let at = all.partition_point(|other| other.interval_s < tried.interval_s);
+    if all.get(at).is_none_or(|other| other.interval_s != tried.interval_s) {
+        all.insert(at, tried);
+    }
+}
+
+/// The drift of all parts of the trials together, and without each of them, ″/s.
+fn of_parts(
+    filled: &FilledRun,
+    parts: &[[Moments; 2]],
+    measure: Measure,
+    trials: u64,
+    duration_s: f64,
+) -> Result<(Found, Vec<f64>), DesignError> {
+    let which = usize::from(measure.is_largest());
+    let estimate = &filled.estimates[which];
+    let value = |tally: &Moments| -> Option<Found> {
+        let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
+        match measure {
+            Measure::DriftRms | Measure::LargestRms => {
+                let around = |se: f64| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se);
+                Some(Found { value: found.rms, interval: found.rms_se.map(around) })
+            }
+            Measure::DriftQ9973 | Measure::LargestQ9973 => {
+                let q = found.q9973?;
+                Some(Found { value: q.value, interval: q.low.zip(q.high) })
+            }
+        }
+    };
+    let too_few = || DesignError::TooFew { trials, measure };
+    let parts: Vec<&Moments> = parts.iter().map(|part| &part[which]).collect();
+    let drift = value(&merged(parts.iter().copied())).ok_or_else(too_few)?;
+    let replicate = |left_out: usize| {
+        let rest = parts.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, part)| *part);
+        value(&merged(rest)).map(|found| found.value).ok_or_else(too_few)
+    };
+    Ok((drift, (0..parts.len()).map(replicate).collect::<Result<_, _>>()?))
+}
+
+fn merged<'a>(parts: impl Iterator<Item = &'a Moments>) -> Moments {
+    let mut total = Moments::empty(true);
+    parts.for_each(|part| total.merge(part));
+    total
+}
