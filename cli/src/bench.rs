@@ -107,7 +107,7 @@ fn figure(measured: &Measured, device: &mut Device, limit: Option<f64>) -> Resul
     let &Measured { kernel, configuration, histogram, .. } = measured;
     let rates = rates(measured, device)?;
     let estimates = match &measured.work {
-        Work::Trials(launch) => launch.sampled.estimates(),
+        Work::Trials(launch) => launch.sampled().estimates(),
         Work::Records(recipe) => recipe.places(),
     };
     let part_of_integer_limit = match (&*device, rates.device, limit) {

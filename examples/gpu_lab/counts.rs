@@ -47,7 +47,7 @@ fn of_trial(launch: &Launch, histogram: bool, variant: Variant) -> Operations {
             "parameters" => Some(known(&launch.parameters(0))),
             // The number of the first trial is unknown, and so are those of all.
             "jobs" => Some(vec![None, Some(0), Some(trials * variant.workgroup), Some(0), Some(0)]),
-            "table" => Some(known(&launch.table)),
+            "table" => Some(known(launch.table())),
             _ => None,
         };
         operations(&shader, &given)

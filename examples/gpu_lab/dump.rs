@@ -31,10 +31,10 @@ pub fn dump(options: &Options) {
                 }
             }
         }
-        let mut words = launch.words.clone();
+        let mut words = launch.words().to_vec();
         words.resize(words.len().next_multiple_of(4), 0);
         write(format!("{name}.words"), bytemuck::cast_slice(&words));
-        write(format!("{name}.table"), bytemuck::cast_slice(&launch.table));
+        write(format!("{name}.table"), bytemuck::cast_slice(launch.table()));
         let trials = if options.tiny { 4096 } else { TRIALS };
         let tallies: Vec<Value> = reference(bench, trials)
             .iter()
@@ -43,7 +43,7 @@ pub fn dump(options: &Options) {
                 "least": tally.least, "greatest": tally.greatest, "bins": tally.bins })
             })
             .collect();
-        let about = json!({ "estimates": launch.sampled.estimates(), "histogram": histogram, "bins": BINS,
+        let about = json!({ "estimates": launch.sampled().estimates(), "histogram": histogram, "bins": BINS,
             "trials": trials, "partial_words": PARTIAL_WORDS, "steps": launch.steps(), "tallies": tallies });
         write(format!("{name}.json"), about.to_string().as_bytes());
     }

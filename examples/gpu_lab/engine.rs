@@ -72,9 +72,9 @@ pub fn engine(options: &Options) {
 /// A sweep: launches that differ in their words alone, point by point or in turns as a run has them.
 fn sweep(gpu: &mut Gpu, launch: &Launch, points: u32, trials: u64) {
     let point = |at| {
-        let mut launch = launch.clone();
-        launch.words[0] ^= at;
-        launch
+        let mut words = launch.words().to_vec();
+        words[0] ^= at;
+        launch.with_words(words).expect("another key has the same shape")
     };
     let launches: Vec<Launch> = (0..points).map(point).collect();
     let blocks = cover(0..trials, 18);
@@ -141,7 +141,7 @@ pub fn long(options: &Options) {
     let mut gpu = open(options);
     let launch = &benches()[0].launch;
     let trials: u64 = if options.tiny { 10_000_000 } else { 100_000_000_000 };
-    let mut total = vec![Moments::empty(true); launch.sampled.estimates()];
+    let mut total = vec![Moments::empty(true); launch.sampled().estimates()];
     gpu.start_clock();
     let started = Instant::now();
     for blocks in cover(0..trials, 26).chunks(128) {

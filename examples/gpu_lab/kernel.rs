@@ -23,7 +23,7 @@ pub fn reference(bench: &Bench, trials: u64) -> Vec<Moments> {
     let cpu = Cpu::new(Width::widest(), 0).expect("threads");
     let launch = &bench.launch;
     let jobs: Vec<Job> = cover(0..trials, 20).into_iter().map(|block| Job { launch, block }).collect();
-    let mut total = vec![Moments::empty(bench.histogram); launch.sampled.estimates()];
+    let mut total = vec![Moments::empty(bench.histogram); launch.sampled().estimates()];
     for part in cpu.tally(&jobs, bench.histogram, &|_| {}) {
         total.iter_mut().zip(&part).for_each(|(total, part)| total.merge(part));
     }
@@ -110,7 +110,7 @@ fn measure(
         rate / 1e9
     );
     emit(&json!({
-        "part": "kernel", "bench": name, "estimates": launch.sampled.estimates(), "steps": launch.steps(),
+        "part": "kernel", "bench": name, "estimates": launch.sampled().estimates(), "steps": launch.steps(),
         "histogram": histogram, "int64": int64, "checked": checked, "workgroup": workgroup, "groups": groups,
         "rounds": rounds, "edit": edit.name, "same": same, "seconds": best, "trials_per_second": rate,
         "stamps": lab.has_stamps, "compile_seconds": compiled,

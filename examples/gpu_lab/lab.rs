@@ -196,13 +196,13 @@ impl<'a> Kernel<'a> {
         // The words of a job: low, high, count, point, slot.
         let jobs: Vec<u32> = (0..groups).flat_map(|group| [group * of_group, 0, of_group, 0, 0]).collect();
         let jobs = lab.upload(&jobs, Use::STORAGE);
-        let estimates = launch.sampled.estimates();
+        let estimates = launch.sampled().estimates();
         let usage = Use::STORAGE | Use::COPY_SRC | Use::COPY_DST;
         let partials = lab.buffer(4 * (estimates * PARTIAL_WORDS) as u64 * u64::from(groups), usage);
         let bins = lab.buffer(4 * (estimates * BINS) as u64, usage);
         // Edits bind the parameters otherwise.
         let parameters = lab.upload(&launch.parameters(0), Use::UNIFORM | Use::STORAGE);
-        let table = lab.upload(&launch.table, Use::STORAGE);
+        let table = lab.upload(launch.table(), Use::STORAGE);
         let pipeline = lab.pipeline(source, variant.checked);
         let (_, has_normals) = launch.shader(*histogram, variant);
         let bound = [
@@ -211,7 +211,7 @@ impl<'a> Kernel<'a> {
             (2, &jobs, true),
             (3, &partials, true),
             (4, &bins, *histogram),
-            (5, &table, launch.sampled.has_table()),
+            (5, &table, launch.sampled().has_table()),
         ];
         let bound = bound.into_iter().filter(|bound| bound.2).map(|(binding, buffer, _)| (binding, buffer));
         let group = lab.group(&pipeline, bound);
@@ -234,7 +234,7 @@ impl<'a> Kernel<'a> {
         }
         self.dispatch();
         let Bench { launch, histogram, .. } = self.bench;
-        let estimates = launch.sampled.estimates();
+        let estimates = launch.sampled().estimates();
         let mut tallies = vec![Moments::empty(*histogram); estimates];
         let words = self.lab.read(&self.partials);
         for group in words.chunks_exact(estimates * PARTIAL_WORDS).take(self.groups as usize) {

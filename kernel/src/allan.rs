@@ -214,6 +214,7 @@ impl Recipe {
     /// Sums of the squared differences of the records `first .. first + count`, whose numbers share one upper half:
     /// record by record, and within a record by the places of the curve in the order of the levels.
     pub fn sums(&self, width: Width, first: u64, count: usize) -> Vec<u128> {
+        self.assert_fits();
         width.run(Records { recipe: self, first, count })
     }
 
@@ -294,6 +295,7 @@ impl Recipe {
 
     /// The parameters of a dispatch of the shader.
     pub fn parameters(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
+        self.assert_fits();
         let mut words: Vec<u32> =
             self.fixed(first, lanes, chunks).into_iter().map(|(_, word)| word).collect();
         words.resize(words.len().next_multiple_of(4), 0);

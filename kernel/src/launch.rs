@@ -1,18 +1,62 @@
 //! What a device needs to sample the estimates of one point.
 
 use core::any::Any;
-use core::fmt::Debug;
+use core::error::Error;
+use core::fmt::{self, Debug};
 use core::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use crate::moments::{Moments, Trials};
+use crate::moments::{MAX_ESTIMATES, Moments, Trials};
 use crate::part;
+use crate::sealed::Sealed;
 use crate::shader::{Part, Shader, Variant};
 use crate::width::{AnyWidth, Width};
 use crate::word::Word;
 
-/// Sizes and options of a launch of a kernel of trials, for which its shader is specialised.
-pub trait Shape: Any + Debug + Send + Sync {
+/// Longest table: gathers take its indices as signed numbers.
+pub const MOST_TABLE: usize = i32::MAX as usize;
+
+/// Why a launch is refused: its trials would read beyond its words or its table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Misfit {
+    /// Another number of parameter words than the shape has.
+    Words {
+        /// Words of the shape.
+        expected: usize,
+        /// Words of the launch.
+        found: usize,
+    },
+    /// A table shorter than what trials read, or longer than [`MOST_TABLE`].
+    Table {
+        /// Least number of words.
+        expected: usize,
+        /// Words of the launch.
+        found: usize,
+    },
+    /// A size of the shape, a parameter or a field that leads beyond every table, by its name.
+    Field(&'static str),
+}
+
+impl fmt::Display for Misfit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Misfit::Words { expected, found } => {
+                write!(f, "{found} parameter words found, but the shape has {expected}")
+            }
+            Misfit::Table { expected, found } => write!(
+                f,
+                "a table of {found} words found, but trials read {expected}, and none may have more than {MOST_TABLE}"
+            ),
+            Misfit::Field(name) => write!(f, "`{name}` leads beyond every table"),
+        }
+    }
+}
+
+impl Error for Misfit {}
+
+/// Sizes and options of a launch of a kernel of trials, for which its shader is specialised. Only kernels of this package
+/// have one: shaders run without checks of their indices.
+pub trait Shape: Any + Debug + Send + Sync + Sealed {
     /// The kernel's own file.
     fn part(&self) -> &'static Part;
     /// Number of estimates.
@@ -26,10 +70,32 @@ pub trait Shape: Any + Debug + Send + Sync {
     fn steps(&self, _words: &[u32]) -> u64 {
         1
     }
+    /// Words of the table that some trial with these parameters reads, of which there are as many as [`Shape::words`].
+    ///
+    /// # Errors
+    /// A size or parameter that leads beyond every table.
+    fn table_words(&self, _words: &[u32]) -> Result<usize, Misfit> {
+        Ok(0)
+    }
     /// Number of parameter words.
     fn words(&self) -> usize;
     /// The kernel's shader without the tally.
     fn shader(&self) -> Shader;
+}
+
+/// Checks that no trial of `shape` reads beyond `words` and `table`, whatever its random words.
+pub(crate) fn fits<S: Shape + ?Sized>(shape: &S, words: &[u32], table: &[u32]) -> Result<(), Misfit> {
+    if words.len() != shape.words() {
+        return Err(Misfit::Words { expected: shape.words(), found: words.len() });
+    }
+    if shape.estimates() > MAX_ESTIMATES {
+        return Err(Misfit::Field("estimates"));
+    }
+    let expected = shape.table_words(words)?;
+    if table.len() < expected || table.len() > MOST_TABLE {
+        return Err(Misfit::Table { expected, found: table.len() });
+    }
+    Ok(())
 }
 
 /// A kernel of trials, identified by its shape.
@@ -94,15 +160,12 @@ impl<T: Trial> AnyWidth for Tally<'_, T> {
 /// Most steps of one invocation. Some drivers end its loops after 65535 rounds, without an error.
 pub const MOST_STEPS: u64 = 60_000;
 
-/// Trials of one point, with its parameters in fixed point.
+/// Trials of one point, with its parameters in fixed point. No trial reads beyond its words or its table.
 #[derive(Debug, Clone)]
 pub struct Launch {
-    /// The kernel and its shape.
-    pub sampled: Arc<dyn Sampled>,
-    /// The parameters of the kernel, one after the other.
-    pub words: Vec<u32>,
-    /// Data too long for the parameters; often empty.
-    pub table: Arc<[u32]>,
+    sampled: Arc<dyn Sampled>,
+    words: Vec<u32>,
+    table: Arc<[u32]>,
 }
 
 impl PartialEq for Launch {
@@ -113,8 +176,47 @@ impl PartialEq for Launch {
 
 impl Launch {
     /// A launch of the kernel that `shape` belongs to.
-    pub fn new(shape: impl Into<Arc<dyn Sampled>>, words: Vec<u32>, table: Arc<[u32]>) -> Launch {
-        Launch { sampled: shape.into(), words, table }
+    ///
+    /// # Errors
+    /// Refuses words and tables beyond which a trial would read.
+    pub fn new(
+        shape: impl Into<Arc<dyn Sampled>>,
+        words: Vec<u32>,
+        table: Arc<[u32]>,
+    ) -> Result<Launch, Misfit> {
+        let sampled = shape.into();
+        fits(&*sampled, &words, &table)?;
+        Ok(Launch { sampled, words, table })
+    }
+
+    /// The same launch with other parameters.
+    ///
+    /// # Errors
+    /// As [`Launch::new`].
+    pub fn with_words(&self, words: Vec<u32>) -> Result<Launch, Misfit> {
+        Launch::new(Arc::clone(&self.sampled), words, Arc::clone(&self.table))
+    }
+
+    /// The kernel and its shape.
+    pub fn sampled(&self) -> &Arc<dyn Sampled> {
+        &self.sampled
+    }
+
+    /// The parameters of the kernel, one after the other.
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// Data too long for the parameters; often empty.
+    pub fn table(&self) -> &Arc<[u32]> {
+        &self.table
+    }
+
+    /// Ends the program where a kernel is called with a launch of another shape, beyond whose table it would read.
+    pub(crate) fn assert_fits(&self, shape: &impl Shape) {
+        if let Err(misfit) = fits(shape, &self.words, &self.table) {
+            panic!("the launch belongs to another shape: {misfit}");
+        }
     }
 
     /// The shape, where the launch belongs to the kernel of `T`.
@@ -166,3 +268,6 @@ impl Launch {
         tallies
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,6 +10,12 @@ pub mod rows;
 pub mod shader;
 pub mod width;
 
+/// Keeps traits to the implementations of this package, on which the absence of checks relies.
+mod sealed {
+    /// Implemented here only.
+    pub trait Sealed {}
+}
+
 use crate::map::Map;
 use crate::shader::Part;
 

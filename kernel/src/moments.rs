@@ -135,6 +135,7 @@ fn accumulate<W: Word, const HISTOGRAM: bool>(
                     let mut bins = [0; 16];
                     bin(error[e], sampler.bin_base(e)).store(&mut bins);
                     for &bin in &bins[..W::LANES] {
+                        debug_assert!((bin as usize) < BINS, "bin {bin} of {BINS}");
                         // SAFETY: `bin` is at most BINS − 1, whatever the error.
                         unsafe { *counts[e].get_unchecked_mut(bin as usize) += 1 };
                     }

@@ -21,14 +21,14 @@ const AMPLITUDE_BITS: u32 = 31;
 
 /// The parameters of a launch and its table, by name.
 #[derive(Clone, Copy)]
-pub struct Given<'a> {
-    pub p: Parameters<'a>,
-    pub table: &'a [u32],
-    pub shape: Shape,
+pub(crate) struct Given<'a> {
+    pub(crate) p: Parameters<'a>,
+    pub(crate) table: &'a [u32],
+    pub(crate) shape: Shape,
 }
 
 /// The random part of the motion of one trial; `GAUSSIANS` is the room for normal numbers.
-pub struct Motion<W, const GAUSSIANS: usize> {
+pub(crate) struct Motion<W, const GAUSSIANS: usize> {
     /// Sine and cosine of the phase of each tone at the middle of the gap, in 2^−30, times its amplitude where that is
     /// drawn. A Rayleigh-distributed amplitude has two normal numbers in their own unit instead.
     tone: [[W; 2]; MAX_TONES],
@@ -230,8 +230,8 @@ impl Given<'_> {
     #[inline(always)]
     fn profile<W: Word>(&self, boundary: W) -> W {
         let profile = &self.table[self.shape.motion_table()..];
-        // SAFETY: a position is below `positions`, which lowering chose such that the ticks of the margins and of the
-        // gap lie within the profile.
+        // SAFETY: `Shape::table_words` counts the last boundary that any position leads to, no side has more ticks than the
+        // margin before the first, and `GapFill::new`, which alone makes a `Given`, refuses shorter tables.
         unsafe { W::gather(profile, boundary) }
     }
 }

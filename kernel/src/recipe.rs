@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::launch::{MOST_TABLE, Misfit};
+
 /// Samples made at a time.
 pub const CHUNK: usize = 64;
 
@@ -72,6 +74,39 @@ pub struct Recipe {
 }
 
 impl Recipe {
+    /// Checks that no record reads beyond its drift, its holds or the angles kept, whatever its random words.
+    ///
+    /// # Errors
+    /// Names the field that would lead beyond them.
+    pub fn fits(&self) -> Result<(), Misfit> {
+        let angles = self.samples as usize + 1;
+        if !self.drift.is_empty() && self.drift.len() != angles {
+            return Err(Misfit::Table { expected: angles, found: self.drift.len() });
+        }
+        let spans = 1..=(MOST_TABLE / 4) as u32;
+        let sound = [
+            ("samples", angles <= MOST_TABLE),
+            ("order", (2..=3).contains(&self.order)),
+            ("flicker", self.flicker.len() < MAX_OCTAVES),
+            ("switching", self.switching.is_none_or(|[interval, ..]| interval > 0)),
+            ("pulse", self.pulse.is_none_or(|bits| bits < 32)),
+            ("stride", self.levels.iter().all(|level| level.stride > 0)),
+            ("levels", !self.levels.is_empty() && self.levels.iter().all(|level| !level.spans.is_empty())),
+            ("spans", self.levels.iter().flat_map(|level| &level.spans).all(|span| spans.contains(span))),
+        ];
+        match sound.iter().find(|(_, sound)| !sound) {
+            Some((name, _)) => Err(Misfit::Field(name)),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends the program where a record would read beyond what there is.
+    pub(crate) fn assert_fits(&self) {
+        if let Err(misfit) = self.fits() {
+            panic!("the recipe of a record does not fit: {misfit}");
+        }
+    }
+
     /// Number of octaves of flicker noise, including the white one.
     pub fn octaves(&self) -> usize {
         if self.flicker.is_empty() { 0 } else { self.flicker.len() + 1 }

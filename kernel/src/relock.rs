@@ -9,6 +9,7 @@ use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use crate::parameters::parameters;
 use crate::philox::{Address, Keys, schedule};
 use crate::relock_ticks::{self, Given, relock_ticks, relock_wrong};
+use crate::sealed::Sealed;
 use crate::shader::{Part, Shader, constants};
 use crate::word::{Scalar, Wide, Word};
 use crate::{Form, part};
@@ -79,6 +80,8 @@ impl Sampler for Relock<'_> {
     }
 }
 
+impl Sealed for Shape {}
+
 impl launch::Shape for Shape {
     fn part(&self) -> &'static Part {
         &part::relock
@@ -120,7 +123,8 @@ impl Trial for Shape {
     // Only here: the shader has one shape.
     #[inline(always)]
     fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments> {
-        let p = Parameters::of(&launch.words, self);
+        launch.assert_fits(&self);
+        let p = Parameters::of(launch.words(), self);
         let given = Given { p: relock_ticks::Parameters::of(p.relock, self.ticks), shape: self.ticks };
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
         moments::tally::<W>(Relock { p, given, shape: self, keys }, trials)

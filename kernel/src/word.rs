@@ -5,6 +5,7 @@
 
 use core::ops::{Add, BitAnd, BitXor, Mul, Shl, Shr, Sub};
 
+use crate::sealed::Sealed;
 use crate::shader::constants;
 
 constants!(HALF, PAIRS);
@@ -26,9 +27,10 @@ pub trait Factor: Copy + BitXor<Output = Self> {
     fn mulhilo(self, by: Self) -> (Self, Self);
 }
 
-/// Lanes of 32-bit words. `+ - * ^ & << >>` act on each lane and wrap; `>>` shifts in zeros.
+/// Lanes of 32-bit words, of this package only: reading without checks relies on their arithmetic. `+ - * ^ & << >>` act on each lane and wrap; `>>` shifts in zeros.
 pub trait Word:
-    Factor
+    Sealed
+    + Factor
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
@@ -188,6 +190,8 @@ impl Factor for Scalar {
     }
 }
 
+impl Sealed for Scalar {}
+
 impl Word for Scalar {
     type Factors = Scalar;
     type Wide = ScalarWide;
@@ -255,6 +259,7 @@ impl Word for Scalar {
 
     #[inline(always)]
     unsafe fn lookup(table: &PairTable, index: Scalar) -> (Scalar, Scalar) {
+        debug_assert!((index.0 as usize) < PAIRS, "pair {} of {PAIRS}", index.0);
         // SAFETY: guaranteed by the caller.
         let [first, second] = unsafe { *table.get_unchecked(index.0 as usize) };
         (Scalar(first), Scalar(second))
@@ -262,6 +267,7 @@ impl Word for Scalar {
 
     #[inline(always)]
     unsafe fn gather(table: &[u32], index: Scalar) -> Scalar {
+        debug_assert!((index.0 as usize) < table.len(), "word {} of {}", index.0, table.len());
         // SAFETY: guaranteed by the caller.
         Scalar(unsafe { *table.get_unchecked(index.0 as usize) })
     }

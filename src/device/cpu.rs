@@ -69,7 +69,7 @@ impl Cpu {
 
     fn tally_job(&self, job: &Job, histogram: bool, progress: Advance) -> Vec<Moments> {
         let Job { launch, block } = job;
-        let empty = || vec![Moments::empty(histogram); launch.sampled.estimates()];
+        let empty = || vec![Moments::empty(histogram); launch.sampled().estimates()];
         // Pieces of an aligned block never straddle a multiple of 2^32, as the kernel requires.
         let most = (PIECE_STEPS / launch.steps().next_power_of_two()).max(64);
         (0..block.trials().div_ceil(most))

@@ -45,7 +45,7 @@ impl Load {
     /// The stem of the kernel that computes the load.
     pub fn kernel(&self) -> &'static str {
         match &self.work {
-            Work::Trials(launch) => launch.sampled.part().stem,
+            Work::Trials(launch) => launch.sampled().part().stem,
             Work::Records(recipe) => recipe.part().stem,
         }
     }

@@ -213,7 +213,7 @@ fn on_device(device: &mut Device, work: &Work, units: u64) -> Result<Vec<u8>, Gp
         Work::Trials(launch) => {
             let blocks = cover(0..units, base_log2(units));
             let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
-            let mut total = vec![Moments::empty(true); launch.sampled.estimates()];
+            let mut total = vec![Moments::empty(true); launch.sampled().estimates()];
             for part in device.tally(&jobs, true, &|_| {})? {
                 total.iter_mut().zip(&part).for_each(|(total, part)| total.merge(part));
             }

@@ -206,7 +206,7 @@ fn of_trials(launch: &Launch) -> Run {
     let mut part = Part::default();
     part.push(launch, FIRST..FIRST + trials, 0);
     let jobs = part.jobs(part.trials_of_group(WORKGROUP, GROUPS));
-    let mut total = vec![Moments::empty(true); launch.sampled.estimates()];
+    let mut total = vec![Moments::empty(true); launch.sampled().estimates()];
     let mut partials = Vec::new();
     for job in &jobs {
         let tallies = launch.tally(Width::PORTABLE, job.trials(true));
@@ -219,7 +219,7 @@ fn of_trials(launch: &Launch) -> Run {
         ("jobs", Contents::input(bytemuck::cast_slice(&jobs))),
         ("partials", Contents::result(partials)),
         ("histograms", Contents::result(bins.map(|&bin| bin as u32).collect())),
-        ("table", Contents::input(&launch.table)),
+        ("table", Contents::input(launch.table())),
     ];
     (contents, vec![Dispatch::of(grid(jobs.len() as u32))])
 }

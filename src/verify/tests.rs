@@ -33,8 +33,8 @@ struct Text {
 fn texts(variant: Variant) -> Vec<Text> {
     let of_load = |Load { name, work, .. }: Load| match &work {
         Work::Trials(launch) => {
-            assert_eq!(launch.words.len(), launch.sampled.words(), "{name}");
-            let parameters = Some(4 * launch.words.len());
+            assert_eq!(launch.words().len(), launch.sampled().words(), "{name}");
+            let parameters = Some(4 * launch.words().len());
             let of = |histogram| Text { name, text: launch.shader(histogram, variant).0, parameters };
             vec![of(false), of(true)]
         }

@@ -52,7 +52,7 @@ pub fn jobs<'a>(launch: &'a Launch, blocks: &[Block]) -> Vec<Job<'a>> {
 
 /// The tallies of all parts in one.
 pub fn total(launch: &Launch, parts: Vec<Vec<Moments>>, histogram: bool) -> Vec<Moments> {
-    let mut total = vec![Moments::empty(histogram); launch.sampled.estimates()];
+    let mut total = vec![Moments::empty(histogram); launch.sampled().estimates()];
     for part in parts {
         assert_eq!(part.len(), total.len());
         for (total, part) in total.iter_mut().zip(&part) {

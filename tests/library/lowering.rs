@@ -27,7 +27,7 @@ fn keys(key: [u32; 2]) -> Keys {
 /// The errors of a trial in 128 bits, from the parameters and the draws, with no step that could wrap.
 fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
     let shape: Shape = launch.shape().expect("of gap filling");
-    let p = Parameters::of(&launch.words, shape);
+    let p = Parameters::of(launch.words(), shape);
     let signed = |word: u32| i128::from(word as i32);
     let address =
         Address { low: Scalar(trial as u32), high: (trial >> 32) as u32, keys: keys([p.key[0], p.key[1]]) };
@@ -113,7 +113,7 @@ fn sums_are_those_of_128_bits_however_large_the_errors() {
     let mut nearest: f64 = 0.0;
     for configuration in demanding() {
         for launch in configuration.launches() {
-            let mut expected = vec![Moments::empty(false); launch.sampled.estimates()];
+            let mut expected = vec![Moments::empty(false); launch.sampled().estimates()];
             for trial in 0..TRIALS {
                 for (tally, error) in expected.iter_mut().zip(exact_errors(&launch, trial)) {
                     assert!(

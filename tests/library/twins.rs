@@ -200,7 +200,7 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
     .launches()
     .remove(0);
     let shape: Shape = launch.shape().expect("of gap filling");
-    let p = Parameters::of(&launch.words, shape);
+    let p = Parameters::of(launch.words(), shape);
     // sine(¼ turn) = 2^30.
     let truth = ((i64::from(p.gap_sin[0] as i32) << 30) + (1 << 31)) >> 32;
     let scale = ((LIMIT - 1) / truth) as i32 * sign;
@@ -214,7 +214,7 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
         ..p
     }
     .words();
-    (Launch { words, ..launch }, -truth * i64::from(scale))
+    (launch.with_words(words).expect("the same shape"), -truth * i64::from(scale))
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn sums_of_the_largest_errors_are_exact_in_every_width_and_shader() {
                 })
                 .collect()
         };
-        let expected = vec![expected; launch.sampled.estimates()];
+        let expected = vec![expected; launch.sampled().estimates()];
         let blocks = cover(0..TRIALS, 63);
         for width in Width::available() {
             assert_eq!(strip(on_cpu(width, 0, &launch, &blocks, true)), expected, "{}", width.name());

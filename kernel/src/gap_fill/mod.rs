@@ -39,9 +39,10 @@ struct GapFill<'a, const KEPT: usize, const GAUSSIANS: usize> {
 impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS> {
     #[inline(always)]
     fn new(launch: &'a Launch, shape: Shape) -> GapFill<'a, KEPT, GAUSSIANS> {
-        let p = Parameters::of(&launch.words, shape);
+        launch.assert_fits(&shape);
+        let p = Parameters::of(launch.words(), shape);
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
-        GapFill { given: Given { p, table: &launch.table, shape }, keys }
+        GapFill { given: Given { p, table: launch.table(), shape }, keys }
     }
 
     /// Reads motion and noise of the k-th tick on either side of the gap, where the shape has that tick, and adds them

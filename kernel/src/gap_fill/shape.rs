@@ -3,9 +3,11 @@
 //! The table holds the weights of the errors in the gap, followed by the factor of the Gaussian motion or by the
 //! profile: its angles since the start in LSB at the boundaries of its ticks. It is often empty.
 
-use crate::launch;
+use crate::launch::{self, MOST_TABLE, Misfit};
+use crate::moments::MAX_ESTIMATES;
 use crate::parameters::parameters;
 use crate::part;
+use crate::sealed::Sealed;
 use crate::shader::{Part, Shader};
 
 /// Most ticks on one side of the gap.
@@ -93,6 +95,8 @@ impl Shape {
     }
 }
 
+impl Sealed for Shape {}
+
 impl launch::Shape for Shape {
     fn part(&self) -> &'static Part {
         &part::gap_fill
@@ -107,6 +111,44 @@ impl launch::Shape for Shape {
 
     fn has_table(&self) -> bool {
         self.in_gap || self.gaussian || self.profile
+    }
+
+    fn table_words(&self, words: &[u32]) -> Result<usize, Misfit> {
+        let most = [
+            ("before", self.before, MAX_SIDE),
+            ("after", self.after, MAX_SIDE),
+            ("residual_before", self.residual_before, self.before),
+            ("extrapolation_before", self.extrapolation_before, self.before),
+            ("gap_ticks", self.gap_ticks, MAX_SIDE),
+            ("tones", self.tones, MAX_TONES),
+            ("fillers", self.fillers, MAX_ESTIMATES),
+        ];
+        if let Some((name, ..)) = most.iter().find(|(_, size, most)| size > most) {
+            return Err(Misfit::Field(name));
+        }
+        let start = self.motion_table();
+        if self.gaussian {
+            return Ok(self.gaussian_row(self.gaussians()));
+        }
+        if !self.profile {
+            return Ok(start);
+        }
+        let p = Parameters::of(words, *self);
+        let (positions, length) = (p.positions[0], p.gap_length[0]);
+        if positions == 0 || positions as usize > MOST_TABLE {
+            return Err(Misfit::Field("positions"));
+        }
+        if length as usize > MOST_TABLE {
+            return Err(Misfit::Field("gap_length"));
+        }
+        // With this inverse the quotient in `in_turn` is too small by one at most.
+        if self.every && p.positions_inverse[0] != u32::MAX / positions {
+            return Err(Misfit::Field("positions_inverse"));
+        }
+        // The last boundary that is read: that after the farthest tick, or the end of the gap. The first is at least 0,
+        // because no side has more ticks than the margin.
+        let beyond = (length as usize + self.sides()).max(self.gap_ticks);
+        Ok(start + (positions as usize - 1) + MARGIN + beyond + 1)
     }
 
     fn words(&self) -> usize {

@@ -98,9 +98,10 @@ struct WarmUp<W: Word> {
 impl<'a> SwitchedRun<'a> {
     #[inline(always)]
     fn new(launch: &'a Launch, shape: Shape) -> SwitchedRun<'a> {
-        let p = Parameters::of(&launch.words, shape);
+        launch.assert_fits(&shape);
+        let p = Parameters::of(launch.words(), shape);
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
-        SwitchedRun { p, table: &launch.table, shape, keys }
+        SwitchedRun { p, table: launch.table(), shape, keys }
     }
 
     #[inline(always)]

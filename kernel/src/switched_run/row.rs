@@ -24,7 +24,8 @@ pub(super) struct OfEnd<'a, W>(pub(super) &'a [u32], pub(super) W);
 impl<W: Word> Row<W> for OfEnd<'_, W> {
     #[inline(always)]
     fn word(&self, place: usize) -> W {
-        // SAFETY: lowering gives the table a row for each of the `ENDS` numbers of `END_BITS` bits.
+        // SAFETY: `Shape::table_words` counts a row for each of the `ENDS` numbers of `END_BITS` bits, no place lies beyond
+        // a row, and `SwitchedRun::new` refuses shorter tables.
         unsafe { W::gather(self.0, self.1 + W::splat(place as u32)) }
     }
 }

@@ -1,16 +1,17 @@
 //! The shape of a launch of the switched-run kernel, its parameter words and its table.
 
-use crate::launch;
+use crate::launch::{self, MOST_STEPS, Misfit};
 use crate::parameters::parameters;
 use crate::part;
 use crate::relock_ticks;
+use crate::sealed::Sealed;
 use crate::shader::{Part, Shader};
 
 /// Most tones of the motion at a switch.
 pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;
 
 /// Most intervals of a run of exactly the run time, each with a switch after it except the last.
-pub const MOST_INTERVALS: usize = crate::launch::MOST_STEPS as usize;
+pub const MOST_INTERVALS: usize = MOST_STEPS as usize;
 
 /// log2 of [`ENDS`].
 pub const END_BITS: u32 = 6;
@@ -85,6 +86,8 @@ impl Shape {
     }
 }
 
+impl Sealed for Shape {}
+
 impl launch::Shape for Shape {
     fn part(&self) -> &'static Part {
         &part::switched_run
@@ -98,6 +101,18 @@ impl launch::Shape for Shape {
 
     fn has_table(&self) -> bool {
         true
+    }
+
+    fn table_words(&self, words: &[u32]) -> Result<usize, Misfit> {
+        let intervals = Parameters::of(words, *self).intervals[0];
+        if u64::from(intervals) > MOST_STEPS {
+            return Err(Misfit::Field("intervals"));
+        }
+        if self.tones > MAX_TONES {
+            return Err(Misfit::Field("tones"));
+        }
+        let rows = (intervals as usize + self.times) * self.row();
+        Ok(rows + only(self.any_end, ENDS * self.end_row()))
     }
 
     fn steps(&self, words: &[u32]) -> u64 {

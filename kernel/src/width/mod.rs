@@ -2,6 +2,16 @@
 
 use crate::word::{Scalar, Word};
 
+/// Evaluates intrinsics that read and write their operands only; those that read or write memory say why they may.
+#[cfg(target_arch = "x86_64")]
+macro_rules! instructions {
+    ($($body:tt)*) => {
+        // SAFETY: words of this width are private to the package and made within `Width::run` only, where the processor has
+        // the instructions.
+        unsafe { $($body)* }
+    };
+}
+
 /// Implements the operators of a SIMD word, lane by lane.
 #[cfg(target_arch = "x86_64")]
 macro_rules! simd_operators {
@@ -19,7 +29,7 @@ macro_rules! simd_operators {
             type Output = $word;
             #[inline(always)]
             fn $method(self, other: $word) -> $word {
-                unsafe { $word($instruction(self.0, other.0)) }
+                instructions! { $word($instruction(self.0, other.0)) }
             }
         }
     };
@@ -28,7 +38,7 @@ macro_rules! simd_operators {
             type Output = $word;
             #[inline(always)]
             fn $method(self, n: u32) -> $word {
-                unsafe { $word($instruction(self.0, _mm_cvtsi32_si128(n as i32))) }
+                instructions! { $word($instruction(self.0, _mm_cvtsi32_si128(n as i32))) }
             }
         }
     };
@@ -120,6 +130,7 @@ impl Width {
             // enable.
             #[cfg(target_arch = "x86_64")]
             Lanes::Avx2 => unsafe { in_avx2(work) },
+            // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             Lanes::Avx512 => unsafe { in_avx512(work) },
         }

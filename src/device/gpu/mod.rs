@@ -232,8 +232,10 @@ impl Gpu {
     }
 
     fn tiles(&mut self, jobs: &[Job], histogram: bool, progress: Advance) -> Result<Tallies, GpuError> {
-        let mut results: Tallies =
-            jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.sampled.estimates()]).collect();
+        let mut results: Tallies = jobs
+            .iter()
+            .map(|job| vec![Moments::empty(histogram); job.launch.sampled().estimates()])
+            .collect();
         let mut rest = Rest::of(jobs);
         let mut before = None;
         // While one tile runs, the next is prepared and the one before is read.

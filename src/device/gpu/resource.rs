@@ -125,7 +125,7 @@ impl Gpu {
 
     /// The pipeline that samples a launch, compiled once for its shape.
     pub(crate) fn pipeline_of(&mut self, launch: &Launch, histogram: bool) -> Result<Pipeline, GpuError> {
-        let key = (Arc::clone(&launch.sampled), histogram);
+        let key = (Arc::clone(launch.sampled()), histogram);
         if let Some(pipeline) = self.pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
@@ -167,7 +167,7 @@ impl Gpu {
         let mut part = Part::default();
         part.push(launch, 0..count, 0);
         let tile = self.launch(vec![part], histogram)?;
-        let mut found = [vec![Moments::empty(histogram); launch.sampled.estimates()]];
+        let mut found = [vec![Moments::empty(histogram); launch.sampled().estimates()]];
         self.collect(tile, &mut found)?;
         Ok(found[0] == launch.tally(Width::widest(), Trials { first: 0, count, histogram }))
     }
@@ -211,8 +211,9 @@ impl Gpu {
 fn compiled(device: &wgpu::Device, source: String, variant: Variant) -> wgpu::ComputePipeline {
     let descriptor =
         wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
-    // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs the checked
-    // and the unchecked form and finds the same bits.
+    // SAFETY: the text is that of a kernel of `sagnac-kernel`, because nothing else implements the sealed `Shape`. Its loops
+    // end, and its indices stay within what is bound: `Launch::new` and `Recipe::parameters` refuse words and tables beyond
+    // which a trial or a record would read. The identity suite finds the same bits with and without checks.
     let module = unsafe { device.create_shader_module_trusted(descriptor, runtime_checks(variant)) };
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,

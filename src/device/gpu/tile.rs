@@ -50,16 +50,16 @@ impl<'a> Part<'a> {
     pub(crate) fn takes(&self, launch: &Launch) -> bool {
         let words: usize = self.tables.iter().map(|table| table.len()).sum();
         let has_room =
-            self.start_of(&launch.table).is_some() || words + launch.table.len() <= MOST_TABLE_WORDS;
-        self.launches.first().is_some_and(|own| *own.sampled == *launch.sampled) && has_room
+            self.start_of(launch.table()).is_some() || words + launch.table().len() <= MOST_TABLE_WORDS;
+        self.launches.first().is_some_and(|own| **own.sampled() == **launch.sampled()) && has_room
     }
 
     /// Adds trials of a launch that [`takes`](Part::takes) accepts, or the first ones.
     pub(crate) fn push(&mut self, launch: &'a Launch, trials: Range<u64>, to: usize) {
         let point = self.launches.iter().rposition(|&own| std::ptr::eq(own, launch)).unwrap_or_else(|| {
             self.launches.push(launch);
-            if self.start_of(&launch.table).is_none() {
-                self.tables.push(&launch.table);
+            if self.start_of(launch.table()).is_none() {
+                self.tables.push(launch.table());
             }
             self.launches.len() - 1
         });
@@ -104,7 +104,7 @@ impl<'a> Part<'a> {
 
     /// The parameters of its launches.
     pub(crate) fn parameters(&self) -> Vec<u32> {
-        let of = |launch: &&Launch| launch.parameters(self.start_of(&launch.table).unwrap_or(0) as u32);
+        let of = |launch: &&Launch| launch.parameters(self.start_of(launch.table()).unwrap_or(0) as u32);
         self.launches.iter().flat_map(of).collect()
     }
 }
@@ -156,7 +156,7 @@ struct Place {
 
 impl Place {
     fn of(part: &Part, from: u64, histogram: bool, trials_of_group: u64) -> Place {
-        let estimates = part.launches[0].sampled.estimates() as u64;
+        let estimates = part.launches[0].sampled().estimates() as u64;
         let groups = part.pieces.iter().map(|piece| piece.groups(trials_of_group)).sum::<u64>();
         let histogram_bytes = if histogram { 4 * estimates * (BINS * part.pieces.len()) as u64 } else { 0 };
         let histograms = (from + 4 * estimates * PARTIAL_WORDS as u64 * groups).next_multiple_of(ALIGNMENT);
@@ -214,7 +214,7 @@ impl Gpu {
         let jobs = self.borrow("jobs", job_bytes, usage)?;
         self.queue.write_buffer(&jobs, 0, bytemuck::cast_slice(&all));
         let launch = part.launches[0];
-        let table = launch.sampled.has_table().then(|| self.table(&part.tables)).transpose()?;
+        let table = launch.sampled().has_table().then(|| self.table(&part.tables)).transpose()?;
         let pipeline = self.pipeline_of(launch, histogram)?;
         let range = |buffer, offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
@@ -257,7 +257,7 @@ impl Gpu {
 }
 
 fn add_results(part: &Part, place: &Place, words: &[u32], results: &mut [Vec<Moments>]) {
-    let estimates = part.launches[0].sampled.estimates();
+    let estimates = part.launches[0].sampled().estimates();
     let mut partials = words[place.partials as usize / 4..].chunks_exact(estimates * PARTIAL_WORDS);
     let mut histograms = words[place.histograms as usize / 4..].chunks_exact(BINS);
     for piece in &part.pieces {

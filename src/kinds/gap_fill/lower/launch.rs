@@ -82,7 +82,7 @@ impl Lowered {
             (Some(profile), true) => profile.angles.clone(),
             _ => [in_gap, motion_table(fixed, shape)].concat().into(),
         };
-        Launch::new(shape, words, table)
+        Launch::new(shape, words, table).expect("lowered words and tables are those of the shape")
     }
 
     /// The estimates of a launch in order.

@@ -136,7 +136,7 @@ impl LoweredRelock {
         }
         .words();
         let shape = Shape { ticks, estimates: estimates.len() };
-        Launch::new(shape, words, Arc::new([]))
+        Launch::new(shape, words, Arc::new([])).expect("lowered words are those of the shape")
     }
 }
 

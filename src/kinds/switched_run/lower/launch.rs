@@ -61,7 +61,7 @@ impl FilledRun {
         let rows = rows.flat_map(|row| table_row(row, shape));
         let drawn = fixed.drawn.iter().filter(|_| shape.any_end).flat_map(|end| end_row(end, shape));
         let table = rows.chain(drawn).collect();
-        Launch::new(shape, words, table)
+        Launch::new(shape, words, table).expect("lowered words and tables are those of the shape")
     }
 
     /// The launch of trajectories, and its shape.

@@ -91,7 +91,7 @@ impl FixedRelocking {
         }
         .words();
         let shape = relock::Shape { ticks: self.shape, estimates: 1 };
-        Launch::new(shape, words, Arc::new([]))
+        Launch::new(shape, words, Arc::new([])).expect("lowered words are those of the shape")
     }
 }
 
