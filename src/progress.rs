@@ -9,7 +9,7 @@ pub trait Progress: Sync {
     /// Units of one phase take about the same time each, or are mixed evenly over the phase, so that the time left
     /// follows from their rate.
     ///
-    /// `unit` is `trials`, `samples`, `switches`, `records`, `fits` or `evaluations`. With a precision, the total is that of the current
+    /// `unit` is `points` while a study is planned, else `trials`, `samples`, `switches`, `records`, `fits` or `evaluations`. With a precision, the total is that of the current
     /// round, and each further round raises it.
     fn start(&self, _unit: &'static str, _done: u64, _total: u64) {}
 

@@ -14,7 +14,7 @@ use toml::{Table, Value};
 use crate::charts::{is_chart_stem, write_pictures};
 use crate::failure::Failure;
 use crate::output::{print, print_drawn};
-use crate::progress::{self, Shown};
+use crate::progress::{self, How, Shown};
 use crate::results::summary::summary;
 use crate::results::{held, lacking};
 use crate::run::checked;
@@ -129,7 +129,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let written = folders::study(&options.folder)?;
     let asked = changed(&written, options)?;
     let study = Study::parse(&format!("{} with the requested chart", path.display()), &asked)?;
-    let plan = checked(&study)?;
+    let plan = checked(&study, options.progress.how(options.quiet), None)?;
     let store = held(&options.folder, &plan)?;
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
@@ -219,7 +219,7 @@ fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
         return Ok(());
     }
     let keys: Vec<String> = keys.into_iter().map(|key| format!("--{key}")).collect();
-    let plan = checked(study)?;
+    let plan = checked(study, How::None, None)?;
     let columns: Vec<String> = plan.blank_tables().points.columns.iter().map(Column::header).collect();
     let swept = match &study.sweeps[..] {
         [] => "the study has no sweeps".to_owned(),

@@ -75,6 +75,11 @@ pub enum Failure {
     )]
     Stopped { cause: Cause, reached: (u64, u64, &'static str), folder: PathBuf },
     #[error(
+        "stopped by {cause} after planning {} of {} points: nothing was sampled\nrun the same command with more time; a run samples only after all points are planned",
+        short(reached.0 as f64), short(reached.1 as f64)
+    )]
+    Unplanned { cause: Cause, reached: (u64, u64) },
+    #[error(
         "{folder} is incomplete: {} trials are missing{}\nmerge the shares that contain them, or sample them with `sagnac run {folder}/{RESOLVED}`",
         short(*lacking as f64), of_shares(absent)
     )]
@@ -253,7 +258,7 @@ impl Failure {
                 );
             }
             // Not an error: it was requested.
-            Failure::Stopped { .. } => say!("{self}"),
+            Failure::Stopped { .. } | Failure::Unplanned { .. } => say!("{self}"),
             other => say!("error: {other}"),
         }
         ExitCode::from(self.code())
@@ -271,7 +276,7 @@ impl Failure {
             | Failure::Store(
                 StoreError::OtherStudy { .. } | StoreError::Schema { .. } | StoreError::Kernels { .. },
             ) => 3,
-            Failure::Stopped { cause, .. } => cause.code(),
+            Failure::Stopped { cause, .. } | Failure::Unplanned { cause, .. } => cause.code(),
             Failure::Incomplete { .. } | Failure::Unfinished(_) => 4,
             Failure::Different | Failure::Unsound(_) | Failure::Store(StoreError::Disagrees { .. }) => 5,
             Failure::Store(_) | Failure::Write { .. } | Failure::Keep(_) | Failure::Output(_) => 6,

@@ -35,6 +35,7 @@ mod new;
 mod one_point;
 mod optima;
 mod output;
+mod planning;
 mod program;
 mod progress;
 mod psd;

@@ -64,7 +64,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     let mut study = study(options)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
-    let plan = checked(&study)?;
+    let plan = checked(&study, options.progress.how(options.quiet), None)?;
     // All folders are checked before anything is merged, so a mistyped name or another study has no effect. They are
     // opened one at a time, as there may be thousands.
     let mut shares = BTreeSet::new();

@@ -13,7 +13,7 @@ use crate::look;
 use crate::run::stop::Stop;
 
 /// Interval between lines where there is no terminal.
-const LINE: Duration = Duration::from_secs(10);
+pub const LINE: Duration = Duration::from_secs(10);
 
 // As a group it would have the name of the options around it, which debug builds refuse.
 #[derive(Debug, Args)]
@@ -49,6 +49,19 @@ pub enum How {
     Bar,
     Plain,
     None,
+}
+
+impl How {
+    /// The kind that is shown where there may be no terminal.
+    pub fn suited(self) -> How {
+        let bare =
+            !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        match self {
+            How::Auto | How::Bar if bare => How::Plain,
+            How::Auto => How::Bar,
+            asked => asked,
+        }
+    }
 }
 
 /// The bar on the terminal.
@@ -93,13 +106,7 @@ impl Shown {
     /// Progress of the requested kind. Without a terminal, lines replace the bar, because control characters are not
     /// text.
     pub fn new(how: How) -> Shown {
-        let bare =
-            !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
-        let how = match how {
-            How::Auto | How::Bar if bare => How::Plain,
-            How::Auto => How::Bar,
-            asked => asked,
-        };
+        let how = how.suited();
         let bar = match how {
             How::Bar => drawn(),
             _ => ProgressBar::hidden(),
@@ -162,14 +169,19 @@ fn drawn() -> ProgressBar {
         };
         bar.set_style(style.with_key("done", done).with_key("rate", rate).with_key("left", left));
     }
-    if let Ok(mut shown) = ON_TERMINAL.lock() {
-        *shown = Some(bar.clone());
-    }
+    show(&bar);
     bar
 }
 
+/// Makes this bar the one that steps aside for other output.
+pub fn show(bar: &ProgressBar) {
+    if let Ok(mut shown) = ON_TERMINAL.lock() {
+        *shown = Some(bar.clone());
+    }
+}
+
 /// The time left in words; `None` as long as there is no rate.
-fn left(time: Duration) -> Option<String> {
+pub fn left(time: Duration) -> Option<String> {
     (!time.is_zero()).then(|| format!("{} left", words(time)))
 }
 

@@ -51,7 +51,7 @@ pub(crate) trait Launched: fmt::Debug + Send {
     ///
     /// # Errors
     /// A row of the store is damaged.
-    fn work(&self, lacking: Lacking) -> Result<Vec<Work>, StoreError>;
+    fn work(&self, lacking: Lacking) -> Result<Vec<Work<'_>>, StoreError>;
 
     /// The least possible number of trials that is at least `asked`.
     fn trials(&self, asked: u64) -> u64 {
@@ -107,25 +107,46 @@ pub(crate) struct PointsPlan<'a, S, L> {
     pub(crate) points: Vec<L>,
 }
 
+/// Number of points that are lowered before their order is looked at.
+const LOWERED_AT_ONCE: usize = 1024;
+
 /// log2 of the number of trials after which the stop rule first decides.
 const FEWEST_LOG2: u32 = 10;
 
 impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
-    /// Lowers every point. `P` is a point before it is lowered, and `swept` gives its values of the swept keys.
+    /// Lowers every point. `P` is a point before it is lowered, and `swept` gives its values of the swept keys. `None` if
+    /// `progress` asks to stop.
     ///
     /// # Errors
-    /// A point cannot be represented; the error points at the key to change.
+    /// A point cannot be represented; the error points at the key to change. The first such point in order is reported,
+    /// whichever thread found it.
     pub(crate) fn new<P: Sync>(
         study: &'a Study,
         subject: &'a S,
         points: &[P],
         swept: fn(&P) -> &Values,
         lower: impl Fn(&P) -> Result<L, Refusal> + Sync,
-    ) -> Result<PointsPlan<'a, S, L>, StudyError> {
-        let lower = |point| lower(point).map_err(|refusal| study.refused(swept(point), &refusal));
-        // The first error in the order of the points is reported, whichever thread found it.
-        let points: Vec<Result<L, StudyError>> = points.par_iter().map(lower).collect();
-        Ok(PointsPlan { study, subject, points: points.into_iter().collect::<Result<_, _>>()? })
+        progress: &dyn Progress,
+    ) -> Result<Option<PointsPlan<'a, S, L>>, StudyError> {
+        progress.start("points", 0, points.len() as u64);
+        let lower = |point: &P| {
+            if progress.stops() {
+                return None;
+            }
+            let lowered = lower(point);
+            progress.advance(1);
+            Some(lowered)
+        };
+        let mut all = Vec::with_capacity(points.len());
+        // Points after a refused one are not needed, so they are lowered some at a time.
+        for points in points.chunks(LOWERED_AT_ONCE) {
+            let lowered: Vec<Option<Result<L, Refusal>>> = points.par_iter().map(lower).collect();
+            for (point, lowered) in points.iter().zip(lowered) {
+                let Some(lowered) = lowered else { return Ok(None) };
+                all.push(lowered.map_err(|refusal| study.refused(swept(point), &refusal))?);
+            }
+        }
+        Ok(Some(PointsPlan { study, subject, points: all }))
     }
 
     /// Whether the stop rule applies; it does not apply to a share.
@@ -142,7 +163,7 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     }
 
     /// The work that the store lacks of a share of the wanted trials.
-    fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work>, StoreError> {
+    fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work<'_>>, StoreError> {
         let index = store.index()?;
         let mut all = Vec::new();
         for (turn, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {

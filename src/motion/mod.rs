@@ -3,6 +3,7 @@
 pub mod keys;
 pub(crate) mod read;
 pub(crate) mod read_psd;
+pub(crate) mod replay;
 pub(crate) mod suspension;
 pub(crate) mod vibration;
 
@@ -12,8 +13,8 @@ use std::sync::Arc;
 use crate::motion::keys::{Design, Interpolation, Phase, Position};
 use crate::motion::vibration::Vibration;
 use crate::record::Record;
-use crate::theory::autocovariance::autocovariance;
 use crate::theory::lags::Lags;
+use crate::theory::memo::Memo;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
 use crate::theory::suspension::Suspension;
@@ -98,6 +99,9 @@ pub enum Gaussian {
     },
 }
 
+/// Covariances of Gaussian motion, of which a quadrature takes as long as the rest of a point.
+static COVARIANCES: Memo<(Gaussian, f64, Lags), Vec<f64>> = Memo::new(128);
+
 /// A recorded motion to be replayed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
@@ -179,7 +183,7 @@ impl Motion {
         }
         square += self.gaussian.as_ref().map_or(0.0, Gaussian::variance);
         if let Some(profile) = &self.profile {
-            square += autocovariance(&profile.tick_angles(tick_s), 1)[0] / (tick_s * tick_s);
+            square += profile.variance(tick_s) / (tick_s * tick_s);
         }
         libm::sqrt(square)
     }
@@ -189,15 +193,15 @@ impl Motion {
     pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
         let lags = lags.into();
         let mut sum = vec![0.0; lags.computed];
-        let mut add = |part: Vec<f64>| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        let mut add = |part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         for tone in &self.tones {
-            add(tone.covariance(tick_s, lags));
+            add(&tone.covariance(tick_s, lags));
         }
         if let Some(gaussian) = &self.gaussian {
-            add(gaussian.covariance(tick_s, lags));
+            add(&gaussian.covariance(tick_s, lags));
         }
         if let Some(profile) = &self.profile {
-            add(autocovariance(&profile.design_ticks(tick_s), lags.computed));
+            add(&profile.covariance(tick_s, lags.computed));
         }
         sum
     }
@@ -217,16 +221,28 @@ impl Gaussian {
 
     /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1.
     pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        match self {
+        let lags = lags.into();
+        // That of a vibration is known for all its scales together.
+        let (unscaled, scale) = match self {
+            Gaussian::Vibration { suspension, acceleration, scale } => {
+                let (suspension, acceleration) = (suspension.clone(), acceleration.clone());
+                (Gaussian::Vibration { suspension, acceleration, scale: 1.0 }, Some(scale))
+            }
+            other => (other.clone(), None),
+        };
+        let compute = || match self {
             // A sine of this rms at every frequency of the band.
             Gaussian::Band { rms, band } => band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags),
             Gaussian::Psd(psd) => psd.covariance(tick_s, lags),
-            Gaussian::Vibration { suspension, acceleration, scale } => {
-                let mut covariance = suspension.covariance(acceleration, tick_s, lags);
-                covariance.iter_mut().for_each(|value| *value *= scale);
-                covariance
+            Gaussian::Vibration { suspension, acceleration, .. } => {
+                suspension.covariance(acceleration, tick_s, lags)
             }
+        };
+        let mut covariance = COVARIANCES.get((unscaled, tick_s, lags), compute);
+        if let Some(scale) = scale {
+            covariance.iter_mut().for_each(|value| *value *= scale);
         }
+        covariance
     }
 }
 

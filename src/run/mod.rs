@@ -36,7 +36,17 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
     pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
-        Ok(Plan { study, work: study.subject.plan(study)? })
+        let plan = Plan::watched(study, &Silent)?;
+        Ok(plan.unwrap_or_else(|| unreachable!("nothing asks to stop")))
+    }
+
+    /// Lowers every point, in parallel. `progress` receives the number of points and each as it is lowered. `None` if it
+    /// asks to stop before that.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error is that of the first such point and points at the key to change.
+    pub fn watched(study: &'a Study, progress: &dyn Progress) -> Result<Option<Plan<'a>>, StudyError> {
+        Ok(study.subject.plan(study, progress)?.map(|work| Plan { study, work }))
     }
 
     /// Whether there is anything to sample, for which a device is needed.

@@ -1,5 +1,6 @@
 //! Sampling of the trials that the store lacks of some launches, batch by batch.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -18,14 +19,25 @@ use crate::tally::block::{Block, cover, fold, missing};
 use crate::tally::stats::Estimates;
 
 /// A launch with its missing blocks.
-pub(crate) struct Work {
-    pub(crate) launch: Launch,
+pub(crate) struct Work<'a> {
+    /// Makes the launch for each batch that needs it, because those of a hundred thousand points take much memory.
+    launch: Box<dyn Fn() -> Launch + 'a>,
+    /// Steps of one trial.
+    steps: u64,
     /// Addresses of the tallies of its estimates.
-    pub(crate) addresses: Vec<Address>,
+    addresses: Vec<Address>,
     pub(crate) blocks: Vec<Block>,
 }
 
-impl Work {
+impl<'a> Work<'a> {
+    pub(crate) fn new(
+        launch: impl Fn() -> Launch + 'a,
+        addresses: Vec<Address>,
+        blocks: Vec<Block>,
+    ) -> Work<'a> {
+        Work { steps: launch().steps(), launch: Box::new(launch), addresses, blocks }
+    }
+
     /// Number of missing trials.
     pub(crate) fn trials(&self) -> u64 {
         self.blocks.iter().map(Block::trials).sum()
@@ -100,10 +112,10 @@ pub(crate) fn sample(
     progress: &dyn Progress,
     started: Instant,
 ) -> Result<u64, RunError> {
-    let mut rest: Vec<(&Work, Block)> = work
+    let mut rest: Vec<Piece> = work
         .iter()
         .flat_map(|work| {
-            let log2 = MOST_STEPS_LOG2.saturating_sub(work.launch.steps().ilog2());
+            let log2 = MOST_STEPS_LOG2.saturating_sub(work.steps.ilog2());
             let blocks = work.blocks.iter().flat_map(move |block| cover(block.first..block.end(), log2));
             blocks.map(move |block| (work, block))
         })
@@ -115,8 +127,9 @@ pub(crate) fn sample(
         while !rest.is_empty() && !progress.stops() {
             let batch_started = Instant::now();
             let batch = take_batch(&mut rest, batch_steps);
-            let jobs: Vec<Job> =
-                batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
+            let (launches, places) = launches(&batch);
+            let jobs = batch.iter().zip(places).map(|(&(_, block), at)| Job { launch: &launches[at], block });
+            let jobs: Vec<Job> = jobs.collect();
             let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
             let rows: Vec<Row<Moments>> = batch
                 .iter()
@@ -138,12 +151,28 @@ pub(crate) fn sample(
     })
 }
 
+/// A block of some work.
+type Piece<'a> = (&'a Work<'a>, Block);
+
+/// The launches of a batch, each once, and the place of that of each block among them.
+fn launches(batch: &[Piece]) -> (Vec<Launch>, Vec<usize>) {
+    let (mut launches, mut places) = (Vec::new(), HashMap::new());
+    let at = batch.iter().map(|(work, _)| {
+        *places.entry(std::ptr::from_ref(*work)).or_insert_with(|| {
+            launches.push((work.launch)());
+            launches.len() - 1
+        })
+    });
+    let at = at.collect();
+    (launches, at)
+}
+
 /// Interleaves the blocks of all work, each work in its own order. The work done so far is then representative of the
 /// rest, even where trials of different points take different times, and a run that ends early has some trials of every
 /// point.
-fn interleave(rest: &mut Vec<(&Work, Block)>) {
-    let same = |a: &(&Work, Block), b: &(&Work, Block)| std::ptr::eq(a.0, b.0);
-    let mut placed: Vec<(f64, (&Work, Block))> = Vec::with_capacity(rest.len());
+fn interleave(rest: &mut Vec<Piece>) {
+    let same = |a: &Piece, b: &Piece| std::ptr::eq(a.0, b.0);
+    let mut placed: Vec<(f64, Piece)> = Vec::with_capacity(rest.len());
     for group in rest.chunk_by(same) {
         let trials: u64 = group.iter().map(|(_, block)| block.trials()).sum();
         let mut before = 0;
@@ -157,8 +186,8 @@ fn interleave(rest: &mut Vec<(&Work, Block)>) {
 }
 
 /// The next blocks, of `steps` steps together, but at least one block.
-fn take_batch<'a>(rest: &mut Vec<(&'a Work, Block)>, steps: u64) -> Vec<(&'a Work, Block)> {
-    let of = |(work, block): &(&Work, Block)| block.trials() * work.launch.steps();
+fn take_batch<'a>(rest: &mut Vec<Piece<'a>>, steps: u64) -> Vec<Piece<'a>> {
+    let of = |(work, block): &Piece| block.trials() * work.steps;
     let (mut batch, mut taken) = (Vec::new(), 0);
     while batch.len() < MOST_JOBS
         && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)

@@ -7,6 +7,7 @@ use crate::key::refusal::Refusal;
 use crate::progress::Progress;
 use crate::sampling::tables::Tables;
 use crate::sampling::worker::Worker;
+use crate::source::diagnose::StudyError;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
@@ -39,6 +40,9 @@ pub struct Done {
     /// Deviations from the requested execution, each a sentence.
     pub degraded: Vec<String>,
 }
+
+/// The plan of a study; `None` if progress asked to stop before all points were lowered.
+pub(crate) type Planned<'a> = Result<Option<Box<dyn Plan + 'a>>, StudyError>;
 
 /// The plan of a study of any kind.
 pub(crate) trait Plan: fmt::Debug {

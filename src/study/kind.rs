@@ -9,9 +9,10 @@ use crate::chart::ground::Ground;
 use crate::device::load::Load;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
+use crate::progress::Progress;
 use crate::quantity::units::Quantity;
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::{StudyError, Wrong};
+use crate::sampling::plan::Planned;
+use crate::source::diagnose::Wrong;
 use crate::study::Study;
 use crate::study::part::Dissected;
 use crate::table::About;
@@ -65,11 +66,11 @@ impl fmt::Debug for Kind {
 
 /// The part of a study that belongs to its kind.
 pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
-    /// Lowers every point.
+    /// Lowers every point. `progress` receives their number, and each as it is lowered.
     ///
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError>;
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a>;
 
     /// The subject with a single one of its points: as it is, and without each part of its error in turn, everything
     /// else unchanged; fillers keep the weights that they have at the point. `None` where an error has no parts.

@@ -19,8 +19,9 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::output::{print, print_documents};
+use crate::planning::Planning;
 use crate::program::DeviceArg;
-use crate::progress::{self, Shown};
+use crate::progress::{self, How, Shown};
 use crate::results::Ran;
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
@@ -135,7 +136,9 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     };
     let course = Course { share, stop: Stop::listen(options.time_limit).map_err(Failure::Signals)? };
     let studies = studies(options, share)?;
-    let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
+    let how = options.progress.how(options.quiet);
+    let plans = studies.iter().map(|(_, study)| checked(study, how, Some(&course.stop)));
+    let plans = plans.collect::<Result<Vec<_>, _>>()?;
     let is_sampled = plans.iter().any(Plan::is_sampled);
     let mut device = is_sampled.then(|| options.device.select(!options.quiet)).transpose()?;
     let mut documents: Vec<Value> = Vec::new();
@@ -209,9 +212,17 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
     options.out.clone().unwrap_or_else(default)
 }
 
-/// The plan of a study, with checks for errors that would otherwise occur after sampling.
-pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
-    let plan = Plan::new(study)?;
+/// The plan of a study, with checks for errors that would otherwise occur after sampling. `how` is the kind of progress.
+///
+/// # Errors
+/// A point cannot be represented, a chart cannot be drawn, or there is a cause to `stop`.
+pub fn checked<'a>(study: &'a Study, how: How, stop: Option<&Stop>) -> Result<Plan<'a>, Failure> {
+    let planning = Planning::new(how, stop);
+    let stopped = || {
+        let cause = stop.and_then(Stop::cause).unwrap_or(Cause::TimeLimit);
+        Failure::Unplanned { cause, reached: planning.reached() }
+    };
+    let plan = Plan::watched(study, &planning)?.ok_or_else(stopped)?;
     pictures(study, &plan.blank_tables(), 0)?;
     Ok(plan)
 }

@@ -8,11 +8,11 @@ use crate::kernel::allan::VERSION;
 use crate::key::row::Key;
 use crate::kinds::allan::columns;
 use crate::kinds::allan::parts;
-use crate::kinds::allan::run::Plan as Planned;
+use crate::kinds::allan::run;
 use crate::kinds::allan::{Allan, keys, read, sweepable};
+use crate::progress::Progress;
 use crate::quantity::units::{Dimension, Quantity};
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::StudyError;
+use crate::sampling::plan::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::study::part::Dissected;
@@ -45,8 +45,9 @@ pub(crate) static ALLAN: Kind = Kind {
 const BANDS: &str = "95 % of records";
 
 impl Subject for Allan {
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        Ok(Box::new(Planned::new(study, self)?))
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
+        let plan = run::Plan::new(study, self, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
     fn dissected(&self, point: usize) -> Option<Dissected> {

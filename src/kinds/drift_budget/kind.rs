@@ -9,9 +9,9 @@ use crate::kinds::drift_budget::parts::PARTS;
 use crate::kinds::drift_budget::{DriftBudget, Point, keys, read, sweepable};
 use crate::kinds::exact::Exact;
 use crate::kinds::table::table;
+use crate::progress::Progress;
 use crate::quantity::units::Dimension;
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::StudyError;
+use crate::sampling::plan::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::study::part::{self, Dissected};
@@ -37,9 +37,9 @@ pub(crate) static DRIFT_BUDGET: Kind = Kind {
 };
 
 impl Subject for DriftBudget {
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+    fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
         let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
-        Ok(Box::new(Exact(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
+        Ok(Some(Box::new(Exact(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept)))))
     }
 
     fn dissected(&self, point: usize) -> Option<Dissected> {

@@ -12,9 +12,9 @@ use crate::kinds::gap_fill::parts;
 use crate::kinds::gap_fill::run;
 use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
 use crate::kinds::plan::PointsPlan;
+use crate::progress::Progress;
 use crate::quantity::units::Dimension;
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::StudyError;
+use crate::sampling::plan::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::study::part::Dissected;
@@ -40,11 +40,11 @@ pub static GAP_FILL: Kind = Kind {
 };
 
 impl Subject for GapFill {
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
         let lower = |point: &_| Lowered::new(point, &self.fillers, &self.errors, study.seed, study.streams);
-        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?;
-        run::check_replays(&plan)?;
-        Ok(Box::new(plan))
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower, progress)?;
+        plan.iter().try_for_each(run::check_replays)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
     fn dissected(&self, point: usize) -> Option<Dissected> {

@@ -12,9 +12,9 @@ use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::parts::PARTS;
 use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy, keys, read, sweepable};
+use crate::progress::Progress;
 use crate::quantity::units::Dimension;
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::StudyError;
+use crate::sampling::plan::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::study::part::{self, Dissected};
@@ -45,9 +45,10 @@ pub(crate) fn kernels() -> String {
 }
 
 impl Subject for RelockStudy {
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
         let lower = |point: &_| LoweredRelock::new(point, study.seed, study.streams);
-        Ok(Box::new(PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?))
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
     fn dissected(&self, point: usize) -> Option<Dissected> {

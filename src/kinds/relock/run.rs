@@ -29,11 +29,12 @@ impl Launched for LoweredRelock {
         Compensation::ALL.into_iter().flat_map(|compensation| self.launched(compensation)).count()
     }
 
-    fn work(&self, lacking: Lacking) -> Result<Vec<Work>, StoreError> {
+    fn work(&self, lacking: Lacking) -> Result<Vec<Work<'_>>, StoreError> {
         let work = |estimates: Vec<&RelockEstimate>| {
             let launch = self.launch(&estimates);
             let addresses: Vec<Address> = estimates.iter().map(|estimate| estimate.address).collect();
-            Ok(Work { blocks: lacking(&addresses, launch.steps())?, launch, addresses })
+            let blocks = lacking(&addresses, launch.steps())?;
+            Ok(Work::new(move || launch.clone(), addresses, blocks))
         };
         Compensation::ALL.into_iter().flat_map(|compensation| self.launched(compensation)).map(work).collect()
     }

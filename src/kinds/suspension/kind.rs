@@ -8,9 +8,9 @@ use crate::kinds::exact::Exact;
 use crate::kinds::suspension::columns;
 use crate::kinds::suspension::{SuspensionStudy, keys, read, sweepable};
 use crate::kinds::table::table;
+use crate::progress::Progress;
 use crate::quantity::units::Dimension;
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::StudyError;
+use crate::sampling::plan::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
@@ -34,9 +34,9 @@ pub(crate) static SUSPENSION: Kind = Kind {
 };
 
 impl Subject for SuspensionStudy {
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+    fn plan<'a>(&'a self, study: &'a Study, _: &dyn Progress) -> Planned<'a> {
         let table = table(&study.sweeps, &columns::columns(), &self.points, |point| &point.swept);
-        Ok(Box::new(Exact(table)))
+        Ok(Some(Box::new(Exact(table))))
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -11,9 +11,9 @@ use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::lower::LoweredRun;
 use crate::kinds::switched_run::parts;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
+use crate::progress::Progress;
 use crate::quantity::units::Dimension;
-use crate::sampling::plan::Plan;
-use crate::source::diagnose::StudyError;
+use crate::sampling::plan::Planned;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::study::part::Dissected;
@@ -42,9 +42,10 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
 };
 
 impl Subject for SwitchedRun {
-    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+    fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
         let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
-        Ok(Box::new(PointsPlan::new(study, self, &self.points, |point| &point.swept, lower)?))
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower, progress)?;
+        Ok(plan.map(|plan| Box::new(plan) as _))
     }
 
     fn dissected(&self, point: usize) -> Option<Dissected> {

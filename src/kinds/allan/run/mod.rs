@@ -71,18 +71,28 @@ pub(crate) struct Planned<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// Lowers every point.
-    pub(crate) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
+    /// Lowers every point, one after the other, because one may take as much memory as its record. `None` if `progress`
+    /// asks to stop.
+    pub(crate) fn new(
+        study: &'a Study,
+        allan: &'a Allan,
+        progress: &dyn Progress,
+    ) -> Result<Option<Plan<'a>>, StudyError> {
         if study.trials > MOST_RECORDS {
             let message = format!("{} records of a point", study.trials);
             let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
             return Err(study.error_at(study.place_of("trials"), message, help));
         }
         let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
+        progress.start("points", 0, allan.points.len() as u64);
         for point in &allan.points {
+            if progress.stops() {
+                return Ok(None);
+            }
             plan.push(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
+            progress.advance(1);
         }
-        Ok(plan)
+        Ok(Some(plan))
     }
 
     /// Lowers a point and adds it.

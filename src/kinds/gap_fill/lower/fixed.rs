@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::SIGMA;
 use crate::kernel::sine::ONE;
 use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, ToneKind};
+use crate::kinds::gap_fill::lower::replayed::Rounded;
 use crate::motion::Value;
 use crate::motion::keys::Phase;
-use crate::tally::id::Id;
 use crate::theory::cholesky::semidefinite;
 use crate::theory::gap::tick_phase;
 
@@ -63,8 +62,7 @@ pub(crate) enum ToneMotion {
 /// A recorded profile.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FixedProfile {
-    /// Angle since the start at the boundaries of ticks, LSB, wrapped.
-    pub(crate) angles: Arc<[u32]>,
+    pub(crate) rounded: Arc<Rounded>,
     pub(crate) positions: usize,
     pub(crate) every: bool,
 }
@@ -84,15 +82,10 @@ impl Fixed {
         let sigma = libm::round(physical.sigma_arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
         let gap_sigma =
             libm::round(physical.sigma_arcsec * libm::sqrt(f64::from(n)) / lsb_arcsec * SIGMA_UNITS) as u32;
-        let profile = physical.profile.as_ref().map(|profile| {
-            let mut sum = 0.0;
-            let ends = profile.ticks.iter().map(|angle| {
-                sum += angle;
-                // Only differences are used, so the angle may wrap.
-                libm::round(sum / lsb_arcsec) as i64 as u32
-            });
-            let angles = core::iter::once(0).chain(ends).collect();
-            FixedProfile { angles, positions: profile.positions, every: profile.every }
+        let profile = physical.profile.as_ref().map(|profile| FixedProfile {
+            rounded: Rounded::of(&profile.replay, lsb_arcsec),
+            positions: profile.positions,
+            every: profile.every,
         });
         Fixed {
             lsb_arcsec,
@@ -157,8 +150,7 @@ impl Fixed {
             words.extend(rows.map(|&word| word as u32));
         }
         if let Some(profile) = &self.profile {
-            let content = Id::of_words(profile.angles.iter().copied());
-            words.extend(content.key());
+            words.extend(profile.rounded.content.key());
             words.push(u32::from(profile.every));
         }
         words.extend(all().flat_map(|tick| long_words(self.tick_constant(tick))));
@@ -236,20 +228,6 @@ impl FixedTone {
         let cosines: f64 = phases.clone().map(libm::cos).sum();
         let sines: f64 = if ticks == gap_ticks { 0.0 } else { phases.map(libm::sin).sum() };
         [word(cosines), word(sines)]
-    }
-}
-
-impl FixedProfile {
-    /// The angle of a tick with the gap at one of the positions, LSB.
-    pub(crate) fn tick(&self, position: usize, tick: i32) -> i32 {
-        let end = (position + MARGIN).wrapping_add_signed(tick as isize);
-        self.angles[end].wrapping_sub(self.angles[end - 1]) as i32
-    }
-
-    /// The angle over the first `ticks` of the gap at one of the positions, LSB.
-    pub(crate) fn gap(&self, position: usize, ticks: i32) -> i32 {
-        let start = position + MARGIN;
-        self.angles[start + ticks as usize].wrapping_sub(self.angles[start]) as i32
     }
 }
 

@@ -79,7 +79,7 @@ impl Lowered {
             .collect();
         let table = match (&fixed.profile, in_gap.is_empty()) {
             // The table is shared by all launches of the point.
-            (Some(profile), true) => profile.angles.clone(),
+            (Some(profile), true) => profile.rounded.angles.clone(),
             _ => [in_gap, motion_table(fixed, shape)].concat().into(),
         };
         Launch::new(shape, words, table).expect("lowered words and tables are those of the shape")
@@ -140,7 +140,7 @@ fn lengths(shape: Shape, n: i32) -> core::ops::RangeInclusive<i32> {
 /// The table of the motion: rows of the Gaussian factor over the gap, then those of the ticks outward; or a profile.
 fn motion_table(fixed: &Fixed, shape: Shape) -> Vec<u32> {
     if let Some(profile) = &fixed.profile {
-        return profile.angles.to_vec();
+        return profile.rounded.angles.to_vec();
     }
     let Some(factor) = &fixed.gaussian else { return vec![] };
     let n = fixed.gap_ticks;

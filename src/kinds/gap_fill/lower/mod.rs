@@ -29,6 +29,7 @@ pub(crate) mod fixed;
 pub(crate) mod launch;
 pub(crate) mod physical;
 pub(crate) mod readout;
+pub(crate) mod replayed;
 pub(crate) mod residual;
 pub(crate) mod response;
 pub(crate) mod unit;

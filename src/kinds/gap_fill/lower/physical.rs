@@ -2,17 +2,17 @@
 //! the same motion. Every number has 12 significant digits.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::REACH;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::lower::words_of;
 use crate::motion::keys::{Design, Phase, Position};
+use crate::motion::replay::Replay;
 use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};
 use crate::quantity::units::round_12;
-use crate::tally::id::Id;
 use crate::theory::gap::tick_amplitude;
 use crate::theory::lags::Lags;
 
@@ -68,7 +68,7 @@ pub(crate) struct PhysicalGaussian {
 /// A recorded profile.
 #[derive(Debug, Clone)]
 pub(crate) struct PhysicalProfile {
-    pub(crate) ticks: Vec<f64>,
+    pub(crate) replay: Arc<Replay>,
     pub(crate) every: bool,
     /// Number of places that the gap can have.
     pub(crate) positions: usize,
@@ -153,8 +153,8 @@ impl Physical {
                 );
                 return Err(Refusal::new("motion.profile", found, help));
             };
-            let ticks = profile.tick_angles(tick_s).split_off(before);
-            Ok(PhysicalProfile { ticks, every: profile.position == Position::Every, positions: rest + 1 })
+            let replay = profile.replay(tick_s);
+            Ok(PhysicalProfile { replay, every: profile.position == Position::Every, positions: rest + 1 })
         });
         Ok(Physical {
             gap_ticks: inputs.gap_ticks,
@@ -185,7 +185,10 @@ impl Physical {
             sizes.push((gaussian.key, REACH * libm::sqrt(gaussian.covariance[0])));
         }
         if let Some(profile) = &self.profile {
-            sizes.push(("motion.profile", profile.ticks.iter().fold(0.0, |most, x| most.max(x.abs()))));
+            sizes.push((
+                "motion.profile",
+                profile.replay.angles.iter().fold(0.0, |most, x| most.max(x.abs())),
+            ));
         }
         sizes
     }
@@ -231,8 +234,7 @@ impl Physical {
             None => {}
         }
         if let Some(profile) = &self.profile {
-            let content = Id::of_words(profile.ticks.iter().flat_map(|&angle| words_of(angle)));
-            line(format_args!("profile={content} every={}", profile.every));
+            line(format_args!("profile={} every={}", profile.replay.content, profile.every));
         }
         text
     }

@@ -5,9 +5,8 @@ use core::f64::consts::PI;
 
 use crate::kernel::normal::REACH;
 use crate::kinds::gap_fill::lower::fixed::{
-    ANGLE_UNITS, Fixed, FixedProfile, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
+    ANGLE_UNITS, Fixed, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
 };
-use crate::tally::stats::LEVEL;
 use crate::theory::quadrature;
 
 /// Σ w P − D Σ_{j ≤ gap} P_j, with integer weights on ticks.
@@ -46,13 +45,13 @@ impl Functional<'_> {
     }
 
     /// Σ w x(tick) − D x(gap) of a quantity x given by tick and by length of the gap.
-    fn of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
+    pub(crate) fn of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
         let filled: f64 = self.ticks.iter().zip(self.weights).map(|(&t, &w)| w as f64 * tick(t)).sum();
         filled - self.scale as f64 * gap
     }
 
     /// Σ|w||x(tick)| + D|x(gap)|.
-    fn terms_of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
+    pub(crate) fn terms_of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
         let filled: f64 =
             self.ticks.iter().zip(self.weights).map(|(&t, &w)| w.abs() as f64 * tick(t).abs()).sum();
         filled + self.scale as f64 * gap.abs()
@@ -231,34 +230,4 @@ fn gaussian_response(factor: &[Vec<i32>], f: &Functional, n: i32) -> Response {
         sum.terms += REACH * f.terms_of(|tick| word(tick, i), gap);
     }
     sum
-}
-
-impl FixedProfile {
-    fn response(&self, f: &Functional, constant: f64) -> Response {
-        let (mut sum, mut square, mut terms) = (0.0, 0.0, 0.0_f64);
-        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut sizes = Vec::with_capacity(self.positions);
-        for position in 0..self.positions {
-            let tick = |tick: i32| f64::from(self.tick(position, tick));
-            let gap = f64::from(self.gap(position, f.gap));
-            let e = f.of(tick, gap);
-            sum += e;
-            square += e * e;
-            (least, greatest) = (least.min(e), greatest.max(e));
-            sizes.push((e + constant).abs());
-            terms = terms.max(f.terms_of(tick, gap));
-        }
-        let count = self.positions as f64;
-        let mean = sum / count;
-        let rank = ((LEVEL * count) as usize).min(self.positions - 1);
-        let level = *sizes.select_nth_unstable_by(rank, f64::total_cmp).1;
-        Response {
-            mean,
-            variance: (square / count - mean * mean).max(0.0),
-            bound: least.abs().max(greatest.abs()),
-            largest: Some((least + constant).abs().max((greatest + constant).abs())),
-            level: Some(level),
-            terms,
-        }
-    }
 }

@@ -8,6 +8,7 @@ use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::motion::Gaussian;
 use crate::theory::gap::{Weights, greatest_common_divisor};
 use crate::theory::lags::Lags;
 use crate::theory::minimum_variance::minimum_variance_weights;
@@ -163,7 +164,7 @@ impl<'a> Statistics<'a> {
             Method::MinimumVariance(Some(band)) => {
                 // As much motion as in the study, spread over the band.
                 let rms = self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
-                band.covariance(rms * core::f64::consts::SQRT_2, *tick_s, lags)
+                Gaussian::Band { rms: *rms, band: *band }.covariance(*tick_s, lags)
             }
             _ => {
                 let mut known = self.covariance.borrow_mut();

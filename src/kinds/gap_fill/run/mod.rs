@@ -51,7 +51,7 @@ impl Launched for Lowered {
         self.grouped(self.fillers.iter().map(|_| Vec::new())).len()
     }
 
-    fn work(&self, lacking: Lacking) -> Result<Vec<Work>, StoreError> {
+    fn work(&self, lacking: Lacking) -> Result<Vec<Work<'_>>, StoreError> {
         let mut lacks = Vec::new();
         for estimates in &self.fillers {
             let addresses: Vec<Address> = estimates.iter().map(|estimate| estimate.address).collect();
@@ -60,7 +60,7 @@ impl Launched for Lowered {
         let groups = self.grouped(lacks).into_iter().filter(|(blocks, _)| !blocks.is_empty());
         let work = |(blocks, fillers): (Vec<Block>, Vec<usize>)| {
             let addresses = self.launched(&fillers).map(|estimate| estimate.address).collect();
-            Work { launch: self.launch(&fillers), addresses, blocks }
+            Work::new(move || self.launch(&fillers), addresses, blocks)
         };
         Ok(groups.map(work).collect())
     }

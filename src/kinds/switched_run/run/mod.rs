@@ -36,12 +36,13 @@ impl Launched for LoweredRun {
         self.fillers.iter().map(|filled| filled.estimates.len().div_ceil(MAX_ESTIMATES)).sum()
     }
 
-    fn work(&self, lacking: Lacking) -> Result<Vec<Work>, StoreError> {
+    fn work(&self, lacking: Lacking) -> Result<Vec<Work<'_>>, StoreError> {
         let mut all = Vec::new();
         for filled in &self.fillers {
             for (launch, places) in filled.launches() {
                 let addresses: Vec<_> = places.iter().map(|&place| filled.estimates[place].address).collect();
-                all.push(Work { blocks: lacking(&addresses, launch.steps())?, launch, addresses });
+                let blocks = lacking(&addresses, launch.steps())?;
+                all.push(Work::new(move || launch.clone(), addresses, blocks));
             }
         }
         Ok(all)
