@@ -206,7 +206,11 @@ fn hides(error: &clap::Error) -> bool {
 pub fn main() -> ExitCode {
     crate::output::outlive_limits();
     let color = crate::look::of_arguments(std::env::args_os());
-    let cli = match Cli::command().color(color).try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
+    let cli = match Cli::command()
+        .color(color)
+        .try_get_matches()
+        .and_then(|matches| Cli::from_arg_matches(&matches))
+    {
         Ok(cli) => cli,
         // An argument, such as a name of a file, stands in the message; its control characters must not.
         Err(error) if error.use_stderr() && hides(&error) => {

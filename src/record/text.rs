@@ -60,7 +60,8 @@ impl<'a> Text<'a> {
 /// The error for a text whose first line with content is not within the head.
 fn hidden(source: &Source) -> RecordError {
     let most = HEAD >> 20;
-    let message = format!("{} has no complete header and no complete row in its first {most} MiB", source.file);
+    let message =
+        format!("{} has no complete header and no complete row in its first {most} MiB", source.file);
     let help = format!("remove long comments, and keep the header or the first row below {most} MiB");
     RecordError::new(message, "", help, None)
 }

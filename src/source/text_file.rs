@@ -28,7 +28,10 @@ pub fn open(path: &Path) -> Result<File, Error> {
         return File::open(path);
     }
     let what = if kind.is_dir() { "it is a folder" } else { "it is a pipe, a device or a socket" };
-    Err(Error::new(ErrorKind::InvalidInput, format!("{what}, not an ordinary file; write the data to a file")))
+    Err(Error::new(
+        ErrorKind::InvalidInput,
+        format!("{what}, not an ordinary file; write the data to a file"),
+    ))
 }
 
 /// The bytes of the file at `path`, which [`open`] accepts.

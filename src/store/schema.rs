@@ -106,7 +106,10 @@ impl Database {
         let others = || held.iter().filter(|(_, _, sql)| !sql.as_deref().is_some_and(is_ours));
         // First what computes when it is read: of an altered table, salvage reads what is left.
         let computes = |(kind, _, sql): &&(String, String, Option<String>)| {
-            kind != "table" || sql.as_deref().is_none_or(|sql| words(sql).get(1).is_some_and(|word| word.eq_ignore_ascii_case("virtual")))
+            kind != "table"
+                || sql.as_deref().is_none_or(|sql| {
+                    words(sql).get(1).is_some_and(|word| word.eq_ignore_ascii_case("virtual"))
+                })
         };
         if let Some((kind, name, _)) = others().find(computes) {
             let what = format!("it holds the {} `{}`", kind.escape_debug(), name.escape_debug());

@@ -353,8 +353,18 @@ mod tests {
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&file[..]);
         let found: Vec<String> = reader.records().map(|row| row.unwrap()[0].to_owned()).collect();
         let wanted = [
-            "'=name", "'=cmd|' /C calc'!A0", "'+1+1", "'-1+1", "'@SUM(A1)", "'\t=1", "'\r=1", "-2.5", "const",
-            "", "-1.5", "-3",
+            "'=name",
+            "'=cmd|' /C calc'!A0",
+            "'+1+1",
+            "'-1+1",
+            "'@SUM(A1)",
+            "'\t=1",
+            "'\r=1",
+            "-2.5",
+            "const",
+            "",
+            "-1.5",
+            "-3",
         ];
         assert_eq!(found, wanted);
     }

@@ -8,13 +8,13 @@ mod temperature;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::source::text_file::{MOST_TOML, read_text};
 use sagnac::analysis::dynamic::Dynamic;
 use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
 use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
+use sagnac::source::text_file::{MOST_TOML, read_text};
 use sagnac::spectrum::Welch;
 use sagnac::view::chart::figure::Figure;
 use serde_json::Value;
