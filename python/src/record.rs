@@ -285,8 +285,9 @@ pub fn curves<'py>(
     })?;
     let document = document(py, &record)?;
     let stability = curves.iter().find(|(deviation, _)| !deviation.is_of_angle());
-    let stability = stability
-        .and_then(|(deviation, points)| Some(least_or_bound(record.unit, *deviation, &minimum(points)?)));
+    let samples = record.angles.len().saturating_sub(1);
+    let stability =
+        stability.and_then(|(deviation, points)| least_or_bound(record.unit, *deviation, points, samples));
     let level = format!("{} %", significant(100.0 * confidence, 6));
     let subject = Subject { stability, level, ..record.subject(reading.step_s) };
     document.set_item("decision", decide(&[subject], &limits, "record").json().to_string())?;

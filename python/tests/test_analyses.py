@@ -70,9 +70,13 @@ def test_a_comparison_is_that_of_the_program(program: Program) -> None:
     a, b = record(1, 1.0), record(2, 1.4)
     files = [written(program.folder, name, values) for name, values in (("A.csv", a), ("B.csv", b))]
     read = ["--data", "rate", "--unit", "deg/h", "--rate", "100Hz"]
-    expected = program("compare", *files, *read)
-    found = sagnac.compare(a, b, RATE, unit="deg/h")
+    expected = program("compare", *files, *read, "--limit", "N=1.1")
+    found = sagnac.compare(a, b, RATE, unit="deg/h", limits={"N": 1.1})
     assert found.data["coefficients"] == expected["coefficients"]
+    assert found.decision is not None and found.decision["met"] is False
+    assert found.decision == expected["decision"]
+    with pytest.raises(sagnac.UsageError, match="limits: the limit on N"):
+        sagnac.compare(a, b, RATE, unit="deg/h", limits={"N": "0.1 deg/sqrt(h)"})  # type: ignore[dict-item]
     assert found.answer and set(found.tables) == {"coefficients.csv", "compare.csv"}
     with pytest.raises(sagnac.RecordError, match="at least 16"):
         sagnac.compare(a[:4], b, RATE, unit="deg/h")
@@ -81,8 +85,11 @@ def test_a_comparison_is_that_of_the_program(program: Program) -> None:
 def test_a_spectrum_is_that_of_the_program(program: Program) -> None:
     values = record(3, 1.0)
     path = written(program.folder, "record.csv", values)
-    expected = program("psd", path, "--data", "rate", "--unit", "deg/h", "--rate", "100Hz", "--bootstrap", 0)
-    found = sagnac.psd(values, RATE, unit="deg/h", bootstrap=0)
+    read = ["--data", "rate", "--unit", "deg/h", "--rate", "100Hz", "--bootstrap", 0]
+    expected = program("psd", path, *read, "--limit", "floor=1 deg/sqrt(h)")
+    found = sagnac.psd(values, RATE, unit="deg/h", bootstrap=0, limits={"floor": "1 deg/sqrt(h)"})
+    assert found.decision is not None and found.decision["met"] is True
+    assert found.decision["limits"][0]["value"] == expected["decision"]["limits"][0]["value"]
     assert found.data["columns"][0]["lines"] == expected["columns"][0]["lines"]
     assert found.tables["psd.csv"].rows > 100
     wrong: Any

@@ -189,3 +189,29 @@ def test_lists_integers_and_strided_arrays_are_taken_as_arrays_of_float64() -> N
     assert np.isfinite(sagnac.allan(counts, 10.0, unit="none")["oadev"].value).all()
     data.setflags(write=False)
     assert np.array_equal(sagnac.allan(data, 10.0, unit="deg/h", deviation="oadev")["oadev"].value, expected)
+
+
+def test_a_fit_and_a_curve_are_held_against_limits(program: Program, tmp_path: Path) -> None:
+    data = record()
+    options = ["--data", "rate", "--unit", "deg/h", "--bootstrap", 0]
+    np.save(tmp_path / "record.npy", data)
+    held = ["--limit", "N=1 deg/sqrt(h)", "--limit", "B=1e-9 deg/h"]
+    path = tmp_path / "record.npy"
+    expected = program("allan", path, "--rate", "100Hz", "--out", tmp_path / "out", *options, *held)
+    limits = {"N": "1 deg/sqrt(h)", "B": "1e-9 deg/h"}
+    found = sagnac.fit(data, 100.0, unit="deg/h", bootstrap=0, limits=limits)
+    standings = [(one["coefficient"], one["standing"], one["upper"]) for one in found.decision["limits"]]
+    assert standings == [(one["coefficient"], one["standing"], one["upper"]) for one in expected["decision"]["limits"]]
+    assert standings[0][:2] == ("N", "met") and found.decision["met"] is not True
+    assert [heading for heading, _ in found.decision["sentences"]] == [
+        heading for heading, _ in expected["decision"]["sentences"]
+    ]
+    assert sagnac.fit(data, 100.0, unit="deg/h", bootstrap=0).decision["limits"] == []
+    curve = sagnac.allan(data, 100.0, unit="deg/h", limits={"in_run_stability": "1000 deg/h"})
+    assert curve.decision["met"] is True
+    wrong: dict[str, str]
+    for wrong in ({"M": "1 deg/h"}, {"N": "1 deg/h"}, {"N": "1 m/s/sqrt(h)"}, {"N": "1"}):
+        with pytest.raises(sagnac.UsageError, match="limits"):
+            sagnac.fit(data, 100.0, unit="deg/h", bootstrap=0, limits=wrong)
+    with pytest.raises(sagnac.UsageError, match="nothing that can be limited"):
+        sagnac.allan(data, 100.0, unit="deg/h", limits={"N": "1 deg/sqrt(h)"})

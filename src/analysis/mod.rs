@@ -1,5 +1,5 @@
-//! Analyses beyond studies: noise of logs, over time and with temperature, spectra of logs, comparison of logs, lots of units, pages
-//! of logs, switching interval, firmware, sensitivity.
+//! Analyses beyond studies: noise of logs, over time and with temperature, requirements on it, spectra of logs, comparison of logs,
+//! lots of units, pages of logs, switching interval, firmware, sensitivity.
 
 pub mod compare;
 pub mod data_sheet;

@@ -1,6 +1,6 @@
 //! The results of `sagnac allan` as a table and as JSON.
 
-use crate::allan::{Deviation, Minimum, Point, Trend, Unit as Curves};
+use crate::allan::{Deviation, Minimum, Point, Trend, Unit as Curves, minimum};
 use crate::analysis::data_sheet::Row;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
@@ -9,6 +9,9 @@ use serde_json::{Value, json};
 use crate::analysis::log::notes::of_columns;
 use crate::analysis::log::{self, Analysis, Curve};
 use crate::analysis::requirement::Decision;
+
+/// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
+const SHORTEST_RECORD: usize = 8;
 
 /// A row of `curve.csv`.
 pub(crate) struct CurveRow<'a> {
@@ -161,19 +164,16 @@ pub(crate) fn in_run_stability(unit: Curves, deviation: Deviation, minimum: &Min
     }
 }
 
-/// The minimum of a curve as a row; where the curve ends there, its interval ends in an upper bound without a value.
-pub fn least_or_bound(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
-    let row = in_run_stability(unit, deviation, minimum);
-    match minimum.at_end {
+/// The minimum of a curve up to an eighth of a record of `samples` samples. Where the curve still falls there, the row has no
+/// value, and its interval ends in an upper bound.
+pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samples: usize) -> Option<Row> {
+    let known = points.partition_point(|point| SHORTEST_RECORD * point.m <= samples);
+    let minimum = minimum(&points[..known])?;
+    let row = in_run_stability(unit, deviation, &minimum);
+    Some(match minimum.at_end {
         true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
         false => row,
-    }
-}
-
-/// The minimum of the first curve of rates, or the bound on it.
-pub(crate) fn least_of_rates(column: &log::Column) -> Option<Row> {
-    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
-    Some(least_or_bound(column.unit, curve.deviation, &curve.minimum?))
+    })
 }
 
 /// A coefficient as JSON.

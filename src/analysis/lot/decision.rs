@@ -4,19 +4,17 @@ use crate::analysis::decision::Figure;
 use crate::analysis::decision::sheet::{percent, with_interval};
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Lot};
-use crate::analysis::requirement::{Decision, Judgement, Limit, Limited, Standing, Subject, decide};
+use crate::analysis::requirement::{Decision, Judgement, Limit, Standing, Subject, decide};
 use crate::quantity::list::listed;
 use crate::quantity::number::with_unit;
 
 impl Lot {
     /// The decision to which the units of the lot lead, and what the next unit of the lot is held against.
     pub fn decision(&self, limits: &[Limit]) -> Decision {
-        let subject = |(place, (log, column)): (usize, (_, _))| {
-            let stability = self.coefficient(Limited::Stability.name());
-            let stability = stability.and_then(|one| Some(one.found[place].as_ref()?.row.clone()));
-            Subject { label: &self.labels[place], stability, ..Subject::of_column(log, column, None) }
-        };
-        let subjects: Vec<Subject> = self.units().enumerate().map(subject).collect();
+        let units = self.units().zip(&self.labels);
+        let subjects: Vec<Subject> = units
+            .map(|((log, column), label)| Subject { label, ..Subject::of_column(log, column, None) })
+            .collect();
         let mut decision = decide(&subjects, limits, "unit");
         let [_, _, margin, what_limits, lever] = &mut decision.lines.sentences;
         for told in limits.iter().filter_map(|limit| self.next_unit(limit)) {

@@ -22,10 +22,10 @@ pub mod pool;
 pub mod tables;
 pub mod words;
 
-use crate::allan::{Unit as Curves, minimum};
+use crate::allan::Unit as Curves;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::tables::least_or_bound;
-use crate::analysis::log::{self, Column};
+use crate::analysis::log::{self, Column, Curve};
 
 use crate::analysis::lot::members::{Member, labels, twice, units, whole};
 use crate::analysis::lot::pool::{Estimate, Pooled};
@@ -35,9 +35,6 @@ pub const FALSE_ALARM: f64 = 0.05;
 
 /// Fewest units of which one can be odd.
 const FEWEST: usize = pool::FEWEST + 1;
-
-/// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
-const SHORTEST_RECORD: usize = 8;
 
 /// Why some logs are not a lot.
 #[derive(Debug, thiserror::Error)]
@@ -283,10 +280,7 @@ fn coefficients(units: &[Member<'_>]) -> Vec<Coefficient> {
 /// The coefficients of a column and the minimum of its curve up to an eighth of the record. Where that is the last point, it is an
 /// upper bound.
 fn rows(log: &log::Analysis, column: &Column) -> Vec<Row> {
-    let stability = column.curves.first().and_then(|curve| {
-        let known = curve.points.partition_point(|point| SHORTEST_RECORD * point.m <= log.samples);
-        let minimum = minimum(&curve.points[..known])?;
-        Some(least_or_bound(column.unit, curve.deviation, &minimum))
-    });
+    let least = |curve: &Curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples);
+    let stability = column.curves.first().and_then(least);
     column.coefficients().iter().cloned().chain(stability).collect()
 }

@@ -105,8 +105,11 @@ impl<'a> Panel<'a> {
         let counts = [Standing::Met, Standing::Open, Standing::Unknown, Standing::NotMet]
             .into_iter()
             .filter_map(counted);
-        let each =
-            if self.subjects.len() > 1 { format!(", one for each {},", self.what) } else { String::new() };
+        let each = if self.subjects.len() > 1 {
+            format!(", counted for each {},", self.what)
+        } else {
+            String::new()
+        };
         let counted = match all > named.len() {
             true => format!(" Of {all} limits{each} {}.", listed(&counts.collect::<Vec<_>>())),
             false => String::new(),
@@ -157,7 +160,9 @@ impl<'a> Panel<'a> {
                 format!("{whose}: its interval from a record of {length} is too wide to decide.")
             }
             Standing::Open if critical.of() == Limited::Stability => {
-                format!("{whose}: the curve of the record of {length} still falls at its end.")
+                format!(
+                    "{whose}: the curve of the record of {length} still falls at an eighth of its length."
+                )
             }
             Standing::Open => {
                 format!("{whose}: the record of {length} does not show it, and bounds it above the limit.")

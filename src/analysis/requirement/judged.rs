@@ -162,12 +162,12 @@ impl<'a> Judged<'a> {
                 match (self.limit.of, standing) {
                     (Limited::Stability, Standing::Met) => {
                         format!(
-                            "{name} is at most {most}, as the curve still falls at its end, within {limit}"
+                            "{name} is at most {most}, as the curve still falls at an eighth of the record, within {limit}"
                         )
                     }
                     (Limited::Stability, _) => {
                         format!(
-                            "{name} is at most {most}, as the curve still falls at its end, and this bound is above {limit}"
+                            "{name} is at most {most}, as the curve still falls at an eighth of the record, and this bound is above {limit}"
                         )
                     }
                     (_, Standing::Met) => {

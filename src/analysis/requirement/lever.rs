@@ -49,7 +49,8 @@ fn fall(judged: &Judged, value: f64) -> String {
     let (of, limit) = (judged.of(), judged.limit.value);
     let percent = format!("{} %", significant(100.0 * limit / value, 3));
     let told = format!("{} has to fall to {percent} of its value", of.told());
-    let sensors = libm::ceil(value / limit * (value / limit));
+    // A limit in decimals may be off by a rounding.
+    let sensors = libm::ceil(value / limit * (value / limit) * (1.0 - 1e-9));
     let is_noise = match of {
         Limited::Coefficient(term) => !matches!(term, Term::RateRamp | Term::Sine),
         Limited::Floor => true,

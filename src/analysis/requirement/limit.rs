@@ -11,7 +11,7 @@ use crate::source::diagnose::choices;
 pub enum Limited {
     /// The coefficient of a term.
     Coefficient(Term),
-    /// The minimum of the first curve of rates, which data sheets call in-run stability.
+    /// The minimum of the first curve of rates up to an eighth of the record, which data sheets call in-run stability.
     Stability,
     /// The random walk N of the flat part of the density.
     Floor,

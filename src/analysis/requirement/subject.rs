@@ -3,7 +3,7 @@
 use crate::allan::{Spread, Unit};
 use crate::analysis::data_sheet::{DataSheet, Row};
 use crate::analysis::decision::sheet::LEVEL;
-use crate::analysis::log::tables::least_of_rates;
+use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::Limited;
 use crate::fit::Fit;
@@ -17,7 +17,7 @@ pub struct Subject<'a> {
     pub unit: Unit,
     /// Its coefficients; absent where none were requested, or why there are none.
     pub noise: Result<Option<&'a DataSheet>, &'a str>,
-    /// The minimum of its curve; without a value where the curve ends there.
+    /// The minimum of its curve up to an eighth of the record; without a value where the curve still falls there.
     pub stability: Option<Row>,
     /// N of the flat part of its density.
     pub floor: Option<&'a Row>,
@@ -69,11 +69,13 @@ impl Gap {
 impl<'a> Subject<'a> {
     /// A column of a log, with N of its density where that is flat.
     pub(crate) fn of_column(log: &log::Analysis, column: &'a Column, floor: Option<&'a Row>) -> Subject<'a> {
+        let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
         Subject {
             label: &column.name,
             unit: column.unit,
             noise: column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
-            stability: least_of_rates(column),
+            stability: curve
+                .and_then(|curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples)),
             floor,
             level: log.percent(),
             samples: log.samples,
