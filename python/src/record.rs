@@ -247,6 +247,7 @@ fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict
 
 /// Deviations of an array, each as a tuple of its name, its unit, its columns and its minimum.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
 pub fn curves<'py>(
     py: Python<'py>,
     data: PyReadonlyArray1<'py, f64>,
@@ -332,6 +333,7 @@ fn of_curve<'py>(
 
 /// The coefficients of an array, each as a tuple, with the fitted curve.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
 pub fn fit<'py>(
     py: Python<'py>,
     data: PyReadonlyArray1<'py, f64>,
