@@ -196,10 +196,10 @@ fn threads(text: &str) -> Result<usize, String> {
         .ok_or_else(|| "expected 1 to 4096".to_owned())
 }
 
-/// Whether the message of an error has characters that are not visible.
-fn hides(error: &clap::Error) -> bool {
-    let message = error.render().to_string();
-    visible(&message) != message
+/// Whether an argument has characters that are not visible.
+fn hides() -> bool {
+    let mut arguments = std::env::args_os();
+    arguments.any(|argument| matches!(visible(&argument.to_string_lossy()), std::borrow::Cow::Owned(_)))
 }
 
 /// Runs the program.
@@ -212,8 +212,9 @@ pub fn main() -> ExitCode {
         .and_then(|matches| Cli::from_arg_matches(&matches))
     {
         Ok(cli) => cli,
-        // An argument, such as a name of a file, stands in the message; its control characters must not.
-        Err(error) if error.use_stderr() && hides(&error) => {
+        // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
+        // terminal, and `say!` shows the rest.
+        Err(error) if error.use_stderr() && hides() => {
             say!("{}", error.render());
             return ExitCode::from(2);
         }

@@ -34,6 +34,7 @@ mod bad_studies;
 mod cli;
 mod compare;
 mod decisions;
+mod damages;
 mod descriptions;
 mod design;
 mod design_choices;
@@ -59,6 +60,8 @@ mod sensitivity;
 mod shaders;
 mod shards;
 mod stops;
+#[cfg(unix)]
+mod strangers;
 mod tables;
 mod temperature;
 mod terminal;
