@@ -45,7 +45,7 @@ impl Study {
         let text = toml::to_string(&root).unwrap_or_default();
         let study = Study::parse(self.text.name(), &text)?;
         let (seed, trials, streams) = (self.seed, self.trials, self.streams);
-        Ok(Study { seed, trials, streams, precision: self.precision.clone(), ..study })
+        Ok(Study { seed, trials, streams, precision: self.precision, ..study })
     }
 
     /// The values of one key at some points as a sweep.
