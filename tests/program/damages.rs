@@ -28,12 +28,20 @@ const PAGE: usize = 4096;
 type Damage = fn(&Path, &mut SmallRng);
 
 const DAMAGES: [(&str, Damage); 9] = [
-    ("bytes of the database", |folder, random| change(&folder.join(FILE), random, flip)),
-    ("bytes of the journal", |folder, random| change(&folder.join(JOURNAL), random, flip)),
+    ("bytes of the database", |folder, random| {
+        change(&folder.join(FILE), random, |bytes, random| flip(bytes, random))
+    }),
+    ("bytes of the journal", |folder, random| {
+        change(&folder.join(JOURNAL), random, |bytes, random| flip(bytes, random))
+    }),
     ("end of the database", |folder, random| change(&folder.join(FILE), random, cut)),
     ("end of the journal", |folder, random| change(&folder.join(JOURNAL), random, cut)),
-    ("pages of the database", |folder, random| change(&folder.join(FILE), random, swap)),
-    ("pages of the journal", |folder, random| change(&folder.join(JOURNAL), random, swap)),
+    ("pages of the database", |folder, random| {
+        change(&folder.join(FILE), random, |bytes, random| swap(bytes, random))
+    }),
+    ("pages of the journal", |folder, random| {
+        change(&folder.join(JOURNAL), random, |bytes, random| swap(bytes, random))
+    }),
     ("a key of a row", |folder, random| {
         let altered = [
             "point = substr(point, 1, 7) || x'5a' || substr(point, 9)",
@@ -71,7 +79,7 @@ fn change(path: &Path, random: &mut SmallRng, how: fn(&mut Vec<u8>, &mut SmallRn
 }
 
 /// One to three bytes.
-fn flip(bytes: &mut Vec<u8>, random: &mut SmallRng) {
+fn flip(bytes: &mut [u8], random: &mut SmallRng) {
     for _ in 0..random.random_range(1..=3) {
         let at = random.random_range(0..bytes.len());
         bytes[at] ^= 1 << random.random_range(0..8);
@@ -82,7 +90,7 @@ fn cut(bytes: &mut Vec<u8>, random: &mut SmallRng) {
     bytes.truncate(random.random_range(0..bytes.len()));
 }
 
-fn swap(bytes: &mut Vec<u8>, random: &mut SmallRng) {
+fn swap(bytes: &mut [u8], random: &mut SmallRng) {
     let pages = bytes.len() / PAGE;
     let [one, other] = [(); 2].map(|()| random.random_range(0..pages) * PAGE);
     for at in 0..PAGE {

@@ -169,7 +169,8 @@ fn a_recipe_that_leads_beyond_its_lists_is_refused() {
     assert_eq!(refused(|_| {}), None);
     let short = Misfit::Table { expected: 201, found: 200 };
     assert_eq!(refused(|recipe| recipe.drift = vec![7; 200].into()), Some(short));
-    let edits: [(&str, fn(&mut Recipe)); 7] = [
+    type Edit = (&'static str, fn(&mut Recipe));
+    let edits: [Edit; 7] = [
         ("samples", |recipe| (recipe.samples, recipe.drift) = (u32::MAX, Arc::new([]))),
         ("order", |recipe| recipe.order = 4),
         ("flicker", |recipe| recipe.flicker = vec![1; 30]),
