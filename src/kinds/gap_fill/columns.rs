@@ -21,7 +21,7 @@ pub(crate) struct Row<'a> {
     pub(crate) point: &'a Point,
     pub(crate) filler: &'a Filler,
     pub(crate) estimate: &'a Estimate,
-    pub(crate) found: Found,
+    pub(crate) found: &'a Found,
 }
 
 impl Row<'_> {

@@ -16,7 +16,7 @@ pub(crate) static PARTS: [Part<Inputs>; 4] = [
 /// A point as it is, and without each of its parts in turn; its fillers keep their weights.
 pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
     let (names, inputs) = part::points(&point.inputs, &PARTS);
-    let design = point.design.clone().or_else(|| Some(point.inputs.clone()));
+    let design = point.design.clone().or_else(|| Some(Box::new(point.inputs.clone())));
     let of = |inputs: Inputs| Point { inputs, design: design.clone(), ..point.clone() };
     (names, inputs.into_iter().map(of).collect())
 }

@@ -33,7 +33,7 @@ pub struct Point {
     /// The ticks of each filler, in the order of the fillers.
     pub fills: Vec<Fill>,
     /// Inputs for which fillers are designed, where they are not those of the point.
-    pub(crate) design: Option<Inputs>,
+    pub(crate) design: Option<Box<Inputs>>,
 }
 
 impl Point {

@@ -1,5 +1,7 @@
 //! One estimate of a point: the proof that it fits, and its exact value.
 
+use std::sync::Arc;
+
 use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill;
@@ -41,7 +43,7 @@ pub struct Estimate {
     /// Level at which its histogram starts.
     pub bin_base: u32,
     /// Weights as integers.
-    pub rows: Rows,
+    pub rows: Arc<Rows>,
     /// Number of bits by which its sum is shifted, with rounding.
     pub(crate) shift: u32,
 }
@@ -60,7 +62,7 @@ impl Estimate {
         filler: &Filler,
         error: Error,
         fractions: &Fractions,
-        rows: Rows,
+        rows: Arc<Rows>,
         is_designed_here: bool,
     ) -> Result<Estimate, Refusal> {
         let fixed = fractions.fixed;

@@ -85,7 +85,7 @@ impl Lowered {
         let physical = Physical::of(&point.inputs, sides.max(DEFAULT_SIDES))?;
         let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
         let fixed = Fixed::new(&physical, unit::lsb(&physical)?, sides);
-        let statistics = Statistics::of(point.design.as_ref().unwrap_or(&point.inputs));
+        let statistics = Statistics::of(point.design.as_deref().unwrap_or(&point.inputs));
         let fractions = Fractions::of(&fixed);
         let estimates = |(filler, fill): (&Filler, &Fill)| {
             let mut estimates = Vec::new();
@@ -95,7 +95,7 @@ impl Lowered {
                     Error::Extrapolation | Error::InGap => fill.extrapolation_ticks.as_ref(),
                 };
                 let Some(ticks) = ticks else { continue };
-                let Some(rows) = Rows::of(filler, error, ticks, &statistics)? else { continue };
+                let Some(rows) = Rows::shared(filler, error, ticks, &statistics)? else { continue };
                 estimates.push(Estimate::new(
                     id,
                     key,

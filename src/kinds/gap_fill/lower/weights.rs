@@ -2,6 +2,7 @@
 
 use core::cell::{OnceCell, RefCell};
 use core::ops::RangeInclusive;
+use std::sync::Arc;
 
 use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
@@ -11,6 +12,7 @@ use crate::kinds::gap_fill::inputs::Inputs;
 use crate::motion::Gaussian;
 use crate::theory::gap::{Weights, greatest_common_divisor};
 use crate::theory::lags::Lags;
+use crate::theory::memo::Memo;
 use crate::theory::minimum_variance::minimum_variance_weights;
 
 /// Weights on some ticks over a common denominator: one row for the whole gap, one row for each of its ticks, or for
@@ -26,6 +28,13 @@ pub struct Rows {
     /// Whether the fractions are the exact weights instead of the nearest ones over a power of two.
     pub exact: bool,
 }
+
+/// What exact weights depend on: the identity of the filler, the length of the gap, whether there is a row for each number
+/// of its first ticks, and the ticks that are read.
+type Asked = (&'static str, u32, bool, Vec<i32>);
+
+/// Exact weights; none where the ticks do not determine them.
+static EXACT: Memo<Asked, Option<Arc<Rows>>> = Memo::new(128);
 
 /// The refusal of motion without noise that is determined by fewer ticks than the filler reads, so that many weights
 /// would be equally good.
@@ -52,6 +61,26 @@ impl Rows {
         let n = statistics.inputs.gap_ticks;
         let lengths = if error == Error::InGap { 1..=n } else { n..=n };
         Rows::over(lengths, filler, error, ticks, statistics)
+    }
+
+    /// The same weights, which points share where they are exact.
+    ///
+    /// # Errors
+    /// The ticks do not determine the weights.
+    pub(crate) fn shared(
+        filler: &Filler,
+        error: Error,
+        ticks: &[i32],
+        statistics: &Statistics,
+    ) -> Result<Option<Arc<Rows>>, Refusal> {
+        let compute = || Rows::of(filler, error, ticks, statistics).map(|rows| rows.map(Arc::new));
+        let Method::Closed(closed) = &filler.method else { return compute() };
+        let key = (closed.identity, statistics.inputs.gap_ticks, error == Error::InGap, ticks.to_vec());
+        match EXACT.get(key, || compute().ok().flatten()) {
+            // The refusal names the filler.
+            None => compute(),
+            known => Ok(known),
+        }
     }
 
     /// The weights of a filler for each single tick of the gap, as firmware needs them: those that interpolate the tick

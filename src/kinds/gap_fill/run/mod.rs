@@ -137,23 +137,24 @@ impl Plan<'_> {
 impl Tabulated for Plan<'_> {
     /// The table has a row for each point, filler and error, and a column for each law that a chart draws.
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
-        let mut rows = Vec::new();
+        let blank = Found::default();
+        let count = self.points.iter().flat_map(|point| &point.fillers).map(Vec::len).sum();
+        let mut rows = Vec::with_capacity(count);
         for (point, lowered) in self.subject.points.iter().zip(&self.points) {
             for (filler, estimates) in self.subject.fillers.iter().zip(&lowered.fillers) {
-                let row = |estimate| Row { point, filler, estimate, found: Found::default() };
+                let row = |estimate| Row { point, filler, estimate, found: &blank };
                 rows.extend(estimates.iter().map(row));
             }
         }
-        let found = estimates(store, &rows, |Row { estimate, .. }| {
-            (estimate.address, estimate.bin_base, estimate.unit_arcsec)
-        })?;
-        for (row, mut found) in rows.iter_mut().zip(found) {
+        let of = |row: &Row| (row.estimate.address, row.estimate.bin_base, row.estimate.unit_arcsec);
+        let mut found = store.map_or(Ok(vec![]), |store| estimates(Some(store), &rows, of))?;
+        for (row, found) in rows.iter().zip(&mut found) {
             let known = row.estimate.oracle.noise_of_square.zip(found.estimates.as_mut());
             if let Some((noise, estimates)) = known.filter(|(_, estimates)| estimates.rms > 0.0) {
                 estimates.rms_se = Some(noise / libm::sqrt(found.trials as f64) / (2.0 * estimates.rms));
             }
-            row.found = found;
         }
+        rows.iter_mut().zip(&found).for_each(|(row, found)| row.found = found);
         let mut table = table(&self.study.sweeps, &columns(), &rows, |row| &row.point.swept);
         let of_law = |law: Law| law.about().with(rows.iter().map(|row| row.law(law).into()).collect());
         table.columns.extend(self.study.laws().into_iter().map(of_law));
