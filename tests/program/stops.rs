@@ -1,6 +1,7 @@
 //! Signals and the time limit: what was sampled is kept, the exit code tells why, and the run goes on later to the same tables.
 #![cfg(unix)]
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -171,4 +172,36 @@ fn a_run_that_stops_at_a_precision_goes_on_from_what_it_said_is_kept() {
     let begins = line(&second.stderr, "trials done").unwrap_or_else(|| panic!("{}", second.stderr));
     let reached = begins.strip_suffix(" trials done").unwrap();
     assert!(!reached.starts_with("0 of") && stopped.contains(reached), "{stopped}\n{begins}");
+}
+
+/// A study whose points take milliseconds each to plan, because no two share their motion.
+const SLOW_TO_PLAN: &str = "title = \"Slow to plan\"\nkind = \"gap-fill\"\ntrials = 64\n[gyro]\ntick = \"1 ms\"\n\
+    tick_noise = { std = \"0.1 arcsec\" }\n[motion.suspension]\ngyro = \"LGK-400\"\nalias = true\n\
+    random = { psd = [[\"20 Hz\", \"0.001 g^2/Hz\"], [\"2000 Hz\", \"0.001 g^2/Hz\"]] }\n\
+    [switching]\ngap_ticks = 3\nfillers = [\"const\"]\n\
+    [[sweep]]\nkey = \"gyro.tick\"\nlinear = { from = \"1 ms\", to = \"2 ms\", points = 10000 }\n\
+    [[sweep]]\nkey = \"switching.gap_ticks\"\nlist = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
+
+#[test]
+fn planning_is_shown_and_ends_at_once() {
+    let desk = Desk::with(SLOW_TO_PLAN);
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("USR1", 4)] {
+        let mut child = start(&desk, "run study.toml --device cpu --out out");
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let shown = lines.next().unwrap().unwrap();
+        assert!(shown.starts_with("planning ") && shown.contains(" of 100 thousand points, "), "{shown}");
+        send(&child, signal);
+        let sent = Instant::now();
+        let said: Vec<String> = lines.map(Result::unwrap).collect();
+        assert_eq!(child.wait().unwrap().code(), Some(code), "{said:?}");
+        assert!(sent.elapsed() < Duration::from_millis(500), "{:?}: {said:?}", sent.elapsed());
+        assert!(said[0].starts_with("stopped by SIG"), "{said:?}");
+    }
+    let started = Instant::now();
+    let limited = desk.sagnac("run study.toml --device cpu --out out --time-limit 500ms");
+    assert_eq!(limited.code, 4, "{}", limited.stderr);
+    assert!(limited.stderr.contains("stopped by the time limit after planning "), "{}", limited.stderr);
+    // It reads the study before, which takes some time too.
+    assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
+    assert!(!desk.path("out").exists(), "nothing was sampled");
 }

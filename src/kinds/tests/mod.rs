@@ -1,6 +1,7 @@
 //! Whole studies: their expansion, and reports of faults.
 
 pub(crate) mod charts;
+mod planning;
 mod refusals;
 
 use std::path::Path;
