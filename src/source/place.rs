@@ -70,7 +70,8 @@ impl Place {
 impl Place {
     /// The same place in a text whose control characters are visible.
     pub(crate) fn visible(&self) -> Place {
-        let whole = self.text.inner();
+        // A carriage return alone ends a line too, and would take a terminal back to its start.
+        let whole = &self.text.inner().replace("\r\n", " \n").replace('\r', "\n");
         let [start, end] = [self.span.start, self.span.end].map(|at| match whole.get(..at) {
             Some(before) => visible(before).len(),
             None => at,

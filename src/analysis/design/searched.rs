@@ -192,7 +192,8 @@ fn candidates(inputs: &Inputs, constraints: &Constraints, band: Option<Band>) ->
     .collect()
 }
 
-/// Few candidates, one of which has about the residual of any other with no more latency and memory.
+/// Few candidates. For any other one of them, with no more latency and memory, has at most a multiple of its residual: the
+/// least one, in steps of [`STEP`], for which that few suffice.
 fn handful(mut all: Vec<Candidate>) -> Vec<Candidate> {
     let costs = |one: &Candidate| (one.cost.latency_s, one.cost.memory.bytes());
     all.sort_by(|a, b| {
@@ -224,9 +225,9 @@ mod tests {
     use crate::analysis::firmware::memory::Memory;
 
     #[test]
-    fn a_handful_has_about_the_residual_of_any_other_at_no_more_cost() {
+    fn for_any_other_a_handful_has_a_residual_that_is_near_at_no_more_cost() {
         let candidate = |after: u32, before: u32| {
-            // Falls with both numbers of ticks, by a few percent each.
+            // Falls with both numbers of ticks, 205 times in all.
             let level = 100.0 / (1.0 + f64::from(after * after) + 0.3 * f64::from(before));
             let memory = Memory { constants: u64::from(100 + before + after), state: 0 };
             Candidate { before, after, level, cost: Cost { latency_s: 0.005 * f64::from(after), memory } }
@@ -243,7 +244,8 @@ mod tests {
             cheaper.map(|known| known.level).fold(f64::INFINITY, f64::min) / one.level
         };
         let worst = all.iter().map(ratio).fold(0.0, f64::max);
-        assert!(worst < 4.0, "a candidate is left out although it leaves {worst} times less");
+        // Six candidates cannot do better than the sixth root of 205, which is 2.4, and cover two kinds of costs.
+        assert!((2.4..6.2).contains(&worst), "a candidate is left out although it leaves {worst} times less");
     }
 
     #[test]
