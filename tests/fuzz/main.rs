@@ -9,7 +9,9 @@ mod formats;
 
 mod campaign;
 mod damaged;
+mod databases;
 mod edits;
 mod limits;
 mod records;
+mod studies;
 mod tallies;

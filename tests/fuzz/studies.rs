@@ -8,13 +8,15 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use proptest::prelude::*;
 use proptest::sample::Index;
-use sagnac::device::{Device, select};
+use sagnac::device::Device;
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::Allan;
+use sagnac::kinds::switched_run::SwitchedRun;
 use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
-use sagnac::kinds::allan::Allan;
-use sagnac::kinds::switched_run::SwitchedRun;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use toml::{Table, Value};
@@ -188,8 +190,12 @@ fn planned(study: &Study) -> Result<String, StudyError> {
 
 /// Whether a few trials take no time worth naming.
 fn is_cheap(study: &Study) -> bool {
-    let records = study.asked::<Allan>().map(|allan| allan.points.iter().map(|point| point.inputs.samples()).sum::<u64>());
-    let runs = study.asked::<SwitchedRun>().map(|runs| runs.points.iter().map(|point| point.switches()).sum::<u64>());
+    let records = study
+        .asked::<Allan>()
+        .map(|allan| allan.points.iter().map(|point| point.inputs.samples()).sum::<u64>());
+    let runs = study
+        .asked::<SwitchedRun>()
+        .map(|runs| runs.points.iter().map(|point| point.switches()).sum::<u64>());
     !study.kind().is_exact
         && records.is_none_or(|samples| samples < 50_000)
         && runs.is_none_or(|switches| switches < 5_000)
@@ -197,7 +203,8 @@ fn is_cheap(study: &Study) -> bool {
 
 /// Runs the study with some trials, and makes its tables.
 fn sample(study: &Study) {
-    static DEVICE: LazyLock<Mutex<Device>> = LazyLock::new(|| Mutex::new(select("cpu", 0).unwrap().device));
+    static DEVICE: LazyLock<Mutex<Device>> =
+        LazyLock::new(|| Mutex::new(Device::Cpu(Cpu::new(Width::widest(), 1).expect("a thread"))));
     let mut study = study.clone();
     study.trials = TRIALS;
     // Another number of trials may be refused, of whole replays of a record.
@@ -212,4 +219,3 @@ fn sample(study: &Study) {
     let index = store.index().unwrap();
     plan.notes(&store, &index, plan.held(&index).unwrap()).unwrap();
 }
-

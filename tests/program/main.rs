@@ -59,6 +59,7 @@ mod resumed;
 mod sensitivity;
 mod shaders;
 mod shards;
+mod soak;
 mod stops;
 #[cfg(unix)]
 mod strangers;
