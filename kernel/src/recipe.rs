@@ -65,7 +65,8 @@ pub struct Recipe {
     /// Fill residuals of a gyro that switches modes: samples between switches, amplitude of the part with a random
     /// phase (2^−2 LSB) and standard deviation of the rest (2^−4 LSB).
     pub switching: Option<[u32; 3]>,
-    /// Angles common to all records, LSB, from ramp, warm-up and alternating drift; N + 1 of them, or none.
+    /// Angles common to all records, LSB, from ramp, warm-up and alternating drift; at least N + 1 of them, or
+    /// none.
     pub drift: Arc<[u32]>,
     /// Order of the differences: 2, or 3 for the Hadamard variance.
     pub order: u32,
@@ -80,7 +81,7 @@ impl Recipe {
     /// Names the field that would lead beyond them.
     pub fn fits(&self) -> Result<(), Misfit> {
         let angles = self.samples as usize + 1;
-        if !self.drift.is_empty() && self.drift.len() != angles {
+        if !self.drift.is_empty() && self.drift.len() < angles {
             return Err(Misfit::Table { expected: angles, found: self.drift.len() });
         }
         let spans = 1..=(MOST_TABLE / 4) as u32;

@@ -175,7 +175,8 @@ fn no_damage_changes_what_a_command_shows_unless_it_says_so() {
     let mut random = SmallRng::seed_from_u64(seed);
     let started = Instant::now();
     let chart = "[chart]\nx = \"frequency\"\ny = \"rms\"\nseries = [\"filler\"]\n";
-    let folders = [whole(&format!("{MOMENTS}{chart}"), 40_000), whole(ROWS, 60)];
+    let curve = "[chart]\nx = \"tau\"\ny = \"adev\"\n";
+    let folders = [whole(&format!("{MOMENTS}{chart}"), 40_000), whole(&format!("{ROWS}{curve}"), 60)];
     let undisturbed = folders.each_ref().map(|from| {
         COMMANDS.each_ref().map(|command| {
             let (code, shown, said) = shown(&copied(from), command);
