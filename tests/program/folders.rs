@@ -181,7 +181,7 @@ fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
     let said = headline(&Desk::with(&format!("{}{chart}", fillers(&format!("{own}, {banded}")))));
     assert!(
         said.ends_with(
-            "Without a band own is designed for the very motion of each point, which firmware does not know."
+            "Left out is own: without a band it is designed for the very motion of each point, which firmware does not know."
         ),
         "{said}"
     );
