@@ -31,7 +31,7 @@ pub struct Shape {
     pub residual_before: usize,
     /// Ticks before the gap that the extrapolation and the error in the gap use.
     pub extrapolation_before: usize,
-    /// Fillers; a launch has at most [`MAX_ESTIMATES`](crate::moments::MAX_ESTIMATES) errors of them.
+    /// Fillers; a launch has at most [`MAX_ESTIMATES`] errors of them.
     pub fillers: usize,
     /// Whether each filler has a residual.
     pub residual: bool,
