@@ -189,10 +189,10 @@ impl Launch {
         Ok(Launch { sampled, words, table })
     }
 
-    /// The same launch with other parameters.
+    /// Makes the same launch with other parameters.
     ///
     /// # Errors
-    /// As [`Launch::new`].
+    /// It fails where [`Launch::new`] does.
     pub fn with_words(&self, words: Vec<u32>) -> Result<Launch, Misfit> {
         Launch::new(Arc::clone(&self.sampled), words, Arc::clone(&self.table))
     }

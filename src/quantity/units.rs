@@ -184,7 +184,7 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
 /// of that unit.
 ///
 /// # Errors
-/// Those of [`parse`].
+/// It fails where [`parse`] does.
 ///
 /// # Example
 /// ```

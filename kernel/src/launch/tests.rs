@@ -10,7 +10,7 @@ use crate::relock_ticks::{self, Method};
 use crate::word::Scalar;
 use crate::{relock, switched_run};
 
-/// As many as the widest lanes, twice; Miri takes a second for some of them.
+/// The number of trials is twice that of the widest lanes, and less under Miri, which takes a second for some of them.
 const COUNT: u64 = if cfg!(miri) { 16 } else { 32 };
 const TRIALS: Trials = Trials { first: (1 << 32) - COUNT, count: COUNT, histogram: true };
 

@@ -53,7 +53,7 @@ pub enum DesignError {
     At {
         /// The swept keys with their values.
         at: String,
-        /// What is wrong there.
+        /// The error at these values.
         error: Box<DesignError>,
     },
     /// The device failed.

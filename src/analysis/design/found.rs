@@ -177,7 +177,7 @@ impl Design {
         self.times_best(filler.best())
     }
 
-    /// The same ratio for any runs.
+    /// The ratio of the drift of any runs to the least one, with its 95 % interval.
     pub fn times_best(&self, other: &Tried) -> Found {
         let best = self.best().best();
         let ratio = |k: usize| other.replicates[k] / best.replicates[k];

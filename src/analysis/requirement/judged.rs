@@ -181,7 +181,7 @@ impl<'a> Judged<'a> {
         }
     }
 
-    /// What is left of the limit, as a sentence; `None` where nothing is known.
+    /// The sentence tells how much of the limit is left; it is `None` where nothing is known.
     pub(crate) fn margin(&self) -> Option<String> {
         let Shown { value, ends } = *self.shown.as_ref().ok()?;
         let left = |value: f64| 1.0 - self.part(value);

@@ -79,7 +79,7 @@ impl Limited {
 /// A requirement on the noise of a sensor: the largest value that is accepted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// What is limited.
+    /// The quantity that is limited.
     pub of: Limited,
     /// Unit of the curves of the records to which it applies, which follows from the unit of the limit.
     pub unit: Unit,

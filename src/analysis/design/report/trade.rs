@@ -110,7 +110,7 @@ pub fn by_choice(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
     Some((head, rows(found).into_iter().map(line).collect()))
 }
 
-/// The same choices as JSON.
+/// Gives the choices that are not dominated as JSON.
 pub(crate) fn pareto_json(found: &Design) -> Value {
     let one = |row: Row| {
         let Row { choice, times, as_good } = row;

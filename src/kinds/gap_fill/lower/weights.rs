@@ -63,7 +63,7 @@ impl Rows {
         Rows::over(lengths, filler, error, ticks, statistics)
     }
 
-    /// The same weights, which points share where they are exact.
+    /// Gives weights that equal these, and that points share where they are exact.
     ///
     /// # Errors
     /// The ticks do not determine the weights.
