@@ -7,6 +7,7 @@ pub mod drift;
 pub mod gap;
 pub mod lags;
 pub mod level;
+pub mod lock_in;
 pub(crate) mod memo;
 pub mod minimum_variance;
 pub mod psd;
