@@ -20,6 +20,10 @@ impl Unit {
     pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "arcsec/s²" };
     /// Angle random walk N.
     pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
+    /// Angle random walk in the units of short records.
+    pub const ARCSEC_PER_RT_S: Unit = Unit { suffix: "arcsec_per_rt_s", symbol: "arcsec/√s" };
+    /// Scale factors.
+    pub const ARCSEC_PER_PULSE: Unit = Unit { suffix: "arcsec_per_pulse", symbol: "arcsec/pulse" };
     /// Rate random walk K.
     pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
     /// The same number as in ″/s, for drift rates.
@@ -52,11 +56,13 @@ impl Unit {
     }
 
     /// All units in which a header may end.
-    pub const ALL: [Unit; 14] = [
+    pub const ALL: [Unit; 16] = [
         Unit::ARCSEC,
         Unit::ARCSEC_PER_S,
         Unit::ARCSEC_PER_S2,
         Unit::DEG_PER_SQRT_H,
+        Unit::ARCSEC_PER_RT_S,
+        Unit::ARCSEC_PER_PULSE,
         Unit::DEG_PER_H_PER_SQRT_H,
         Unit::DEG_PER_H,
         Unit::DEG2_PER_H2,

@@ -17,9 +17,9 @@ struct Row {
     unit: Unit,
 }
 
-/// Declares the dimensions: powers in halves of ″, s and g, name, accepted units, one example, and the unit of tables.
+/// Declares the dimensions: powers in halves of ″, s, g and, where there are any, pulses, name, accepted units, one example, and the unit of tables.
 macro_rules! dimensions {
-    ($($(#[$doc:meta])* $Dimension:ident: [$angle:literal, $time:literal, $g:literal], $name:literal, $units:literal,
+    ($($(#[$doc:meta])* $Dimension:ident: [$angle:literal, $time:literal, $g:literal $(, $pulse:literal)?], $name:literal, $units:literal,
         $example:literal, $unit:ident;)+) => {
         /// The physical dimension of a value.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +33,7 @@ macro_rules! dimensions {
             fn row(self) -> Row {
                 match self {
                     $(Dimension::$Dimension => Row {
-                        exponents: Exponents([$angle, $time, $g, 0]),
+                        exponents: Exponents([$angle, $time, $g, 0 $(+ $pulse)?]),
                         name: $name,
                         units: $units,
                         example: $example,
@@ -84,6 +84,8 @@ dimensions! {
     /// Rate per linear acceleration, of a suspension.
     RatePerAcceleration: [2, -2, -2], "a rate per acceleration",
         "arcsec/s/g, deg/s/g, rad/s/g", r#""20000 arcsec/s/g""#, ARCSEC_PER_S_PER_G;
+    /// Angle of a pulse, of the output of a gyro.
+    ScaleFactor: [2, 0, 0, -2], "a scale factor", "arcsec/pulse, deg/pulse, µrad/pulse", r#""2 arcsec/pulse""#, ARCSEC_PER_PULSE;
 }
 
 impl Dimension {
