@@ -3,6 +3,7 @@
 use crate::key::holds::{Holds, measure};
 use crate::key::row::keys;
 use crate::key::setting::Setting;
+use crate::noise::lock_in::LockIn;
 use crate::noise::{Noise, Switching};
 use crate::quantity::units::Dimension;
 use crate::theory::allan::Term;
@@ -16,6 +17,12 @@ const K: Holds = measure(&[Dimension::RateRandomWalk], 0.0, 1e9, "0 to 6e10 deg/
 const R: Holds = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-3.6e12 to 3.6e12 deg/h/h");
 const SINES: Holds =
     measure(&[Dimension::Frequency], 1e-9, 1e6, "1e-9 Hz to 1e6 Hz, and at most half the sampling rate");
+const THRESHOLDS: Holds =
+    measure(&[Dimension::Rate], 1e-9, 1e6, "1e-9 to 1e6 arcsec/s, and below the dither rate");
+const SCALE_FACTORS: Holds = measure(&[Dimension::ScaleFactor], 1e-6, 1e6, "1e-6 to 1e6 arcsec/pulse");
+const DITHERS: Holds =
+    measure(&[Dimension::Rate, Dimension::Angle], 1e-6, 1e9, "1e-6 to 1e9 arcsec/s, or arcsec");
+const DITHER_FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e6, "1e-3 to 1e6 Hz");
 
 keys! {
     /// Every key of the noise.
@@ -31,6 +38,17 @@ keys! {
     pub(crate) READOUT_LSB = "noise.readout_lsb", "pulse weight", ANGLES, r#"readout_lsb = "0.38 arcsec""#;
     /// Angle random walk N: "0.00048 deg/sqrt(h)".
     ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
+    /// Lock-in of a ring laser gyro with a randomised dither, which adds N = Ω_L √(q/(2πΩ_D)) to angle_random_walk in
+    /// quadrature: Ω_L the threshold, q the scale factor, Ω_D the amplitude of the dither's rate.
+    pub(crate) LOCK_IN = "noise.lock_in", "", Holds::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
+    /// Lock-in threshold Ω_L, the input rate up to which the gyro is locked without dither: "180 arcsec/s".
+    LOCK_IN_THRESHOLD = "noise.lock_in.threshold", "lock-in threshold", THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
+    /// Angle of one period of the beat: "2 arcsec/pulse".
+    LOCK_IN_SCALE = "noise.lock_in.scale_factor", "scale factor", SCALE_FACTORS, r#"scale_factor = "2 arcsec/pulse""#, required;
+    /// Amplitude of the dither, of its rate or of its angle: "100 deg/s" or "2.4 arcmin".
+    DITHER_AMPLITUDE = "noise.lock_in.dither_amplitude", "dither amplitude", DITHERS, r#"dither_amplitude = "100 deg/s""#, required;
+    /// Dither frequency, from which the rate of an amplitude of the angle follows: "400 Hz".
+    DITHER_FREQUENCY = "noise.lock_in.dither_frequency", "dither frequency", DITHER_FREQUENCIES, r#"dither_frequency = "400 Hz""#, required;
     /// Bias instability B, the flat level of the curve divided by 0.664: "0.00164 deg/h".
     BIAS_INSTABILITY = "noise.bias_instability", "bias instability B", RATES, r#"bias_instability = "0.00164 deg/h""#;
     /// Rate random walk K: "0.001 deg/h/sqrt(h)".
@@ -84,10 +102,20 @@ macro_rules! of_term {
 }
 
 /// The settings of the coefficients; the first key of an absent part creates it.
-pub(crate) static SETTINGS: [Setting<Noise>; 18] = [
+pub(crate) static SETTINGS: [Setting<Noise>; 22] = [
     of_term!(QUANTISATION, Quantisation, 0),
     Setting::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),
     of_term!(ANGLE_RANDOM_WALK, AngleRandomWalk, 0),
+    Setting::of(&LOCK_IN_THRESHOLD, locks_in, |noise, rate| of_lock_in(noise).threshold = rate.value),
+    Setting::of(&LOCK_IN_SCALE, locks_in, |noise, scale| of_lock_in(noise).scale_factor = scale.value),
+    Setting::of(&DITHER_AMPLITUDE, locks_in, |noise, amplitude| {
+        let lock_in = of_lock_in(noise);
+        lock_in.dither_amplitude = amplitude.value;
+        lock_in.of_angle = amplitude.dimension == Dimension::Angle;
+    }),
+    Setting::of(&DITHER_FREQUENCY, locks_in, |noise, frequency| {
+        of_lock_in(noise).dither_hz = frequency.value;
+    }),
     of_term!(BIAS_INSTABILITY, BiasInstability, 0),
     of_term!(RATE_RANDOM_WALK, RateRandomWalk, 0),
     of_term!(RATE_RAMP, RateRamp, 0),
@@ -106,6 +134,14 @@ pub(crate) static SETTINGS: [Setting<Noise>; 18] = [
     Setting::of(&RESIDUAL, switches, |noise, d| of_switching(noise).residual = d.value),
     Setting::of(&RESIDUAL_NOISE, switches, |noise, sigma| of_switching(noise).residual_noise = sigma.value),
 ];
+
+fn locks_in(noise: &Noise) -> bool {
+    noise.lock_in.is_some()
+}
+
+fn of_lock_in(noise: &mut Noise) -> &mut LockIn {
+    noise.lock_in.get_or_insert_default()
+}
 
 fn switches(noise: &Noise) -> bool {
     noise.switching.is_some()

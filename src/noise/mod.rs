@@ -1,8 +1,11 @@
 //! The noise of a gyro by its coefficients, as given by `[noise]` and noise.toml.
 
 pub(crate) mod keys;
+pub(crate) mod lock_in;
 pub(crate) mod read;
 
+use crate::noise::lock_in::LockIn;
+use crate::quantity::units::round_12;
 use crate::theory::allan::{Difference, Part, Process, Term};
 use crate::theory::allan::{holds, switching};
 use crate::theory::drift::magnetic::Magnetic;
@@ -12,6 +15,8 @@ use crate::theory::drift::magnetic::Magnetic;
 pub struct Noise {
     /// Coefficient and shape of each term in ″ and s, in the order of [`Term::EVERY`]; `None` for an absent term.
     terms: [Option<[f64; 2]>; Term::EVERY.len()],
+    /// Lock-in of a dithered gyro, which adds to the angle random walk.
+    pub lock_in: Option<LockIn>,
     /// Angle of a pulse where whole pulses are read, ″.
     pub readout_lsb: f64,
     /// Switching, of a gyro that switches modes.
@@ -66,17 +71,32 @@ impl Switching {
 }
 
 impl Noise {
-    /// Coefficient and shape of a term; 0 where the term is absent.
+    /// Coefficient and shape of a term; 0 where the term is absent. The angle random walk includes that of lock-in, from
+    /// which it is independent, in quadrature.
     pub fn of(&self, term: Term) -> [f64; 2] {
+        let [size, shape] = self.given(term);
+        match self.lock_in {
+            Some(lock_in) if term == Term::AngleRandomWalk => {
+                [round_12(libm::hypot(size, lock_in.gyro().angle_random_walk())), shape]
+            }
+            _ => [size, shape],
+        }
+    }
+
+    /// Coefficient and shape of a term as its own keys give them; 0 where they are absent.
+    pub(crate) fn given(&self, term: Term) -> [f64; 2] {
         self.terms[term as usize].unwrap_or_default()
     }
 
     /// Whether the term is present: a term with a shape by its table, another one by a coefficient other than 0.
     pub fn has(&self, term: Term) -> bool {
-        self.terms[term as usize].is_some_and(|[size, _]| size != 0.0 || term.has_shape())
+        match term.has_shape() {
+            true => self.terms[term as usize].is_some(),
+            false => self.of(term)[0] != 0.0,
+        }
     }
 
-    /// The noise without one of its terms.
+    /// The noise without one of its terms as its own keys give them.
     pub(crate) fn without(&self, term: Term) -> Noise {
         let mut without = self.clone();
         without.terms[term as usize] = None;

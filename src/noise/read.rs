@@ -10,7 +10,7 @@ use crate::key::reading::Reading;
 use crate::key::setting::Setting;
 use crate::key::table::{Table, check};
 use crate::noise::Noise;
-use crate::noise::keys::{FILE, KEYS, NOISE, SETTINGS, SWITCHING};
+use crate::noise::keys::{FILE, KEYS, LOCK_IN, NOISE, SETTINGS, SWITCHING};
 use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, Text, Wrong};
 use crate::source::text_file::{Files, MOST_TOML};
@@ -28,7 +28,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<WrittenNoise, Wrong> {
         None => Noise::default(),
     };
     // The table comes before its keys, so that an error about the whole points at it.
-    reading.note(&[&NOISE, &FILE, &SWITCHING]);
+    reading.note(&[&NOISE, &FILE, &LOCK_IN, &SWITCHING]);
     let written = reading.set(&mut noise, &SETTINGS)?;
     Ok(WrittenNoise { noise, written })
 }

@@ -2,7 +2,7 @@
 
 use crate::fit::choose::Terms;
 use crate::kinds::allan::point::Point;
-use crate::noise::Noise;
+use crate::noise::{Noise, lock_in};
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Term;
 
@@ -17,7 +17,8 @@ const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
 pub(crate) fn of(terms: Option<&Terms>, points: &[Point]) -> Vec<String> {
     let unfitted = terms.and_then(|terms| unfitted(terms, points));
     let switching = terms.and_then(|_| switching(points));
-    rounded(points).into_iter().chain(unfitted).chain(switching).collect()
+    let gyros = points.iter().filter_map(|Point { inputs, .. }| Some((inputs.noise.lock_in?, inputs.rate)));
+    rounded(points).into_iter().chain(lock_in::note(gyros)).chain(unfitted).chain(switching).collect()
 }
 
 /// Intervals between switches that are not whole numbers of samples.

@@ -10,7 +10,8 @@ use crate::study::part::{self, Part};
 use crate::theory::allan::terms::Term;
 
 /// The parts besides the terms of the noise.
-static OTHERS: [Part<Noise>; 2] = [
+static OTHERS: [Part<Noise>; 3] = [
+    Part { name: "lock-in", off: |noise| noise.lock_in = None },
     Part { name: "whole pulses of the readout", off: |noise| noise.readout_lsb = 0.0 },
     Part { name: "mode switches", off: |noise| noise.switching = None },
 ];
@@ -22,7 +23,7 @@ pub(crate) fn values(point: &Point) -> Vec<(&'static Key, Quantity)> {
         let names = [key.to_owned(), format!("{key}.amplitude")];
         let key = setting::keys(&SETTINGS).find(|key| names.iter().any(|name| name == key.name))?;
         let dimension = key.holds.measured()?.accepts.first()?;
-        let [size, _] = point.inputs.noise.of(term);
+        let [size, _] = point.inputs.noise.given(term);
         Some((key, Quantity::new(size, *dimension)))
     };
     Term::EVERY.into_iter().filter_map(coefficient).collect()
@@ -33,8 +34,12 @@ pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
     let noise = &point.inputs.noise;
     let (mut names, mut noises) = part::points(noise, &OTHERS);
     for term in Term::EVERY.into_iter().filter(|term| noise.has(*term)) {
-        names.push(term.row().name[1]);
-        noises.push(noise.without(term));
+        let without = noise.without(term);
+        // An angle random walk by lock-in alone is the part above.
+        if without != *noise {
+            names.push(term.row().name[1]);
+            noises.push(without);
+        }
     }
     let with = |noise| Point { inputs: Inputs { noise, ..point.inputs.clone() }, ..point.clone() };
     (names, noises.into_iter().map(with).collect())

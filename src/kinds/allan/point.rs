@@ -159,6 +159,7 @@ impl Base<'_> {
             );
             return self.places.refuse(&["record.length", "record.sample"], message, label, help);
         }
+        noise.lock_in.map_or(Ok(()), |lock_in| lock_in.check(self.places))?;
         let [_, sine_hz] = noise.of(Term::Sine);
         if sine_hz * sample_s > 0.5 {
             let nyquist = significant(0.5 / sample_s, 6);

@@ -131,6 +131,10 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
     }
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
+    let lock_in = noise.as_ref().and_then(|noise| noise.lock_in);
+    reading
+        .notes
+        .extend(noise::lock_in::note(lock_in.map(|lock_in| (lock_in, inputs.motion.rate)).into_iter()));
     reading.notes.extend(noise.and_then(|noise| of_noise::left_out(&noise, &inputs, reading.sweeps)));
     let assumed = reading.get(&SUSPENSION).and_then(|_| vibration::KEYS.assumed(reading));
     reading.notes.extend(assumed);

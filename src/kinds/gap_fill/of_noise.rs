@@ -22,7 +22,9 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
         (None, Some(table)) => {
             reading.places.add(TICK_NOISE.name, table.span());
             reading.places.add(READOUT_LSB.name, table.span());
-            Ok(Some(noise::read::read(reading)?.noise))
+            let noise = noise::read::read(reading)?.noise;
+            noise.lock_in.map_or(Ok(()), |lock_in| lock_in.check(&reading.places))?;
+            Ok(Some(noise))
         }
         (Some(tick_noise), Some(_)) => {
             let message = "gyro.tick_noise conflicts with [noise]";

@@ -22,6 +22,12 @@ fn refused(text: &str, pieces: &[&str]) {
 fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
     let allan = |lines: &str| text("", LGV_1, &format!("[allan]\n{lines}"));
     let noise = |lines: &str| text("", lines, "");
+    let locks_in = |threshold: &str, dither: &str| {
+        noise(&format!(
+            "lock_in = {{ threshold = \"{threshold}\", scale_factor = \"2 arcsec/pulse\", dither_amplitude = \"{dither}\", \
+             dither_frequency = \"400 Hz\" }}"
+        ))
+    };
     let switching = |keys: &str| noise(&format!("{LGV_1}\nswitching = {{ {keys} }}"));
     let table: &[(String, &[&str])] = &[
         (
@@ -49,6 +55,32 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (noise("file = \"nowhere.toml\""), &["cannot read the noise", "nowhere.toml", "sagnac allan"]),
         (noise("markov = { amplitude = \"1 deg/h\" }"), &["the key `noise.markov.time` is missing"]),
         (noise("sine = { amplitude = \"1 deg/h\", frequency = \"0.6 Hz\" }"), &["Nyquist", "up to 0.5 Hz"]),
+        (
+            locks_in("0 arcsec/s", "100 deg/s"),
+            &["noise.lock_in.threshold = 0", "out of range", "below the dither rate"],
+        ),
+        (locks_in("-1 arcsec/s", "100 deg/s"), &["out of range", "negative"]),
+        (
+            locks_in("400 deg/s", "100 deg/s"),
+            &[
+                "a.toml:11:25",
+                "not below the dither rate of 360000 arcsec/s",
+                "locked",
+                "the gyro would stay locked",
+            ],
+        ),
+        (
+            locks_in("0.1 arcsec/s", "0.1 arcsec"),
+            &["a.toml:11:", "turns the beat phase by only 0.314 rad", "too small", "kind = \"lock-in\""],
+        ),
+        (
+            locks_in("180 arcsec/s", "100 deg/s^2"),
+            &["dither_amplitude", "an angular acceleration", "or an angle"],
+        ),
+        (
+            noise("lock_in = { threshold = \"1 arcsec/s\" }"),
+            &["the key `noise.lock_in.scale_factor` is missing"],
+        ),
         (noise("jitter = \"1 s\""), &["unknown key `jitter`"]),
         (
             switching("interval = \"2000 s\", residual = \"1 arcsec\""),
