@@ -6,20 +6,46 @@ pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
-    let scientific = format!("{:.*e}", digits - 1, x);
-    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let mut scientific = format!("{:.*e}", digits - 1, x);
+    // Neither infinity nor NaN has an exponent.
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trim = |text: &str| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text.to_owned(),
+    let mantissa = match mantissa.contains('.') {
+        true => mantissa.trim_end_matches('0').trim_end_matches('.').len(),
+        false => mantissa.len(),
     };
-    if (-5..(digits as i32).max(6)).contains(&exponent) {
-        // Digits beyond the significant ones are zeros.
-        let rounded: f64 = scientific.parse().unwrap_or(x);
-        trim(&format!("{:.*}", (digits as i32 - 1 - exponent).max(0) as usize, rounded))
-    } else {
-        format!("{}e{exponent}", trim(mantissa))
+    if !(-5..(digits as i32).max(6)).contains(&exponent) {
+        return format!("{}e{exponent}", &scientific[..mantissa]);
     }
+    if exponent == 0 {
+        scientific.truncate(mantissa);
+        return scientific;
+    }
+    let (sign, figures) = scientific[..mantissa].split_at(usize::from(x < 0.0));
+    let (first, rest) = figures.split_at(1);
+    let rest = rest.strip_prefix('.').unwrap_or("");
+    let mut text = String::with_capacity(scientific.len() + 6);
+    text += sign;
+    match usize::try_from(exponent) {
+        Ok(exponent) => {
+            // Digits beyond the significant ones are zeros.
+            let (whole, part) = rest.split_at(exponent.min(rest.len()));
+            text += first;
+            text += whole;
+            text.extend(std::iter::repeat_n('0', exponent - whole.len()));
+            if !part.is_empty() {
+                text.push('.');
+                text += part;
+            }
+        }
+        Err(_) => {
+            text += "0.";
+            text.extend(std::iter::repeat_n('0', (-exponent - 1) as usize));
+            text += first;
+            text += rest;
+        }
+    }
+    text
 }
 
 /// A number with its unit, or alone if the unit is empty.
@@ -48,5 +74,33 @@ mod tests {
         let shown = [4262.0, 2e4, 999_499.0, 0.001, 4.36, -1234.5].map(|x| significant(x, 3));
         assert_eq!(shown, ["4260", "20000", "999000", "0.001", "4.36", "-1230"]);
         assert_eq!([999_999.0, 1.5e6, 1.5e-7].map(|x| significant(x, 3)), ["1e6", "1.5e6", "1.5e-7"]);
+        let rest = [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -0.0, -7.0, 10.0, 0.1, -0.012_346];
+        let shown = rest.map(|x| significant(x, 4));
+        assert_eq!(shown, ["inf", "-inf", "NaN", "0", "-7", "10", "0.1", "-0.01235"]);
+    }
+
+    #[test]
+    fn figures_are_those_of_the_rounded_number() {
+        // By way of the number that the digits give, written out with as many decimals.
+        let by_rounding = |x: f64, digits: usize| {
+            let scientific = format!("{:.*e}", digits - 1, x);
+            let exponent: i32 = scientific.split_once('e').unwrap().1.parse().unwrap();
+            let rounded: f64 = scientific.parse().unwrap();
+            let text = format!("{:.*}", (digits as i32 - 1 - exponent).max(0) as usize, rounded);
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
+        };
+        for digits in 1..=15 {
+            for place in 0..2000_i32 {
+                let x = libm::sin(f64::from(place)) * libm::pow(10.0, f64::from(place % 10 - 4));
+                let exponent = libm::floor(libm::log10(x.abs())) as i32;
+                if (-4..digits.max(6) - 1).contains(&exponent) {
+                    let digits = digits as usize;
+                    assert_eq!(significant(x, digits), by_rounding(x, digits), "{x:e} with {digits} digits");
+                }
+            }
+        }
     }
 }
