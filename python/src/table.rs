@@ -17,7 +17,7 @@ pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyLis
 /// floats with NaN for blanks.
 fn values<'py>(py: Python<'py>, column: &Column) -> PyResult<Bound<'py, PyAny>> {
     let cells = &column.cells;
-    if cells.iter().any(|cell| matches!(cell, Cell::Text(_))) {
+    if cells.any(|cell| matches!(cell, Cell::Text(_))) {
         let texts = cells.iter().map(|cell| match cell {
             Cell::Blank => None,
             cell => Some(cell.text()),

@@ -9,7 +9,7 @@ use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, choices};
-use crate::table::{self, About, Cell, Column, ColumnError, Unit};
+use crate::table::{self, About, Cell, Cells, Column, ColumnError, Unit};
 
 /// Values of τ.
 const TIMES: Holds = unlimited(&[Dimension::Time]);
@@ -48,7 +48,7 @@ impl Known<'_> {
         let swept =
             self.sweeps.iter().map(|sweep| About { unit: unit(sweep), ..About::named(sweep.key.name) });
         let columns: Vec<Column> =
-            swept.chain(more.iter().copied()).map(|about| about.with(vec![])).collect();
+            swept.chain(more.iter().copied()).map(|about| about.with(Cells::default())).collect();
         let (name, span) = (&named.name, named.span.clone());
         let found = table::find(&columns, name).map_err(|error| match error {
             ColumnError::Ambiguous { .. } => {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::quantity::unit::{Unit, bare};
-use crate::table::{Cell, Column};
+use crate::table::{Cell, Cells, Column};
 
 /// The role of a column in its table. A role that refers to another column is stored with the name of that column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -117,7 +117,7 @@ impl About {
     }
 
     /// The column with the given cells.
-    pub(crate) fn with(&self, cells: Vec<Cell>) -> Column {
+    pub(crate) fn with(&self, cells: Cells) -> Column {
         Column {
             name: self.name.to_owned(),
             label: self.label.to_owned(),
@@ -209,7 +209,7 @@ pub(crate) fn columns_of<R>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> 
 /// A row as a JSON object: its cells by the headers of their columns, except those of the `omitted` names.
 pub(crate) fn object<R>(columns: &[ColumnOf<R>], row: &R, omitted: &[&str]) -> Value {
     let shown = columns.iter().filter(|column| !omitted.contains(&column.about.name));
-    shown.map(|column| (column.about.with(vec![]).header(), json!((column.cell)(row)))).collect()
+    shown.map(|column| (column.about.with(Cells::default()).header(), json!((column.cell)(row)))).collect()
 }
 
 /// The properties of some columns, without their cells.

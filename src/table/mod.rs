@@ -1,6 +1,7 @@
 //! The table: named columns with units, the sole source of files, charts, reports and JSON.
 
 mod cell;
+pub(crate) mod cells;
 pub(crate) mod column;
 
 use std::collections::HashMap;
@@ -9,6 +10,7 @@ use std::io;
 
 pub use crate::quantity::unit::Unit;
 pub use crate::table::cell::Cell;
+pub use crate::table::cells::Cells;
 pub use crate::table::column::{About, ColumnOf, Role, Usual};
 
 /// One quantity over all rows.
@@ -35,8 +37,8 @@ pub struct Column {
     /// The names among its cells that look the same in every chart.
     pub styled: &'static [&'static str],
     /// Cells, one for each row.
-    pub cells: Vec<Cell>,
-    /// Lower and upper ends of the 95 % interval of each cell, where there is one.
+    pub cells: Cells,
+    /// Lower and upper ends of the 95 % interval of each cell, where there is one; empty where no cell has one.
     pub band: Option<Vec<Option<(f64, f64)>>>,
 }
 
@@ -219,14 +221,27 @@ impl Table {
     /// The errors of the writer.
     pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(to);
-        writer.write_record(self.columns.iter().map(|column| guarded(column.header())))?;
+        writer.write_record(self.columns.iter().map(|column| guarded(column.header()))).map_err(of_file)?;
+        let text = |cell: &Cell| match cell {
+            Cell::Text(text) => guarded(text.clone()),
+            cell => cell.text(),
+        };
+        let columns: Vec<_> = self.columns.iter().map(|column| column.cells.texts(text)).collect();
         for row in 0..self.rows() {
-            writer.write_record(self.columns.iter().map(|column| match &column.cells[row] {
-                Cell::Text(text) => guarded(text.clone()),
-                cell => cell.text(),
-            }))?;
+            for column in &columns {
+                writer.write_field(&*column.at(row)).map_err(of_file)?;
+            }
+            writer.write_record(None::<&[u8]>).map_err(of_file)?;
         }
         writer.flush()
+    }
+}
+
+/// The error of the file behind one of the CSV writer, which names a full disk.
+fn of_file(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
     }
 }
 
@@ -313,7 +328,7 @@ mod tests {
 
     #[test]
     fn rows_are_chosen_by_the_values_that_files_show_and_a_value_that_is_not_there_is_told() {
-        let with = |name: &str, cells: Vec<Cell>| Column { cells, ..column(name, Unit::NONE) };
+        let with = |name: &str, cells: Vec<Cell>| Column { cells: cells.into(), ..column(name, Unit::NONE) };
         let text = |name: &str| Cell::Text(name.to_owned());
         let table = Table {
             columns: vec![

@@ -62,7 +62,7 @@ use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::run::Plan;
 use crate::study::Study;
-use crate::table::{Column, Usual};
+use crate::table::{Cells, Column, Usual};
 
 /// What to analyse.
 #[derive(Debug, Clone, Default)]
@@ -231,7 +231,7 @@ fn question(study: &Study, asked: &Request) -> Result<Question, SensitivityError
     }
     let (column, places) = chosen(&table, name, &rows, 1)?;
     let is_exact = study.kind().is_exact || column.cells[places[0]].number().is_some();
-    Ok((Column { cells: vec![], band: None, ..column.clone() }, rows, is_exact))
+    Ok((Column { cells: Cells::default(), band: None, ..column.clone() }, rows, is_exact))
 }
 
 /// The limit that the study requires of this answer, else that of the first chart that shows it and has one.

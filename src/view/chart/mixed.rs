@@ -86,7 +86,7 @@ mod tests {
             name: name.to_owned(),
             label: name.to_owned(),
             unit: Unit::NONE,
-            cells,
+            cells: cells.into(),
             ..Column::default()
         };
         let mut columns: Vec<Column> = names.into_iter().zip(cells).map(column).collect();

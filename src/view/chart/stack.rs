@@ -42,7 +42,7 @@ impl<'t> Shown<'t> {
     /// Whether names stand side by side on the abscissa.
     pub fn is_named(&self, chart: &Chart) -> bool {
         let x = self.table.column(&chart.x.name);
-        x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
+        x.is_ok_and(|x| x.cells.any(|cell| matches!(cell, Cell::Text(_))))
     }
 
     /// Whether the chart is supplied with names side by side instead of written, as where no number is swept.
@@ -85,7 +85,7 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
         columns.iter().any(|stacked| stacked.name == column.name || is_law(stacked))
     };
     let repeat = |column: &Column| Column {
-        cells: columns.iter().flat_map(|_| column.cells.clone()).collect(),
+        cells: columns.iter().flat_map(|_| column.cells.iter().cloned()).collect(),
         band: column.band.as_ref().map(|band| band.repeat(columns.len())),
         ..column.clone()
     };
@@ -94,22 +94,23 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let names = columns.iter().flat_map(|column| vec![Cell::Text(label(column)); rows]).collect();
     let (name, label) = (CURVE.to_owned(), heading);
     all.push(Column { name, label, role: Role::Key, cells: names, ..Column::default() });
-    let band = |column: &Column| column.band.clone().unwrap_or(vec![None; rows]);
+    let band = |column: &Column| (0..rows).map(|row| column.interval(row)).collect::<Vec<_>>();
     all.push(Column {
         label: quantity,
-        cells: columns.iter().flat_map(|column| column.cells.clone()).collect(),
+        cells: columns.iter().flat_map(|column| column.cells.iter().cloned()).collect(),
         band: Some(columns.iter().flat_map(|column| band(column)).collect()),
         ..(*first).clone()
     });
     if columns.iter().any(|column| law(column).is_some()) {
-        let cells = |column: &&Column| law(column).map_or(vec![Cell::Blank; rows], |law| law.cells.clone());
+        let cell = |column, row| law(column).map_or(Cell::Blank, |law| law.cells[row].clone());
+        let cells = |column| (0..rows).map(move |row| cell(column, row));
         all.push(Column {
             name: format!("oracle_{}", first.name),
             label: "closed form".to_owned(),
             unit: first.unit,
             role: Role::Oracle,
             of: first.name.clone(),
-            cells: columns.iter().flat_map(cells).collect(),
+            cells: columns.iter().copied().flat_map(cells).collect(),
             ..Column::default()
         });
     }
@@ -138,7 +139,7 @@ mod tests {
             name: name.to_owned(),
             label: label.to_owned(),
             unit,
-            cells: cells.map(Cell::Number).to_vec(),
+            cells: cells.map(Cell::Number).to_vec().into(),
             band: (name == "rms").then(|| vec![Some((1.0, 2.0)), None]),
             ..Column::default()
         };

@@ -106,12 +106,12 @@ mod tests {
     use super::*;
 
     fn table(z: &[Option<f64>]) -> Table {
-        let column = |name: &str, role, cells| Column {
+        let column = |name: &str, role, cells: Vec<Cell>| Column {
             name: name.to_owned(),
             label: format!("the {name}"),
             role,
             of: if role == Role::Z { "rms".to_owned() } else { String::new() },
-            cells,
+            cells: cells.into(),
             ..Column::default()
         };
         let fillers = (0..z.len()).map(|row| Cell::Text(format!("filler {row}"))).collect();

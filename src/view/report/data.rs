@@ -138,22 +138,22 @@ fn thin<T: Copy>(items: &[T], step: usize, value: impl Fn(&T) -> f64) -> Vec<T> 
 
 fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> {
     // A column without values, such as Δt·ν of a motion with many frequencies, only takes room.
-    let known = |column: &&Column| column.cells.iter().any(|cell| *cell != Cell::Blank);
+    let known = |column: &&Column| column.cells.any(|cell| *cell != Cell::Blank);
     let all: Vec<&Column> = table.columns.iter().filter(known).collect();
     let small = table.rows() * all.len() <= MOST_CELLS;
     let columns: Vec<&Column> =
         all.iter().copied().filter(|column| small || is_charted(column, table, charts)).collect();
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
     let listing = |column: &&'t Column| {
-        let cells = &column.cells[..rows];
+        let cells: Vec<&Cell> = column.cells.iter().take(rows).collect();
         let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
         Listing {
             header: column.header(),
             title: title(column, table),
             about: &column.meaning,
-            text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
+            text: column.cells.any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
-            cells: json(if one { &cells[..1] } else { cells }),
+            cells: json(if one { &cells[..1] } else { &cells[..] }),
         }
     };
     Listed {
@@ -177,7 +177,7 @@ fn title(column: &Column, table: &Table) -> String {
 
 /// Whether a column distinguishes rows: swept keys and texts.
 fn tells(column: &Column) -> bool {
-    column.role == Role::Key || column.cells.iter().any(|cell| matches!(cell, Cell::Text(_)))
+    column.role == Role::Key || column.cells.any(|cell| matches!(cell, Cell::Text(_)))
 }
 
 /// Whether a column distinguishes rows, or a chart shows it or its interval.

@@ -4,7 +4,7 @@ use crate::table::{Cell, Column, Role, Table, Unit};
 use crate::view::report::sentences::best;
 
 fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-    Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
+    Column { name: name.to_owned(), label: name.to_owned(), unit, cells: cells.into(), ..Column::default() }
 }
 
 /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.

@@ -8,7 +8,7 @@
 //!     name: name.to_owned(),
 //!     label: name.to_owned(),
 //!     unit: Unit::NONE,
-//!     cells: values.map(Cell::Number).to_vec(),
+//!     cells: values.map(Cell::Number).to_vec().into(),
 //!     ..Column::default()
 //! };
 //! let table = Table { columns: vec![column("x", [1.0, 2.0, 4.0]), column("y", [1.0, 5.0, 20.0])] };
@@ -92,7 +92,7 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     let (x, y) = (table.column(question.x)?, table.column(question.y)?);
     let mut series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     // Names side by side are judged separately.
-    let named = x.cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
+    let named = x.cells.any(|cell| matches!(cell, Cell::Text(_)));
     if named {
         series.push(x);
     }

@@ -2,11 +2,11 @@ use super::*;
 use crate::table::Unit;
 
 fn table() -> Table {
-    let column = |name: &str, label: &str, unit, cells| Column {
+    let column = |name: &str, label: &str, unit, cells: Vec<Cell>| Column {
         name: name.to_owned(),
         label: label.to_owned(),
         unit,
-        cells,
+        cells: cells.into(),
         ..Column::default()
     };
     let numbers = |values: [f64; 6]| values.map(Cell::Number).to_vec();
@@ -52,14 +52,14 @@ fn signed_values_are_judged_by_their_magnitude_and_a_curve_without_its_last_valu
     let mut table = over_frequency();
     // At 1, 2, 4 Hz: −40, −5, 20.
     let all = [20.0, -40.0, -5.0, 0.1, 0.2, 0.3];
-    table.columns[3].cells = all.map(Cell::Number).to_vec();
+    table.columns[3].cells = all.map(Cell::Number).to_vec().into();
     let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
     assert_eq!(answers[0].outcome, Outcome::WithinBetween);
     // Logarithmic between −40 and −5, linear between −5 and 20.
     let (from, to) = (answers[0].at[0].1, answers[0].until[0].1);
     assert!((from - libm::pow(2.0, 2.0 / 3.0)).abs() < 1e-12, "{from}");
     assert!((to - 2.0 * libm::pow(2.0, 0.6)).abs() < 1e-12, "{to}");
-    table.columns[3].cells[5] = Cell::Blank;
+    table.columns[3].cells.each()[5] = Cell::Blank;
     let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
     assert!(!answers[0].open && answers[1].open);
     let said = "b: within 10 arcsec up to the last point that has a value, frequency 2 Hz";
@@ -79,7 +79,7 @@ fn a_curve_that_comes_below_the_limit_is_told_from_where_and_until_where() {
     let of = |levels: [f64; 3]| {
         let mut table = over_frequency();
         let all = [levels[2], levels[0], levels[1], 0.1, 0.2, 0.3];
-        table.columns[3].cells = all.map(Cell::Number).to_vec();
+        table.columns[3].cells = all.map(Cell::Number).to_vec().into();
         let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
         (answers[0].outcome, answers[0].sentence("10 arcsec"))
     };
@@ -118,8 +118,8 @@ fn along_a_count_the_last_value_within_is_told_and_nothing_between() {
 #[test]
 fn values_that_are_missing_at_first_and_a_second_time_within_are_told() {
     let mut table = over_frequency();
-    table.columns[3].cells = [20.0, 40.0, 5.0, 0.1, 30.0, 0.3].map(Cell::Number).to_vec();
-    table.columns[3].cells[1] = Cell::Blank;
+    table.columns[3].cells = [20.0, 40.0, 5.0, 0.1, 30.0, 0.3].map(Cell::Number).to_vec().into();
+    table.columns[3].cells.each()[1] = Cell::Blank;
     let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
     assert_eq!(
         answers[0].sentence("10 arcsec"),

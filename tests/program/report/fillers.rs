@@ -4,7 +4,7 @@ use sagnac::chart::{Chart, Limit, Shows};
 use sagnac::table::{Cell, Column, Role, Table, Unit};
 
 pub fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-    Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
+    Column { name: name.to_owned(), label: name.to_owned(), unit, cells: cells.into(), ..Column::default() }
 }
 
 fn of(role: Role, column: Column) -> Column {

@@ -1,0 +1,280 @@
+//! The cells of a column, which take two bytes a row where few of them differ.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fmt;
+use std::ops::Index;
+
+use crate::table::Cell;
+
+/// Number of rows up to which each cell is stored.
+const FEW_ROWS: usize = 4096;
+
+/// Most different cells of a column that is stored by them.
+const MOST_VALUES: usize = 4096;
+
+/// The cells of a column, in the order of the rows.
+///
+/// Swept keys, names, counts and blanks have few different values among hundreds of thousands of rows, so a long column
+/// stores each value once.
+#[derive(Clone)]
+pub struct Cells(Held);
+
+#[derive(Clone)]
+enum Held {
+    /// Each cell.
+    Each(Vec<Cell>),
+    /// The different cells, and for each row the place of its cell among them.
+    Coded { values: Vec<Cell>, codes: Vec<u16> },
+}
+
+impl Cells {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        match &self.0 {
+            Held::Each(cells) => cells.len(),
+            Held::Coded { codes, .. } => codes.len(),
+        }
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The cell of a row, where there is such a row.
+    pub fn get(&self, row: usize) -> Option<&Cell> {
+        match &self.0 {
+            Held::Each(cells) => cells.get(row),
+            Held::Coded { values, codes } => codes.get(row).map(|&code| &values[usize::from(code)]),
+        }
+    }
+
+    /// The cells, row by row.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &Cell> + Clone {
+        (0..self.len()).map(|row| &self[row])
+    }
+
+    /// Whether any cell satisfies a condition; a column with few values is not read row by row.
+    pub fn any(&self, is: impl Fn(&Cell) -> bool) -> bool {
+        match &self.0 {
+            Held::Each(cells) => cells.iter().any(is),
+            Held::Coded { values, .. } => values.iter().any(is),
+        }
+    }
+
+    /// The cells as `text` writes them; a value of a column with few of them is written once.
+    pub(crate) fn texts<F: Fn(&Cell) -> String>(&self, text: F) -> Texts<'_, F> {
+        let known = match &self.0 {
+            Held::Each(_) => vec![],
+            Held::Coded { values, .. } => values.iter().map(&text).collect(),
+        };
+        Texts { cells: self, known, text }
+    }
+
+    /// The cells, to be changed one by one.
+    #[cfg(test)]
+    pub(crate) fn each(&mut self) -> &mut Vec<Cell> {
+        self.0 = Held::Each(self.iter().cloned().collect());
+        match &mut self.0 {
+            Held::Each(cells) => cells,
+            Held::Coded { .. } => unreachable!("each cell is stored"),
+        }
+    }
+}
+
+/// The cells of a column as texts.
+pub(crate) struct Texts<'c, F> {
+    cells: &'c Cells,
+    /// The texts of the values of a column that is stored by them.
+    known: Vec<String>,
+    text: F,
+}
+
+impl<F: Fn(&Cell) -> String> Texts<'_, F> {
+    /// The text of a row.
+    pub(crate) fn at(&self, row: usize) -> Cow<'_, str> {
+        match &self.cells.0 {
+            Held::Each(cells) => Cow::Owned((self.text)(&cells[row])),
+            Held::Coded { codes, .. } => Cow::Borrowed(&self.known[usize::from(codes[row])]),
+        }
+    }
+}
+
+impl Index<usize> for Cells {
+    type Output = Cell;
+
+    fn index(&self, row: usize) -> &Cell {
+        match &self.0 {
+            Held::Each(cells) => &cells[row],
+            Held::Coded { values, codes } => &values[usize::from(codes[row])],
+        }
+    }
+}
+
+impl Default for Cells {
+    fn default() -> Cells {
+        Cells(Held::Each(vec![]))
+    }
+}
+
+impl From<Vec<Cell>> for Cells {
+    fn from(cells: Vec<Cell>) -> Cells {
+        if cells.len() <= FEW_ROWS { Cells(Held::Each(cells)) } else { cells.into_iter().collect() }
+    }
+}
+
+impl FromIterator<Cell> for Cells {
+    fn from_iter<I: IntoIterator<Item = Cell>>(cells: I) -> Cells {
+        let mut growing = Growing::default();
+        growing.extend(cells);
+        growing.into_cells()
+    }
+}
+
+/// Equal cells in the same order, however they are stored.
+impl PartialEq for Cells {
+    fn eq(&self, other: &Cells) -> bool {
+        self.len() == other.len() && self.iter().eq(other.iter())
+    }
+}
+
+impl fmt::Debug for Cells {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}
+
+/// A column to which rows are added.
+#[derive(Default)]
+pub(crate) struct Growing {
+    cells: Cells,
+    /// The places of the different cells.
+    places: Places,
+}
+
+/// The places of different cells among the values: numbers by their bits, texts by themselves.
+#[derive(Default)]
+struct Places {
+    numbers: HashMap<(u8, u64), u16>,
+    texts: HashMap<String, u16>,
+}
+
+impl Places {
+    fn get(&self, cell: &Cell) -> Option<u16> {
+        match cell {
+            Cell::Text(text) => self.texts.get(text).copied(),
+            cell => self.numbers.get(&bits(cell)).copied(),
+        }
+    }
+
+    fn insert(&mut self, cell: &Cell, place: u16) {
+        match cell {
+            Cell::Text(text) => self.texts.insert(text.clone(), place),
+            cell => self.numbers.insert(bits(cell), place),
+        };
+    }
+}
+
+/// The bits of a cell that is no text, after a word for its kind.
+fn bits(cell: &Cell) -> (u8, u64) {
+    match cell {
+        Cell::Blank | Cell::Text(_) => (0, 0),
+        Cell::Integer(count) => (1, count.cast_unsigned()),
+        Cell::Number(x) => (2, x.to_bits()),
+    }
+}
+
+impl Growing {
+    pub(crate) fn into_cells(self) -> Cells {
+        self.cells
+    }
+
+    fn push(&mut self, cell: Cell) {
+        match &mut self.cells.0 {
+            Held::Each(cells) => {
+                cells.push(cell);
+                if cells.len() == FEW_ROWS + 1 {
+                    self.code();
+                }
+            }
+            Held::Coded { values, codes } => {
+                let place = self.places.get(&cell).or_else(|| {
+                    let new = u16::try_from(values.len()).ok().filter(|_| values.len() < MOST_VALUES)?;
+                    self.places.insert(&cell, new);
+                    values.push(cell.clone());
+                    Some(new)
+                });
+                match place {
+                    Some(place) => codes.push(place),
+                    None => {
+                        let mut cells: Vec<Cell> = self.cells.iter().cloned().collect();
+                        cells.push(cell);
+                        *self = Growing { cells: Cells(Held::Each(cells)), places: Places::default() };
+                    }
+                }
+            }
+        }
+    }
+
+    /// Stores the cells by their values, where these are few enough.
+    fn code(&mut self) {
+        let Held::Each(cells) =
+            std::mem::replace(&mut self.cells.0, Held::Coded { values: vec![], codes: vec![] })
+        else {
+            return;
+        };
+        cells.into_iter().for_each(|cell| self.push(cell));
+    }
+}
+
+impl Extend<Cell> for Growing {
+    fn extend<I: IntoIterator<Item = Cell>>(&mut self, cells: I) {
+        cells.into_iter().for_each(|cell| self.push(cell));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn held(cells: &Cells) -> &'static str {
+        match cells.0 {
+            Held::Each(_) => "each",
+            Held::Coded { .. } => "coded",
+        }
+    }
+
+    #[test]
+    fn long_columns_keep_every_cell_however_they_are_stored() {
+        let rows = 3 * FEW_ROWS;
+        let of = |row: usize, values: usize| match row % values {
+            0 => Cell::Blank,
+            1 => Cell::Text("1".to_owned()),
+            2 => Cell::Integer(1),
+            3 => Cell::Number(0.0),
+            4 => Cell::Number(-0.0),
+            value => Cell::Number(value as f64 / 7.0),
+        };
+        for (rows, values, expected) in [
+            (FEW_ROWS, 5, "each"),
+            (FEW_ROWS + 1, 5, "coded"),
+            (rows, MOST_VALUES, "coded"),
+            (rows, MOST_VALUES + 1, "each"),
+        ] {
+            let all: Vec<Cell> = (0..rows).map(|row| of(row, values)).collect();
+            let cells: Cells = all.iter().cloned().collect();
+            assert_eq!((held(&cells), cells.len()), (expected, rows), "{rows} rows of {values} values");
+            assert!(cells.iter().eq(&all), "{rows} rows of {values} values");
+            let is_same = |row: usize| match (&cells[row], &all[row]) {
+                (Cell::Number(a), Cell::Number(b)) => a.to_bits() == b.to_bits(),
+                (a, b) => a == b,
+            };
+            assert!((0..rows).all(is_same), "0 and -0 differ");
+            assert_eq!(cells, Cells::from(all));
+            assert!(
+                cells.any(|cell| *cell == Cell::Integer(1)) && !cells.any(|cell| *cell == Cell::Integer(2))
+            );
+        }
+    }
+}
