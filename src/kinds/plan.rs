@@ -123,13 +123,13 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     pub(crate) fn new<P: Sync>(
         study: &'a Study,
         subject: &'a S,
-        points: &[P],
+        points: &'a [P],
         swept: fn(&P) -> &Values,
-        lower: impl Fn(&P) -> Result<L, Refusal> + Sync,
+        lower: impl Fn(&'a P) -> Result<L, Refusal> + Sync,
         progress: &dyn Progress,
     ) -> Result<Option<PointsPlan<'a, S, L>>, StudyError> {
         progress.start("points", 0, points.len() as u64);
-        let lower = |point: &P| {
+        let lower = |point: &'a P| {
             if progress.stops() {
                 return None;
             }

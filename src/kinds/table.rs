@@ -2,8 +2,9 @@
 
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
+use crate::table::cells::Growing;
 use crate::table::column::columns_of;
-use crate::table::{Column, ColumnOf, Role, Table};
+use crate::table::{Cells, Column, ColumnOf, Role, Table};
 
 /// The name of each swept key with its value at a point, in the order of the sweeps.
 pub(crate) type Values = [(&'static str, Swept)];
@@ -21,6 +22,40 @@ pub(crate) fn table<R>(
     };
     let keys = sweeps.iter().enumerate().map(of_sweep);
     Table { columns: keys.chain(columns_of(columns, rows)).collect() }
+}
+
+/// The rows of all tables, which have the same columns, one table below the other. Each table is made when its rows are
+/// needed, so that only the cells of all rows are in memory, and not what they are made from.
+///
+/// # Errors
+/// Those of a table.
+pub(crate) fn appended<E>(tables: impl Iterator<Item = Result<Table, E>>) -> Result<Table, E> {
+    let mut all: Vec<(Column, Growing)> = Vec::new();
+    let mut rows = 0;
+    for table in tables {
+        let table = table?;
+        if all.is_empty() {
+            let bare = |column: &Column| Column {
+                cells: Cells::default(),
+                band: column.band.as_ref().map(|_| vec![]),
+                ..column.clone()
+            };
+            all = table.columns.iter().map(|column| (bare(column), Growing::default())).collect();
+        }
+        let more = table.rows();
+        for ((whole, cells), column) in all.iter_mut().zip(table.columns) {
+            cells.extend(column.cells.iter().cloned());
+            if let Some((band, own)) = whole.band.as_mut().zip(column.band)
+                && (!band.is_empty() || own.iter().any(Option::is_some))
+            {
+                band.resize(rows, None);
+                band.extend(own);
+            }
+        }
+        rows += more;
+    }
+    let columns = all.into_iter().map(|(column, cells)| Column { cells: cells.into_cells(), ..column });
+    Ok(Table { columns: columns.collect() })
 }
 
 /// The column of a swept key, without its cells.

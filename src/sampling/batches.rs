@@ -1,12 +1,15 @@
 //! Sampling of the trials that the store lacks of some launches, batch by batch.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::time::Instant;
+
+use rayon::prelude::*;
 
 use crate::device::Job;
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::Moments;
+use crate::key::refusal::Refusal;
 use crate::progress::Progress;
 use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
@@ -20,8 +23,8 @@ use crate::tally::stats::Estimates;
 
 /// A launch with its missing blocks.
 pub(crate) struct Work<'a> {
-    /// Makes the launch for each batch that needs it, because those of a hundred thousand points take much memory.
-    launch: Box<dyn Fn() -> Launch + 'a>,
+    /// Makes the launch for the batches that need it, because those of a hundred thousand points take much memory.
+    launch: Box<dyn Fn() -> Result<Launch, Refusal> + Sync + 'a>,
     /// Steps of one trial.
     steps: u64,
     /// Addresses of the tallies of its estimates.
@@ -31,11 +34,12 @@ pub(crate) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub(crate) fn new(
-        launch: impl Fn() -> Launch + 'a,
+        steps: u64,
+        launch: impl Fn() -> Result<Launch, Refusal> + Sync + 'a,
         addresses: Vec<Address>,
         blocks: Vec<Block>,
     ) -> Work<'a> {
-        Work { steps: launch().steps(), launch: Box::new(launch), addresses, blocks }
+        Work { steps, launch: Box::new(launch), addresses, blocks }
     }
 
     /// Number of missing trials.
@@ -123,13 +127,14 @@ pub(crate) fn sample(
     interleave(&mut rest);
     rest.reverse();
     let (mut batch_steps, mut sampled) = (worker.first_batch(), 0);
+    let mut launches = Launches::default();
     while_storing(store, |stored| {
         while !rest.is_empty() && !progress.stops() {
             let batch_started = Instant::now();
             let batch = take_batch(&mut rest, batch_steps);
-            let (launches, places) = launches(&batch);
-            let jobs = batch.iter().zip(places).map(|(&(_, block), at)| Job { launch: &launches[at], block });
-            let jobs: Vec<Job> = jobs.collect();
+            launches.make(&batch)?;
+            let job = |&(work, block): &Piece<'_>| Job { launch: &launches.made[&place(work)], block };
+            let jobs: Vec<Job> = batch.iter().map(job).collect();
             let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
             let rows: Vec<Row<Moments>> = batch
                 .iter()
@@ -154,17 +159,34 @@ pub(crate) fn sample(
 /// A block of some work.
 type Piece<'a> = (&'a Work<'a>, Block);
 
-/// The launches of a batch, each once, and the place of that of each block among them.
-fn launches(batch: &[Piece]) -> (Vec<Launch>, Vec<usize>) {
-    let (mut launches, mut places) = (Vec::new(), HashMap::new());
-    let at = batch.iter().map(|(work, _)| {
-        *places.entry(std::ptr::from_ref(*work)).or_insert_with(|| {
-            launches.push((work.launch)());
-            launches.len() - 1
-        })
-    });
-    let at = at.collect();
-    (launches, at)
+/// Identifies work.
+fn place(work: &Work) -> usize {
+    std::ptr::from_ref(work).addr()
+}
+
+/// The launches of the last batches by the places of their work, at most as many as a batch has jobs.
+#[derive(Default)]
+struct Launches {
+    made: HashMap<usize, Launch>,
+}
+
+impl Launches {
+    /// Makes those launches of a batch that the batches before did not need.
+    ///
+    /// # Errors
+    /// A point is refused, which a run has proven to fit.
+    fn make(&mut self, batch: &[Piece]) -> Result<(), Refusal> {
+        let mut missing = HashSet::new();
+        let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
+        let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
+        if self.made.len() + new.len() > MOST_JOBS {
+            let needed: HashSet<usize> = batch.iter().map(|(work, _)| place(work)).collect();
+            self.made.retain(|work, _| needed.contains(work));
+        }
+        let launch = |work: &&Work| Ok((place(work), (work.launch)()?));
+        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Refusal>>()?);
+        Ok(())
+    }
 }
 
 /// Interleaves the blocks of all work, each work in its own order. The work done so far is then representative of the

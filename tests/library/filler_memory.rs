@@ -56,7 +56,7 @@ fn the_memory_of_a_filler_is_that_of_what_the_header_declares() {
         let firmware = Firmware::new(&study, point, &gap_fill.fillers).unwrap();
         let mut program = firmware.header();
         let names = identifiers(gap_fill.fillers.iter().map(|filler| filler.name.as_str()));
-        for ((filler, fill), name) in gap_fill.fillers.iter().zip(&point.fills).zip(&names) {
+        for ((filler, fill), name) in gap_fill.fillers.iter().zip(point.fills.iter()).zip(&names) {
             let Memory { constants, state } = Memory::of_filler(filler, fill, gap_ticks);
             let own = firmware.designs.iter().find(|design| design.name == filler.name).unwrap();
             let (mut flash, mut ram) = (format!("sizeof sagnac_{name}"), "sizeof(int64_t)".to_owned());

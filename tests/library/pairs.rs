@@ -253,7 +253,8 @@ fn launches(configuration: &Configuration) -> Vec<Launch> {
     let with_errors = (0..lowered.fillers.len()).filter(|&filler| !lowered.fillers[filler].is_empty());
     for filler in with_errors {
         let joins = |group: &&mut Vec<usize>| {
-            group.len() < lowered.most_fillers(filler) && lowered.alike(group[0], filler)
+            let errors = |filler: usize| lowered.fillers[filler].iter().map(|estimate| estimate.error);
+            group.len() < lowered.most_fillers(filler) && errors(group[0]).eq(errors(filler))
         };
         match groups.iter_mut().find(joins) {
             Some(group) => group.push(filler),

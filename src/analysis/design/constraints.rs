@@ -110,7 +110,7 @@ pub(crate) fn constrained(
         return if constraints.are_given() { Err(DesignError::NoFillers) } else { Ok(vec![]) };
     };
     let cost = |(filler, own): (&Filler, &Fill)| Cost::of(filler, own, &fill.inputs);
-    let costs: Vec<Cost> = runs.fillers().iter().zip(&fill.fills).map(cost).collect();
+    let costs: Vec<Cost> = runs.fillers().iter().zip(fill.fills.iter()).map(cost).collect();
     let broken: Vec<String> = costs.iter().map(|cost| constraints.broken_by(*cost).join(" and ")).collect();
     for (filler, why) in runs.fillers().iter().zip(&broken).filter(|(_, why)| !why.is_empty()) {
         match left_out.iter_mut().find(|known| known.filler == filler.name) {
@@ -130,7 +130,9 @@ pub(crate) fn constrained(
     }
     let is_kept = |place: usize| broken[place].is_empty();
     for point in runs.points.iter_mut().filter_map(|point| point.fill.as_mut()) {
-        keep(&mut point.fills, is_kept);
+        let mut fills = point.fills.to_vec();
+        keep(&mut fills, is_kept);
+        point.fills = fills.into();
     }
     if let Some(fill) = &mut runs.fill {
         keep(&mut fill.fillers, is_kept);

@@ -40,7 +40,7 @@ pub(crate) fn note<'a>(points: &[Point], fillers: &'a [Filler]) -> Option<String
         let (own, other) = (rms(&as_given), rms(&otherwise));
         (own > 0.0).then(|| (filler.name.as_str(), own, other / own - 1.0))
     };
-    let all = fillers.iter().zip(&point.fills).filter_map(of_filler);
+    let all = fillers.iter().zip(point.fills.iter()).filter_map(of_filler);
     let (filler, own, change) = all.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
     (change.abs() > REPORTED).then(|| {
         format!(

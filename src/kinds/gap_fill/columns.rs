@@ -3,8 +3,7 @@
 use crate::chart::law::Law;
 use crate::filler::closed::LISTED;
 use crate::filler::{FILLERS, Filler};
-use crate::kinds::gap_fill::lower::estimate::Estimate;
-use crate::kinds::gap_fill::point::Point;
+use crate::kinds::gap_fill::run::proven::{Proof, Proven};
 use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
 use crate::table::{About, ColumnOf, Role, Unit, Usual};
@@ -18,16 +17,16 @@ pub(crate) const LAWS: &[Law] =
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {
-    pub(crate) point: &'a Point,
+    pub(crate) proven: &'a Proven<'a>,
     pub(crate) filler: &'a Filler,
-    pub(crate) estimate: &'a Estimate,
+    pub(crate) estimate: &'a Proof,
     pub(crate) found: &'a Found,
 }
 
 impl Row<'_> {
     /// A law of the chart, ″.
     pub(crate) fn law(&self, law: Law) -> Option<f64> {
-        law.arcsec(&self.point.inputs, self.filler, self.estimate.error, self.estimate.rows.ticks.len())
+        law.arcsec(&self.proven.point.inputs, self.filler, self.estimate.error, self.estimate.ticks.into())
     }
 
     fn z(&self) -> Option<f64> {
@@ -40,11 +39,11 @@ impl Row<'_> {
 pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
-        Of::new("dt_nu", Unit::NONE, "Δt·ν", |row| row.point.inputs.dt_nu().into())
+        Of::new("dt_nu", Unit::NONE, "Δt·ν", |row| row.proven.point.inputs.dt_nu().into())
             .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
                 one tone of fixed frequency, else blank.")
             .defined("Δt = (n+1)T/2"),
-        Of::new("amplitude_noise", Unit::NONE, "rate amplitude · T / σ", |row| row.point.inputs.amplitude_noise().into())
+        Of::new("amplitude_noise", Unit::NONE, "rate amplitude · T / σ", |row| row.proven.point.inputs.amplitude_noise().into())
             .is(Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate, divided by the noise of the tick (1 σ); for one \
                 tone of fixed frequency and amplitude, else blank."),
         Of::new("filler", Unit::NONE, "filler", |row| row.filler.name.as_str().into())

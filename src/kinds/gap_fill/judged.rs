@@ -113,7 +113,7 @@ pub(crate) fn note(points: &[Point], fillers: &[Filler]) -> Option<String> {
     let number = |rms: f64| significant(rms, 3);
     let judged: Vec<String> = fillers
         .iter()
-        .zip(&point.fills)
+        .zip(point.fills.iter())
         .filter_map(|(filler, fill)| Some((filler, Judged::of(&point.inputs, filler, fill)?)))
         .map(|(filler, Judged { own_rms, shifted_rms })| {
             format!("{} {} arcsec and {} arcsec", filler.name, number(own_rms), number(shifted_rms))

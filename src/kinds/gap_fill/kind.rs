@@ -7,9 +7,8 @@ use crate::chart::ground::{Ground, Text};
 use crate::filler::keys::Error;
 use crate::kernel::gap_fill::VERSION;
 use crate::kinds::gap_fill::columns;
-use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::parts;
-use crate::kinds::gap_fill::run;
+use crate::kinds::gap_fill::run::{self, proven::Proven};
 use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
 use crate::kinds::plan::PointsPlan;
 use crate::progress::Progress;
@@ -41,8 +40,8 @@ pub static GAP_FILL: Kind = Kind {
 
 impl Subject for GapFill {
     fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
-        let lower = |point: &_| Lowered::new(point, &self.fillers, &self.errors, study.seed, study.streams);
-        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, lower, progress)?;
+        let prove = |point| Proven::new(study, self, point);
+        let plan = PointsPlan::new(study, self, &self.points, |point| &point.swept, prove, progress)?;
         plan.iter().try_for_each(run::check_replays)?;
         Ok(plan.map(|plan| Box::new(plan) as _))
     }

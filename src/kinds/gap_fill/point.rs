@@ -1,6 +1,8 @@
 //! Points of a gap-fill study: every combination of swept values, each checked as a whole.
 
+use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::filler::read::{Extrapolation, Written};
 use crate::filler::ticks::TickList;
@@ -30,8 +32,8 @@ pub struct Point {
     pub swept: Vec<(&'static str, Swept)>,
     /// Inputs that determine the draws.
     pub inputs: Inputs,
-    /// The ticks of each filler, in the order of the fillers.
-    pub fills: Vec<Fill>,
+    /// The ticks of each filler, in the order of the fillers. Points with equal gaps share them.
+    pub fills: Arc<[Fill]>,
     /// Inputs for which fillers are designed, where they are not those of the point.
     pub(crate) design: Option<Box<Inputs>>,
 }
@@ -68,10 +70,16 @@ impl Base<'_> {
     /// # Errors
     /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
+        let mut fills = HashMap::new();
+        sweep::points(self.sweeps).map(|swept| self.point(swept, &mut fills)).collect()
     }
 
-    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
+    /// A point; `known` are the ticks of the fillers for each length of the gap so far.
+    fn point(
+        &self,
+        swept: Vec<(&'static str, Swept)>,
+        known: &mut HashMap<u32, Arc<[Fill]>>,
+    ) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
@@ -82,8 +90,14 @@ impl Base<'_> {
             inputs.motion.vibration = Some(vibration);
         }
         self.check(&inputs)?;
-        let fills =
-            self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
+        let fills = match known.get(&inputs.gap_ticks) {
+            Some(fills) => fills.clone(),
+            None => {
+                let fills = self.fillers.iter().map(|written| self.fill(written, &inputs));
+                let fills: Arc<[Fill]> = fills.collect::<Result<_, _>>()?;
+                known.entry(inputs.gap_ticks).or_insert(fills).clone()
+            }
+        };
         Ok(Point { swept, inputs, fills, design: None })
     }
 

@@ -66,7 +66,7 @@ impl Configuration {
             fit_ticks: self.fit_ticks.clone(),
             extrapolation_ticks: Some(self.extrapolation_ticks.clone()),
         };
-        let fills = vec![fill; self.fillers.len()];
+        let fills = vec![fill; self.fillers.len()].into();
         Point { swept: vec![], inputs: self.inputs.clone(), fills, design: None }
     }
 

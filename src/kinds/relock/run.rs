@@ -33,8 +33,9 @@ impl Launched for LoweredRelock {
         let work = |estimates: Vec<&RelockEstimate>| {
             let launch = self.launch(&estimates);
             let addresses: Vec<Address> = estimates.iter().map(|estimate| estimate.address).collect();
-            let blocks = lacking(&addresses, launch.steps())?;
-            Ok(Work::new(move || launch.clone(), addresses, blocks))
+            let steps = launch.steps();
+            let blocks = lacking(&addresses, steps)?;
+            Ok(Work::new(steps, move || Ok(launch.clone()), addresses, blocks))
         };
         Compensation::ALL.into_iter().flat_map(|compensation| self.launched(compensation)).map(work).collect()
     }

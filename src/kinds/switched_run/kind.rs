@@ -60,7 +60,7 @@ impl Subject for SwitchedRun {
         let fill = only.fill.as_mut()?;
         fill.fillers = vec![fill.fillers.get(filler)?.clone()];
         for of_point in only.points.iter_mut().filter_map(|point| point.fill.as_mut()) {
-            of_point.fills = vec![of_point.fills.get(filler)?.clone()];
+            of_point.fills = [of_point.fills.get(filler)?.clone()].into();
         }
         Some((Arc::new(only), angle))
     }

@@ -80,7 +80,7 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
     assert_eq!((frequency(second), second.inputs.gap_ticks), (2.0, 2));
     assert_eq!((frequency(last), last.inputs.gap_ticks), (40.0, 3));
     assert_eq!(last.fills.len(), 3);
-    for fill in &last.fills {
+    for fill in last.fills.iter() {
         assert_eq!(fill.fit_ticks, [-1, 0, 4, 5]);
         assert_eq!(fill.extrapolation_ticks, Some(vec![-3, -2, -1, 0]));
     }

@@ -7,6 +7,7 @@ use rayon::ThreadPoolBuilder;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::run::Plan as GapPlan;
+use crate::kinds::gap_fill::run::proven::Proven;
 use crate::kinds::plan::PointsPlan;
 use crate::progress::{Progress, Silent};
 use crate::source::diagnose::StudyError;
@@ -30,8 +31,8 @@ fn lowered(asked: &GapFill, study: &Study, place: usize) -> Result<Lowered, crat
 
 fn plan<'a>(study: &'a Study, progress: &dyn Progress) -> Result<Option<GapPlan<'a>>, StudyError> {
     let asked: &GapFill = study.asked().unwrap();
-    let lower = |point: &_| Lowered::new(point, &asked.fillers, &asked.errors, study.seed, study.streams);
-    PointsPlan::new(study, asked, &asked.points, |point| &point.swept, lower, progress)
+    let prove = |point| Proven::new(study, asked, point);
+    PointsPlan::new(study, asked, &asked.points, |point| &point.swept, prove, progress)
 }
 
 fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -46,10 +47,15 @@ fn several_threads_give_the_words_of_each_point_alone() {
     assert_eq!(planned.points.len(), 2400);
     // From the other end, so that what points share is computed for others first.
     for place in (0..2400).rev() {
-        let alone = lowered(asked, &study, place).unwrap();
-        assert_eq!(planned.points[place], alone, "point {place}");
-        let [together, alone] = [&planned.points[place], &alone].map(|point| point.launch(&[0, 1]));
-        assert!(together == alone, "the launch of point {place}");
+        let (proven, alone) = (&planned.points[place], lowered(asked, &study, place).unwrap());
+        let proofs = proven
+            .estimates
+            .iter()
+            .map(|own| (proven.address(own), own.oracle, own.unit_arcsec, own.bin_base));
+        let estimates = alone.fillers.iter().flatten();
+        let estimates = estimates.map(|own| (own.address, own.oracle, own.unit_arcsec, own.bin_base));
+        assert!(proofs.eq(estimates), "point {place}");
+        assert!(proven.launch(&[0, 1]).unwrap() == alone.launch(&[0, 1]), "the launch of point {place}");
     }
 }
 

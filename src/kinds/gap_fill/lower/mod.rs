@@ -108,19 +108,14 @@ impl Lowered {
             }
             Ok(estimates)
         };
-        let fillers = fillers.iter().zip(&point.fills).map(estimates).collect::<Result<Vec<_>, Refusal>>()?;
+        let fillers =
+            fillers.iter().zip(point.fills.iter()).map(estimates).collect::<Result<Vec<_>, Refusal>>()?;
         Ok(Lowered { id, key, fixed, fillers })
     }
 
     /// Most fillers with as many errors as `filler` that fit into a launch.
     pub fn most_fillers(&self, filler: usize) -> usize {
         MAX_ESTIMATES / self.fillers[filler].len().max(1)
-    }
-
-    /// Whether two fillers have the same errors, so that they can share a launch.
-    pub fn alike(&self, a: usize, b: usize) -> bool {
-        let errors = |filler: usize| self.fillers[filler].iter().map(|estimate| estimate.error);
-        errors(a).eq(errors(b))
     }
 
     /// The least possible number of trials of the point that is at least `asked`: whole replays for a profile that is

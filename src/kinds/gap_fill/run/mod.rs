@@ -1,5 +1,6 @@
 //! Running a gap-fill study: trials that the store lacks are sampled, and what it holds is tabulated.
 
+pub(crate) mod proven;
 pub(crate) mod stop;
 
 use crate::chart::law::Law;
@@ -7,29 +8,28 @@ use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Row, columns};
-use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::plan::{Lacking, Launched, PointsPlan, Tabulated};
-use crate::kinds::table::table;
+use crate::kinds::gap_fill::run::proven::{Proof, Proven};
+use crate::kinds::plan::{Launched, PointsPlan, Tabulated};
+use crate::kinds::table::{appended, table};
 use crate::motion::Frequency;
-use crate::sampling::batches::{Work, estimates};
+use crate::sampling::batches::estimates;
 use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
 use crate::sampling::tables::Tables;
 use crate::source::diagnose::StudyError;
+use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::store::{Address, Store};
-use crate::tally::block::Block;
-use crate::tally::id::Id;
+use crate::table::Table;
 
 /// The plan of a gap-fill study.
-pub(crate) type Plan<'a> = PointsPlan<'a, GapFill, Lowered>;
+pub(crate) type Plan<'a> = PointsPlan<'a, GapFill, Proven<'a>>;
 
 /// Most trials of a replayed record, because the lower half of a trial's number determines its place.
 const MOST_REPLAYED: u64 = 1 << 32;
 
 /// Refuses too many trials of a record that is replayed over all its places.
 pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
-    let (study, replays) = (plan.study, plan.points.iter().any(|point| point.whole_replays(1) > 1));
+    let (study, replays) = (plan.study, plan.points.iter().any(|point| point.trials(1) > 1));
     if !replays || study.trials <= MOST_REPLAYED {
         return Ok(());
     }
@@ -38,56 +38,8 @@ pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
     Err(study.error_at(study.place_of("motion.profile"), message, help))
 }
 
-impl Launched for Lowered {
-    fn id(&self) -> Id {
-        self.id
-    }
-
-    fn addresses(&self) -> Vec<Address> {
-        self.fillers.iter().flatten().map(|estimate| estimate.address).collect()
-    }
-
-    fn launches(&self) -> usize {
-        self.grouped(self.fillers.iter().map(|_| Vec::new())).len()
-    }
-
-    fn work(&self, lacking: Lacking) -> Result<Vec<Work<'_>>, StoreError> {
-        let mut lacks = Vec::new();
-        for estimates in &self.fillers {
-            let addresses: Vec<Address> = estimates.iter().map(|estimate| estimate.address).collect();
-            lacks.push(lacking(&addresses, 1)?);
-        }
-        let groups = self.grouped(lacks).into_iter().filter(|(blocks, _)| !blocks.is_empty());
-        let work = |(blocks, fillers): (Vec<Block>, Vec<usize>)| {
-            let addresses = self.launched(&fillers).map(|estimate| estimate.address).collect();
-            Work::new(move || self.launch(&fillers), addresses, blocks)
-        };
-        Ok(groups.map(work).collect())
-    }
-
-    fn trials(&self, asked: u64) -> u64 {
-        self.whole_replays(asked)
-    }
-}
-
-impl Lowered {
-    /// The fillers, grouped into launches: those that lack the same blocks share one.
-    fn grouped(&self, lacking: impl IntoIterator<Item = Vec<Block>>) -> Vec<(Vec<Block>, Vec<usize>)> {
-        let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
-        for (filler, blocks) in lacking.into_iter().enumerate() {
-            let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
-                group.0 == blocks
-                    && group.1.len() < self.most_fillers(filler)
-                    && self.alike(group.1[0], filler)
-            };
-            match groups.iter_mut().find(joins) {
-                Some(group) => group.1.push(filler),
-                None => groups.push((blocks, vec![filler])),
-            }
-        }
-        groups
-    }
-}
+/// Number of points whose rows are made together.
+const TABULATED_AT_ONCE: usize = 1024;
 
 impl Plan<'_> {
     /// A note that fillers have different weights at each point, which firmware cannot have.
@@ -118,8 +70,7 @@ impl Plan<'_> {
         let mut sentences = Vec::new();
         for (index, filler) in self.subject.fillers.iter().enumerate() {
             let has = |error: Error| {
-                let all =
-                    |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
+                let all = |point: &Proven| point.filler(index).iter().any(|estimate| estimate.error == error);
                 self.points.iter().all(all)
             };
             let lacks: Vec<&str> =
@@ -134,19 +85,19 @@ impl Plan<'_> {
     }
 }
 
-impl Tabulated for Plan<'_> {
-    /// The table has a row for each point, filler and error, and a column for each law that a chart draws.
-    fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
+impl Plan<'_> {
+    /// The rows of some points.
+    fn part(&self, points: &[Proven], store: Option<&Store>) -> Result<Table, RunError> {
         let blank = Found::default();
-        let count = self.points.iter().flat_map(|point| &point.fillers).map(Vec::len).sum();
-        let mut rows = Vec::with_capacity(count);
-        for (point, lowered) in self.subject.points.iter().zip(&self.points) {
-            for (filler, estimates) in self.subject.fillers.iter().zip(&lowered.fillers) {
-                let row = |estimate| Row { point, filler, estimate, found: &blank };
-                rows.extend(estimates.iter().map(row));
-            }
+        let mut rows = Vec::new();
+        for proven in points {
+            let row = |estimate| Row { proven, filler: self.filler(estimate), estimate, found: &blank };
+            rows.extend(proven.estimates.iter().map(row));
         }
-        let of = |row: &Row| (row.estimate.address, row.estimate.bin_base, row.estimate.unit_arcsec);
+        let of = |row: &Row| {
+            let Row { proven, estimate, .. } = row;
+            (proven.address(estimate), estimate.bin_base, estimate.unit_arcsec)
+        };
         let mut found = store.map_or(Ok(vec![]), |store| estimates(Some(store), &rows, of))?;
         for (row, found) in rows.iter().zip(&mut found) {
             let known = row.estimate.oracle.noise_of_square.zip(found.estimates.as_mut());
@@ -155,10 +106,23 @@ impl Tabulated for Plan<'_> {
             }
         }
         rows.iter_mut().zip(&found).for_each(|(row, found)| row.found = found);
-        let mut table = table(&self.study.sweeps, &columns(), &rows, |row| &row.point.swept);
+        let mut table = table(&self.study.sweeps, &columns(), &rows, |row| &row.proven.point.swept);
         let of_law = |law: Law| law.about().with(rows.iter().map(|row| row.law(law).into()).collect());
         table.columns.extend(self.study.laws().into_iter().map(of_law));
-        Ok(Tables::of_points(table))
+        Ok(table)
+    }
+
+    /// The filler of an estimate.
+    fn filler(&self, estimate: &Proof) -> &Filler {
+        &self.subject.fillers[usize::from(estimate.filler)]
+    }
+}
+
+impl Tabulated for Plan<'_> {
+    /// The table has a row for each point, filler and error, and a column for each law that a chart draws.
+    fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
+        let parts = self.points.chunks(TABULATED_AT_ONCE).map(|points| self.part(points, store));
+        Ok(Tables::of_points(appended(parts)?))
     }
 
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {

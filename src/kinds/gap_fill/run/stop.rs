@@ -2,8 +2,9 @@
 
 use crate::kernel::moments::Moments;
 use crate::key::precision::Precision;
-use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::run::Plan;
+use crate::kinds::gap_fill::run::proven::Proof;
+use crate::kinds::plan::Launched;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::tally::stats::{Estimates, NORMAL_95};
@@ -14,11 +15,12 @@ impl Plan<'_> {
         let Some(precision) = &self.study.precision else { return Ok(false) };
         let mut raised = false;
         for (point, wanted) in self.points.iter().zip(wanted) {
-            let most = point.whole_replays(self.study.trials);
-            let mut estimates = point.fillers.iter().flatten().take_while(|_| *wanted < most);
+            let most = point.trials(self.study.trials);
+            let mut estimates = point.estimates.iter().take_while(|_| *wanted < most);
             let is_imprecise = estimates.try_fold(false, |is_imprecise, estimate| {
                 let within = |tally| known(precision, estimate, &tally);
-                Ok(is_imprecise || !within(store.total_within(&estimate.address, *wanted)?))
+                let address = point.address(estimate);
+                Ok(is_imprecise || !within(store.total_within(&address, *wanted)?))
             })?;
             if is_imprecise {
                 *wanted = (2 * *wanted).min(most);
@@ -36,10 +38,11 @@ impl Plan<'_> {
     pub(crate) fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
         let Some(precision) = &self.study.precision else { return Ok((0, 0)) };
         let (mut imprecise, mut all) = (0, 0);
-        for estimates in self.points.iter().flat_map(|point| &point.fillers) {
+        let fillers = self.points.iter().flat_map(|point| point.fillers().map(move |own| (point, own)));
+        for (point, estimates) in fillers {
             let mut is_precise = true;
             for estimate in estimates {
-                is_precise &= known(precision, estimate, &store.total(&estimate.address)?);
+                is_precise &= known(precision, estimate, &store.total(&point.address(estimate))?);
             }
             imprecise += usize::from(!is_precise);
             all += 1;
@@ -49,7 +52,7 @@ impl Plan<'_> {
 }
 
 /// Whether a tally gives the error of an estimate with the requested precision.
-fn known(precision: &Precision, estimate: &Estimate, tally: &Moments) -> bool {
+fn known(precision: &Precision, estimate: &Proof, tally: &Moments) -> bool {
     let Some(found) = Estimates::of(tally, estimate.bin_base, 1.0) else { return false };
     let within = |part: Option<f64>, half: Option<f64>, value: Option<f64>| {
         part.is_none_or(|part| half.zip(value).is_some_and(|(half, value)| half <= part * value))

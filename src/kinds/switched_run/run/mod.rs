@@ -41,8 +41,9 @@ impl Launched for LoweredRun {
         for filled in &self.fillers {
             for (launch, places) in filled.launches() {
                 let addresses: Vec<_> = places.iter().map(|&place| filled.estimates[place].address).collect();
-                let blocks = lacking(&addresses, launch.steps())?;
-                all.push(Work::new(move || launch.clone(), addresses, blocks));
+                let steps = launch.steps();
+                let blocks = lacking(&addresses, steps)?;
+                all.push(Work::new(steps, move || Ok(launch.clone()), addresses, blocks));
             }
         }
         Ok(all)
