@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::quantity::visible::{visible, visible_json};
-use sagnac::store::whole::write_whole;
+use sagnac::store::whole::{write_whole, write_whole_by};
 use sagnac::table::Table;
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
@@ -133,7 +133,7 @@ pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
 /// The folder or the file cannot be written.
 pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
     make_folder(path.parent().unwrap_or(path))?;
-    write(path, &csv(table, path)?)
+    write_whole_by(path, |file| table.write_csv(file)).map_err(unwritten(path))
 }
 
 /// Writes a table of a results folder, or removes that of an earlier run where there is none.

@@ -38,11 +38,19 @@ pub(crate) fn ordinary_database(path: &Path) -> io::Result<()> {
 /// # Errors
 /// The file cannot be written.
 pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
+    write_whole_by(path, |file| file.write_all(contents))
+}
+
+/// Writes a file as [`write_whole`] does, with contents that need not be in memory together.
+///
+/// # Errors
+/// The file cannot be written, or `contents` fails.
+pub fn write_whole_by(path: &Path, contents: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let partial = path.with_extension("partial");
     // What is there is left over by a run that was killed, or a link into the files of whoever writes here.
     let _ = fs::remove_file(&partial);
-    let written = File::create_new(&partial)
-        .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()));
+    let written =
+        File::create_new(&partial).and_then(|mut file| contents(&mut file).and_then(|()| file.sync_all()));
     written.and_then(|()| fs::rename(&partial, path)).inspect_err(|_| {
         // On a full disk, the space is worth more than half a file.
         let _ = fs::remove_file(&partial);

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use sagnac::analysis::decision::{Lines, Sheet, decide};
 use sagnac::analysis::requirement::Decision;
+use sagnac::chart::Source;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -101,24 +102,43 @@ impl Ran<'_> {
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
-        let Ran { study, plan, folder, done, lacking, .. } = self;
+        let Ran { plan, folder, .. } = self;
         let tables = plan.tables(store, progress)?;
-        for (source, table) in tables.all() {
-            write_table(&folder.join(source.file()), table)?;
-        }
+        let mut written = Ok(());
+        // Long tables take as long to write as everything else that is made of them.
+        let document = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| {
+                let write =
+                    |(source, table): (Source, &Table)| write_table(&folder.join(source.file()), table);
+                written = tables.all().try_for_each(write);
+            });
+            self.show_tables(store, &tables, progress)
+        });
+        written?;
+        document
+    }
+
+    /// Writes the charts and the page, prints, and returns the results as JSON if requested.
+    fn show_tables(
+        &self,
+        store: &Store,
+        tables: &Tables,
+        progress: &Shown,
+    ) -> Result<Option<Value>, Failure> {
+        let Ran { study, plan, folder, done, lacking, .. } = self;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        let results = Results::of::<Failure>(study, plan, store, &tables, *lacking, degraded)?;
+        let results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
         write(&folder.join(RESOLVED), results.resolved().as_bytes())?;
         draw(&results.charts, folder)?;
         let verdicts = results.verdicts()?;
         let mut answer = results.answer(&verdicts)?;
-        let sheet = decision(study, &tables, *lacking)?;
+        let sheet = decision(study, tables, *lacking)?;
         answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
         let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
         write(&folder.join(REPORT), results.page(answer).as_bytes())?;
         progress.clear();
         if self.json {
-            let mut document = self.to_json(&tables, &verdicts, &results.notes());
+            let mut document = self.to_json(tables, &verdicts, &results.notes());
             document["answer"] = json!(headline);
             document["decision"] = json!(sheet.as_ref().map(Sheet::json));
             return Ok(Some(document));
@@ -130,7 +150,7 @@ impl Ran<'_> {
             if let Some(first) = results.charts.first().filter(|_| self.plot) {
                 print_drawn(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
-            print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;
+            print(&summary(study, tables, &results.curves, &verdicts, *lacking)?)?;
             // For a single curve the verdict says the same.
             let judged: usize = verdicts.iter().map(|verdict| verdict.answers.len()).sum();
             if judged != 1 && !headline.is_empty() {

@@ -6,7 +6,7 @@ use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Table, Usual, grouped};
 use crate::view::report::answer::{apart, is_given};
 use crate::view::report::bandless::Bandless;
-use crate::view::report::sentences::names;
+use crate::view::report::sentences::{names, naming};
 
 /// The option after the best one.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,10 +72,16 @@ impl<'t> Choice<'t> {
         };
         let mut rows = table.rows_where(&filter).unwrap_or_default();
         // A coefficient that no record of any point shows is none of the gyro's.
-        let name = |row: usize| text_of(study, source, table, row);
         let has_value = |row: usize| column.cells[row].number().is_some();
-        let known: Vec<_> = rows.iter().filter(|row| has_value(**row)).map(|row| name(*row)).collect();
-        rows.retain(|&row| has_value(row) || (source == Source::Coefficients && known.contains(&name(row))));
+        match source {
+            Source::Coefficients => {
+                let name = |row: usize| text_of(study, source, table, row);
+                let known: Vec<_> =
+                    rows.iter().filter(|row| has_value(**row)).map(|row| name(*row)).collect();
+                rows.retain(|&row| has_value(row) || known.contains(&name(row)));
+            }
+            _ => rows.retain(|&row| has_value(row)),
+        }
         let abscissa = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
         let by = apart(study, source, table, vec![])?;
         let by: Vec<&Column> =
@@ -99,18 +105,16 @@ impl<'t> Choice<'t> {
         let value = |row: usize| column.cells[row].number().map_or(f64::INFINITY, f64::abs);
         let least = |rows: Vec<usize>| rows.into_iter().min_by(|a, b| value(*a).total_cmp(&value(*b)));
         let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
+        let (condition_of, option_of) = (naming(&given), naming(&chosen));
         let option = |(name, rows): (String, Vec<usize>)| {
             // A curve over the averaging time counts at its minimum.
-            let conditions: Vec<usize> = grouped(rows, |row| names(&given, row))
-                .into_iter()
-                .filter_map(|(_, rows)| least(rows))
-                .collect();
+            let conditions: Vec<usize> =
+                grouped(rows, &condition_of).into_iter().filter_map(|(_, rows)| least(rows)).collect();
             let worst = conditions.iter().copied().max_by(|a, b| value(*a).total_cmp(&value(*b)))?;
             let met = conditions.iter().filter(|row| is_met(**row)).count();
             Some(Rated { name, row: worst, met, conditions: conditions.len() })
         };
-        let mut options: Vec<Rated> =
-            grouped(rows, |row| names(&chosen, row)).into_iter().filter_map(option).collect();
+        let mut options: Vec<Rated> = grouped(rows, option_of).into_iter().filter_map(option).collect();
         options.sort_by(|a, b| b.met.cmp(&a.met).then(value(a.row).total_cmp(&value(b.row))));
         let Some(Rated { name, row, met, conditions }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);

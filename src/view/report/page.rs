@@ -1,6 +1,9 @@
 //! The page of one study.
 
+use std::io::{self, Write};
+
 use maud::{Markup, html};
+use sha2::{Digest, Sha256};
 
 use crate::chart;
 use crate::quantity::number::significant;
@@ -164,10 +167,24 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
 
 /// SHA-256 of a table in the form of its file.
 fn digest(table: &Table) -> String {
-    let mut bytes = Vec::new();
-    // Writing to memory cannot fail.
-    let _ = table.write_csv(&mut bytes);
-    hexadecimal(&bytes)
+    let mut hash = Hashed(Sha256::new());
+    // A hash takes everything.
+    let _ = table.write_csv(&mut hash);
+    hexadecimal(&hash.0.finalize())
+}
+
+/// A file of which only the hash is kept.
+struct Hashed(Sha256);
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// A number per second.

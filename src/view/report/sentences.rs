@@ -100,6 +100,19 @@ fn named(column: &Column, cell: &Cell) -> Option<String> {
     }
 }
 
+/// The values of some columns in each row as [`names`] gives them; those of a column with few values are written once.
+pub(crate) fn naming<'t>(columns: &[&'t Column]) -> impl Fn(usize) -> String + use<'t> {
+    let texts = |column: &&'t Column| {
+        let column = *column;
+        column.cells.texts(move |cell| named(column, cell).unwrap_or_default())
+    };
+    let columns: Vec<_> = columns.iter().map(texts).collect();
+    move |row| {
+        let names = columns.iter().map(|column| column.at(row)).filter(|name| !name.is_empty());
+        names.collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// The values of some columns in a row, as in a sentence.
 pub(crate) fn names(columns: &[&Column], row: usize) -> String {
     columns.iter().filter_map(|column| named(column, &column.cells[row])).collect::<Vec<_>>().join(", ")

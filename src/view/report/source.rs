@@ -52,13 +52,13 @@ const SHORT: usize = 16 << 10;
 impl Named {
     fn of(input: &Input) -> Named {
         let text = (input.text.len() <= SHORT).then(|| input.text.to_string());
-        Named { name: input.name.clone(), digest: hexadecimal(input.text.as_bytes()), text }
+        Named { name: input.name.clone(), digest: hexadecimal(&Sha256::digest(input.text.as_bytes())), text }
     }
 }
 
-/// SHA-256 of some bytes, in hexadecimal.
+/// Bytes, in hexadecimal.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Source {
