@@ -24,10 +24,8 @@ struct Noise {
     start: u32,
 }
 
-var<private> address: Address;
 var<private> noise: Noise;
 var<private> holds: array<Hold, HOLD_ROOM>;
-var<private> angles: array<u32, CHUNK>;
 
 fn begin() {
     let words = draw(address, FOR_RECORD_START, 0u);

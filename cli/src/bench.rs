@@ -38,7 +38,7 @@ struct Figure {
 /// Best rates of all runs, in units per second.
 #[derive(Debug)]
 struct Rates {
-    /// Trials, runs or samples.
+    /// Trials, runs, samples or steps.
     unit: &'static str,
     /// By the clock of the processor.
     wall: f64,
@@ -108,7 +108,7 @@ fn figure(measured: &Measured, device: &mut Device, limit: Option<f64>) -> Resul
     let rates = rates(measured, device)?;
     let estimates = match &measured.work {
         Work::Trials(launch) => launch.sampled().estimates(),
-        Work::Records(recipe) => recipe.places(),
+        Work::Records(recipe) => recipe.curve().places(),
     };
     let part_of_integer_limit = match (&*device, rates.device, limit) {
         (Device::Gpu(gpu), Some(rate), Some(limit)) => {
@@ -124,7 +124,7 @@ fn figure(measured: &Measured, device: &mut Device, limit: Option<f64>) -> Resul
 fn rates(measured: &Measured, device: &mut Device) -> Result<Rates, GpuError> {
     let (mut count, in_unit) = match &measured.work {
         Work::Trials(launch) => ((1 << 20_u64) / launch.steps().next_power_of_two(), 1.0),
-        Work::Records(recipe) => (64, f64::from(recipe.samples)),
+        Work::Records(recipe) => (64, recipe.steps() as f64),
     };
     let mut rates = Rates { unit: measured.unit, wall: 0.0, device: None };
     let mut runs = 0;
@@ -159,7 +159,7 @@ fn run(measured: &Measured, device: &mut Device, count: u64) -> Result<(), GpuEr
             let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
             device.tally(&jobs, measured.histogram, &|_| {}).map(drop)
         }
-        Work::Records(recipe) => device.sums(recipe, 0, count as usize, &|_| {}).map(drop),
+        Work::Records(recipe) => device.sums(&**recipe, 0, count as usize, &|_| {}).map(drop),
     }
 }
 
@@ -169,7 +169,7 @@ impl Figure {
         let with = if *histogram { "with histogram" } else { "without histogram" };
         let (unit, digits) = (rates.unit, if rates.unit == "runs" { 3 } else { 1 });
         let estimates = match unit {
-            "samples" => format!("{estimates} averaging times"),
+            "samples" | "steps" => format!("{estimates} averaging times"),
             _ => format!("{estimates} estimates, {with:17}"),
         };
         let million = |rate: f64| format!("{:9.digits$}", rate / 1e6);

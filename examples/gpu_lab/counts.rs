@@ -1,8 +1,9 @@
 //! Part `counts`: the integer operations of each measured kernel.
 
 use sagnac::device::load::Work;
+use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::launch::Launch;
-use sagnac::kernel::recipe::{CHUNK, Recipe};
+use sagnac::kernel::recipe::CHUNK;
 use sagnac::kernel::shader::Variant;
 use sagnac::verify::measured::{Measured, measured};
 use serde_json::json;
@@ -34,7 +35,7 @@ const VARIANTS: [Variant; 2] = [
 fn counted(measured: &Measured, variant: Variant) -> Operations {
     match &measured.work {
         Work::Trials(launch) => of_trial(launch, measured.histogram, variant),
-        Work::Records(recipe) => of_sample(recipe, variant),
+        Work::Records(recipe) => of_sample(&**recipe, variant),
     }
 }
 
@@ -56,15 +57,16 @@ fn of_trial(launch: &Launch, histogram: bool, variant: Variant) -> Operations {
     Operations { all: two.all - one.all, wide: two.wide - one.wide }
 }
 
-/// The mean of some samples from the middle of a record.
-fn of_sample(recipe: &Recipe, variant: Variant) -> Operations {
-    let (first, chunks) = (256, 32);
+/// The mean of some samples from the middle of a record; where a sample has many steps, the mean of the steps at its start.
+fn of_sample(recipe: &dyn Recorded, variant: Variant) -> Operations {
+    let steps = recipe.steps() / u64::from(recipe.curve().samples);
+    let (first, chunks) = if steps > 1 { (0, 1) } else { (256, 32) };
     let (shader, _) = recipe.shader(variant);
     let parameters = recipe.parameters(0, 64, [first, first + chunks]);
     let given = |name: &str| (name == "p").then(|| parameters.iter().copied().map(Some).collect());
     let Operations { all, wide } = operations(&shader, &given);
-    let samples = u64::from(chunks) * CHUNK as u64;
-    Operations { all: (all + samples / 2) / samples, wide: (wide + samples / 2) / samples }
+    let count = u64::from(chunks) * CHUNK as u64 * steps;
+    Operations { all: (all + count / 2) / count, wide: (wide + count / 2) / count }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! One record in a workgroup, with all its angles in the workgroup's memory, beside the kernel's own form.
 
+use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::part;
 use sagnac::kernel::recipe::{FOUR_STREAMS, Level, Recipe};
 use sagnac::kernel::shader::{Constants, Part, Shader, Variant};
@@ -21,7 +22,8 @@ static GROUPS: Part =
 fn constants() -> Constants {
     let own = [("SPAN", SPAN), ("LANES", LANES), ("SCAN_STEPS", LANES.ilog2()), ("QUAD", 4)];
     let own = own.map(|(name, value)| (name.to_owned(), value.into()));
-    (part::noise.constants)().into_iter().chain(own).collect()
+    let kernel = [&part::noise, &part::curve, &part::allan];
+    kernel.into_iter().flat_map(|part| (part.constants)()).chain(own).collect()
 }
 
 /// The levels with the starts and lengths of their rings, then the slots; and the place of each slot.

@@ -5,6 +5,7 @@
 //! samples, on its own grid in each record. New numbers are drawn at the multiples of 2^o, for all records at once, and
 //! each record switches to its own when its grid says so.
 
+use crate::curve::Chunk;
 use crate::normal::normal;
 use crate::philox::{Address, Purpose, WORDS};
 use crate::recipe::{CHUNK, FOUR_STREAMS, LONG_HOLDS, MAX_OCTAVES, Recipe, STREAMS};
@@ -12,10 +13,7 @@ use crate::shader::constants;
 use crate::sine::{QUARTER_TURN, sine};
 use crate::word::{Wide, Word};
 
-constants!(CHUNK, STREAMS, FOUR_STREAMS, LONG_HOLDS);
-
-/// A chunk of words, one for each lane and sample.
-pub type Chunk = [u32; 16 * CHUNK];
+constants!(STREAMS, FOUR_STREAMS, LONG_HOLDS);
 
 /// State carried from chunk to chunk.
 pub struct Noise<W: Word> {
@@ -121,7 +119,7 @@ impl<W: Word> Noise<W> {
     /// Computes the change of flicker noise in each sample.
     #[inline(always)]
     fn changes(&mut self, recipe: &Recipe, first: usize, changes: &mut Chunk) {
-        changes.fill(0);
+        changes[..W::LANES * CHUNK].fill(0);
         if recipe.octaves() > 1 {
             self.short_holds(recipe, first, changes);
             for octave in LONG_HOLDS..recipe.octaves() {

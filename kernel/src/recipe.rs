@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::curve::Recorded;
 use crate::launch::{MOST_TABLE, Misfit};
 
 /// Samples made at a time.
@@ -115,30 +116,16 @@ impl Recipe {
 
     /// Number of places of the curve: the averaging factors of all levels.
     pub fn places(&self) -> usize {
-        self.levels.iter().map(|level| level.spans.len()).sum()
+        self.curve().places()
     }
 
     /// Number of differences averaged at each place, in the order of the levels.
     pub fn terms(&self) -> Vec<u64> {
-        let of_level = |level: &Level| {
-            let last = u64::from(self.samples / level.stride);
-            let order = u64::from(self.order);
-            level
-                .spans
-                .iter()
-                .map(move |&span| (last + 1).saturating_sub(order * u64::from(span)))
-                .collect::<Vec<_>>()
-        };
-        self.levels.iter().flat_map(of_level).collect()
-    }
-
-    /// Chunks of a record; the last is rarely full.
-    pub fn chunks(&self) -> u32 {
-        self.samples / CHUNK as u32 + 1
+        self.curve().terms()
     }
 
     /// Words of angles kept per lane.
     pub fn depth(&self) -> usize {
-        self.levels.iter().map(|level| level.depth(self.order)).sum()
+        self.curve().depth()
     }
 }

@@ -5,8 +5,8 @@ use core::ops::Range;
 use rayon::prelude::*;
 
 use crate::device::{Advance, Job, Tallies};
+use crate::kernel::curve::Recorded;
 use crate::kernel::moments::{Moments, Trials};
-use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 
 /// Steps that a thread takes at a time, which last some milliseconds.
@@ -51,8 +51,8 @@ impl Cpu {
 
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
     /// curve. `progress` receives numbers of records as they complete.
-    pub fn sums(&self, recipe: &Recipe, first: u64, count: usize, progress: Advance) -> Vec<u128> {
-        let lanes = self.width.lanes() as u64;
+    pub fn sums(&self, recipe: &dyn Recorded, first: u64, count: usize, progress: Advance) -> Vec<u128> {
+        let lanes = recipe.lanes(self.width) as u64;
         let end = first + count as u64;
         // The record numbers of a group share one upper half.
         let half = ((first | u64::from(u32::MAX)) + 1).min(end);

@@ -1,7 +1,9 @@
 //! Loads on which devices are compared.
 
 use crate::kernel::launch::Launch;
-use crate::kernel::recipe::Recipe;
+use std::sync::Arc;
+
+use crate::kernel::curve::Recorded;
 
 /// A named load of a kernel. A kind of study provides loads that cover every distinction its kernel makes.
 #[derive(Debug, Clone)]
@@ -20,7 +22,7 @@ pub enum Work {
     /// Trials of a launch.
     Trials(Launch),
     /// Synthetic records.
-    Records(Recipe),
+    Records(Arc<dyn Recorded>),
 }
 
 impl Load {

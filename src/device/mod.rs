@@ -11,10 +11,10 @@ pub mod select;
 
 use crate::device::error::GpuError;
 use crate::device::group::Group;
+use crate::kernel::curve::Recorded;
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
-use crate::kernel::recipe::Recipe;
 use crate::tally::block::Block;
 
 /// Receives numbers of trials or records as they complete.
@@ -88,7 +88,7 @@ impl Device {
     /// ([`TooLong`](GpuError::TooLong)); the CPU can make such a record, and does in a group.
     pub fn sums(
         &mut self,
-        recipe: &Recipe,
+        recipe: &dyn Recorded,
         first: u64,
         count: usize,
         progress: Advance,
@@ -98,10 +98,15 @@ impl Device {
             Device::Gpu(gpu) => gpu.sums(recipe, first, count, progress),
             Device::Group(group) => {
                 let records = first..first + count as u64;
-                group.sums(u64::from(recipe.samples), records, progress, &|device, records, progress| {
-                    let count = (records.end - records.start) as usize;
-                    device.sums(recipe, records.start, count, progress)
-                })
+                group.sums(
+                    u64::from(recipe.curve().samples),
+                    records,
+                    progress,
+                    &|device, records, progress| {
+                        let count = (records.end - records.start) as usize;
+                        device.sums(recipe, records.start, count, progress)
+                    },
+                )
             }
         }
     }

@@ -6,8 +6,8 @@ use crate::device::error::GpuError;
 use crate::device::gpu::adapter::Adapter;
 use crate::device::select::SelfTest;
 use crate::device::{Advance, Job, Tallies};
+use crate::kernel::curve::Recorded;
 use crate::kernel::map::Map;
-use crate::kernel::recipe::Recipe;
 use crate::kernel::shader::Variant;
 
 pub mod adapter {
@@ -134,7 +134,13 @@ impl Gpu {
         match self.never {}
     }
 
-    pub(crate) fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Advance) -> Result<Vec<u128>, GpuError> {
+    pub(crate) fn sums(
+        &mut self,
+        _: &dyn Recorded,
+        _: u64,
+        _: usize,
+        _: Advance,
+    ) -> Result<Vec<u128>, GpuError> {
         match self.never {}
     }
 

@@ -3,6 +3,7 @@
 pub(crate) mod batches;
 pub(crate) mod found;
 pub(crate) mod plan;
+pub(crate) mod records;
 pub(crate) mod tables;
 pub(crate) mod worker;
 pub(crate) mod writer;

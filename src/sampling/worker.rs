@@ -9,7 +9,7 @@ use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::select::reopen;
 use crate::device::{Advance, Device, Job, Tallies};
-use crate::kernel::recipe::Recipe;
+use crate::kernel::curve::Recorded;
 use crate::kernel::width::Width;
 use crate::progress::Progress;
 
@@ -87,7 +87,7 @@ impl<'a> Worker<'a> {
     /// The device fails, and no threads can be started for the processor to replace it.
     pub(crate) fn sums(
         &mut self,
-        recipe: &Recipe,
+        recipe: &dyn Recorded,
         records: Range<u64>,
         advance: Advance,
     ) -> Result<Vec<u128>, GpuError> {
@@ -99,14 +99,16 @@ impl<'a> Worker<'a> {
                 device.sums(recipe, records.start, count, progress)
             });
             if let Err(error @ GpuError::TooLong { .. }) = &made {
-                notes
-                    .say_once(format!("records of {} samples were made on the CPU: {error}", recipe.samples));
+                notes.say_once(format!(
+                    "records of {} samples were made on the CPU: {error}",
+                    recipe.curve().samples
+                ));
             }
             made
         };
         let made = match &mut *self.device {
             Device::Group(group) => {
-                group.sums(u64::from(recipe.samples), records.clone(), &attempts.next(), &sums)
+                group.sums(u64::from(recipe.curve().samples), records.clone(), &attempts.next(), &sums)
             }
             one => sums(one, records.clone(), &attempts.next()),
         };

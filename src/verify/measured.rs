@@ -1,5 +1,7 @@
 //! The loads whose rates `sagnac bench` and the example `gpu_lab` measure.
 
+use std::sync::Arc;
+
 use crate::device::load::Work;
 use crate::kernel::launch::Launch;
 use crate::kernel::shader::Variant;
@@ -16,18 +18,18 @@ pub struct Measured {
     pub kernel: &'static str,
     /// Name of what is sampled.
     pub configuration: &'static str,
-    /// What a rate counts: trials, runs or samples.
+    /// What a rate counts: trials, runs, samples or steps.
     pub unit: &'static str,
     /// What is sampled.
     pub work: Work,
     /// Whether the tallies have histograms.
     pub histogram: bool,
-    /// Integer operations of a trial, run or sample, with 64-bit products and with 16-bit ones: see `operations`.
+    /// Integer operations of a trial, run, sample or step, with 64-bit products and with 16-bit ones: see `operations`.
     operations: [u32; 2],
 }
 
 impl Measured {
-    /// Integer operations of 32 bits that a trial, run or sample needs in this variant of its shader. The example
+    /// Integer operations of 32 bits that a trial, run, sample or step needs in this variant of its shader. The example
     /// `gpu_lab` counts them and tests these numbers; docs/performance.md says which operations count.
     pub fn operations(&self, variant: Variant) -> u32 {
         self.operations[usize::from(!variant.int64)]
@@ -90,7 +92,7 @@ pub fn measured() -> Vec<Measured> {
             samples,
             estimator,
         };
-        let work = Work::Records(named.lowered().recipe().clone());
+        let work = Work::Records(Arc::new(named.lowered().recipe().clone()));
         let (kernel, unit, histogram) = ("allan", "samples", false);
         measured.push(Measured { kernel, configuration, unit, work, histogram, operations });
     }

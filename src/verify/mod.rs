@@ -22,9 +22,9 @@ use crate::device::error::GpuError;
 use crate::device::load::{Load, Work};
 use crate::device::select::{self, SelectError, Selection, SelfTest};
 use crate::device::{Device, Job};
+use crate::kernel::curve::Recorded;
 use crate::kernel::map::Map;
 use crate::kernel::moments::{Moments, Trials};
-use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 use crate::kernel::word::Scalar;
 use crate::kernel::{Form, KERNELS, Kernel, philox};
@@ -191,8 +191,8 @@ fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
 }
 
 /// Number of records of a load for `units` samples.
-fn records(recipe: &Recipe, units: u64) -> usize {
-    units.div_ceil(u64::from(recipe.samples)) as usize
+fn records(recipe: &dyn Recorded, units: u64) -> usize {
+    units.div_ceil(u64::from(recipe.curve().samples)) as usize
 }
 
 /// The results of a load on the processor, as those [of a device](on_device).
@@ -203,7 +203,7 @@ fn on_cpu(width: Width, work: &Work, units: u64) -> Result<Vec<u8>, GpuError> {
         (Err(_), Work::Trials(launch)) => {
             Ok(of_tallies(&launch.tally(width, Trials { first: 0, count: units, histogram: true })))
         }
-        (Err(_), Work::Records(recipe)) => Ok(of_sums(&recipe.sums(width, 0, records(recipe, units)))),
+        (Err(_), Work::Records(recipe)) => Ok(of_sums(&recipe.sums(width, 0, records(&**recipe, units)))),
     }
 }
 
@@ -219,7 +219,9 @@ fn on_device(device: &mut Device, work: &Work, units: u64) -> Result<Vec<u8>, Gp
             }
             Ok(of_tallies(&total))
         }
-        Work::Records(recipe) => Ok(of_sums(&device.sums(recipe, 0, records(recipe, units), &|_| {})?)),
+        Work::Records(recipe) => {
+            Ok(of_sums(&device.sums(&**recipe, 0, records(&**recipe, units), &|_| {})?))
+        }
     }
 }
 

@@ -10,12 +10,11 @@ use serde::Serialize;
 use crate::device::gpu::adapter::WORKGROUP;
 use crate::device::gpu::tile::{Part, grid, partial};
 use crate::device::load::Work;
-use crate::kernel::allan::SUM_WORDS;
+use crate::kernel::curve::{Recorded, SUM_WORDS};
 use crate::kernel::launch::{Launch, MOST_STEPS};
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 use crate::kernel::normal_table::NORMAL_TABLE;
-use crate::kernel::recipe::Recipe;
 use crate::kernel::shader::Variant;
 use crate::kernel::width::Width;
 use crate::kernel::{Form, KERNELS};
@@ -150,7 +149,9 @@ pub fn files() -> Vec<(String, String)> {
                 Work::Trials(launch) => {
                     add(name, &|variant| launch.shader(true, variant).0, of_trials(launch));
                 }
-                Work::Records(recipe) => add(name, &|variant| recipe.shader(variant).0, of_records(recipe)),
+                Work::Records(recipe) => {
+                    add(name, &|variant| recipe.shader(variant).0, of_records(&**recipe))
+                }
             }
         }
     }
@@ -224,8 +225,8 @@ fn of_trials(launch: &Launch) -> Run {
     (contents, vec![Dispatch::of(grid(jobs.len() as u32))])
 }
 
-fn of_records(recipe: &Recipe) -> Run {
-    let places = recipe.places();
+fn of_records(recipe: &dyn Recorded) -> Run {
+    let places = recipe.values();
     let sums = recipe.sums(Width::PORTABLE, FIRST, RECORDS);
     let mut expected = vec![0; SUM_WORDS * places * RECORDS];
     for (at, sum) in sums.iter().enumerate() {
@@ -234,7 +235,7 @@ fn of_records(recipe: &Recipe) -> Run {
             expected[(SUM_WORDS * place + word) * RECORDS + lane] = (sum >> (32 * word)) as u32;
         }
     }
-    let chunks = recipe.chunks();
+    let chunks = recipe.curve().chunks();
     let most = (MOST_STEPS as u32 / recipe.rounds() as u32).min(chunks / DISPATCHES).max(1);
     let parameters = |from: u32| recipe.parameters(FIRST, RECORDS as u32, [from, chunks.min(from + most)]);
     let dispatch = |from| Dispatch {
@@ -243,10 +244,11 @@ fn of_records(recipe: &Recipe) -> Run {
     };
     let contents = vec![
         ("p", Contents::zeros(parameters(0).len())),
-        ("rings", Contents::zeros(recipe.ring_words(RECORDS))),
+        ("rings", Contents::zeros(recipe.curve().ring_words(RECORDS))),
         ("sums", Contents::result(expected)),
         ("state", Contents::zeros(recipe.state_words() * RECORDS)),
-        ("drift", Contents::input(&recipe.drift)),
+        ("drift", Contents::input(recipe.table())),
+        ("table", Contents::input(recipe.table())),
     ];
     (contents, (0..chunks).step_by(most as usize).map(dispatch).collect())
 }

@@ -18,7 +18,7 @@ fn the_device_works_no_longer_than_the_calls_take_and_gives_the_same_results() {
                     let blocks = cover(0..100_000, 12);
                     format!("{:?}", gpu.tally(&jobs(launch, &blocks), load.histogram, &|_| {}).unwrap())
                 }
-                Work::Records(recipe) => format!("{:?}", gpu.sums(recipe, 0, 2, &|_| {}).unwrap()),
+                Work::Records(recipe) => format!("{:?}", gpu.sums(&**recipe, 0, 2, &|_| {}).unwrap()),
             };
             let results = run(&mut gpu);
             gpu.start_clock();

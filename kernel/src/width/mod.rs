@@ -47,6 +47,7 @@ macro_rules! simd_operators {
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+pub(crate) mod pair;
 
 /// The number of lanes in which the kernels run. All widths give the same bits; only widths that the processor has can
 /// be constructed.

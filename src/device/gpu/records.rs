@@ -9,8 +9,7 @@ use crate::device::error::GpuError;
 use crate::device::gpu::fault::Submission;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::{Gpu, TILE_SECONDS};
-use crate::kernel::allan::{RING_LANES, SUM_WORDS};
-use crate::kernel::recipe::Recipe;
+use crate::kernel::curve::{RING_LANES, Recorded, SUM_WORDS};
 
 impl Gpu {
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
@@ -21,7 +20,7 @@ impl Gpu {
     /// results of the records are kept.
     pub fn sums(
         &mut self,
-        recipe: &Recipe,
+        recipe: &dyn Recorded,
         first: u64,
         count: usize,
         progress: Advance,
@@ -41,32 +40,32 @@ impl Gpu {
 
     fn batches(
         &mut self,
-        recipe: &Recipe,
+        recipe: &dyn Recorded,
         first: u64,
         count: usize,
         progress: Advance,
     ) -> Result<Vec<u128>, GpuError> {
-        let ring_bytes = 4 * recipe.depth() as u64;
+        let ring_bytes = 4 * recipe.curve().depth() as u64;
         let budget =
             self.adapter.capacity().most_bytes.min(self.device.limits().max_storage_buffer_binding_size);
         if ring_bytes > budget {
             return Err(GpuError::TooLong { bytes: ring_bytes, most: budget });
         }
-        let drift_bytes = 4 * recipe.drift.len() as u64;
+        let table_bytes = 4 * recipe.table().len() as u64;
         let most = self.device.limits().max_storage_buffer_binding_size;
-        if drift_bytes > most {
-            return Err(GpuError::TooLong { bytes: drift_bytes, most });
+        if table_bytes > most {
+            return Err(GpuError::TooLong { bytes: table_bytes, most });
         }
         if recipe.rounds() as u64 > self.adapter.capacity().most_rounds {
-            let places = recipe.places();
+            let places = recipe.curve().places();
             return Err(GpuError::Refused(format!("{places} averaging times are more than a device takes")));
         }
         let pipeline = self.pipeline_of_records(recipe)?;
-        let drift = self.upload("drift", bytemuck::cast_slice(&recipe.drift), BufferUsages::STORAGE)?;
+        let table = self.upload("table", bytemuck::cast_slice(recipe.table()), BufferUsages::STORAGE)?;
         let most = self.most_lanes.min((budget / ring_bytes) as usize).max(1);
         // Whole rows of the rings.
         let most = most - if most > RING_LANES { most % RING_LANES } else { 0 };
-        let mut sums = Vec::with_capacity(count * recipe.places());
+        let mut sums = Vec::with_capacity(count * recipe.values());
         let mut done = 0;
         while done < count {
             let at = first + done as u64;
@@ -74,7 +73,7 @@ impl Gpu {
             let to_half = (1 << 32) - (at & u64::from(u32::MAX));
             let lanes = most.min(count - done).min(to_half as usize);
             self.lanes = lanes;
-            sums.extend(self.batch(recipe, &pipeline, &drift, at, lanes)?);
+            sums.extend(self.batch(recipe, &pipeline, &table, at, lanes)?);
             progress(lanes as u64);
             done += lanes;
         }
@@ -84,19 +83,20 @@ impl Gpu {
     /// The sums of `lanes` records, whose numbers share one upper half.
     pub(crate) fn batch(
         &mut self,
-        recipe: &Recipe,
+        recipe: &dyn Recorded,
         pipeline: &Pipeline,
-        drift: &wgpu::Buffer,
+        table: &wgpu::Buffer,
         first: u64,
         lanes: usize,
     ) -> Result<Vec<u128>, GpuError> {
         let size = |words: usize| 4 * (words * lanes) as u64;
-        let rings = self.buffer("rings", 4 * recipe.ring_words(lanes) as u64, BufferUsages::STORAGE)?;
+        let rings =
+            self.buffer("rings", 4 * recipe.curve().ring_words(lanes) as u64, BufferUsages::STORAGE)?;
         let state = self.buffer("state", size(recipe.state_words()), BufferUsages::STORAGE)?;
-        let sums_size = size(SUM_WORDS * recipe.places());
+        let sums_size = size(SUM_WORDS * recipe.values());
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = self.buffer("read", sums_size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
-        let chunks = recipe.chunks();
+        let chunks = recipe.curve().chunks();
         let most = (self.adapter.capacity().most_rounds / recipe.rounds() as u64) as u32;
         let (mut from, mut tile, mut wrong) = (0, 1, false);
         let mut before: Option<(Submission, u32)> = None;
@@ -113,8 +113,8 @@ impl Gpu {
                 (3, sums.as_entire_binding()),
                 (4, state.as_entire_binding()),
             ];
-            if !recipe.drift.is_empty() {
-                resources.push((5, drift.as_entire_binding()));
+            if !recipe.table().is_empty() {
+                resources.push((5, table.as_entire_binding()));
             }
             let bind_group = self.bind_group(pipeline, resources);
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -144,7 +144,7 @@ impl Gpu {
                 .map(|word| u128::from(words[(SUM_WORDS * place + word) * lanes + lane]) << (32 * word))
                 .sum()
         };
-        let places = recipe.places();
+        let places = recipe.values();
         let mut all: Vec<u128> =
             (0..lanes).flat_map(|lane| (0..places).map(move |place| sum(lane, place))).collect();
         if wrong {

@@ -9,9 +9,10 @@ use crate::device::gpu::Gpu;
 use crate::device::gpu::fault::{Fault, Moment};
 use crate::device::gpu::patience::within_limit;
 use crate::device::gpu::tile::Part;
+use crate::kernel::curve::Recorded;
 use crate::kernel::launch::{Launch, MOST_STEPS};
 use crate::kernel::moments::{Moments, Trials};
-use crate::kernel::recipe::{CHUNK, Recipe};
+use crate::kernel::recipe::CHUNK;
 use crate::kernel::shader::Variant;
 use crate::kernel::width::Width;
 
@@ -137,7 +138,7 @@ impl Gpu {
     }
 
     /// The pipeline that makes the records of a recipe, compiled once for its shader.
-    pub(crate) fn pipeline_of_records(&mut self, recipe: &Recipe) -> Result<Pipeline, GpuError> {
+    pub(crate) fn pipeline_of_records(&mut self, recipe: &dyn Recorded) -> Result<Pipeline, GpuError> {
         let shader = recipe.shader(self.variant);
         if let Some(pipeline) = self.record_pipelines.get(&shader.0) {
             return Ok(pipeline.clone());
@@ -172,11 +173,11 @@ impl Gpu {
         Ok(found[0] == launch.tally(Width::widest(), Trials { first: 0, count, histogram }))
     }
 
-    fn sums_as_the_cpu(&mut self, recipe: &Recipe, pipeline: &Pipeline) -> Result<bool, GpuError> {
+    fn sums_as_the_cpu(&mut self, recipe: &dyn Recorded, pipeline: &Pipeline) -> Result<bool, GpuError> {
         // The shader does not depend on the length of the records.
-        let short = Recipe { samples: recipe.samples.min(2 * CHUNK as u32), ..recipe.clone() };
-        let drift = self.upload("drift", bytemuck::cast_slice(&short.drift), BufferUsages::STORAGE)?;
-        Ok(self.batch(&short, pipeline, &drift, 0, 2)? == short.sums(Width::widest(), 0, 2))
+        let short = recipe.shortened(2 * CHUNK as u32);
+        let table = self.upload("table", bytemuck::cast_slice(short.table()), BufferUsages::STORAGE)?;
+        Ok(self.batch(&*short, pipeline, &table, 0, 2)? == short.sums(Width::widest(), 0, 2))
     }
 
     /// Compiles a shader, given as its text and whether it draws normal numbers.
@@ -211,8 +212,8 @@ impl Gpu {
 fn compiled(device: &wgpu::Device, source: String, variant: Variant) -> wgpu::ComputePipeline {
     let descriptor =
         wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
-    // SAFETY: the text is that of a kernel of `sagnac-kernel`, because nothing else implements the sealed `Shape`. Its loops
-    // end, and its indices stay within what is bound: `Launch::new` and `Recipe::parameters` refuse words and tables beyond
+    // SAFETY: the text is that of a kernel of `sagnac-kernel`, because nothing else implements the sealed `Shape` and `Recorded`. Its loops
+    // end, and its indices stay within what is bound: `Launch::new` and `Recorded::parameters` refuse words and tables beyond
     // which a trial or a record would read. The identity suite finds the same bits with and without checks.
     let module = unsafe { device.create_shader_module_trusted(descriptor, runtime_checks(variant)) };
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

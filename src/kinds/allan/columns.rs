@@ -5,6 +5,7 @@ use crate::fit::quantity::Quantity;
 use crate::kinds::allan::point::Point;
 use crate::kinds::allan::run::coefficients::Found;
 use crate::kinds::allan::run::curves::Scatter;
+use crate::kinds::table::Values;
 use crate::table::column::Band;
 use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
 use crate::tally::stats::z_score;
@@ -77,7 +78,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
 
 /// A row of the coefficients before it becomes cells.
 pub(crate) struct CoefficientRow<'a> {
-    pub(crate) point: &'a Point,
+    pub(crate) swept: &'a Values,
     pub(crate) quantity: Quantity,
     pub(crate) truth: Option<f64>,
     pub(crate) found: Found,

@@ -34,7 +34,7 @@ const RATES: Holds = measure(&[Dimension::DriftRate], -1e9, 1e9, "-1e9 to 1e9 de
 const TEXTS: Holds = Holds::Either(&[Holds::Any, Holds::List(&Holds::Any)]);
 
 keys! {
-    /// The keys of the record and of its estimates.
+    /// The keys of the record.
     pub(crate) static KEYS;
     /// The record of a gyro at rest.
     RECORD = "record", "", Holds::Table, "[record]\nsample = \"1 s\"\nlength = \"9 h\"";
@@ -44,6 +44,11 @@ keys! {
     LENGTH = "record.length", "length of the record", LENGTHS, r#"length = "9 h""#, required;
     /// Constant rate, such as the Earth's on the input axis: "10 deg/h". It affects only a readout in whole pulses.
     pub(crate) RATE = "record.rate", "constant rate", RATES, r#"rate = "10 deg/h""#;
+}
+
+keys! {
+    /// The keys of the curve and its fit, for every kind of study that has one.
+    pub(crate) static CURVE_KEYS;
     /// Estimates made from each record.
     pub(crate) ALLAN = "allan", "", Holds::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
     /// Averaging times: "octave", "decade10", "decade20", or ["1 s", "10 s"]; octave if absent.

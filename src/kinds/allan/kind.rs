@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
+use crate::fit::choose::Terms;
 use crate::kernel::allan::VERSION;
 use crate::key::row::Key;
 use crate::kinds::allan::columns;
@@ -60,25 +61,30 @@ impl Subject for Allan {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        let shapes = Term::ALL.into_iter().filter_map(|term| Some(term.shape()?.symbol));
-        let coefficients = Term::ALL.map(Term::symbol).into_iter().chain(shapes);
-        let not_fitted =
-            ("the chart is of coefficients, and none are fitted", "add them as in\n[allan]\nfit = \"auto\"");
         vec![
             Ground {
                 legend: ["mean of records", BANDS],
                 ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::DriftRate])
             },
-            Ground {
-                legend: ["Monte Carlo", BANDS],
-                absent: self.terms.is_none().then_some(not_fitted),
-                ..Ground::of(
-                    Source::Coefficients,
-                    abouts(&columns::coefficient_columns()),
-                    [Text::of(coefficients)],
-                    &[],
-                )
-            },
+            coefficients(self.terms.as_ref()),
         ]
+    }
+}
+
+/// The table of coefficients, for every kind of study that fits them.
+pub(crate) fn coefficients(terms: Option<&Terms>) -> Ground {
+    let shapes = Term::ALL.into_iter().filter_map(|term| Some(term.shape()?.symbol));
+    let coefficients = Term::ALL.map(Term::symbol).into_iter().chain(shapes);
+    let not_fitted =
+        ("the chart is of coefficients, and none are fitted", "add them as in\n[allan]\nfit = \"auto\"");
+    Ground {
+        legend: ["Monte Carlo", BANDS],
+        absent: terms.is_none().then_some(not_fitted),
+        ..Ground::of(
+            Source::Coefficients,
+            abouts(&columns::coefficient_columns()),
+            [Text::of(coefficients)],
+            &[],
+        )
     }
 }

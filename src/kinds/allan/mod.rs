@@ -38,7 +38,7 @@ pub struct Allan {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [keys::KEYS, noise::keys::KEYS].concat()
+    [keys::KEYS, keys::CURVE_KEYS, noise::keys::KEYS].concat()
 }
 
 /// The keys that can be swept.

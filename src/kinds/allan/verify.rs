@@ -1,5 +1,7 @@
 //! Named synthetic records that cover every distinction made by the kernel of records.
 
+use std::sync::Arc;
+
 use crate::device::load::{Load, Work};
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
@@ -68,7 +70,7 @@ impl NamedRecords {
 pub fn loads() -> Vec<Load> {
     let load = |named: NamedRecords| Load {
         name: named.name,
-        work: Work::Records(named.lowered().recipe().clone()),
+        work: Work::Records(Arc::new(named.lowered().recipe().clone())),
         self_test_units: (named.name == "everything").then_some(40 * named.samples),
     };
     named_records().into_iter().map(load).collect()

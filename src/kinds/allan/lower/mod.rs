@@ -233,7 +233,7 @@ impl Records {
 
 /// The levels for some averaging factors, grouped by stride in ascending order and, within one stride, in the given
 /// order; and the place of each factor in the sums.
-fn levels(estimator: Estimator, ms: &[u64]) -> (Vec<Level>, Vec<usize>) {
+pub(crate) fn levels(estimator: Estimator, ms: &[u64]) -> (Vec<Level>, Vec<usize>) {
     let mut order: Vec<usize> = (0..ms.len()).collect();
     order.sort_by_key(|&at| estimator.stride(ms[at]));
     let mut levels: Vec<Level> = Vec::new();

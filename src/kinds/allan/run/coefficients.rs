@@ -11,7 +11,7 @@ use crate::fit::fitter::{Errors, Fitter};
 use crate::fit::quantity::Quantity;
 use crate::kinds::allan::columns::CoefficientRow;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
-use crate::kinds::allan::run::{Estimates, Plan, geometry};
+use crate::kinds::allan::run::{Estimates, Plan, of_point};
 use crate::noise::Noise;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Stride;
@@ -43,7 +43,7 @@ impl Plan<'_> {
         let fits = self.fits(point, terms, estimates, progress);
         Quantity::all(terms.all()).into_iter().map(move |quantity| {
             let truth = truth(quantity, &point.inputs.noise);
-            CoefficientRow { point, quantity, truth, found: Found::of(&fits, quantity, truth) }
+            CoefficientRow { swept: &point.swept, quantity, truth, found: Found::of(&fits, quantity, truth) }
         })
     }
 
@@ -62,7 +62,7 @@ impl Plan<'_> {
         estimates: &Estimates,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Vec<Option<Fit>> {
-        let fitter = geometry(point, self.allan.estimator.difference)
+        let fitter = of_point(point, self.allan.estimator.difference)
             .and_then(|geometry| Some((Fitter::new(&geometry, terms).ok()?, geometry)));
         let Some((fitter, geometry)) = fitter else { return vec![None; estimates.count()] };
         let fitted = geometry.ms().len();
@@ -116,7 +116,7 @@ fn truth(quantity: Quantity, noise: &Noise) -> Option<f64> {
 }
 
 impl Found {
-    fn of(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
+    pub(crate) fn of(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
         let (factor, ..) = quantity.unit(Unit::Angular);
         let mut found = Found { values: vec![], intervals: 0, covered: 0, fitted: 0, records: fits.len() };
         for coefficient in fits.iter().flatten().filter_map(|fit| fit.coefficient(quantity.parts().0)) {

@@ -3,10 +3,10 @@
 pub(crate) mod coefficients;
 pub(crate) mod curves;
 pub(crate) mod estimates;
-pub(crate) mod sampling;
 
-use std::ops::Range;
+use std::sync::Arc;
 
+use crate::fit::choose::Terms;
 use crate::fit::curve::Curve;
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::Allan;
@@ -20,14 +20,14 @@ use crate::quantity::number::significant;
 use crate::sampling::batches::held_by_all;
 use crate::sampling::plan;
 use crate::sampling::plan::{Done, RunError};
+use crate::sampling::records::{Records, Wanted};
 use crate::sampling::tables::Tables;
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
+use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
-use crate::store::{Address, Store};
 use crate::study::Study;
-use crate::tally::block::missing;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 use crate::theory::allan::estimator::{Difference, Estimator};
@@ -54,20 +54,10 @@ const LANES: usize = 16;
 pub(crate) struct Plan<'a> {
     study: &'a Study,
     allan: &'a Allan,
-    points: Vec<Planned<'a>>,
+    /// The records of each point. Words are recomputed whenever they are needed, because drift takes 4 bytes per sample.
+    records: Vec<Records>,
     /// Largest relative deviation of the records due to the kernel's arithmetic, and its τ, s.
     off: (f64, f64),
-}
-
-/// A point that can be lowered. Its words are recomputed whenever they are needed, because drift takes 4 bytes per
-/// sample.
-#[derive(Debug)]
-pub(crate) struct Planned<'a> {
-    point: &'a RecordPoint,
-    address: Address,
-    samples: u64,
-    /// Integers per record.
-    width: usize,
 }
 
 impl<'a> Plan<'a> {
@@ -83,7 +73,7 @@ impl<'a> Plan<'a> {
             let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
             return Err(study.error_at(study.place_of("trials"), message, help));
         }
-        let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
+        let mut plan = Plan { study, allan, records: vec![], off: (0.0, 0.0) };
         progress.start("points", 0, allan.points.len() as u64);
         for point in &allan.points {
             if progress.stops() {
@@ -96,17 +86,17 @@ impl<'a> Plan<'a> {
     }
 
     /// Lowers a point and adds it.
-    fn push(&mut self, point: &'a RecordPoint) -> Result<(), Refusal> {
+    fn push(&mut self, point: &RecordPoint) -> Result<(), Refusal> {
         let lowered = self.lowered(point)?;
         let recipe = lowered.records.recipe();
         check_memory(point, 4 * LANES * recipe.depth())?;
-        self.check_fit(point)?;
+        check_fit(self.allan.terms.as_ref(), &point.ms, point.inputs.samples())?;
         let off = off(point, &lowered, self.allan.estimator);
         if off.0 > self.off.0 {
             self.off = off;
         }
         let (samples, width) = (recipe.samples.into(), recipe.places());
-        self.points.push(Planned { point, address: lowered.address, samples, width });
+        self.records.push(Records { address: lowered.address, samples, width });
         Ok(())
     }
 
@@ -114,39 +104,29 @@ impl<'a> Plan<'a> {
         LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
-    /// The records that the store lacks of a share.
-    fn missing(&self, store: &Store, share: Share) -> Result<Vec<(&Planned<'a>, Range<u64>)>, StoreError> {
-        let index = store.index()?;
-        let mut lacking = Vec::new();
-        for (turn, planned) in self.distinct() {
-            let gaps = missing(index.blocks(&planned.address)?, share.trials(self.study.trials, turn));
-            lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
-        }
-        Ok(lacking)
-    }
-
-    /// The points in order, without those whose draws and sums are the same as those of an earlier one.
-    fn distinct(&self) -> impl Iterator<Item = (usize, &Planned<'a>)> {
-        let is_first = |(turn, planned): &(usize, &Planned<'a>)| {
-            self.points[..*turn].iter().all(|before| before.address != planned.address)
+    /// Does something with the records that the study wants.
+    fn wanted<T>(&self, with: impl FnOnce(&Wanted) -> T) -> T {
+        let recipe = |place: usize| {
+            let lowered = self.lowered(&self.allan.points[place])?;
+            Ok(Arc::new(lowered.records.recipe().clone()) as _)
         };
-        self.points.iter().enumerate().filter(is_first)
+        with(&Wanted { trials: self.study.trials, points: &self.records, recipe: &recipe })
     }
+}
 
-    /// Refuses a fit to fewer points than parameters.
-    fn check_fit(&self, point: &RecordPoint) -> Result<(), Refusal> {
-        let Some(terms) = &self.allan.terms else { return Ok(()) };
-        let points = point.ms.iter().filter(|&&m| is_fitted(m, point.inputs.samples())).count();
-        let parameters = terms.fewest_parameters();
-        if points >= parameters {
-            return Ok(());
-        }
-        let message = format!(
-            "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
-        );
-        let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
-        Err(Refusal { key: "allan.tau", message, help })
+/// Refuses a fit to fewer points than parameters.
+pub(crate) fn check_fit(terms: Option<&Terms>, ms: &[u64], samples: u64) -> Result<(), Refusal> {
+    let Some(terms) = terms else { return Ok(()) };
+    let points = ms.iter().filter(|&&m| is_fitted(m, samples)).count();
+    let parameters = terms.fewest_parameters();
+    if points >= parameters {
+        return Ok(());
     }
+    let message = format!(
+        "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
+    );
+    let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
+    Err(Refusal { key: "allan.tau", message, help })
 }
 
 /// Refuses records that take too much memory side by side.
@@ -169,20 +149,20 @@ impl plan::Plan for Plan<'_> {
         share: Share,
         progress: &dyn Progress,
     ) -> Result<Done, RunError> {
-        self.sample(store, worker, share, progress)
+        self.wanted(|wanted| wanted.sample(store, worker, share, progress))
     }
 
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
+        self.wanted(|wanted| wanted.lacks(store, share))
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
         let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
         // Number of records in the tables, each with a fit where terms are fitted.
-        progress.start(unit, 0, self.study.trials * self.points.len() as u64);
+        progress.start(unit, 0, self.study.trials * self.records.len() as u64);
         let (mut curves, mut coefficients) = (Vec::new(), Vec::new());
         // Only one point is in memory at a time.
-        for Planned { point, address, width, .. } in &self.points {
+        for (point, Records { address, width, .. }) in self.allan.points.iter().zip(&self.records) {
             let lowered = store.map(|_| self.lowered(point)).transpose()?;
             let estimates = match store.zip(lowered.as_ref()) {
                 Some((store, LoweredCurve { records, .. })) => {
@@ -206,17 +186,17 @@ impl plan::Plan for Plan<'_> {
                 column.label = column.label.replace("Allan", "Hadamard");
             }
         }
-        let fitted = || table(sweeps, &coefficient_columns(), &coefficients, |row| &row.point.swept);
+        let fitted = || table(sweeps, &coefficient_columns(), &coefficients, |row| row.swept);
         let coefficients = self.allan.terms.as_ref().map(|_| fitted());
         Ok(Tables { coefficients, ..Tables::of_points(points) })
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        held_by_all(index, self.points.iter().map(|planned| planned.address))
+        held_by_all(index, self.records.iter().map(|records| records.address))
     }
 
     fn ids(&self) -> Vec<Id> {
-        self.points.iter().map(|planned| planned.address.point).collect()
+        self.records.iter().map(|records| records.address.point).collect()
     }
 
     fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
@@ -275,9 +255,13 @@ fn is_fitted(m: u64, samples: u64) -> bool {
 }
 
 /// The averaging factors of a fit at a point, without estimates.
-fn geometry(point: &RecordPoint, difference: Difference) -> Option<Curve> {
-    let samples = point.inputs.samples();
-    let ms: Vec<u64> = point.ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();
+fn of_point(point: &RecordPoint, difference: Difference) -> Option<Curve> {
+    geometry(point.inputs.sample_s, point.inputs.samples(), &point.ms, difference)
+}
+
+/// The averaging factors of a fit, without estimates.
+pub(crate) fn geometry(sample_s: f64, samples: u64, ms: &[u64], difference: Difference) -> Option<Curve> {
+    let ms: Vec<u64> = ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();
     let nothing = vec![1.0; ms.len()];
-    Curve::new(point.inputs.sample_s, samples, difference, ms, nothing).ok()
+    Curve::new(sample_s, samples, difference, ms, nothing).ok()
 }
