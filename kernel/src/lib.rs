@@ -87,5 +87,6 @@ twins! {
         switched_run,
         relock,
         allan,
+        lock_in,
     }
 }

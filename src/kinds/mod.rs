@@ -9,6 +9,7 @@ pub(crate) mod exact;
 pub mod gap_fill;
 pub(crate) mod gyro;
 pub mod keys;
+pub mod lock_in;
 pub(crate) mod plan;
 mod read;
 pub mod relock;
@@ -21,11 +22,12 @@ mod tests;
 use crate::study::kind::Kind;
 
 /// Every kind of study.
-pub static KINDS: [&Kind; 6] = [
+pub static KINDS: [&Kind; 7] = [
     &gap_fill::kind::GAP_FILL,
     &allan::kind::ALLAN,
     &switched_run::kind::SWITCHED_RUN,
     &relock::kind::RELOCK,
+    &lock_in::kind::LOCK_IN,
     &drift_budget::kind::DRIFT_BUDGET,
     &suspension::kind::SUSPENSION,
 ];

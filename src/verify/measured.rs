@@ -7,6 +7,7 @@ use crate::kernel::launch::Launch;
 use crate::kernel::shader::Variant;
 use crate::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use crate::kinds::gap_fill::verify::configurations;
+use crate::kinds::lock_in::verify::{checked, lowered};
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::verify::{launches_of, relock};
 use crate::kinds::switched_run::verify::hour_launches;
@@ -57,6 +58,10 @@ const RECORDS: [(&str, Estimator, [u32; 2]); 2] = [
 ];
 const SAMPLES: u64 = 32_400;
 
+/// Records of ten seconds of a dithered gyro.
+const GYRO_SAMPLES: u64 = 4000;
+const STEP: [u32; 2] = [60, 200];
+
 /// All measured loads.
 pub fn measured() -> Vec<Measured> {
     let mut measured = Vec::new();
@@ -96,5 +101,14 @@ pub fn measured() -> Vec<Measured> {
         let (kernel, unit, histogram) = ("allan", "samples", false);
         measured.push(Measured { kernel, configuration, unit, work, histogram, operations });
     }
+    let gyros = lowered(&checked(), 1, GYRO_SAMPLES, THINNED);
+    measured.push(Measured {
+        kernel: "lock_in",
+        configuration: "400 Hz, 450 rad, amplitude noise",
+        unit: "steps",
+        work: Work::Records(gyros.shared()),
+        histogram: false,
+        operations: STEP,
+    });
     measured
 }

@@ -30,6 +30,7 @@ mod fit_range;
 mod groups;
 mod imports;
 mod keys;
+mod lock_in;
 mod log_formats;
 mod lowering;
 mod motions;

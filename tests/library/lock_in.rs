@@ -1,0 +1,209 @@
+//! Lock-in and dither: the same bits everywhere, and the closed forms of theory.
+
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::curve::Recorded;
+use sagnac::kernel::shader::Variant;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::lock_in::lower::Gyros;
+use sagnac::kinds::lock_in::verify::{checked, lowered, named_gyros};
+use sagnac::kinds::lock_in::{Dither, Inputs};
+use sagnac::theory::allan::{Estimator, Stride};
+use sagnac::theory::lock_in::mean_rate;
+
+use crate::devices::{adapters, open};
+
+const THINNED: Estimator = Estimator { stride: Stride::Part(64), ..Estimator::OVERLAPPING };
+
+/// Gyros: more than the lanes of any pair of words, and not a multiple of them.
+const COUNT: usize = 37;
+
+#[test]
+fn gyros_are_the_same_in_every_width_and_division() {
+    for (name, gyros) in named_gyros() {
+        let recipe = gyros.recipe();
+        for first in [0, (1 << 32) - 20] {
+            let reference = recipe.sums(Width::PORTABLE, first, 20);
+            let beyond = recipe.sums(Width::PORTABLE, first + 20, COUNT - 20);
+            let reference = [reference, beyond].concat();
+            assert_eq!(reference.len(), COUNT * recipe.values(), "{name}");
+            for width in Width::available() {
+                for threads in [1, 3] {
+                    let found = Cpu::new(width, threads).unwrap().sums(recipe, first, COUNT, &|_| {});
+                    assert!(found == reference, "{name} from {first}: {}, {threads} threads", width.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn gyros_are_the_same_in_every_shader() {
+    for adapter in adapters() {
+        for int64 in [true, false] {
+            for (checked, workgroup) in [(true, 64), (false, 32)] {
+                if int64 && !adapter.has_int64() {
+                    continue;
+                }
+                let mut gpu = open(&adapter, Variant { int64, checked, workgroup });
+                for (name, gyros) in named_gyros() {
+                    let (recipe, first) = (gyros.recipe(), (1 << 32) - 20);
+                    let reference = cpu().sums(recipe, first, COUNT, &|_| {});
+                    let found = gpu.sums(recipe, first, COUNT, &|_| {}).unwrap();
+                    assert!(found == reference, "{name}: {}, 64-bit products: {int64}", gpu.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_trace_has_the_angles_of_which_the_sums_are_made() {
+    for (name, gyros) in named_gyros() {
+        let recipe = gyros.recipe();
+        let trace = recipe.trace(7);
+        let values = recipe.sums(Width::widest(), 7, 1);
+        let third = recipe.third as usize;
+        let sum = |angles: &[i32]| angles.iter().map(|&angle| i64::from(angle)).sum::<i64>();
+        let thirds = [sum(&trace.angles[..third]), sum(&trace.angles[trace.angles.len() - third..])];
+        let found = [2, 1].map(|back| values[values.len() - back] as u64 as i64);
+        assert_eq!(found, thirds, "{name}");
+    }
+}
+
+fn cpu() -> Cpu {
+    Cpu::new(Width::widest(), 0).unwrap()
+}
+
+/// Mean output rate over the first `count` gyros, ″/s, with its standard error.
+fn rate(gyros: &Gyros, count: usize) -> [f64; 2] {
+    let values = cpu().sums(gyros.recipe(), 0, count, &|_| {});
+    let rates = values.chunks_exact(gyros.recipe().values()).map(|values| gyros.mean_rate(values));
+    mean(&rates.collect::<Vec<_>>())
+}
+
+/// Angle random walk at the averaging time of 2^`octave` samples of `sample_s`, ″/√s, with its standard error.
+fn walk(gyros: &Gyros, count: usize, octave: usize, sample_s: f64) -> [f64; 2] {
+    let values = cpu().sums(gyros.recipe(), 0, count, &|_| {});
+    let tau_s = sample_s * f64::from(1 << octave);
+    let squares =
+        values.chunks_exact(gyros.recipe().values()).map(|values| gyros.variances(values)[octave] * tau_s);
+    let [square, se] = mean(&squares.collect::<Vec<_>>());
+    [square.sqrt(), 0.5 * se / square.sqrt()]
+}
+
+fn mean(values: &[f64]) -> [f64; 2] {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
+    [mean, (variance / count).sqrt()]
+}
+
+#[test]
+fn without_dither_the_beat_is_a_hyperbola_with_a_dead_band() {
+    for ratio in [-3.0, 0.0, 0.5, 0.9, 1.05, 1.2, 2.0, 10.0, 100.0] {
+        let inputs = Inputs { dither: None, rate: 180.0 * ratio, ..checked() };
+        let [found, _] = rate(&lowered(&inputs, 0, 4000, THINNED), 32);
+        let error = (found - mean_rate(inputs.rate, 180.0)) / 180.0;
+        assert!(error.abs() < 1e-5, "{ratio} Ω_L: off by {error:e} Ω_L");
+    }
+}
+
+#[test]
+fn zones_have_the_half_widths_of_bessel_functions() {
+    let of = |k: i32, theta: f64| {
+        let dither = Dither { frequency_hz: 4000.0, rate: theta * 8000.0, ..Dither::default() };
+        let inputs = Inputs { threshold: 10.0, dither: Some(dither), ..checked() };
+        let gyro = inputs.gyro().unwrap();
+        let (centre, width) = (gyro.zone_centre(k), gyro.zone_half_width(k));
+        let output = |rate: f64| rate_of(&Inputs { rate, ..inputs.clone() }) - centre;
+        let inside = [-0.9, 0.5, 0.9].map(|part| output(centre + part * width) / width);
+        assert!(inside.iter().all(|rate| rate.abs() < 1e-3), "zone {k} at {theta} rad: {inside:?} inside");
+        let [below, above] = [-1.25, 1.25].map(|part| output(centre + part * width) / width);
+        // Other zones shift the centre by about Ω_L²/(f_d q), by which both sides differ in opposite ways.
+        let found = (1.25 * 1.25 - (0.5 * (above - below)).powi(2)).sqrt();
+        assert!((found - 1.0).abs() < 2e-3, "zone {k} at {theta} rad: half width {found} of Ω_L|J_k(Θ)|");
+    };
+    let rate_of_all = [
+        (0, 1.0),
+        (0, 5.0),
+        (0, 10.0),
+        (1, 1.0),
+        (1, 3.0),
+        (-1, 5.0),
+        (2, 3.0),
+        (2, 10.0),
+        (3, 5.0),
+        (4, 8.0),
+    ];
+    rate_of_all.into_iter().for_each(|(k, theta)| of(k, theta));
+}
+
+/// Mean output rate of some gyros over 80 s.
+fn rate_of(inputs: &Inputs) -> f64 {
+    rate(&lowered(inputs, 32, 10_000, THINNED), 16)[0]
+}
+
+#[test]
+fn randomised_dither_leaves_the_angle_random_walk_of_the_closed_form() {
+    let with = |threshold: f64, rate: f64, dither_rate: f64, frequency_hz: f64, amplitude_noise: f64| {
+        let dither = Dither { frequency_hz, rate: dither_rate, amplitude_noise, ..Dither::default() };
+        Inputs { threshold, rate, dither: Some(dither), ..checked() }
+    };
+    let gyros = [
+        with(180.0, 0.0, 360_000.0, 400.0, 0.02),
+        with(180.0, 37.0, 360_000.0, 400.0, 0.02),
+        with(180.0, 523.0, 360_000.0, 400.0, 0.02),
+        with(60.0, 1000.0, 120_000.0, 270.0, 0.02),
+        with(400.0, -300.0, 700_000.0, 400.0, 0.005),
+    ];
+    for inputs in gyros {
+        let gyro = inputs.gyro().unwrap();
+        let noise = inputs.dither.as_ref().unwrap().amplitude_noise;
+        assert_eq!(gyro.failing_premises(noise, inputs.rate), []);
+        let gyros = lowered(&inputs, 1, 4096, THINNED);
+        let expected = gyro.angle_random_walk();
+        for octave in [0, 3, 5] {
+            let [found, se] = walk(&gyros, 64, octave, 1.0 / gyro.dither_frequency);
+            let z = (found - expected) / se;
+            assert!(
+                z.abs() < 5.0 && se < 0.01 * found,
+                "{inputs:?}, octave {octave}: {found} ± {se}, expected {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn half_and_twice_the_steps_move_no_estimate_by_its_standard_error() {
+    let dithered = checked();
+    let still = Inputs { dither: None, rate: 250.0, beam_noise: 0.05, ..checked() };
+    let strong = Inputs { threshold: 700.0, rate: -523.0, ..checked() };
+    for inputs in [dithered, still, strong] {
+        let of = |refinement: f64| {
+            let gyros = lowered(&Inputs { refinement, ..inputs.clone() }, 1, 2000, THINNED);
+            let sample_s = inputs.dither.as_ref().map_or(0.01, |dither| 1.0 / dither.frequency_hz);
+            [walk(&gyros, 32, 4, sample_s), rate(&gyros, 32)]
+        };
+        let whole = of(1.0);
+        for refinement in [0.5, 2.0] {
+            for ([found, _], [before, se]) in of(refinement).into_iter().zip(whole) {
+                assert!(
+                    (found - before).abs() < se,
+                    "{refinement}: {found} instead of {before} ± {se}, {inputs:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ramp_of_the_rate_has_the_angle_of_its_integral() {
+    // Without lock-in that counts, the output less the input vanishes, and the mean rate is that in the middle of the record.
+    let inputs = Inputs { threshold: 1e-3, ramp: 40.0, rate: -100.0, ..checked() };
+    let [found, _] = rate(&lowered(&inputs, 1, 2000, THINNED), 16);
+    assert!((found - 0.0).abs() < 1e-4, "{found}");
+    // In the dead band of a gyro without dither the output stays at zero while the input passes through it.
+    let inputs = Inputs { dither: None, ramp: 2.0, rate: -20.0, ..checked() };
+    let [found, _] = rate(&lowered(&inputs, 0, 2000, THINNED), 16);
+    assert!(found.abs() < 0.02, "{found}");
+}
