@@ -60,7 +60,7 @@ const SAMPLES: u64 = 32_400;
 
 /// Records of ten seconds of a dithered gyro.
 const GYRO_SAMPLES: u64 = 4000;
-const STEP: [u32; 2] = [60, 200];
+const STEP: [u32; 2] = [30, 123];
 
 /// All measured loads.
 pub fn measured() -> Vec<Measured> {
