@@ -10,6 +10,7 @@ pub mod level;
 pub mod lock_in;
 pub(crate) mod memo;
 pub mod minimum_variance;
+pub mod navigation;
 pub mod psd;
 pub mod published;
 pub(crate) mod quadrature;

@@ -34,6 +34,7 @@ mod lock_in;
 mod log_formats;
 mod lowering;
 mod motions;
+mod navigation;
 mod oracles;
 mod pairs;
 mod published;
