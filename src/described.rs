@@ -1,6 +1,8 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
-use crate::analysis::{compare, design, dynamic, firmware, log, lot, sensitivity, spectrum, temperature};
+use crate::analysis::{
+    compare, design, dynamic, firmware, log, lot, model, sensitivity, spectrum, temperature,
+};
 use crate::chart::file::Source;
 use crate::key::row::Key;
 use crate::kinds::{KINDS, switched_run};
@@ -67,6 +69,7 @@ pub fn files() -> Vec<File> {
             command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
             command("units.csv", "sagnac lot", abouts(&lot::tables::unit_columns())),
             command("lot.csv", "sagnac lot", abouts(&lot::tables::lot_columns())),
+            command("model.csv", "sagnac model", abouts(&model::tables::columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
             command("trade.csv", "sagnac filler", abouts(&firmware::search::columns())),
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),

@@ -10,6 +10,7 @@ use sagnac::analysis::dynamic::DynamicError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
 use sagnac::analysis::lot::LotError;
+use sagnac::analysis::model::ModelError;
 use sagnac::analysis::spectrum::NoSpectrum;
 use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
@@ -122,9 +123,10 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 30] = [
+const OPTIONS: [&str; 34] = [
     "at",
     "binary",
+    "bound",
     "bootstrap",
     "by",
     "column",
@@ -138,7 +140,9 @@ const OPTIONS: [&str; 30] = [
     "fit_from",
     "fit_to",
     "force",
+    "from",
     "out",
+    "quantisation",
     "rate",
     "remove_outliers",
     "salvage",
@@ -150,6 +154,7 @@ const OPTIONS: [&str; 30] = [
     "temperature_unit",
     "time",
     "time_unit",
+    "to",
     "unit",
     "unit_check",
     "where",
@@ -207,6 +212,16 @@ impl From<LotError> for Failure {
         match error {
             LotError::Units { .. } => Failure::Record(in_options(&error)),
             LotError::TooFew(_) | LotError::Twice(..) => Failure::Usage(in_options(&error)),
+        }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Failure {
+        match error {
+            ModelError::Noise(error) => Failure::Study(error),
+            error if error.is_usage() => Failure::Usage(in_options(&error)),
+            error => Failure::Record(in_options(&error)),
         }
     }
 }

@@ -10,11 +10,12 @@ use sagnac::view::report::CARD;
 use crate::failure::Failure;
 
 /// Files that identify folders, with the commands that write them.
-const WRITTEN: [(&str, &str); 7] = [
+const WRITTEN: [(&str, &str); 8] = [
     ("curve.csv", "allan"),
     ("psd.csv", "psd"),
     ("compare.csv", "compare"),
     ("lot.csv", "lot"),
+    ("model.csv", "model"),
     ("design.json", "design"),
     ("sensitivity.json", "sensitivity"),
     ("weights.csv", "filler"),

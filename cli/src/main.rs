@@ -31,6 +31,7 @@ mod limits;
 mod look;
 mod lot;
 mod merge;
+mod model;
 mod new;
 mod one_point;
 mod optima;

@@ -36,6 +36,7 @@ Examples:
   sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
   sagnac lot bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound
   sagnac new gap-fill first.toml
   sagnac explain motion.amplitude
   sagnac verify";
@@ -91,6 +92,8 @@ commands! {
     Compare(crate::compare::Options) = crate::compare::compare;
     /// Pool the noise of several units of a lot: the value and spread of each coefficient, the next unit, the odd unit
     Lot(crate::lot::Options) = crate::lot::lot;
+    /// Find the noise model that a navigation filter can use: white noise, random walk and the fewest Markov states, as a bound
+    Model(crate::model::Options) = crate::model::model;
     /// List the devices that kernels can run on
     Devices(crate::devices::Options) = crate::devices::devices;
     /// Verify that every kernel gives the same bits on every device of this machine
@@ -116,7 +119,8 @@ commands! {
 
 /// The command line as clap describes it.
 pub fn command() -> clap::Command {
-    Cli::command()
+    // The numbers of a noise.toml need no kind.
+    Cli::command().mut_subcommand("model", |model| model.mut_arg("data", |data| data.required(false)))
 }
 
 const VERIFY_EXAMPLES: &str = "\
@@ -206,20 +210,17 @@ fn hides() -> bool {
 pub fn main() -> ExitCode {
     crate::output::outlive_limits();
     let color = crate::look::of_arguments(std::env::args_os());
-    let cli = match Cli::command()
-        .color(color)
-        .try_get_matches()
-        .and_then(|matches| Cli::from_arg_matches(&matches))
-    {
-        Ok(cli) => cli,
-        // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
-        // terminal, and `say!` shows the rest.
-        Err(error) if error.use_stderr() && hides() => {
-            say!("{}", error.render());
-            return ExitCode::from(2);
-        }
-        Err(error) => error.exit(),
-    };
+    let cli =
+        match command().color(color).try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
+            Ok(cli) => cli,
+            // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
+            // terminal, and `say!` shows the rest.
+            Err(error) if error.use_stderr() && hides() => {
+                say!("{}", error.render());
+                return ExitCode::from(2);
+            }
+            Err(error) => error.exit(),
+        };
     crate::look::follow(&cli.look);
     match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,

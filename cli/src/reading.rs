@@ -21,8 +21,8 @@ use crate::words::{list_of, one_of};
 pub struct Reading {
     /// Kind of the numbers: rate or acceleration, angle or velocity gained in each sample, or angle (phase) or velocity since
     /// the start
-    #[arg(help_heading = "Reading the log", long, value_name = "KIND", value_parser = data())]
-    data: Data,
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND", required = true, value_parser = data())]
+    data: Option<Data>,
     /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec, m/s^2, g, mg; none for plain numbers; one for all columns, or
     /// one for each, separated by commas [default: that of the header]
     #[arg(
@@ -137,9 +137,12 @@ impl Reading {
     /// The request for each file.
     ///
     /// # Errors
-    /// A unit, scale or rate is invalid, or stamps are ignored without a rate.
+    /// The kind of the numbers is missing, a unit, scale or rate is invalid, or stamps are ignored without a rate.
     pub fn request(&self) -> Result<Request, Failure> {
-        let data = self.data;
+        let data = self.data.ok_or_else(|| {
+            let message = "a log needs --data, the kind of its numbers\ngive it, as in --data rate";
+            Failure::Usage(message.to_owned())
+        })?;
         // Only one of the two lists can be given.
         let units = self.unit.iter().map(|unit| Unit::parse(unit, data));
         let scales = self.scale.iter().map(|scale| Unit::parse_scale(scale, data));

@@ -44,7 +44,7 @@ Examples:
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results
 
-Results are those of run, allan, psd, compare, lot, design, sensitivity and filler. Of the results of a study the
+Results are those of run, allan, psd, compare, lot, model, design, sensitivity and filler. Of the results of a study the
 page is made again; the other commands have written theirs, and its card for the gallery beside it.
 In a folder of folders, what design, sensitivity and filler wrote into the folders of studies is found too.";
 
@@ -172,7 +172,7 @@ fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
                 ),
                 None => format!(
                     "neither {shown} nor a folder in it has a {RESOLVED} or a {CARD}\ngive folders that `sagnac run`, allan, psd, \
-                     compare, lot, design, sensitivity or filler wrote results to"
+                     compare, lot, model, design, sensitivity or filler wrote results to"
                 ),
             }));
         }

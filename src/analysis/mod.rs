@@ -1,5 +1,5 @@
 //! Analyses beyond studies: noise of logs, over time and with temperature, requirements on it, spectra of logs, comparison of logs,
-//! lots of units, pages of logs, switching interval, firmware, sensitivity.
+//! lots of units, models for filters, pages of logs, switching interval, firmware, sensitivity.
 
 pub mod compare;
 pub mod data_sheet;
@@ -11,6 +11,7 @@ mod hump;
 mod jackknife;
 pub mod log;
 pub mod lot;
+pub mod model;
 pub mod page;
 pub mod requirement;
 pub mod sensitivity;

@@ -61,6 +61,12 @@ impl Switching {
         libm::sqrt(0.5 * self.residual * self.residual + self.residual_noise * self.residual_noise)
     }
 
+    /// N² of the residuals of all switches, ″²/s.
+    pub(crate) fn residual_density(&self) -> f64 {
+        let rms = self.residual_rms();
+        if self.interval_s > 0.0 { rms * rms / self.interval_s } else { 0.0 }
+    }
+
     /// A, τ and Ω_m0; without a warm-up all of it is in Ω_m0.
     fn drift(&self) -> Magnetic {
         match self.warm_up_s {

@@ -1,6 +1,7 @@
 //! Reading of `[noise]` and of the files that it names.
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 use miette::NamedSource;
@@ -12,8 +13,8 @@ use crate::key::table::{Table, check};
 use crate::noise::Noise;
 use crate::noise::keys::{FILE, KEYS, LOCK_IN, NOISE, SETTINGS, SWITCHING};
 use crate::quantity::units::Quantity;
-use crate::source::diagnose::{Fault, Text, Wrong};
-use crate::source::text_file::{Files, MOST_TOML};
+use crate::source::diagnose::{Fault, StudyError, Text, Wrong};
+use crate::source::text_file::{Files, MOST_TOML, read_text};
 
 /// The noise of a table, with the settings written in addition to a file.
 pub(crate) struct WrittenNoise {
@@ -43,6 +44,29 @@ pub(crate) fn read_file(name: &str, span: Range<usize>, files: &Files) -> Result
     })?;
     let text: Text = Arc::new(NamedSource::new(path.display().to_string(), text.to_string()));
     parse(text.inner()).map_err(|fault| Wrong::Elsewhere(fault.within(&text)))
+}
+
+impl Noise {
+    /// Reads a noise.toml by itself, and returns its text too.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no noise.
+    pub(crate) fn read(path: &Path) -> Result<(Noise, String), StudyError> {
+        let text = read_text(path, MOST_TOML).map_err(|error| {
+            let help = "give the path of a noise.toml, as `sagnac allan` writes it from a record";
+            StudyError::unreadable("the noise", path, &error, help)
+        })?;
+        Ok((Noise::parse(&path.display().to_string(), &text)?, text))
+    }
+
+    /// Parses the text of a noise.toml, which is called `name` in errors.
+    ///
+    /// # Errors
+    /// The text is no noise.
+    pub(crate) fn parse(name: &str, text: &str) -> Result<Noise, StudyError> {
+        let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
+        parse(text.inner()).map_err(|fault| fault.within(&text))
+    }
 }
 
 fn parse(text: &str) -> Result<Noise, Fault> {

@@ -74,7 +74,7 @@ fn a_merge_without_all_shares_says_in_its_verdict_and_document_what_is_missing()
 }
 
 #[test]
-fn design_sensitivity_filler_allan_psd_compare_and_lot_print_what_their_schemas_say() {
+fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_schemas_say() {
     let desk = Desk::with("");
     let design = format!("design {} {FEW}", shipped("studies/design_point.toml"));
     check(&schema("design"), &desk.done(&design).stdout, "design");
@@ -124,6 +124,14 @@ fn design_sensitivity_filler_allan_psd_compare_and_lot_print_what_their_schemas_
     for more in ["--bootstrap 0", "--fit none", "--segment 600s --segment-detrend linear --bootstrap 0"] {
         check(&schema("psd"), &desk.done(&format!("psd {log} {read} {more}")).stdout, more);
     }
+    let model = schema("model");
+    for more in ["--bound", "--bound=repeat --write all", "--bound --quantisation white --states 1"] {
+        check(&model, &desk.done(&format!("model {log} {read} {more}")).stdout, more);
+    }
+    desk.write("noise.toml", "angle_random_walk = \"0.003 deg/sqrt(h)\"\n");
+    check(&model, &desk.done("model noise.toml --from 1s --to 100s --json").stdout, "a noise.toml");
+    let two = desk.done("model two.csv --data rate --column gx,gz --bound --json");
+    check(&model, &two.stdout, "two columns");
     schema("bench");
     check(&schema("devices"), &Desk::with("").done("devices --why --json").stdout, "devices");
 }

@@ -93,14 +93,16 @@ fn a_gallery_joins_the_results_of_every_command() {
     desk.done(&format!("psd log.csv {read} --out all/psd"));
     desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
     desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
-    let pages = ["allan", "compare", "filler", "lot", "psd", "study", "study/design", "what_decides"];
+    desk.done("model log.csv --data rate --column gx,gz --bound --out all/model");
+    let pages =
+        ["allan", "compare", "filler", "lot", "model", "psd", "study", "study/design", "what_decides"];
     let said = desk.done("report all").stderr;
     for page in pages {
         assert!(said.contains(&format!("all/{page}/report.html\n")), "{page}: {said}");
     }
     let gallery = desk.read("all/gallery.html");
-    assert!(gallery.contains("<h1>8 results</h1>"), "{gallery}");
-    assert_eq!(gallery.matches("<img").count(), 8);
+    assert!(gallery.contains("<h1>9 results</h1>"), "{gallery}");
+    assert_eq!(gallery.matches("<img").count(), 9);
     for page in pages {
         let text = desk.read(&format!("all/{page}/report.html"));
         let (_, from) = text.split_once("<p class=\"headline\">").unwrap();

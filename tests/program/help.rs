@@ -57,6 +57,10 @@ fn prepared() -> Desk {
         npy(&(0..1_000_000_u32).map(|at| (at % 7) as i32).collect::<Vec<_>>()),
     )
     .unwrap();
+    desk.write(
+        "noise.toml",
+        "angle_random_walk = \"0.003 deg/sqrt(h)\"\nbias_instability = \"0.002 deg/h\"\n",
+    );
     let recorded = Path::new(crate::ROOT).join("tests/data/formats/imu.mcap");
     std::fs::copy(recorded, desk.path("imu.mcap")).unwrap();
     std::fs::copy(Path::new(crate::ROOT).join("tests/data/imu/log.csv"), desk.path("imu.csv")).unwrap();

@@ -53,6 +53,8 @@ mod kills;
 mod log_pages;
 mod lot;
 mod messy_logs;
+mod model;
+mod model_files;
 mod psd;
 mod report;
 mod resumed;

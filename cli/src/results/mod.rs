@@ -75,7 +75,15 @@ pub fn sheet_text(lines: &[(&'static str, String)]) -> String {
 /// # Errors
 /// The output cannot be written.
 pub fn print_decision(decision: &Decision) -> Result<(), Failure> {
-    print(&format!("\n{}", sheet_text(&decision.lines.headed())))
+    print_lines(&decision.lines)
+}
+
+/// Prints the lines of a decision.
+///
+/// # Errors
+/// It fails where [`print`] does.
+pub fn print_lines(lines: &Lines) -> Result<(), Failure> {
+    print(&format!("\n{}", sheet_text(&lines.headed())))
 }
 
 /// A study with results to show.

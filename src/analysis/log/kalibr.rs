@@ -200,7 +200,7 @@ fn fit(column: &Column) -> Result<&Fit, KalibrError> {
 }
 
 /// Six digits in a form that YAML 1.1 accepts as a number: with a point, and with a sign in the exponent.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.5e}");
     match text.split_once('e') {
         Some((mantissa, exponent)) if !exponent.starts_with('-') => format!("{mantissa}e+{exponent}"),
@@ -209,7 +209,7 @@ fn number(value: f64) -> String {
 }
 
 /// A number that is written without an exponent where it is short enough.
-fn plain_number(value: f64) -> String {
+pub(crate) fn plain_number(value: f64) -> String {
     match significant(value, 9) {
         long if long.contains('e') => number(value),
         text if text.contains('.') => text,

@@ -13,6 +13,9 @@ use crate::analysis::log::{Analysis, Column};
 /// Beginning of the first line; with its end, it identifies our files.
 const START: &str = "# Noise of column ";
 const FITTED: &str = ", fitted by sagnac allan";
+/// Beginnings of the comments that [`intervals_of`] reads.
+const INTERVAL: &str = "# 95 % interval of ";
+const UNKNOWN: &str = "# Not identified: ";
 
 /// Name and text of a file for each column whose curve is described by its coefficients, or whose coefficients were taken all the
 /// same.
@@ -68,11 +71,11 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
     }
     let coefficients = &noise.fit.coefficients;
     for line in coefficients.iter().flat_map(intervals) {
-        text += &format!("# 95 % interval of {line}\n");
+        text += &format!("{INTERVAL}{line}\n");
     }
     let unknown: Vec<String> = coefficients.iter().filter(|c| c.value.is_none()).map(bound).collect();
     if !unknown.is_empty() {
-        text += &format!("# Not identified: {}.\n", unknown.join("; "));
+        text += &format!("{UNKNOWN}{}.\n", unknown.join("; "));
     }
     coefficients.iter().filter_map(entry).for_each(|line| text += &format!("{line}\n"));
     Some(text)
@@ -118,6 +121,34 @@ fn entry(coefficient: &Coefficient) -> Option<String> {
         }
         None => format!("{key} = \"{value}\""),
     })
+}
+
+/// What the comments of such a file say of the record behind it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Intervals {
+    /// Intervals of identified coefficients, in ″ and s.
+    pub known: Vec<(Term, [f64; 2])>,
+    /// Symbols of the coefficients that were not identified.
+    pub unknown: Vec<&'static str>,
+}
+
+/// The intervals in the comments of a noise.toml; none where others wrote it.
+pub fn intervals_of(text: &str) -> Intervals {
+    let term = |symbol: &str| Term::EVERY.into_iter().find(|term| term.symbol() == symbol);
+    let known = |line: &str| {
+        let (symbol, ends) = line.strip_prefix(INTERVAL)?.split_once(": ")?;
+        let (low, rest) = ends.split_once(" to ")?;
+        let (high, _) = rest.split_once(' ')?;
+        let term = term(symbol)?;
+        let (factor, _, _) = term.row().unit;
+        Some((term, [low.parse::<f64>().ok()? / factor, high.parse::<f64>().ok()? / factor]))
+    };
+    let unknown = text.lines().filter_map(|line| line.strip_prefix(UNKNOWN)).flat_map(|all| all.split("; "));
+    let symbol = |one: &str| Some(term(one.split(' ').next()?.trim_end_matches('.'))?.symbol());
+    Intervals {
+        known: text.lines().filter_map(known).collect(),
+        unknown: unknown.filter_map(symbol).collect(),
+    }
 }
 
 /// Whether the text is that of such a file; a user's own `noise.toml` is not overwritten.

@@ -1,5 +1,5 @@
 //! The pages of analyses: that of a log, which `sagnac allan` and `sagnac psd` write, of two which are compared, of a lot, of a
-//! design, of fillers and of a sensitivity.
+//! model for filters, of a design, of fillers and of a sensitivity.
 //!
 //! ```text
 //! Temperature ─ of_temperature ──┐
@@ -7,6 +7,7 @@
 //! Log, Analysis with its spectra ─────────────┴ of_log ─▶ Page
 //! two Logs, their comparison ──────────── of_comparison ─▶ Page
 //! Lot, Design, Firmware ─── of_lot, of_design, of_filler ─▶ Page
+//! models for filters ─────────────────────────── of_model ─▶ Page
 //! Sensitivity ────────────────────────── of_sensitivity ─▶ Page
 //! ```
 
@@ -17,6 +18,7 @@ mod design;
 mod filler;
 mod further;
 mod lot;
+mod model;
 mod next;
 mod record;
 mod sensitivity;
@@ -29,6 +31,7 @@ pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::filler::of_filler;
 pub use crate::analysis::page::further::{of_dynamic, of_temperature};
 pub use crate::analysis::page::lot::of_lot;
+pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};

@@ -1,0 +1,188 @@
+//! `sagnac model`.
+
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::TypedValueParser;
+use sagnac::allan::tau::Taus;
+use sagnac::analysis::log::{self, Asked as OfLog};
+use sagnac::analysis::model::noise::of_file;
+use sagnac::analysis::model::search::MOST_STATES;
+use sagnac::analysis::model::target::{Source, Target};
+use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
+use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, figures, tables, words};
+use sagnac::analysis::page::of_model;
+use sagnac::quantity::units::{Dimension, parse};
+
+use crate::allan::options::probability;
+use crate::charts::{plotted, write_figures};
+use crate::failure::{Failure, in_options};
+use crate::output::{
+    Output, print, print_drawn, print_json, remove, whereabouts, write, write_page, write_table,
+};
+use crate::reading::{Reading, seconds};
+use crate::results::print_lines;
+use crate::words::one_of;
+
+/// Points of the curve of a log per decade of τ.
+const PER_DECADE: u32 = 10;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --bound
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound
+  sagnac model log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz \\
+    --bound --to \"4 s\" --write kalibr,openvins
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound=repeat \\
+    --filter-rate 50Hz --write all
+  sagnac model noise.toml --from \"1 s\" --to \"1000 s\" --bound --json
+
+FILE is a log, which is read as by `sagnac allan`, or a noise.toml, whose name ends in .toml: then the
+curve is that of its coefficients, with the intervals that `sagnac allan` wrote into it. The model is
+white noise, a random walk and the fewest Gauss-Markov states, at most 3. Without --bound its Allan
+deviation lies within the 95 % band of the record, with --bound nowhere below its upper end, and with
+--bound=repeat nowhere below the band that 95 % of further records of the same gyro and length have.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Recorded log, or noise.toml
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+    /// Shortest averaging time that the model covers, as in "1 s" [default: the shortest of the log]
+    #[arg(help_heading = "Model", long, value_name = "TIME", value_parser = seconds)]
+    from: Option<f64>,
+    /// Longest averaging time that the model covers, as in "10000 s" [default: a tenth of the log]
+    #[arg(help_heading = "Model", long, value_name = "TIME", value_parser = seconds)]
+    to: Option<f64>,
+    /// Lie nowhere below the upper end of the band, instead of within it: of this record (band, also without a value), or of 95 % of
+    /// further records of the same gyro and length, at all averaging times together (repeat)
+    #[arg(help_heading = "Model", long, value_name = "WHAT", num_args = 0..=1, require_equals = true, default_missing_value = "band", value_parser = aims())]
+    bound: Option<Aim>,
+    /// How far a bound may lie above, in percent, before a Markov state is added; also the band of a noise.toml without intervals
+    #[arg(help_heading = "Model", long, value_name = "PERCENT", default_value = "20", value_parser = margin)]
+    margin: f64,
+    /// Number of Markov states, 0 to 3 [default: the fewest]
+    #[arg(help_heading = "Model", long, value_name = "N", value_parser = states)]
+    states: Option<usize>,
+    /// What quantisation is to the filter: measurement noise of the angle, or white noise of the rate
+    #[arg(help_heading = "Model", long, value_name = "AS", default_value = "measurement", value_parser = quantisation())]
+    quantisation: Quantisation,
+    /// Rate of the filter, for F, Q and R [default: that of the log]
+    #[arg(help_heading = "Model", long, value_name = "RATE", value_parser = rate)]
+    filter_rate: Option<f64>,
+    /// Probability of the band
+    #[arg(help_heading = "Model", long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
+    confidence: f64,
+    #[command(flatten)]
+    output: Output,
+    /// Also write files for tools: all, or one or more of kalibr, allan_variance_ros, openvins, matlab, navego, psins, gtsam_cpp,
+    /// gtsam_python, pyins, kf_gins, c, json, separated by commas
+    #[arg(help_heading = "Output", long, value_name = "TOOLS", value_parser = named)]
+    write: Option<std::vec::Vec<&'static Writer>>,
+    /// Also draw the chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+}
+
+fn aims() -> impl TypedValueParser<Value = Aim> {
+    one_of([("band", Aim::Bound), ("repeat", Aim::BoundRepeat)])
+}
+
+fn quantisation() -> impl TypedValueParser<Value = Quantisation> {
+    one_of([("measurement", Quantisation::Measurement), ("white", Quantisation::White)])
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    let percent: Option<f64> = text.trim_end_matches('%').trim().parse().ok();
+    let percent = percent.filter(|percent| *percent > 0.0 && *percent <= 1000.0);
+    percent.map(|percent| 0.01 * percent).ok_or_else(|| "not between 0 and 1000; write as in 20".to_owned())
+}
+
+fn states(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| *count <= MOST_STATES);
+    count.ok_or_else(|| format!("expected 0 to {MOST_STATES}"))
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let quantity =
+        parse(text, &[Dimension::Frequency]).map_err(|error| format!("{error}; write as in 100Hz"))?;
+    if quantity.value > 0.0 { Ok(quantity.value) } else { Err("the rate is not positive".to_owned()) }
+}
+
+/// Finds the model of a log or of a noise.toml.
+pub fn model(options: &Options) -> Result<(), Failure> {
+    let asked = Asked {
+        from_s: options.from,
+        to_s: options.to,
+        aim: options.bound.unwrap_or(Aim::Describe),
+        margin: options.margin,
+        states: options.states,
+        quantisation: options.quantisation,
+        filter_hz: options.filter_rate,
+        confidence: options.confidence,
+    };
+    let is_noise = options.file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    let (source, targets) = match is_noise {
+        // The options of logs mean nothing for it.
+        true => of_file(&options.file, &asked).map(|(source, target)| (source, vec![target]))?,
+        false => of_log(options)?,
+    };
+    let analysis = Analysis::of(source, targets, &asked)?;
+    let stem = options.file.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = options.output.folder(format!("{stem}_model"));
+    let writers = options.write.as_deref().unwrap_or_default();
+    let written = save(&analysis, writers, &folder)?;
+    if options.output.json {
+        return print_json(&tables::document(&analysis));
+    }
+    if !options.output.quiet {
+        words::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
+        if options.plot {
+            print_drawn(&plotted(figures::figures(&analysis)))?;
+        }
+        print(&report::report(&analysis))?;
+        print_lines(&words::decision(&analysis))?;
+        say!("{}", whereabouts(&folder));
+        if !written.is_empty() {
+            say!("files for tools: {}", written.join(", "));
+        }
+    }
+    Ok(())
+}
+
+/// The curves of a log.
+fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
+    let treatment = options.reading.treatment();
+    let log = treatment.read(&options.file, &options.reading.request()?)?;
+    let asked = OfLog {
+        taus: Taus::Decade(PER_DECADE),
+        confidence: options.confidence,
+        fitting: options.reading.fitting(),
+        // Only the quantisation of the fit is needed.
+        simulated: Some(0),
+        ..OfLog::default()
+    };
+    let analysis = log::Analysis::of(&log, &options.file, &treatment, &asked, &options.output.progress())?;
+    let targets = Target::of_log(&analysis)?;
+    Ok((Source::of_log(&analysis), targets))
+}
+
+/// Writes the table, the charts, the page and the files for tools, and removes those of an earlier run that this one does not write.
+fn save(analysis: &Analysis, writers: &[&'static Writer], folder: &Path) -> Result<Vec<String>, Failure> {
+    write_table(&folder.join("model.csv"), &tables::table(analysis))?;
+    write_figures(folder, &figures::figures(analysis))?;
+    let texts = texts(analysis, writers);
+    for writer in WRITERS.iter().filter(|writer| texts.iter().all(|(file, _)| *file != writer.file)) {
+        remove(&folder.join(writer.file))?;
+    }
+    for (file, text) in &texts {
+        write(&folder.join(file), text.as_bytes())?;
+    }
+    write_page(folder, &of_model(analysis, writers))?;
+    Ok(texts.iter().map(|(file, _)| folder.join(file).display().to_string()).collect())
+}

@@ -1,0 +1,285 @@
+//! The search for the fewest Markov states.
+
+use rayon::prelude::*;
+
+use crate::analysis::model::least::{Rows, least};
+use crate::analysis::model::repeat::repeated;
+use crate::analysis::model::target::Target;
+use crate::analysis::model::{Aim, Asked, Markov, Model, ModelError};
+use crate::quantity::number::significant;
+use crate::theory::allan::{Part, continuous};
+
+/// Correlation times that are tried in each decade of τ.
+pub const PER_DECADE: f64 = 6.0;
+/// Most Markov states.
+pub const MOST_STATES: usize = 3;
+/// Most rows of a problem; of longer curves some points are left to the common factor at the end.
+const MOST_ROWS: usize = 48;
+
+/// Part of the excess to which a state has to lower it to be worth its place.
+const WORTH: f64 = 0.9;
+
+/// Least scale of a row, as a part of the variance of the curve.
+const LEAST_SCALE: f64 = 1e-9;
+
+/// A model with how it lies to its target.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The model.
+    pub model: Model,
+    /// What each number of states from 0 on reaches, up to that of the model.
+    pub tried: Vec<Tried>,
+    /// The target of the bound at each point: the upper end of the band, or that of a repetition, in the unit of the curve.
+    pub bounds: Vec<f64>,
+}
+
+/// The best model with a number of states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tried {
+    /// Number of Markov states.
+    pub states: usize,
+    /// How far its deviation lies at most above what it bounds, both without the quantisation, as a part; absent where no model is
+    /// possible.
+    pub excess: Option<f64>,
+}
+
+impl Found {
+    /// How far the deviation of the model lies above each of some others, as parts.
+    pub fn excesses(&self, target: &Target, of: impl Fn(usize) -> f64) -> Vec<f64> {
+        let points = target.points.iter().enumerate();
+        points.map(|(i, point)| self.model.deviation(point.tau_s) / of(i) - 1.0).collect()
+    }
+
+    /// The largest excess over the curve of the record, with its τ.
+    pub fn over_record(&self, target: &Target) -> [f64; 2] {
+        largest(target, &self.excesses(target, |i| target.points[i].value))
+    }
+
+    /// The largest excess over what is bounded, with its τ.
+    pub fn over_bound(&self, target: &Target) -> [f64; 2] {
+        largest(target, &self.excesses(target, |i| self.bounds[i]))
+    }
+
+    /// The least excess over what is bounded, with its τ: where the model touches it.
+    pub fn nearest(&self, target: &Target) -> [f64; 2] {
+        let excesses: Vec<f64> =
+            self.excesses(target, |i| self.bounds[i]).iter().map(|excess| -excess).collect();
+        let [excess, tau_s] = largest(target, &excesses);
+        [-excess, tau_s]
+    }
+}
+
+fn largest(target: &Target, excesses: &[f64]) -> [f64; 2] {
+    let all = excesses.iter().zip(&target.points).map(|(excess, point)| [*excess, point.tau_s]);
+    all.max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or([0.0; 2])
+}
+
+/// The columns that a model may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Allowed<'a> {
+    pub(crate) walk: bool,
+    pub(crate) states: usize,
+    pub(crate) times: &'a [f64],
+}
+
+/// What is asked of the variance at each of some times, without the quantisation.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Problem {
+    pub(crate) taus: Vec<f64>,
+    /// The variance to which rows are relative.
+    pub(crate) scale: Vec<f64>,
+    pub(crate) goal: Vec<f64>,
+    pub(crate) least: Vec<f64>,
+    pub(crate) most: Vec<f64>,
+}
+
+/// The model of a target.
+///
+/// # Errors
+/// No model lies within the band, or there is no record whose repetition could be bounded.
+pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> {
+    let bounds = match asked.aim {
+        Aim::BoundRepeat => repeated(target, asked.confidence)?,
+        Aim::Describe | Aim::Bound => target.points.iter().map(|point| point.upper).collect(),
+    };
+    let problem = problem(target, &bounds, asked.aim);
+    let times = times(target.taus());
+    let mut tried: Vec<Tried> = Vec::new();
+    let mut best: Option<(f64, Model)> = None;
+    for states in asked.states.map_or(0..=MOST_STATES, |states| states..=states) {
+        let found = problem.best(Allowed { walk: true, states, times: &times });
+        let excess = found.as_ref().map(|model| problem.excess(model));
+        tried.push(Tried { states, excess });
+        let Some((excess, model)) = excess.zip(found) else { continue };
+        let is_enough = asked.aim == Aim::Describe || excess <= asked.margin;
+        if best.as_ref().is_none_or(|(before, _)| excess < WORTH * *before) {
+            best = Some((excess, model));
+        }
+        if is_enough {
+            break;
+        }
+    }
+    match best {
+        Some((_, model)) => {
+            let model = Model { quantisation: quantisation(target, asked.aim), ..model };
+            Ok(Found { model, tried, bounds })
+        }
+        None => Err(outside(target, &bounds, &times)),
+    }
+}
+
+/// The problem that a target poses: its variances less that of the quantisation. A record shows what is left only to the width of its
+/// band, which is therefore the least scale.
+fn problem(target: &Target, bounds: &[f64], aim: Aim) -> Problem {
+    let q = Part::quantisation(quantisation(target, aim));
+    let square = |x: f64| x * x;
+    let left = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let points = target.points.iter().enumerate();
+        let quantised = |tau_s: f64| continuous::allan_variance(&q, tau_s).unwrap_or(0.0);
+        points.map(|(i, point)| (square(of(i)) - quantised(point.tau_s)).max(0.0)).collect()
+    };
+    let points = &target.points;
+    let (goal, least, most) = match aim {
+        Aim::Describe => (left(&|i| points[i].value), left(&|i| points[i].lower), left(&|i| points[i].upper)),
+        Aim::Bound | Aim::BoundRepeat => {
+            let bounds = left(&|i| bounds[i]);
+            let open = vec![f64::INFINITY; bounds.len()];
+            (bounds.clone(), bounds, open)
+        }
+    };
+    let scale = goal.iter().zip(points).map(|(goal, point)| {
+        let width = square(point.upper) - square(point.lower);
+        goal.max(width).max(LEAST_SCALE * square(point.value))
+    });
+    Problem {
+        taus: points.iter().map(|point| point.tau_s).collect(),
+        scale: scale.collect(),
+        goal,
+        least,
+        most,
+    }
+}
+
+/// Q of the model of a target.
+fn quantisation(target: &Target, aim: Aim) -> f64 {
+    let [value, upper] = target.quantisation.unwrap_or_default();
+    if aim == Aim::Describe { value } else { upper }
+}
+
+/// The correlation times that are tried between two times.
+pub(crate) fn times([from_s, to_s]: [f64; 2]) -> Vec<f64> {
+    let count = libm::ceil(PER_DECADE * libm::log10(2.0 * to_s / from_s)) as u32;
+    (0..=count).map(|i| 0.5 * from_s * libm::exp10(f64::from(i) / PER_DECADE)).collect()
+}
+
+impl Problem {
+    /// The best model with exactly this number of states; `None` where none is possible.
+    pub(crate) fn best(&self, allowed: Allowed) -> Option<Model> {
+        let step = self.taus.len().div_ceil(MOST_ROWS).max(1);
+        let mut rows: Vec<usize> = (0..self.taus.len()).step_by(step).collect();
+        if rows.last() != Some(&(self.taus.len() - 1)) {
+            rows.push(self.taus.len() - 1);
+        }
+        let column = |part: Part| -> Vec<f64> {
+            let at =
+                |&i: &usize| continuous::allan_variance(&part, self.taus[i]).unwrap_or(0.0) / self.scale[i];
+            rows.iter().map(at).collect()
+        };
+        let relative = |of: &[f64]| rows.iter().map(|&i| of[i] / self.scale[i]).collect::<Vec<f64>>();
+        let [goal, lower, upper] = [&self.goal, &self.least, &self.most].map(|of| relative(of));
+        let shared = [Part::angle_random_walk(1.0), Part::rate_random_walk(1.0)];
+        let shared: Vec<Vec<f64>> =
+            shared.into_iter().take(1 + usize::from(allowed.walk)).map(column).collect();
+        let of_times: Vec<Vec<f64>> = allowed.times.iter().map(|&time_s| column(unit(time_s))).collect();
+        let solve = |choice: &Vec<usize>| {
+            let columns: Vec<Vec<f64>> =
+                shared.iter().chain(choice.iter().map(|&place| &of_times[place])).cloned().collect();
+            let x = least(&columns, &Rows { goal: &goal, least: &lower, most: &upper })?;
+            let miss =
+                |i: usize| columns.iter().zip(&x).map(|(column, x)| column[i] * x).sum::<f64>() - goal[i];
+            let cost: f64 = (0..goal.len()).map(|i| miss(i) * miss(i)).sum();
+            Some((cost, x))
+        };
+        let choices = choices(allowed.times.len(), allowed.states);
+        let solved: Vec<Option<(f64, Vec<f64>)>> = choices.par_iter().map(solve).collect();
+        let solved = solved.into_iter().zip(&choices).filter_map(|(solved, choice)| Some((solved?, choice)));
+        let ((_, x), choice) = solved.min_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+        let of_states = x[shared.len()..].iter().zip(choice).filter(|(square, _)| **square > 0.0);
+        let state = |(square, &place): (&f64, &usize)| Markov {
+            sigma: libm::sqrt(*square),
+            time_s: allowed.times[place],
+        };
+        let model = Model {
+            white: libm::sqrt(x[0]),
+            walk: if allowed.walk { libm::sqrt(x[1]) } else { 0.0 },
+            markov: of_states.map(state).collect(),
+            quantisation: 0.0,
+        };
+        Some(self.raised(model))
+    }
+
+    /// The model raised by a common factor to the lower ends between the rows of the problem.
+    fn raised(&self, model: Model) -> Model {
+        let lacking = self.taus.iter().zip(&self.least).map(|(&tau_s, &least)| least / model.variance(tau_s));
+        let factor = libm::sqrt(lacking.fold(1.0, f64::max));
+        let markov = |state: &Markov| Markov { sigma: factor * state.sigma, ..*state };
+        Model {
+            white: factor * model.white,
+            walk: factor * model.walk,
+            markov: model.markov.iter().map(markov).collect(),
+            quantisation: model.quantisation,
+        }
+    }
+
+    /// How far a deviation lies at most above the scale.
+    fn excess(&self, model: &Model) -> f64 {
+        let ratio = |(&tau_s, scale): (&f64, &f64)| libm::sqrt(model.variance(tau_s) / scale) - 1.0;
+        self.taus.iter().zip(&self.scale).map(ratio).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// A Markov state of variance 1.
+fn unit(time_s: f64) -> Part {
+    Part::markov(libm::sqrt(2.0 / time_s), time_s)
+}
+
+/// All choices of `taken` of `count` places, in order.
+fn choices(count: usize, taken: usize) -> Vec<Vec<usize>> {
+    let mut all = vec![vec![]];
+    for _ in 0..taken {
+        all = all
+            .into_iter()
+            .flat_map(|choice: Vec<usize>| {
+                let next = choice.last().map_or(0, |last| last + 1);
+                (next..count).map(move |place| [choice.clone(), vec![place]].concat())
+            })
+            .collect();
+    }
+    all
+}
+
+/// Where the nearest model leaves the band: that of least squares of most states.
+fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
+    let open = Problem {
+        least: vec![0.0; bounds.len()],
+        most: vec![f64::INFINITY; bounds.len()],
+        ..problem(target, bounds, Aim::Describe)
+    };
+    let nearest = open.best(Allowed { walk: true, states: 2, times }).unwrap_or_default();
+    let nearest = Model { quantisation: quantisation(target, Aim::Describe), ..nearest };
+    let off = target.points.iter().map(|point| {
+        let deviation = nearest.deviation(point.tau_s);
+        [(deviation / point.upper).max(point.lower / deviation) - 1.0, point.tau_s]
+    });
+    let [percent, tau_s] = off.max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
+    let [from_s, to_s] = target.taus();
+    let shown = |x: f64| significant(x, 4);
+    ModelError::NotWithin {
+        column: target.name.clone(),
+        most: MOST_STATES,
+        from_s: shown(from_s),
+        to_s: shown(to_s),
+        tau_s: shown(tau_s),
+        percent: significant(100.0 * percent.max(0.0), 2),
+    }
+}

@@ -1,0 +1,252 @@
+//! The results of `sagnac model` as a table and as JSON.
+
+use serde_json::{Map, Value, json};
+
+use crate::allan::{Deviation, Unit as Curves};
+use crate::analysis::log::tables::{key, text};
+use crate::analysis::model::search::Tried;
+use crate::analysis::model::states::{discrete, si};
+use crate::analysis::model::target::Point;
+use crate::analysis::model::words::{decision, notes};
+use crate::analysis::model::{Aim, Analysis, Column, Markov};
+use crate::fit::Term;
+use crate::quantity::list::listed;
+use crate::table::column::{columns_of, object};
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use crate::theory::allan::{Part, continuous};
+
+/// A row of `model.csv`.
+pub(crate) struct Row<'a> {
+    column: &'a Column,
+    point: &'a Point,
+    bound: Option<f64>,
+    model: f64,
+}
+
+/// The columns of `model.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        key(|row| text(&row.column.target.name)),
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
+            .is(Role::Coordinate, "Averaging time τ, s."),
+        Of::new("record", Unit::NONE, "record", |row| Cell::Number(row.point.value))
+            .is(Role::Error, "Allan deviation of the record, or of the coefficients of a noise.toml, in `unit`."),
+        Of::new("lower", Unit::NONE, "lower", |row| Cell::Number(row.point.lower))
+            .is_of("record", Role::Lower, "Lower end of the band of `record`."),
+        Of::new("upper", Unit::NONE, "upper", |row| Cell::Number(row.point.upper))
+            .is_of("record", Role::Upper, "Upper end of the band of `record`."),
+        Of::new("bound", Unit::NONE, "bound", |row| row.bound.into())
+            .is(Role::Estimate, "What the model lies nowhere below, in `unit`: the upper end of the band, or that of another record; blank without `--bound`."),
+        Of::new("model", Unit::NONE, "model", |row| Cell::Number(row.model))
+            .is(Role::Estimate, "Allan deviation of the model, quantisation included, in `unit`."),
+        Of::new("excess", Unit::NONE, "excess", |row| Cell::Number(row.model / row.point.value - 1.0))
+            .is(Role::Estimate, "How far the model lies above `record`, as a part of it."),
+        Of::new("excess_over_bound", Unit::NONE, "excess_over_bound", |row| row.bound.map(|bound| row.model / bound - 1.0).into())
+            .is(Role::Estimate, "How far the model lies above `bound`, as a part of it."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.column.target.unit.in_files(Deviation::Oadev)))
+            .is(Role::Note, "Unit of the deviations."),
+    ]
+}
+
+/// The curves of all columns beside their models: `model.csv`.
+pub fn table(analysis: &Analysis) -> Table {
+    let rows: Vec<Row> = analysis.columns.iter().flat_map(|column| rows(analysis, column)).collect();
+    Table { columns: columns_of(&columns(), &rows) }
+}
+
+fn rows<'a>(analysis: &Analysis, column: &'a Column) -> Vec<Row<'a>> {
+    let bounds = |i: usize| (analysis.asked.aim != Aim::Describe).then(|| column.found.bounds[i]);
+    let points = column.target.points.iter().enumerate();
+    points
+        .map(|(i, point)| Row {
+            column,
+            point,
+            bound: bounds(i),
+            model: column.found.model.deviation(point.tau_s),
+        })
+        .collect()
+}
+
+/// A number of a model with its names: for the user, in documents, and its unit.
+pub struct Figure {
+    /// What it is.
+    pub name: String,
+    /// Key in documents; empty of those that only people read.
+    pub key: String,
+    /// Value.
+    pub value: f64,
+    /// Unit for the user.
+    pub unit: &'static str,
+}
+
+/// White noise, random walk and quantisation in the units that people use; the first of each is that of documents.
+pub fn figures(column: &Column) -> Vec<Figure> {
+    let (model, unit) = (&column.found.model, column.target.unit);
+    let size = si(unit);
+    let figure = |name: &str, key: &str, value: f64, unit: &'static str| Figure {
+        name: name.to_owned(),
+        key: key.to_owned(),
+        value,
+        unit,
+    };
+    let (white, walk, quantisation) = ("white noise N", "random walk K", "quantisation Q");
+    let all = match unit {
+        Curves::Acceleration => [
+            figure(white, "white_m_per_s_per_rt_h", 60.0 * size * model.white, "m/s/√h"),
+            figure("", "", model.white, "µg/√Hz"),
+            figure("", "", size * model.white, "m/s²/√Hz"),
+            figure(walk, "random_walk_ug_per_rt_h", 60.0 * model.walk, "µg/√h"),
+            figure("", "", size * model.walk, "m/s³/√Hz"),
+            figure(quantisation, "quantisation_m_per_s", size * model.quantisation, "m/s"),
+        ],
+        Curves::Angular | Curves::Plain => [
+            figure(white, "white_deg_per_rt_h", model.white / 60.0, "°/√h"),
+            figure("", "", model.white, "°/h/√Hz"),
+            figure("", "", size * model.white, "rad/s/√Hz"),
+            figure(walk, "random_walk_deg_per_h_per_rt_h", 60.0 * model.walk, "°/h/√h"),
+            figure("", "", size * model.walk, "rad/s²/√Hz"),
+            figure(quantisation, "quantisation_arcsec", model.quantisation, "arcsec"),
+        ],
+    };
+    all.into()
+}
+
+/// The complete models as JSON. With a single column, its numbers stand at the top as well.
+pub fn document(analysis: &Analysis) -> Value {
+    let asked = &analysis.asked;
+    let columns: Vec<Value> = analysis.columns.iter().map(|column| of_column(analysis, column)).collect();
+    let mut document = json!({
+        "file": analysis.source.path.display().to_string(),
+        "aim": asked.aim.name(),
+        "confidence": asked.confidence,
+        "margin": asked.margin,
+        "filter_hz": analysis.filter_hz(),
+        "decision": decision(analysis).json(),
+        "notes": notes(analysis),
+    });
+    if let (Value::Object(document), [Value::Object(only)]) = (&mut document, &columns[..]) {
+        document.extend(only.clone());
+    }
+    document["columns"] = json!(columns);
+    document
+}
+
+fn of_column(analysis: &Analysis, column: &Column) -> Value {
+    let (target, found) = (&column.target, &column.found);
+    let [from_s, to_s] = target.taus();
+    let [largest, at_s] = found.over_record(target);
+    let is_bound = analysis.asked.aim != Aim::Describe;
+    let mut document: Map<String, Value> = figures(column)
+        .into_iter()
+        .filter(|figure| !figure.key.is_empty())
+        .map(|figure| (figure.key, json!(figure.value)))
+        .collect();
+    let sigma = match target.unit {
+        Curves::Acceleration => "sigma_ug",
+        Curves::Angular | Curves::Plain => "sigma_deg_per_h",
+    };
+    let state = |state: &Markov| json!({ sigma: state.sigma, "correlation_time_s": state.time_s });
+    let tried = |tried: &Tried| json!({ "states": tried.states, "largest_excess": tried.excess });
+    let (shown, all) = (columns(), rows(analysis, column));
+    let points = all.iter().map(|row| object(&shown, row, &["column", "unit"]));
+    let rest = json!({
+        "column": target.name,
+        "unit": target.unit.in_files(Deviation::Oadev),
+        "from_s": from_s,
+        "to_s": to_s,
+        "markov": found.model.markov.iter().map(state).collect::<Vec<_>>(),
+        "largest_excess": largest,
+        "largest_excess_tau_s": at_s,
+        "largest_excess_over_bound": is_bound.then(|| found.over_bound(target)[0]),
+        "tried": found.tried.iter().map(tried).collect::<Vec<_>>(),
+        "continuous": of_continuous(column),
+        "discrete": analysis.filter_hz().map(|filter_hz| of_discrete(column, 1.0 / filter_hz)),
+        "points": points.collect::<Vec<_>>(),
+    });
+    if let Value::Object(rest) = rest {
+        document.extend(rest);
+    }
+    Value::Object(document)
+}
+
+/// Letters of the unit of an angle, or of a velocity, in keys.
+fn of_angle(unit: Curves) -> &'static str {
+    if unit == Curves::Acceleration { "m_per_s" } else { "rad" }
+}
+
+/// The model as a stochastic differential equation, in SI units.
+fn of_continuous(column: &Column) -> Value {
+    let (model, unit) = (&column.found.model, of_angle(column.target.unit));
+    let size = si(column.target.unit);
+    let square = |x: f64| size * size * x * x;
+    let state = |state: &Markov| {
+        json!({
+            format!("sigma_{unit}_per_s"): size * state.sigma,
+            "decay_per_s": 1.0 / state.time_s,
+            format!("driving_two_sided_{unit}2_per_s3"): 2.0 * square(state.sigma) / state.time_s,
+        })
+    };
+    json!({
+        format!("white_{unit}_per_s_per_rt_hz"): size * model.white,
+        format!("white_two_sided_{unit}2_per_s2_per_hz"): square(model.white),
+        format!("white_one_sided_{unit}2_per_s2_per_hz"): 2.0 * square(model.white),
+        format!("random_walk_{unit}_per_s2_per_rt_hz"): size * model.walk,
+        format!("random_walk_driving_two_sided_{unit}2_per_s4_per_hz"): square(model.walk),
+        "markov": model.markov.iter().map(state).collect::<Vec<_>>(),
+    })
+}
+
+/// The model at the rate of a filter.
+fn of_discrete(column: &Column, step_s: f64) -> Value {
+    let [_, longest_s] = column.target.taus();
+    let found = discrete(&column.found.model, column.target.unit, step_s, longest_s);
+    let unit = of_angle(column.target.unit);
+    json!({
+        "step_s": found.step_s,
+        "states": found.names,
+        "F": found.transition,
+        "Q": found.added,
+        format!("R_{unit}2"): found.reading,
+        format!("rate_variance_{unit}2_per_s2"): found.rate,
+        "stationary_variance": found.stationary,
+        "initial_variance": found.initial,
+    })
+}
+
+/// The terms of a model in words, such as `white noise, a random walk and 2 Markov states`.
+pub(crate) fn parts(column: &Column) -> String {
+    let model = &column.found.model;
+    let states = match model.markov.len() {
+        0 => None,
+        1 => Some("one Markov state".to_owned()),
+        count => Some(format!("{count} Markov states")),
+    };
+    let all = [
+        (model.white > 0.0).then(|| "white noise".to_owned()),
+        (model.walk > 0.0).then(|| "a random walk".to_owned()),
+        states,
+    ];
+    listed(&all.into_iter().flatten().collect::<Vec<_>>())
+}
+
+/// Each part of a model with its label and its deviation over τ, for charts.
+pub(crate) fn lines(column: &Column, taus: &[f64]) -> Vec<(String, Vec<(f64, f64)>)> {
+    let symbol = column.target.unit.symbol(Deviation::Oadev);
+    let line = |part: &Part| {
+        let label = match part.term {
+            Term::Markov => {
+                let sigma = part.size * libm::sqrt(0.5 * part.shape);
+                let shown = |x: f64| crate::quantity::number::significant(x, 3);
+                format!("σ = {} {symbol}, T = {} s", shown(sigma), shown(part.shape))
+                    .replace(' ', "\u{a0}")
+                    .replace(",\u{a0}", ", ")
+            }
+            term => term.row().title.to_owned(),
+        };
+        let at = |&tau_s: &f64| Some((tau_s, libm::sqrt(continuous::allan_variance(part, tau_s)?)));
+        (label, taus.iter().filter_map(at).collect())
+    };
+    column.found.model.parts().iter().map(line).collect()
+}

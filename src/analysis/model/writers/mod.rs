@@ -1,0 +1,223 @@
+//! Files for the tools of others, each a row with its convention and the parts of a model that the tool has.
+//!
+//! A tool without random walk or with fewer Markov states gets a model of what it has whose curve is nowhere below that of the whole
+//! model between the two times. Its deviation at τ = 1 s stays within 1 %, because white noise is known best; what grows is the random walk, or the
+//! single Markov state.
+
+mod c_header;
+mod gtsam;
+mod json;
+mod kf_gins;
+mod matlab;
+mod navego;
+mod psins;
+mod pyins;
+mod yaml;
+
+use crate::allan::Unit;
+use crate::analysis::log::kalibr::number;
+use crate::analysis::log::notes::one_line;
+use crate::analysis::model::search::{Allowed, MOST_STATES, PER_DECADE, Problem, times};
+use crate::analysis::model::words::bounded;
+use crate::analysis::model::{Analysis, Column, Model};
+use crate::quantity::number::significant;
+
+/// A tool with the file that it reads.
+#[derive(Debug)]
+pub struct Writer {
+    /// Name in lists.
+    pub name: &'static str,
+    /// Name of the file.
+    pub file: &'static str,
+    /// The tool for the user.
+    pub tool: &'static str,
+    /// Which densities its numbers are, in which units.
+    pub convention: &'static str,
+    /// The parts of a model that it has.
+    takes: Takes,
+    /// The text, given the sensors and the lines of the heading.
+    text: fn(&Sheet) -> String,
+}
+
+/// The parts of a model that a tool has.
+#[derive(Debug, Clone, Copy)]
+struct Takes {
+    walk: bool,
+    states: usize,
+    /// Whether all sensors share one correlation time.
+    shares_time: bool,
+}
+
+impl Takes {
+    const WALK: Takes = Takes { walk: true, states: 0, shares_time: false };
+    const STATE: Takes = Takes { walk: false, states: 1, shares_time: false };
+    const ALL: Takes = Takes { walk: true, states: MOST_STATES, shares_time: false };
+}
+
+/// Every writer, in the order of lists.
+pub static WRITERS: [&Writer; 12] = [
+    &yaml::KALIBR,
+    &yaml::ALLAN_VARIANCE_ROS,
+    &yaml::OPENVINS,
+    &matlab::MATLAB,
+    &navego::NAVEGO,
+    &psins::PSINS,
+    &gtsam::CPP,
+    &gtsam::PYTHON,
+    &pyins::PYINS,
+    &kf_gins::KF_GINS,
+    &c_header::C_HEADER,
+    &json::JSON,
+];
+
+/// The sensors of a file, with the lines of its heading.
+struct Sheet<'a> {
+    analysis: &'a Analysis,
+    gyros: Vec<Axis<'a>>,
+    accelerometers: Vec<Axis<'a>>,
+    heading: Vec<String>,
+}
+
+/// A sensor with the model that the tool can have.
+struct Axis<'a> {
+    column: &'a Column,
+    model: Model,
+}
+
+/// The text of the file of each writer, with its name.
+pub fn texts(analysis: &Analysis, writers: &[&'static Writer]) -> Vec<(&'static str, String)> {
+    writers.iter().map(|writer| (writer.file, writer.of(analysis))).collect()
+}
+
+/// The writers with these names, `all` for all.
+///
+/// # Errors
+/// A name is not known.
+pub fn named(names: &str) -> Result<Vec<&'static Writer>, String> {
+    if names == "all" {
+        return Ok(WRITERS.to_vec());
+    }
+    let one = |name: &str| {
+        let known = || WRITERS.map(|writer| writer.name).join(", ");
+        let found = WRITERS.into_iter().find(|writer| writer.name == name.trim());
+        found
+            .ok_or_else(|| format!("`{}` is not known; accepted: all, or a list of {}", name.trim(), known()))
+    };
+    names.split(',').map(one).collect()
+}
+
+impl Writer {
+    fn of(&self, analysis: &Analysis) -> String {
+        let mut heading = vec![
+            format!("Noise for {}, from sagnac model of {}.", self.tool, one_line(&analysis.source.heading)),
+            format!("Convention: {}.", self.convention),
+        ];
+        let mut shared = None;
+        let mut sensors = |unit: Unit| -> Vec<Axis> {
+            let mut axes = Vec::new();
+            for column in analysis.columns.iter().filter(|column| column.target.unit == unit) {
+                let model = reduced(column, self.takes, shared);
+                if self.takes.shares_time {
+                    shared = shared.or(model.markov.first().map(|state| state.time_s));
+                }
+                heading.push(format!(
+                    "{}: {}",
+                    one_line(&column.target.name),
+                    said(column, &model, analysis)
+                ));
+                axes.push(Axis { column, model });
+            }
+            axes
+        };
+        let (gyros, accelerometers) = (sensors(Unit::Angular), sensors(Unit::Acceleration));
+        (self.text)(&Sheet { analysis, gyros, accelerometers, heading })
+    }
+}
+
+/// What the model of a sensor does, with what a tool lacks.
+fn said(column: &Column, model: &Model, analysis: &Analysis) -> String {
+    let all = bounded(column, analysis);
+    if *model == column.found.model {
+        return all;
+    }
+    let [from_s, to_s] = column.target.taus();
+    let ratio = grid([from_s, to_s])
+        .into_iter()
+        .map(|tau_s| model.deviation(tau_s) / column.found.model.deviation(tau_s));
+    let times = significant(ratio.fold(1.0, f64::max), 3);
+    format!(
+        "{all} This tool lacks parts of that model; what it has is raised until it is nowhere below, and lies at most {times} times above it"
+    ) + "."
+}
+
+/// Times between two, closer than those of correlation.
+fn grid([from_s, to_s]: [f64; 2]) -> Vec<f64> {
+    let count = libm::ceil(4.0 * PER_DECADE * libm::log10(to_s / from_s)).max(1.0);
+    (0..=count as u32).map(|i| from_s * libm::pow(to_s / from_s, f64::from(i) / count)).collect()
+}
+
+/// The model of a column with the parts that a tool has.
+fn reduced(column: &Column, takes: Takes, time_s: Option<f64>) -> Model {
+    /// How far the deviation at 1 s may move.
+    const AT_1_S: f64 = 0.006;
+    let whole = &column.found.model;
+    let fits = whole.markov.len() <= takes.states && (takes.walk || whole.walk == 0.0);
+    if fits && (time_s.is_none() || whole.markov.iter().all(|state| Some(state.time_s) == time_s)) {
+        return whole.clone();
+    }
+    let of_rate = Model { quantisation: 0.0, ..whole.clone() };
+    let [from_s, to_s] = column.target.taus();
+    let mut taus = grid([from_s, to_s]);
+    let mut least: Vec<f64> = taus.iter().map(|&tau_s| of_rate.variance(tau_s)).collect();
+    let mut most = vec![f64::INFINITY; taus.len()];
+    let at_1_s = of_rate.variance(1.0);
+    taus.push(1.0);
+    least.push(at_1_s * (1.0 - AT_1_S) * (1.0 - AT_1_S));
+    most.push(at_1_s * (1.0 + AT_1_S) * (1.0 + AT_1_S));
+    let scale: Vec<f64> = taus.iter().map(|&tau_s| of_rate.variance(tau_s)).collect();
+    let free = Problem { taus, goal: scale.clone(), scale, least, most };
+    let times = time_s.map_or_else(|| times([from_s, 10.0 * to_s]), |time_s| vec![time_s]);
+    let allowed = Allowed { walk: takes.walk, states: takes.states, times: &times };
+    let open = || Problem { most: vec![f64::INFINITY; free.taus.len()], ..free.clone() };
+    let found = free.best(allowed).or_else(|| open().best(allowed)).unwrap_or(of_rate);
+    Model { quantisation: whole.quantisation, ..found }
+}
+
+impl Sheet<'_> {
+    /// The heading as comments that begin with `start`.
+    fn comments(&self, start: &str) -> String {
+        self.heading.iter().map(|line| format!("{start} {line}\n")).collect()
+    }
+
+    /// Rate of the filter, or of the record.
+    fn rate_hz(&self) -> Option<f64> {
+        self.analysis.filter_hz()
+    }
+}
+
+/// Values of three axes: those of three sensors, or the largest of all for each.
+fn three(axes: &[Axis], value: impl Fn(&Model) -> f64) -> [f64; 3] {
+    match axes {
+        [x, y, z] => [x, y, z].map(|axis| value(&axis.model)),
+        _ => [largest(axes, value); 3],
+    }
+}
+
+fn largest(axes: &[Axis], value: impl Fn(&Model) -> f64) -> f64 {
+    axes.iter().map(|axis| value(&axis.model)).fold(0.0, f64::max)
+}
+
+/// Standard deviation of the only Markov state; 0 without one.
+fn sigma(model: &Model) -> f64 {
+    model.markov.first().map_or(0.0, |state| state.sigma)
+}
+
+/// Correlation time of the only Markov state; of a model without one 1 s, because tools divide by it.
+fn time_s(model: &Model) -> f64 {
+    model.markov.first().map_or(1.0, |state| state.time_s)
+}
+
+/// Numbers separated by `between`.
+fn list(values: [f64; 3], between: &str) -> String {
+    values.map(number).join(between)
+}

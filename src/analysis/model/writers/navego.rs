@@ -1,0 +1,40 @@
+//! The error profile of an IMU for NaveGo, in the units of manufacturers that `imu_si_errors` converts.
+//!
+//! NaveGo drives the bias with gb_dyn/√gb_corr, so its stationary standard deviation is gb_dyn/√2: σ is written times √2.
+
+use crate::analysis::log::kalibr::plain_number;
+use crate::analysis::model::writers::{Axis, Takes, Writer, list, sigma, three, time_s};
+
+pub(super) static NAVEGO: Writer = Writer {
+    name: "navego",
+    file: "navego_imu.m",
+    tool: "NaveGo",
+    convention: "fields before imu_si_errors(): arw in deg/sqrt(h), vrw in m/s/sqrt(h), both of two-sided densities; gb_dyn in deg/s and ab_dyn in \
+                 mg are sqrt(2) times the standard deviation of the Markov state, because NaveGo drives it with gb_dyn/sqrt(gb_corr)",
+    takes: Takes::STATE,
+    text: |sheet| {
+        /// Lines for the fields of a sensor.
+        fn fields(axes: &[Axis], names: [&str; 5], white: f64, bias: f64) -> String {
+            let root = core::f64::consts::SQRT_2;
+            let values = [
+                three(axes, |model| white * model.white),
+                [0.0; 3],
+                [0.0; 3],
+                three(axes, |model| root * bias * sigma(model)),
+                three(axes, time_s),
+            ];
+            let line = |(name, values): (&str, [f64; 3])| format!("imu.{name} = [{}];\n", list(values, " "));
+            let all: String = names.into_iter().zip(values).map(line).collect();
+            if axes.is_empty() { String::new() } else { all }
+        }
+        let gyros =
+            fields(&sheet.gyros, ["arw", "arrw", "gb_sta", "gb_dyn", "gb_corr"], 1.0 / 60.0, 1.0 / 3600.0);
+        // 1 µg·√s is 60 s·9.80665e-6 m/s² over √h.
+        let of_accelerometers = ["vrw", "vrrw", "ab_sta", "ab_dyn", "ab_corr"];
+        let accelerometers = fields(&sheet.accelerometers, of_accelerometers, 60.0 * 9.806_65e-6, 1e-3);
+        let rate = sheet
+            .rate_hz()
+            .map_or_else(String::new, |rate_hz| format!("imu.freq = {};\n", plain_number(rate_hz)));
+        sheet.comments("%") + &gyros + &accelerometers + &rate
+    },
+};

@@ -1,0 +1,69 @@
+//! YAML files of visual-inertial tools, which have the keys of Kalibr.
+
+use crate::allan::Unit;
+use crate::analysis::log::kalibr::{number, plain_number};
+use crate::analysis::model::states::si;
+use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, largest};
+
+const CONVENTION: &str = "square roots of two-sided densities per Hz, which are N in rad/s/sqrt(Hz) = rad/sqrt(s) and K in rad/s^2/sqrt(Hz); of \
+                          accelerometers in m/s^2/sqrt(Hz) and m/s^3/sqrt(Hz)";
+
+pub(super) static KALIBR: Writer = Writer {
+    name: "kalibr",
+    file: "kalibr.yaml",
+    tool: "Kalibr",
+    convention: CONVENTION,
+    takes: Takes::WALK,
+    text: |sheet| sheet.comments("#") + &keys(sheet, "", "/imu0"),
+};
+
+pub(super) static ALLAN_VARIANCE_ROS: Writer = Writer {
+    name: "allan_variance_ros",
+    file: "allan_variance_ros.yaml",
+    tool: "what reads the imu.yaml of allan_variance_ros",
+    convention: CONVENTION,
+    takes: Takes::WALK,
+    text: |sheet| sheet.comments("#") + &keys(sheet, "", "/sensors/imu"),
+};
+
+pub(super) static OPENVINS: Writer = Writer {
+    name: "openvins",
+    file: "kalibr_imu_chain.yaml",
+    tool: "OpenVINS",
+    convention: CONVENTION,
+    takes: Takes::WALK,
+    text: |sheet| {
+        let rows = ["1.0, 0.0, 0.0, 0.0", "0.0, 1.0, 0.0, 0.0", "0.0, 0.0, 1.0, 0.0", "0.0, 0.0, 0.0, 1.0"];
+        let rows: String = rows.into_iter().map(|row| format!("    - [{row}]\n")).collect();
+        // OpenCV reads it and needs its directive first.
+        format!(
+            "%YAML:1.0\n{}imu0:\n  T_i_b:\n{rows}{}  time_offset: 0.0\n  model: \"kalibr\"\n",
+            sheet.comments("#"),
+            keys(sheet, "  ", "/imu0")
+        )
+    },
+};
+
+/// The keys of both sensors; those of a sensor without columns are comments.
+fn keys(sheet: &Sheet, indent: &str, topic: &str) -> String {
+    let sensor = |axes: &[Axis], name: &str, unit: Unit, units: [&str; 2]| -> String {
+        let size = si(unit);
+        let values = [largest(axes, |model| model.white), largest(axes, |model| model.walk)];
+        let keys = ["noise_density", "random_walk"].into_iter().zip(values).zip(units);
+        let line = |((key, value), unit): ((&str, f64), &str)| match axes {
+            [] => format!("#{indent}{name}_{key}:  # {unit}\n"),
+            _ => format!("{indent}{name}_{key}: {}  # {unit}\n", number(size * value)),
+        };
+        let without = format!("# Nothing is known of {name}s; the tool needs their keys too.\n");
+        let start = if axes.is_empty() { without } else { String::new() };
+        start + &keys.map(line).collect::<String>()
+    };
+    let units = ["m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)"];
+    let rate = match sheet.rate_hz() {
+        Some(rate_hz) => format!("{indent}update_rate: {}  # Hz\n", plain_number(rate_hz)),
+        None => format!("#{indent}update_rate:  # Hz\n"),
+    };
+    sensor(&sheet.accelerometers, "accelerometer", Unit::Acceleration, units)
+        + &sensor(&sheet.gyros, "gyroscope", Unit::Angular, ["rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)"])
+        + &format!("{indent}rostopic: {topic}\n{rate}")
+}

@@ -1,0 +1,91 @@
+//! The page of a model for a filter.
+
+use crate::allan::Deviation;
+use crate::analysis::model::states::discrete;
+use crate::analysis::model::words::{bounded, decision, headline, notes, sentence};
+use crate::analysis::model::writers::{Writer, texts};
+use crate::analysis::model::{Analysis, Column, figures, tables};
+use crate::analysis::page::chart;
+use crate::quantity::number::significant;
+use crate::view::chart::picture::Picture;
+use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+
+/// The page of the models of a log or a noise.toml, with the files that were written for tools.
+pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
+    let charts = figures::figures(analysis).into_iter();
+    let charts = charts.filter_map(|(stem, figure)| Some(chart(&stem, Picture::Curves(figure?)))).collect();
+    let columns = || analysis.columns.iter();
+    let coefficients = columns().map(|column| Block::Grid(coefficients(column))).collect();
+    let at_rate = columns().flat_map(|column| matrices(analysis, column)).collect();
+    let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name, text)).collect();
+    let several = analysis.columns.len() > 1;
+    let section = |id, heading, blocks| Section { id, heading, blocks };
+    Page {
+        title: format!(
+            "Noise model of {}",
+            analysis.source.path.file_name().unwrap_or_default().to_string_lossy()
+        ),
+        subtitle: analysis.source.heading.clone(),
+        headline: headline(analysis),
+        sheet: decision(analysis).headed(),
+        sentences: columns().filter(|_| several).map(sentence).collect(),
+        notes: notes(analysis),
+        sections: vec![
+            section("curve", "Record and model", charts),
+            section("coefficients", "Coefficients", coefficients),
+            section("discrete", "At the rate of the filter", at_rate),
+            section("files", "Files for tools", files),
+        ],
+        tables: vec![("model.csv", tables::table(analysis))],
+    }
+}
+
+/// The numbers of a column in the units that people use.
+fn coefficients(column: &Column) -> Grid {
+    let rows = tables::figures(column).into_iter().filter(|figure| figure.value > 0.0).map(|figure| {
+        [figure.name, significant(figure.value, 5), figure.unit.to_owned()].map(Cell::from).into()
+    });
+    let symbol = column.target.unit.symbol(Deviation::Oadev);
+    let state = column.found.model.markov.iter().map(|state| {
+        let time = format!("correlation time {} s", significant(state.time_s, 5));
+        vec!["Markov state".into(), Cell { text: significant(state.sigma, 5), below: time }, symbol.into()]
+    });
+    let head = [column.target.name.as_str(), "value", "unit"].map(str::to_owned).into();
+    Grid { head, rows: rows.chain(state).collect() }
+}
+
+/// F and Q of a column.
+fn matrices(analysis: &Analysis, column: &Column) -> Vec<Block> {
+    let Some(filter_hz) = analysis.filter_hz() else { return vec![] };
+    let [_, longest_s] = column.target.taus();
+    let found = discrete(&column.found.model, column.target.unit, 1.0 / filter_hz, longest_s);
+    let matrix = |name: &str, rows: &[Vec<f64>]| {
+        let head = std::iter::once(name.to_owned()).chain(found.names.iter().cloned()).collect();
+        let row = |(name, row): (&String, &Vec<f64>)| {
+            std::iter::once(Cell::from(name.as_str()))
+                .chain(row.iter().map(|x| significant(*x, 6).into()))
+                .collect()
+        };
+        Block::Grid(Grid { head, rows: found.names.iter().zip(rows).map(row).collect() })
+    };
+    let said = format!(
+        "{}: steps of {} s, in SI units. {} The initial variance of the random walk is what it accumulates over the longest τ; add the square of \
+         the turn-on bias, which a record does not show.",
+        column.target.name,
+        significant(found.step_s, 6),
+        bounded(column, analysis)
+    );
+    let variances = |all: Vec<String>| {
+        found.names.iter().cloned().zip(all).map(|(name, x)| format!("{name}: {x}")).collect()
+    };
+    let stationary =
+        found.stationary.iter().map(|x| x.map_or_else(|| "none".to_owned(), |x| significant(x, 6)));
+    let initial = found.initial.iter().map(|x| significant(*x, 6));
+    let facts = Block::Facts(vec![
+        ("Measurement noise R of the angle", vec![significant(found.reading, 6)]),
+        ("Variance of a rate sample", vec![significant(found.rate, 6)]),
+        ("Stationary variance", variances(stationary.collect())),
+        ("Initial variance", variances(initial.collect())),
+    ]);
+    vec![Block::Text(said), matrix("F", &found.transition), matrix("Q", &found.added), facts]
+}
