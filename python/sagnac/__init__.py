@@ -4,6 +4,7 @@
 - :func:`allan` computes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
 - :func:`psd` computes the spectrum of a record, and :func:`compare` tells whether the noise of two records differs.
+- :func:`model` turns a record or its noise into a model that a navigation filter can use.
 - :func:`design` finds the switching interval and the filler with the least drift, and :func:`sensitivity` which uncertain input
   decides an answer.
 - :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
@@ -36,6 +37,7 @@ from .errors import (
     UsageError,
 )
 from .fillers import Filler, Fillers, Rule, filler
+from .models import model
 from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .records import allan, fit
 from .results import Results, Table, Verdict
@@ -68,6 +70,7 @@ __all__ = [
     "errors",
     "filler",
     "fit",
+    "model",
     "psd",
     "run",
     "sensitivity",

@@ -21,6 +21,8 @@ __all__ = [
     "fit",
     "gap_response",
     "magnetic_drift",
+    "model_of_noise",
+    "model_of_record",
     "of_kinds",
     "of_study",
     "polynomial",
@@ -55,6 +57,26 @@ class _Reading(Protocol):
     def unit_check(self) -> bool: ...
     @property
     def threads(self) -> int: ...
+
+class _Wanted(Protocol):
+    @property
+    def from_s(self) -> float | None: ...
+    @property
+    def to_s(self) -> float | None: ...
+    @property
+    def bound(self) -> str | None: ...
+    @property
+    def margin(self) -> float: ...
+    @property
+    def states(self) -> int | None: ...
+    @property
+    def is_white(self) -> bool: ...
+    @property
+    def filter_hz(self) -> float | None: ...
+    @property
+    def confidence(self) -> float: ...
+    @property
+    def write(self) -> list[str]: ...
 
 class _Made(Protocol):
     @property
@@ -144,6 +166,10 @@ def psd(
     bootstrap: int | None,
     limits: list[str],
 ) -> RawAnalysis: ...
+def model_of_record(
+    data: _Numbers, reading: _Reading, name: str, terms: list[str] | None, wanted: _Wanted
+) -> RawAnalysis: ...
+def model_of_noise(path: Path | None, text: str, wanted: _Wanted) -> RawAnalysis: ...
 def curves(
     data: _Numbers,
     reading: _Reading,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::decision::RatioLimit;
 use sagnac::analysis::decision::Sheet;
@@ -13,6 +14,10 @@ use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
 };
 use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::model::noise::{of_file, of_text};
+use sagnac::analysis::model::target::{Source, Target};
+use sagnac::analysis::model::writers::{named, texts};
+use sagnac::analysis::model::{self as modelled, Aim, Quantisation};
 use sagnac::analysis::requirement::Limited;
 use sagnac::analysis::sensitivity::{
     Request, SensitivityError, report as sensitivity_report, sensitivity as decide,
@@ -246,6 +251,97 @@ pub fn psd<'py>(
         let decision = analysis.decision(&limits);
         let document = spectrum::tables::document(&analysis, &decision);
         Ok(Found { page: page::of_log(&log, &analysis, &decision, None, vec![]), document, tables })
+    })?;
+    found.into_python(py)
+}
+
+/// How a model is to be found.
+#[derive(FromPyObject)]
+pub struct Wanted {
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    /// What is bounded; nothing if the model describes the record.
+    bound: Option<String>,
+    margin: f64,
+    states: Option<usize>,
+    is_white: bool,
+    filter_hz: Option<f64>,
+    confidence: f64,
+    write: Vec<String>,
+}
+
+impl Wanted {
+    fn asked(&self) -> modelled::Asked {
+        modelled::Asked {
+            from_s: self.from_s,
+            to_s: self.to_s,
+            aim: match self.bound.as_deref() {
+                None => Aim::Describe,
+                Some("repeat") => Aim::BoundRepeat,
+                Some(_) => Aim::Bound,
+            },
+            margin: self.margin,
+            states: self.states,
+            quantisation: if self.is_white { Quantisation::White } else { Quantisation::Measurement },
+            filter_hz: self.filter_hz,
+            confidence: self.confidence,
+        }
+    }
+
+    fn found(&self, source: Source, targets: Vec<Target>) -> Result<Found, Failure> {
+        let names = self.write.join(",");
+        let writers = if names.is_empty() { Ok(vec![]) } else { named(&names) };
+        let writers = writers.map_err(|why| Failure::Usage(format!("write=\"{names}\": {why}")))?;
+        let analysis = modelled::Analysis::of(source, targets, &self.asked())?;
+        let mut document = modelled::tables::document(&analysis);
+        document["files"] =
+            texts(&analysis, &writers).into_iter().map(|(file, text)| (file, json!(text))).collect();
+        Ok(Found { page: page::of_model(&analysis, &writers), document, tables: vec![] })
+    }
+}
+
+/// The noise model of a record called `name`, for a filter.
+#[pyfunction]
+pub fn model_of_record<'py>(
+    py: Python<'py>,
+    data: PyReadonlyArray1<'py, f64>,
+    reading: Reading,
+    name: String,
+    terms: Option<Vec<String>>,
+    wanted: Wanted,
+) -> PyResult<Bound<'py, PyDict>> {
+    let values = side_by_side(&data)?;
+    let log = read_on(py, reading.threads, || reading.log(values, &name))?;
+    let found = compute_on(py, reading.threads, || {
+        let treatment = reading.treatment();
+        let asked = Asked {
+            taus: Taus::Decade(10),
+            confidence: wanted.confidence,
+            fitting: Some(Fitting::from(terms_of(terms.as_deref(), treatment.trend)?)),
+            simulated: Some(0),
+            ..Asked::default()
+        };
+        let analysis = log::Analysis::of(&log, Path::new(&name), &treatment, &asked, &Silent)?;
+        wanted.found(Source::of_log(&analysis), Target::of_log(&analysis)?)
+    })?;
+    found.into_python(py)
+}
+
+/// The noise model of the coefficients of a noise.toml, for a filter.
+#[pyfunction]
+#[pyo3(signature = (path, text, wanted))]
+pub fn model_of_noise<'py>(
+    py: Python<'py>,
+    path: Option<PathBuf>,
+    text: String,
+    wanted: Wanted,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = compute_on(py, 0, || {
+        let (source, target) = match path {
+            Some(path) => of_file(&path, &wanted.asked())?,
+            None => of_text("noise", &text, &wanted.asked())?,
+        };
+        wanted.found(source, vec![target])
     })?;
     found.into_python(py)
 }

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::device::select::SelectError;
 use sagnac::quantity::visible::visible;
@@ -121,6 +122,17 @@ impl From<ChoiceError> for Failure {
         match error {
             ChoiceError::Asked(message) => Failure::Usage(in_python(&message)),
             ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Failure {
+        let message = in_python(&error.to_string());
+        match error {
+            ModelError::Noise(error) => Failure::Study(error),
+            error if error.is_usage() => Failure::Usage(message),
+            _ => Failure::Record(message),
         }
     }
 }

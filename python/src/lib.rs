@@ -23,6 +23,8 @@ fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(analysis::sensitivity, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::compare, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::psd, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::model_of_record, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::model_of_noise, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;
     module.add_function(wrap_pyfunction!(record::fit, module)?)?;
     module.add_function(wrap_pyfunction!(filler::of_kinds, module)?)?;

@@ -1,0 +1,131 @@
+"""Noise models for navigation filters, as the program gives them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from numpy.typing import ArrayLike
+
+from . import _sagnac
+from ._reading import Kind, reading_of
+from .analyses import Analysis, _analysis, _terms
+from .errors import UsageError
+from .studies import _source, _whole
+
+MOST_STATES = 3
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    from_s: float | None
+    to_s: float | None
+    bound: str | None
+    margin: float
+    states: int | None
+    is_white: bool
+    filter_hz: float | None
+    confidence: float
+    write: list[str]
+
+
+def model(
+    data: ArrayLike | None = None,
+    rate: float | None = None,
+    *,
+    noise: str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    unit: str | None = None,
+    kind: Kind = "rate",
+    name: str = "record",
+    from_s: float | None = None,
+    to_s: float | None = None,
+    bound: Literal["band", "repeat"] | None = "band",
+    margin: float = 0.2,
+    states: int | None = None,
+    quantisation: Literal["measurement", "white"] = "measurement",
+    filter_rate: float | None = None,
+    confidence: float = 0.95,
+    write: Sequence[str] = (),
+    terms: Literal["auto"] | Sequence[str] = "auto",
+    detrend: bool = False,
+    remove_outliers: bool = False,
+    unit_check: bool = True,
+    threads: int | None = None,
+) -> Analysis:
+    """White noise, a random walk and the fewest Markov states for a filter, as ``sagnac model`` finds them.
+
+    Parameters
+    ----------
+    data, rate, unit, kind, terms, detrend, remove_outliers, unit_check, threads
+        A record, as for :func:`fit`.
+    noise
+        Instead of a record, the noise of a study: a path of a noise.toml, its text, or a dictionary such as
+        ``{"angle_random_walk": "0.003 deg/sqrt(h)"}``.
+    name
+        What the record is called.
+    from_s, to_s
+        Shortest and longest averaging time that the model covers, s; by default that of the record and a tenth of its length. Noise
+        needs both.
+    bound
+        ``"band"`` for a model whose Allan deviation is nowhere below the upper end of the band of the record, ``"repeat"`` for one that
+        is nowhere below that of most further records like it, None for one within the band.
+    margin
+        How far a bound may lie above, as a part, before a state is added.
+    states
+        Number of Markov states, 0 to 3, instead of the fewest.
+    quantisation
+        Whether quantisation is measurement noise of the angle, or covered by white noise of the rate.
+    filter_rate
+        Rate of the filter, Hz, for the matrices; by default that of the record.
+    confidence
+        Probability of the band.
+    write
+        Tools for which ``data["files"]`` has files, such as ``["kalibr", "gtsam_python"]``, or ``["all"]``.
+
+    Raises
+    ------
+    RecordError, StudyError, UsageError
+        The record or the noise is unusable, no model fits, or an argument is not accepted.
+
+    Examples
+    --------
+    >>> gyro = {"angle_random_walk": "0.003 deg/sqrt(h)", "bias_instability": "0.002 deg/h"}
+    >>> found = model(noise=gyro, from_s=1.0, to_s=1000.0)
+    >>> len(found.data["markov"]), found.data["largest_excess"] < 0.2
+    (1, True)
+    """
+    if bound not in ("band", "repeat", None):
+        raise UsageError(f'bound={bound!r}\naccepted: "band", "repeat", None')
+    if quantisation not in ("measurement", "white"):
+        raise UsageError(f'quantisation="{quantisation}"\naccepted: "measurement", "white"')
+    if not 0.0 < confidence < 1.0:
+        raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
+    if not 0.0 < margin <= 10.0:
+        raise UsageError(f"margin={margin}\naccepted: above 0 and at most 10, as in 0.2")
+    if filter_rate is not None and not 0.0 < filter_rate < 1e9:
+        raise UsageError(f"filter_rate={filter_rate}\naccepted: Hz above 0")
+    if isinstance(write, str):
+        raise UsageError(f'write="{write}"\naccepted: a list such as ["kalibr"], or ["all"]')
+    states = None if states is None else _whole("states", states, 0, MOST_STATES)
+    wanted = _Wanted(
+        from_s,
+        to_s,
+        bound,
+        margin,
+        states,
+        quantisation == "white",
+        filter_rate,
+        confidence,
+        list(write),
+    )
+    if noise is not None:
+        if data is not None:
+            raise UsageError("data and noise are both given\ngive the record, or its noise")
+        path, text = _source(noise)
+        return _analysis(_sagnac.model_of_noise(path, text, wanted))
+    if data is None or rate is None or unit is None:
+        raise UsageError("neither a record nor noise is given\ngive data, rate and unit, or noise=")
+    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    return _analysis(_sagnac.model_of_record(values, reading, name, _terms(terms), wanted))
