@@ -19,6 +19,8 @@ const MOST_ROWS: usize = 48;
 /// Part of the excess to which a state has to lower it to be worth its place.
 const WORTH: f64 = 0.9;
 
+/// Factor for dips of a bound between two points of the curve.
+const BETWEEN: f64 = 1.0001;
 /// Least scale of a row, as a part of the variance of the curve.
 const LEAST_SCALE: f64 = 1e-9;
 
@@ -218,10 +220,12 @@ impl Problem {
         Some(self.raised(model))
     }
 
-    /// The model raised by a common factor to the lower ends between the rows of the problem.
+    /// The model raised by a common factor to the lower ends between the rows of the problem, and a bound beyond dips between them.
     fn raised(&self, model: Model) -> Model {
         let lacking = self.taus.iter().zip(&self.least).map(|(&tau_s, &least)| least / model.variance(tau_s));
-        let factor = libm::sqrt(lacking.fold(1.0, f64::max));
+        // A description has upper ends, which nothing may pass.
+        let between = if self.most.iter().all(|most| most.is_infinite()) { BETWEEN } else { 1.0 };
+        let factor = between * libm::sqrt(lacking.fold(1.0, f64::max));
         let markov = |state: &Markov| Markov { sigma: factor * state.sigma, ..*state };
         Model {
             white: factor * model.white,
