@@ -31,6 +31,7 @@ mod groups;
 mod imports;
 mod keys;
 mod lock_in;
+mod lock_in_integrator;
 mod log_formats;
 mod lowering;
 mod motions;
