@@ -10,6 +10,8 @@ use crate::desk::Desk;
 
 /// Trials of each point. Any change of a kernel, a lowering or a statistic shows in the first few.
 const TRIALS: u32 = 512;
+/// A study of fewer trials keeps them, because each of them takes long.
+const FEW: u32 = 256;
 
 /// File names below the root, for messages.
 const GOLDEN: &str = "tests/data/tables.sha256";
@@ -29,8 +31,9 @@ next lever. A test writes this page from runs with few trials, so the figures of
 fn digests(study: &Path) -> (String, BTreeMap<String, String>) {
     let name = study.file_stem().unwrap().to_str().unwrap();
     let desk = Desk::with("");
+    let trials = own_trials(study).filter(|own| *own < FEW).unwrap_or(TRIALS);
     let ended =
-        desk.done(&format!("run {} --device cpu --trials {TRIALS} --json --out {name}", study.display()));
+        desk.done(&format!("run {} --device cpu --trials {trials} --json --out {name}", study.display()));
     let document: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
     let of = |key: &str| document[key].as_str().unwrap().to_owned();
     let (question, answer) = (of("question"), of("answer"));
@@ -49,6 +52,13 @@ fn digests(study: &Path) -> (String, BTreeMap<String, String>) {
         (format!("{name}/{file}"), hex)
     });
     (section, tables.collect())
+}
+
+/// The trials that a study asks for.
+fn own_trials(study: &Path) -> Option<u32> {
+    let text = std::fs::read_to_string(study).unwrap();
+    let table: toml::Table = text.parse().unwrap();
+    table.get("trials")?.as_integer()?.try_into().ok()
 }
 
 /// After an intended change of results: CONTRIBUTING.md says what else it takes, then rename the new file.
