@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::*;
+use crate::curve::Recorded;
 use crate::gap_fill::{self, POLYNOMIALS};
 use crate::recipe::{Level, Recipe};
 use crate::relock_ticks::{self, Method};
