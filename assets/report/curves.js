@@ -94,12 +94,13 @@ class Curves {
         if (this.on("lines")) this.levels(plot, under, each.law, { ...look, "stroke-dasharray": null });
         continue;
       }
-      const joined = figure.joined ?? !this.hasLaws;
+      const joined = figure.joined ?? each.law.length < 2;
       const points = joined ? each.points.map(({ x, y }) => [x, y]) : each.law;
       if (joined ? this.on("points") : this.on("lines")) this.line(plot, under, points, look);
     }
-    if (figure.limit && this.on("limit")) this.limit(plot, under, over);
     if (this.on("points")) series.forEach((each) => this.markers(plot, over, each));
+    // Its label is over the markers, and where it covers least.
+    if (figure.limit && this.on("limit")) this.limit(plot, under, over);
     if (!series.some((each) => each.points.some(({ x, y }) => plot.shows(x, y)))) {
       const { left, right, top, bottom } = plot.frame;
       const why = series.length === 0 ? "all curves are switched off" : "no value has a place on these axes";
@@ -161,15 +162,30 @@ class Curves {
     const y = plot.down(value);
     under.append(shape("path", { class: "limit", d: `M${left},${y}H${right}` }));
     if (!plot.inFrame([left, y])) return;
-    // Over the line, at the end where it covers fewer points.
-    const width = textWidth(label, 13);
-    const covered = (start) => this.series().flatMap((series) => series.points).filter((point) => {
-      const [dx, dy] = [plot.across(point.x) - start, plot.down(point.y) - y];
-      return dx > -20 && dx < width + 20 && dy > -34 && dy < 8;
-    }).length;
-    const [first, last] = [left + 10, right - width - 10];
-    const start = covered(first) <= covered(last) ? first : last;
-    over.append(shape("text", { class: "limit-label", x: start, y: y - 7 }, label));
+    const [width, height] = [textWidth(label, plot.small ? 11 : 13), plot.small ? 11 : 13];
+    // Below the line, or above it, at the place along it where the label covers least of the curves.
+    const { top, bottom } = plot.frame;
+    const places = [y - 7, y + height + 4].filter((base) => base - height > top && base < bottom - 2);
+    const starts = [0, 1, 0.5, 0.25, 0.75].map((part) => left + 10 + part * Math.max(right - width - left - 20, 0));
+    const lines = this.series().map((series) => this.traced(plot, series));
+    const covered = (x, base) => {
+      const within = ([px, py]) => px > x - 8 && px < x + width + 8 && py > base - height - 5 && py < base + 5;
+      return lines.flat().filter(within).length;
+    };
+    const all = (places.length > 0 ? places : [y - 7]).flatMap((base) => starts.map((x) => ({ x, base, covered: covered(x, base) })));
+    const { x, base } = all.reduce((best, one) => (one.covered < best.covered ? one : best));
+    over.append(shape("text", { class: "limit-label", x, y: base }, label));
+  }
+
+  /** Places along a curve in px, close enough to find what a text would cover. */
+  traced(plot, series) {
+    const places = series.points.filter(({ x, y }) => plot.shows(x, y)).map(({ x, y }) => [plot.across(x), plot.down(y)]);
+    const between = ([x, y], at) => {
+      const [x0, y0] = places[Math.max(at - 1, 0)];
+      const steps = Math.min(Math.max(Math.ceil(Math.hypot(x - x0, y - y0) / 6), 1), 200);
+      return Array.from({ length: steps }, (_, step) => [x0 + ((x - x0) * (step + 1)) / steps, y0 + ((y - y0) * (step + 1)) / steps]);
+    };
+    return places.flatMap(between);
   }
 
   markers(plot, group, series) {

@@ -109,6 +109,6 @@ unpacked().then((data) => {
   document.body.dataset.ready = "true";
 }).catch((error) => {
   document.querySelector("main").prepend(element("p", { class: "note", role: "alert" },
-    `This browser shows the charts as still pictures and no tables (${error}); use one of 2024 or later.`));
+    `This browser shows the charts as still pictures and only the first rows of tables (${error}); use one of 2024 or later.`));
   throw error;
 });

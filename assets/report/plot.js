@@ -54,15 +54,22 @@ class Plot {
     const all = subject.ranges(this.log.x, this.log.y);
     this.ranges = this.part ?? all;
     const small = this.width < 480;
+    this.small = small;
     const size = small ? 11 : 13;
     const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.ladders);
     const labels = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
     const top = 12;
     const names = subject.x.names ?? [];
     this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - (names.length > 0 ? 5.6 : 3.4) * size };
+    let xTicks = this.xTicks();
+    // The last label may reach beyond its tick by more than the margin.
+    const ends = names.length > 0 ? [] : xTicks.major.map(({ value, label }) => this.across(value) + textWidth(label, size) / 2 + 2);
+    const beyond = Math.max(...ends, 0) - this.width;
+    if (beyond > 0) {
+      this.frame.right -= beyond;
+      xTicks = this.xTicks();
+    }
     const { left, right, bottom } = this.frame;
-    const xTicks = names.length > 0 ? this.ranges.x.names(names)
-      : this.ranges.x.ticks(Math.max(Math.floor((right - left) / (small ? 52 : 70)), 2), subject.x.ladders);
     picture.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     picture.style.setProperty("--size", `${size}px`);
     const under = shape("g", { "clip-path": `url(#${this.id})` });
@@ -72,6 +79,14 @@ class Plot {
     this.box = shape("rect", { class: "box", width: 0, height: 0 });
     picture.replaceChildren(clip, this.grid(xTicks, yTicks), under, this.axes(xTicks, yTicks, size), over, this.mark, this.box);
     subject.draw(this, under, over);
+  }
+
+  /** The names under the axis x, or about as many ticks as its width has room for. */
+  xTicks() {
+    const { left, right } = this.frame;
+    const { names, ladders } = this.subject.x;
+    if (names?.length > 0) return this.ranges.x.names(names);
+    return this.ranges.x.ticks(Math.max(Math.floor((right - left) / (this.small ? 52 : 70)), 2), ladders);
   }
 
   grid(xTicks, yTicks) {

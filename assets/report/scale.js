@@ -62,7 +62,7 @@ class Range {
     const { levels, steps, in_full: [leastFull, mostFull] } = this.log ? ladders.log : ladders.linear;
     for (const { major, minor } of levels) {
       const held = major.filter(([value]) => this.holds(value));
-      if (held.length < Math.min(3, most) || held.length > most) continue;
+      if (held.length < Math.min(3, most) || held.length > most || !this.isSpread(held.map(([value]) => value))) continue;
       // The given labels are those of a wider axis.
       const full = held.every(([value]) => value >= leastFull && value <= mostFull);
       const labelled = held.map(([value, label]) => ({ value, label: full ? significant(value) : label }));
@@ -75,6 +75,12 @@ class Range {
       major.push({ value: i * step, label: i === 0 ? "0" : `${minus((i * shown).toFixed(decimals))}${power}` });
     }
     return { major, minor: [] };
+  }
+
+  /** Whether values leave no more than three fifths of the axis without one. */
+  isSpread(values) {
+    const places = [0, ...values.map((value) => this.fraction(value)), 1];
+    return places.every((place, at) => at === 0 || place - places[at - 1] <= 0.6);
   }
 
   /** The places 1, 2, 3, … of names that it holds, as ticks. */

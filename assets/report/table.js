@@ -14,7 +14,8 @@ class Listing {
     this.head = element("tr");
     this.body = element("tbody");
     this.said = element("p", { class: "hint said", role: "status" });
-    host.append(this.filters(), this.said, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.file },
+    // Instead of the first rows, which are there without a script.
+    host.replaceChildren(this.filters(), this.said, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.file },
       element("table", { style: `--columns: ${table.columns.length}` }, element("thead", {}, this.head), this.body)));
     this.more = element("div", { class: "tools" },
       button("More rows", "Show more rows", () => this.list(this.page * 4)), button("All rows", "Show all rows", () => this.list(Infinity)));

@@ -72,6 +72,11 @@ impl Column {
         self.band.as_ref()?.get(row).copied().flatten()
     }
 
+    /// Whether the column holds errors relative to what is estimated, which people read in percent.
+    pub(crate) fn is_relative(&self) -> bool {
+        self.role == Role::Error && self.unit == Unit::NONE
+    }
+
     /// A value of the column as in a sentence: `vibration frequency 20 Hz`, `lost ticks n = 3`.
     pub fn valued(&self, value: &str) -> String {
         match self.unit.symbol {

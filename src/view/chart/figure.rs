@@ -107,9 +107,16 @@ pub struct Series {
     pub dash: usize,
     /// Points by rising x.
     pub points: Vec<SeriesPoint>,
-    /// The closed form of the same quantity, a thin line under the points. In a figure where no series has one, lines
-    /// join the points instead.
+    /// The closed form of the same quantity, a thin line under the points. Lines join the points of a series that has
+    /// none.
     pub law: Vec<(f64, f64)>,
+}
+
+impl Series {
+    /// Whether it has a closed form that is a line.
+    pub(crate) fn has_law(&self) -> bool {
+        self.law.len() > 1
+    }
 }
 
 /// One point of a curve.
@@ -195,6 +202,24 @@ impl Figure {
             self.series.iter().filter(seen).map(|series| (series.colour, series.dash)).unzip();
         self.colours.entries.retain(|entry| colours.contains(&entry.style));
         self.dashes.entries.retain(|entry| dashes.contains(&entry.style));
+    }
+
+    /// Gives fractions in percent, as limits of them are.
+    pub(crate) fn in_percent(&mut self) {
+        "%".clone_into(&mut self.y.unit);
+        for series in &mut self.series {
+            for point in &mut series.points {
+                point.y *= 100.0;
+                point.band = point.band.map(|(low, high)| (100.0 * low, 100.0 * high));
+            }
+            series.law.iter_mut().for_each(|place| place.1 *= 100.0);
+        }
+        for line in self.laws.iter_mut().flat_map(|law| &mut law.lines) {
+            line.points.iter_mut().for_each(|place| place.1 *= 100.0);
+        }
+        if let Some(limit) = &mut self.limit {
+            limit.value *= 100.0;
+        }
     }
 
     /// The points of all series.

@@ -102,6 +102,12 @@ impl Figure {
             .collect();
         notes.left_out = figure.left_out();
         figure.leave_out_unseen();
+        if figure.has_laws() && figure.x.names.is_empty() && !figure.series.iter().all(Series::has_law) {
+            "closed form, or a line through points without one".clone_into(&mut figure.lines);
+        }
+        if y.is_relative() {
+            figure.in_percent();
+        }
         notes.merged = figure.merge_coincident();
         notes.coincident = figure.coincident();
         figure.merge_laws();

@@ -133,8 +133,7 @@ impl Plot<'_> {
         }
     }
 
-    /// Draws the closed form. Lines join the points where no series has one; otherwise they would be mistaken for
-    /// closed forms.
+    /// Draws the closed form, or a line through the points of a series that has none.
     fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
         let (colour, dash) = (palette::colour(series.colour), palette::dash(self.figure.dash_of(series)));
         if !self.is_joined() {
@@ -147,7 +146,7 @@ impl Plot<'_> {
             {
                 canvas.line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], stroke);
             }
-        } else if self.figure.has_laws() {
+        } else if series.has_law() {
             self.draw_line(canvas, &series.law, Stroke { colour, width: 1.3, dash });
         } else {
             let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();

@@ -129,12 +129,20 @@ impl Range {
     }
 
     fn log_ticks(&self, most: usize) -> Ticks {
-        let few = |ticks: &Ticks| (3..=most).contains(&ticks.major.len());
-        self.log_levels().into_iter().find(few).unwrap_or_else(|| self.linear_ticks(most, Steps::Decimal))
+        let suits = |ticks: &Ticks| (3..=most).contains(&ticks.major.len()) && self.is_spread(ticks);
+        self.log_levels().into_iter().find(suits).unwrap_or_else(|| self.linear_ticks(most, Steps::Decimal))
     }
 
-    /// Ticks of a logarithmic axis: all decades, some of them, 1, 2 and 5 of each, or every digit. The first with at
-    /// least three labels, but not too many, are the best. If there are none, ticks at even distances are used.
+    /// Whether labels leave no more than three fifths of the axis without one.
+    fn is_spread(&self, ticks: &Ticks) -> bool {
+        let labelled = ticks.major.iter().map(|(value, _)| self.fraction(*value));
+        let places: Vec<f64> = [0.0].into_iter().chain(labelled).chain([1.0]).collect();
+        places.windows(2).all(|pair| pair[1] - pair[0] <= 0.6)
+    }
+
+    /// Ticks of a logarithmic axis: all decades, some of them, some digits of each, or every digit. The first with at least
+    /// three labels that are spread over the axis, but not too many, are the best. If there are none, ticks at even distances
+    /// are used.
     fn log_levels(&self) -> Vec<Ticks> {
         let [first, last] = [self.low, self.high].map(|end| libm::floor(libm::log10(end)) as i32);
         let digits = |digits: &[i64]| -> Vec<Decimal> {
@@ -143,13 +151,17 @@ impl Range {
             all.filter(|tick| self.holds(*tick)).collect()
         };
         let (decades, every) = (digits(&[1]), digits(&[1, 2, 3, 4, 5, 6, 7, 8, 9]));
-        let strided = |stride: i32| -> Vec<Decimal> {
-            decades.iter().copied().filter(|tick| tick.exponent % stride == 0).collect()
+        let strided = |(stride, first): (i32, i32)| -> Vec<Decimal> {
+            decades.iter().copied().filter(|tick| tick.exponent.rem_euclid(stride) == first).collect()
         };
         let widest = (decades.len() / 2).max(1) as i32;
+        // Few labels of a short axis may need another first one.
+        let offsets =
+            |stride: i32| (0..if stride <= 3 { stride } else { 1 }).map(move |first| (stride, first));
         let mut levels = vec![labelled_log(&decades, &every)];
-        levels.extend((2..=widest).map(|stride| labelled_log(&strided(stride), &decades)));
-        levels.extend([digits(&[1, 2, 5]), every.clone()].map(|labels| labelled_log(&labels, &every)));
+        levels.extend((2..=widest).flat_map(offsets).map(|stride| labelled_log(&strided(stride), &decades)));
+        let some = DIGITS.iter().map(|labels| digits(labels)).chain([every.clone()]);
+        levels.extend(some.map(|labels| labelled_log(&labels, &every)));
         levels
     }
 
@@ -191,6 +203,9 @@ impl Range {
         all.filter(|tick| self.holds(*tick)).collect()
     }
 }
+
+/// Digits of each decade that are labelled together, the most usual first.
+const DIGITS: [&[i64]; 6] = [&[1, 2, 5], &[1, 3], &[1, 2, 3, 5], &[1, 2, 4, 7], &[1, 2, 3, 4, 6, 8], &[1, 5]];
 
 /// The values of `all` without a label.
 fn without(all: &[Decimal], labelled: &[(f64, String)]) -> Vec<f64> {
@@ -344,6 +359,26 @@ mod tests {
                     assert!((2..=12).contains(&ticks.major.len()), "{range:?}: {:?}", ticks.major);
                     assert!(ticks.major.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 != w[1].1), "{ticks:?}");
                     assert!(ticks.minor.len() <= 100, "{range:?}: {} minor ticks", ticks.minor.len());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn log_axes_of_half_a_decade_and_more_have_three_labels_that_are_spread_even_on_phones() {
+        for most in 5..=9 {
+            for start in 0..40 {
+                for width in 1..400 {
+                    let low = libm::pow(10.0, f64::from(start) / 40.0 - 2.0);
+                    let high = low * libm::pow(10.0, 0.5 + f64::from(width) / 50.0);
+                    let range = Range { scale: Scale::Log, low, high };
+                    let ticks = range.ticks(most, Steps::Decimal);
+                    let count = ticks.major.len();
+                    assert!((3..=most + 1).contains(&count), "{most} {range:?}: {:?}", ticks.major);
+                    let places = ticks.major.iter().map(|(value, _)| range.fraction(*value));
+                    let places: Vec<f64> = [0.0].into_iter().chain(places).chain([1.0]).collect();
+                    let gap = places.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+                    assert!(gap <= 0.6, "{most} {range:?}: {:?} leaves {gap}", ticks.major);
                 }
             }
         }

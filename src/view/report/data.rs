@@ -56,6 +56,9 @@ pub(crate) struct Listed<'t> {
     columns: Vec<Listing<'t>>,
 }
 
+/// Rows that a table shows at first, also on paper and without scripts.
+pub(crate) const FIRST_ROWS: usize = 25;
+
 #[derive(Serialize)]
 struct Listing<'t> {
     header: String,
@@ -68,9 +71,31 @@ struct Listing<'t> {
     tells: bool,
     /// Cells; a single one if all are equal.
     cells: Box<RawValue>,
+    /// The first cells as people read them.
+    #[serde(skip)]
+    first: Vec<String>,
 }
 
 impl Listed<'_> {
+    /// The headings of the columns, and whether they hold text.
+    pub(crate) fn headings(&self) -> impl Iterator<Item = (&str, bool)> {
+        self.columns.iter().map(|column| (column.title.as_str(), column.text))
+    }
+
+    /// The first rows, each cell with whether it is text.
+    pub(crate) fn first_rows(&self) -> impl Iterator<Item = Vec<(&str, bool)>> {
+        let rows = self.columns.first().map_or(0, |column| column.first.len());
+        (0..rows).map(|row| self.columns.iter().map(|column| (&*column.first[row], column.text)).collect())
+    }
+
+    /// How many of the rows the page shows at first.
+    pub(crate) fn counted(&self) -> String {
+        match self.shown {
+            shown if shown > FIRST_ROWS => format!("{FIRST_ROWS} of {shown} rows"),
+            shown => format!("{shown} rows"),
+        }
+    }
+
     /// The part of the table that the page omits, if any.
     pub(crate) fn left_out(&self) -> Option<String> {
         let (rows, columns) = (self.shown, self.columns.len());
@@ -154,6 +179,7 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
             text: column.cells.any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
             cells: json(if one { &cells[..1] } else { &cells[..] }),
+            first: cells.iter().take(FIRST_ROWS).map(|cell| cell.rounded(5).replace('-', "−")).collect(),
         }
     };
     Listed {

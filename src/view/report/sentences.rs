@@ -4,6 +4,9 @@ use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table, worded};
 use crate::view::chart::map::{Cells, Map, share};
 
+/// Significant digits of all values in a sentence.
+const DIGITS: usize = 3;
+
 /// The statement of a table about an estimate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Best {
@@ -25,7 +28,7 @@ impl Best {
 /// The rows that answer a question about an estimate: where it is least, or its range if less is not better.
 ///
 /// `rows` are the compared rows, `by` the columns that distinguish them. `None` where no row has a value. Rows that
-/// agree to the four digits shown are counted.
+/// agree to the digits shown are counted.
 pub(crate) fn best(table: &Table, column: &Column, rows: &[usize], by: &[&Column]) -> Option<Best> {
     let known: Vec<(usize, f64)> =
         rows.iter().filter_map(|&row| Some((row, column.cells[row].number()?))).collect();
@@ -44,7 +47,7 @@ pub(crate) fn best(table: &Table, column: &Column, rows: &[usize], by: &[&Column
     let label = worded(&column.label);
     let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
     let band = column.interval(least.0).map_or(String::new(), |(low, high)| {
-        format!(" (95 %: {} to {})", significant(low, 4), significant(high, 4))
+        format!(" (95 %: {} to {})", significant(low, DIGITS), significant(high, DIGITS))
     });
     let least_of = |value: String| Best {
         subject: format!("The least {label} is"),
@@ -87,7 +90,10 @@ pub(crate) fn side_by_side(column: &Column, rows: &[usize], by: &[&Column]) -> O
 
 /// A value of a column with its unit.
 pub(crate) fn measured(column: &Column, value: f64) -> String {
-    format!("{} {}", significant(value, 4).replace('-', "−"), column.unit.symbol).trim_end().to_owned()
+    if column.is_relative() {
+        return format!("{} %", significant(100.0 * value, DIGITS));
+    }
+    format!("{} {}", significant(value, DIGITS).replace('-', "−"), column.unit.symbol).trim_end().to_owned()
 }
 
 /// A value as in a sentence; `None` for a blank.
@@ -135,11 +141,11 @@ pub(crate) fn of_map(map: &Map) -> Option<String> {
                 let (x, y) = (map.columns[cell % map.columns.len()], map.rows[cell / map.columns.len()]);
                 let place = [(&map.x, x), (&map.y, y)].map(|(axis, at)| {
                     let equals = if axis.unit.is_empty() { " =" } else { "" };
-                    format!("{}{equals} {} {}", axis.label, significant(at, 4), axis.unit)
+                    format!("{}{equals} {} {}", axis.label, significant(at, DIGITS), axis.unit)
                         .trim_end()
                         .to_owned()
                 });
-                let value = format!("{} {}", significant(value, 4), map.z.unit);
+                let value = format!("{} {}", significant(value, DIGITS), map.z.unit);
                 format!("{} at {}", value.trim_end(), place.join(", "))
             };
             let low = known().min_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -61,10 +61,10 @@ impl Shell<'_> {
                     main {
                         (self.answer)
                         noscript {
-                            style { "#theme, .reading, #tables, nav a[href='#tables'] { display: none }" }
+                            style { "#theme, .reading { display: none }" }
                             p.note {
-                                "Scripts are switched off here, so the charts are still pictures and the tables are left out. The tables \
-                                 are files in the folder of results."
+                                "Scripts are switched off here, so the charts are still pictures and the tables show their first rows. All \
+                                 rows are in the files in the folder of results."
                             }
                         }
                         (self.sections)
@@ -127,7 +127,22 @@ pub(crate) fn listings(tables: &[Listed]) -> Markup {
                 div.table data-table=(at) {
                     h3 { (table.file) }
                     @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
-                    div.listing {}
+                    // Stays where no script makes a table to sort of it, and on paper.
+                    div.listing {
+                        p.hint.said { (table.counted()) }
+                        div.scroll tabindex="0" role="region" aria-label=(table.file) {
+                            table style=(format!("--columns: {}", table.headings().count())) {
+                                thead {
+                                    tr { @for (title, text) in table.headings() { th.text[text] scope="col" { span { (title) } } } }
+                                }
+                                tbody {
+                                    @for row in table.first_rows() {
+                                        tr { @for (cell, text) in row { td.text[text] { (cell) } } }
+                                    }
+                                }
+                            }
+                        }
+                    }
                 }
             }
         }

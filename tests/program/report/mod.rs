@@ -249,6 +249,38 @@ fn pages_suit_the_dark_phones_and_paper() {
 }
 
 #[test]
+fn axes_on_phones_have_three_labels_that_are_spread_and_not_cut() {
+    let Some(browser) = Browser::start() else { return };
+    let phone = json!({ "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true });
+    browser.chromium("Emulation.setDeviceMetricsOverride", &phone);
+    for study in ["best_filler", "optimal_interval", "relock_tables", "suspension", "my_gyro"] {
+        let results = Results::of(study, 64);
+        browser.open(&results.page());
+        // For each axis of each chart: the number of labels, the widest gap as a part of the axis, and what is cut off.
+        let script = "return [...document.querySelectorAll('.drawing > svg')].flatMap((svg) => {
+            const box = svg.getBoundingClientRect();
+            const frame = svg.querySelector('clipPath rect').getBBox();
+            const texts = [...svg.querySelectorAll('.axes text:not(.title)')].map((text) => text.getBBox());
+            const x = texts.filter((text) => text.y > frame.y + frame.height - 4);
+            const y = texts.filter((text) => text.y <= frame.y + frame.height - 4);
+            const gap = (places) => Math.max(...places.sort((a, b) => a - b).map((place, at) => place - (at ? places[at - 1] : 0)), 1 - places.at(-1));
+            const xs = x.map((text) => (text.x + text.width / 2 - frame.x) / frame.width);
+            const ys = y.map((text) => (text.y + text.height / 2 - frame.y) / frame.height);
+            const cut = Math.max(0, ...x.map((text) => text.x + text.width - svg.viewBox.baseVal.width));
+            return [[xs.length, gap(xs), cut], [ys.length, gap(ys), 0]];
+        })";
+        let axes: Vec<[f64; 3]> = serde_json::from_value(browser.ask(script, json!(null))).unwrap();
+        assert!(!axes.is_empty(), "{study}");
+        for [labels, gap, cut] in axes {
+            assert!(
+                labels >= 3.0 && gap <= 0.65 && cut <= 0.5,
+                "{study}: {labels} labels, {gap} apart, {cut} px cut"
+            );
+        }
+    }
+}
+
+#[test]
 fn without_scripts_every_chart_is_a_still_picture_that_fits() {
     let Some(browser) = Browser::start() else { return };
     let results = Results::of("filler_map", 64);
@@ -260,9 +292,14 @@ fn without_scripts_every_chart_is_a_still_picture_that_fits() {
     };
     let pictures = shown(".still > svg");
     assert!(pictures.len() == 2 && pictures.iter().all(|width| *width > 600.0), "{pictures:?}");
-    for gone in ["#tables", "#theme", ".reading", "figcaption"] {
+    for gone in ["#theme", ".reading", "figcaption"] {
         assert!(shown(gone).iter().all(|width| *width == 0.0), "{gone} is shown");
     }
+    // Tables have their first rows, with the values of the file.
+    let rows = shown("#tables tbody tr");
+    assert!(rows.len() == 25 && rows.iter().all(|width| *width > 300.0), "{rows:?}");
+    let said = browser.text("return document.querySelector('#tables .said').textContent");
+    assert!(said.starts_with("25 of "), "{said}");
     // On paper the pictures are as wide as the page, and nothing of them is cut.
     browser.chromium("Emulation.setEmulatedMedia", &json!({ "media": "print" }));
     let script =

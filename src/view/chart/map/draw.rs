@@ -53,7 +53,7 @@ pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, (shades,
     });
 }
 
-/// The colour of a winner, paler where the next one may be as good.
+/// The colour of a winner, fainter where the next one may be as good.
 fn winner_colour(won: &Won) -> &'static str {
     if won.certain { palette::area_colour(won.style) } else { palette::pale(won.style) }
 }

@@ -42,7 +42,7 @@ impl Map {
             words.unjudged =
                 (!banded).then_some("no 95 % bands are known here: any lead is shown as certain");
             words.close = (*banded && close > 0).then(|| {
-                format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()))
+                format!("fainter: the 95 % bands of the best two overlap: {}", share(close, won.len()))
             });
         }
         words
