@@ -41,7 +41,7 @@ keys! {
     /// Time from one sample to the next: "1 s".
     SAMPLE = "record.sample", "sampling time", SAMPLES, r#"sample = "1 s""#, required;
     /// Time from the first sample to the last: "9 h". It is rounded to a whole number of samples.
-    LENGTH = "record.length", "length of the record", LENGTHS, r#"length = "9 h""#, required;
+    pub(crate) LENGTH = "record.length", "length of the record", LENGTHS, r#"length = "9 h""#, required;
     /// Constant rate, such as the Earth's on the input axis: "10 deg/h". It affects only a readout in whole pulses.
     pub(crate) RATE = "record.rate", "constant rate", RATES, r#"rate = "10 deg/h""#;
 }

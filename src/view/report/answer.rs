@@ -235,7 +235,7 @@ impl<'a> Resolved<'a> {
             let known = rows.iter().filter(|&&row| self.estimate.cells[row].number().is_some());
             let row = *known.min_by(|&&a, &&b| self.estimate.value(a).total_cmp(&self.estimate.value(b)))?;
             let place = match self.x.cells[row].number() {
-                Some(x) => format!(" at {}", self.x.valued(&significant(x, 4))),
+                Some(x) => format!(" at {}", self.x.valued(&significant(x, 3))),
                 None => String::new(),
             };
             Some(format!("{name} {}{place}", measured(self.estimate, self.estimate.value(row))))

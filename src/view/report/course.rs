@@ -33,38 +33,38 @@ impl Curves<'_> {
         if name.is_empty() { what } else { format!("{what} ({name})") }
     }
 
-    /// Where fractions of records pass one half, as a sentence.
+    /// What at least half of the records show, and from where on, as a sentence.
     pub(crate) fn half(&self) -> Option<String> {
         self.named()?;
         let mut passes = Vec::new();
-        let (mut above, mut below) = (Vec::new(), Vec::new());
+        let (mut always, mut never) = (Vec::new(), Vec::new());
         for (name, rows) in &self.curves {
+            let name = if name.is_empty() { "the coefficient" } else { name };
             let is_more = |row: usize| self.y.value(row) >= 0.5;
-            let turn = rows.windows(2).find(|pair| is_more(pair[0]) != is_more(pair[1]));
-            match turn {
+            match rows.windows(2).find(|pair| is_more(pair[0]) != is_more(pair[1])) {
                 Some(&[a, b]) => {
                     let part = (0.5 - self.y.value(a)) / (self.y.value(b) - self.y.value(a));
                     let x = self.x.value(a) * libm::pow(self.x.value(b) / self.x.value(a), part);
-                    passes.push(self.told(name, self.at(x)));
+                    let place = self.x.valued(&significant(x, 3));
+                    let way = if is_more(a) { format!("up to {place}") } else { format!("from {place} on") };
+                    passes.push(format!("{name} {way}"));
                 }
-                _ if rows.iter().all(|&row| is_more(row)) => above.push(name.as_str()),
-                _ => below.push(name.as_str()),
+                _ if rows.iter().all(|&row| is_more(row)) => always.push(name),
+                _ => never.push(name),
             }
         }
-        let list = |names: &[&str], how: &str| match names {
-            [] => None,
-            [""] => Some(format!("it stays {how} one half")),
-            names => Some(format!("it stays {how} one half for {}", names.join(", "))),
-        };
-        let passes = match passes.is_empty() {
-            true => None,
-            false => Some(format!("passes one half at {} {}", self.x.label, passes.join(", "))),
-        };
-        let parts = [passes, list(&above, "above"), list(&below, "below")];
-        let told: Vec<String> = parts.into_iter().flatten().collect();
-        let told = told.join("; ");
-        let told = told.strip_prefix("it ").map(str::to_owned).unwrap_or(told);
-        (!told.is_empty()).then(|| format!("The {} {told}.", self.y.label))
+        if !always.is_empty() {
+            passes.push(format!("{} everywhere in the study", listed(&always)));
+        }
+        let none = if never.is_empty() { None } else { Some(listed(&never)) };
+        match (&passes[..], none) {
+            ([], None) => None,
+            ([], Some(none)) => Some(format!("Fewer than half of the records show {none}.")),
+            (some, None) => Some(format!("At least half of the records show {}.", listed(some))),
+            (some, Some(none)) => {
+                Some(format!("At least half of the records show {}; fewer show {none}.", listed(some)))
+            }
+        }
     }
 
     /// The peaks between the ends of each curve, as a sentence; `None` where a curve has none or too many.
@@ -133,13 +133,32 @@ impl Curves<'_> {
         Some(format!("The {} is {}.", self.y.label, told.join(", ").replace('-', "−")))
     }
 
-    /// The least value of each curve with its place, as a sentence; `None` for a single curve.
+    /// The least value of the curve that gets lowest, with its place, and of the one that stays highest, as a sentence; `None`
+    /// for a single curve.
     pub(crate) fn minima(&self) -> Option<String> {
         self.named()?;
-        (self.curves.len() > 1).then(|| {
-            let each = self.of_each(false).join("; ");
-            format!("The least {} of each curve: {each}.", self.y.label)
-        })
+        let least = |(name, rows): &(String, Vec<usize>)| {
+            let row = *rows.iter().min_by(|&&a, &&b| self.y.value(a).total_cmp(&self.y.value(b)))?;
+            Some((name.clone(), row))
+        };
+        let mut all: Vec<(String, usize)> = self.curves.iter().filter_map(least).collect();
+        all.sort_by(|a, b| self.y.value(a.1).total_cmp(&self.y.value(b.1)));
+        let [(low_name, low), between @ .., (high_name, high)] = &all[..] else { return None };
+        let [least, most] = [*low, *high].map(|row| measured(self.y, self.y.value(row)));
+        let [at_least, at_most] = [*low, *high].map(|row| self.at_place(row));
+        let others = match between.len() {
+            0 => String::new(),
+            1 => "; the other curve lies between".to_owned(),
+            others => format!("; the other {others} curves lie between"),
+        };
+        Some(format!(
+            "The {} gets down to {least} at {at_least} with {low_name}, but only to {most} at {at_most} with {high_name}{others}.",
+            self.y.label
+        ))
+    }
+
+    fn at_place(&self, row: usize) -> String {
+        self.x.valued(&significant(self.x.value(row), 3))
     }
 }
 
@@ -162,8 +181,7 @@ mod tests {
                 curves.half()
             });
         // Halfway between 1 and 2 Hz on a logarithmic scale.
-        let expected = "The rms passes one half at frequency 1.414 Hz (a); it stays above one half for b; it stays below one \
-                        half for c.";
+        let expected = "At least half of the records show a from frequency 1.41 Hz on and b everywhere in the study; fewer show c.";
         assert_eq!(said.as_deref(), Some(expected));
     }
 
@@ -177,6 +195,15 @@ mod tests {
         let expected = "The rms grows between frequency 1 Hz and 4 Hz: a from 1 to 9 arcsec at frequency 2 Hz (10 % above its \
                         least value from frequency 2 Hz on).";
         assert_eq!(said(&[("a", [1.0, 9.0, 8.0])], |curves| curves.growth()).as_deref(), Some(expected));
+    }
+
+    #[test]
+    fn minima_are_told_by_the_lowest_and_the_highest_curve() {
+        let curves = [("a", [3.0, 1.0, 2.0]), ("b", [5.0, 4.0, 4.5]), ("c", [3.0, 3.0, 2.0])];
+        let expected = "The rms gets down to 1 arcsec at frequency 2 Hz with a, but only to 4 arcsec at frequency 2 Hz with b; the \
+                        other curve lies between.";
+        assert_eq!(said(&curves, |curves| curves.minima()).as_deref(), Some(expected));
+        assert_eq!(said(&curves[..1], |curves| curves.minima()), None);
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl<'t> Curves<'t> {
     }
 
     fn place(&self, row: usize) -> String {
-        self.x.valued(&significant(self.x.value(row), 4))
+        self.x.valued(&significant(self.x.value(row), 3))
     }
 
     /// A remark for a row of a curve that is at an end of its range.

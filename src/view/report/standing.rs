@@ -50,7 +50,8 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         _ if always.len() == all => {
             // The one with the least margin is the last.
             let worst = always.last().map(|one| format!(": at most {} ({})", most(one.most), one.name()));
-            return Some(format!("All {all} curves stay within {limit}{}.", worst.unwrap_or_default()));
+            let whole = if all == 2 { "Both".to_owned() } else { format!("All {all}") };
+            return Some(format!("{whole} curves stay within {limit}{}.", worst.unwrap_or_default()));
         }
         _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
         _ => [
@@ -80,14 +81,15 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
     let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
     // All curves with the same value as one, to the digits shown.
-    let there = |one: &Judged| {
+    let alike = |one: &Judged| {
         let place = one.place();
-        names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
+        curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>()
     };
-    let (first, other, how, best, worst) = if all_are(&LEAVE) {
-        ("longest", "shortest", "up to", greatest, least)
+    let there = |one: &Judged| names(&alike(one));
+    let (verbs, first, other, how, best, worst) = if all_are(&LEAVE) {
+        (STAY, "longest", "shortest", "up to", greatest, least)
     } else if all_are(&[Outcome::WithinFrom]) {
-        ("first", "last", "from", least, greatest)
+        (["is", "are"], "first", "last", "from", least, greatest)
     } else {
         return Some(match curves[..] {
             [one] => one.sentence(limit),
@@ -101,11 +103,18 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     if let Some(each) = by_first(curves, how).filter(|_| best.place() != worst.place()) {
         return Some(format!("within {limit}: {each}"));
     }
-    let others = if are_others { "of the others " } else { "" };
+    let others = if are_others { "of the others, " } else { "" };
     let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
     Some(match best.place() == worst.place() {
         true => format!("{others}within {limit}: {}", side(best)),
-        false => format!("{others}{first} within {limit}: {}; {other}: {}", side(best), side(worst)),
+        false => format!(
+            "{others}{} {} within {limit} {first}, {how} {}; {} {other}, {how} {}",
+            there(best),
+            verbs[usize::from(alike(best).len() != 1)],
+            best.place(),
+            there(worst),
+            worst.place()
+        ),
     })
 }
 
@@ -175,7 +184,7 @@ mod tests {
         let early = [("a", [5.0, 20.0, 40.0]), ("b", [5.0, 20.0, 40.0])];
         assert_eq!(
             judged(&[early[0], late, early[1]]),
-            "Longest within 10 arcsec: late, up to frequency 2.83 Hz; shortest: a and b, up to frequency 1.41 Hz."
+            "Late stays within 10 arcsec longest, up to frequency 2.83 Hz; a and b shortest, up to frequency 1.41 Hz."
         );
         assert_eq!(judged(&early), "Within 10 arcsec: a and b, up to frequency 1.41 Hz.");
     }
@@ -185,7 +194,7 @@ mod tests {
         let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
         assert_eq!(
             judged(&[good, ("fine", [1.0; 3])]),
-            "All 2 curves stay within 10 arcsec: at most 3 arcsec (good)."
+            "Both curves stay within 10 arcsec: at most 3 arcsec (good)."
         );
         assert_eq!(judged(&[good]), "Good: within 10 arcsec up to the last point, frequency 4 Hz.");
         assert_eq!(
@@ -205,7 +214,7 @@ mod tests {
         );
         assert_eq!(
             judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
-            "First within 10 arcsec: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
+            "Soon is within 10 arcsec first, from frequency 1.09 Hz; comes last, from frequency 1.41 Hz."
         );
         assert_eq!(
             judged(&[between, ("bad", [20.0; 3])]),
@@ -231,7 +240,7 @@ mod tests {
             ("early", [1.0, 20.0, 20.0]),
             ("late", [1.0, 2.0, 20.0]),
         ]);
-        assert!(early.contains("of the others longest within 10 arcsec: late, up to "), "{early}");
-        assert!(early.contains("; shortest: early, up to "), "{early}");
+        assert!(early.contains("of the others, late stays within 10 arcsec longest, up to "), "{early}");
+        assert!(early.contains("; early shortest, up to "), "{early}");
     }
 }
