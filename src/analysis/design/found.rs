@@ -4,7 +4,7 @@ use crate::analysis::decision::{DecisionError, Sheet, decide_at};
 use crate::analysis::design::constraints::{Constraints, Cost, LeftOut, keep};
 use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
-use crate::analysis::jackknife::{T_95, jackknife};
+use crate::analysis::jackknife::{T_95, of_halves};
 use crate::drift::schedule::INTERVAL;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
@@ -32,12 +32,12 @@ pub struct Tried {
     pub drift: Found,
     /// Rms drift in closed form, ″/s; absent for the largest angle.
     pub closed_form: Option<f64>,
-    /// Drift without each part of the trials in turn.
-    pub(crate) replicates: Vec<f64>,
+    /// Drift in each balanced half of the trials, and in its complement.
+    pub(crate) halves: Vec<[f64; 2]>,
     /// Drift without its non-magnetic part, ″/s, by which the interval is chosen.
     pub switched: Found,
-    /// Drift without its non-magnetic part, once for each part of the trials that is left out.
-    pub(crate) switched_replicates: Vec<f64>,
+    /// Drift without its non-magnetic part in each of these halves.
+    pub(crate) switched_halves: Vec<[f64; 2]>,
 }
 
 /// The results of one filler, in the order of the intervals.
@@ -180,9 +180,9 @@ impl Design {
     /// The ratio of the drift of any runs to the least one, with its 95 % interval.
     pub fn times_best(&self, other: &Tried) -> Found {
         let best = self.best().best();
-        let ratio = |k: usize| other.replicates[k] / best.replicates[k];
+        let ratio = |k: usize| [0, 1].map(|half| other.halves[k][half] / best.halves[k][half]);
         let value = other.drift.value / best.drift.value;
-        let half = T_95 * jackknife(&(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>());
+        let half = T_95 * of_halves(&(0..best.halves.len()).map(ratio).collect::<Vec<_>>());
         Found { value, interval: Some((value - half, value + half)) }
     }
 

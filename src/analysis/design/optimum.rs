@@ -1,7 +1,7 @@
 //! The interval of least drift between those that were tried, with its uncertainty.
 
 use crate::analysis::design::{Found, Tried};
-use crate::analysis::jackknife::{T_95, jackknife};
+use crate::analysis::jackknife::{T_95, of_halves};
 use crate::fit::nnls;
 
 /// The law is fitted where the drift is at most this many times its minimum.
@@ -10,7 +10,7 @@ const FITTED: f64 = 1.6;
 /// Fewest candidates for a fit of the four terms.
 const FEWEST: usize = 6;
 
-/// The minimum of the law of the drift without its non-magnetic part, with its scatter from a jackknife over parts of the trials, which all
+/// The minimum of the law of the drift without its non-magnetic part, with its scatter over balanced halves of the trials, which all
 /// candidates share.
 ///
 /// The square of a level of the drift is approximately (a MT + k √(b/MT + c))²: the uncancelled magnetic drift grows
@@ -28,12 +28,12 @@ pub(crate) fn of(tried: &[Tried]) -> Found {
         let y: Vec<f64> = fitted.iter().map(|tried| value(tried)).collect();
         least(&x, &y)
     };
-    let parts = tried.first().map_or(0, |tried| tried.switched_replicates.len());
-    let replicates: Option<Vec<f64>> =
-        (0..parts).map(|k| Some(libm::log(least(&|tried| tried.switched_replicates[k])?))).collect();
-    match (least(&|tried| tried.switched.value), replicates) {
-        (Some(at), Some(replicates)) => {
-            let factor = libm::exp(T_95 * jackknife(&replicates));
+    let pairs = tried.first().map_or(0, |tried| tried.switched_halves.len());
+    let of_half = |k: usize, half: usize| Some(libm::log(least(&|tried| tried.switched_halves[k][half])?));
+    let halves: Option<Vec<[f64; 2]>> = (0..pairs).map(|k| Some([of_half(k, 0)?, of_half(k, 1)?])).collect();
+    match (least(&|tried| tried.switched.value), halves) {
+        (Some(at), Some(halves)) => {
+            let factor = libm::exp(T_95 * of_halves(&halves));
             Found { value: at, interval: Some((at / factor, at * factor)) }
         }
         _ => Found { value: tried.get(place).map_or(0.0, |tried| tried.interval_s), interval: None },
@@ -45,26 +45,23 @@ pub(crate) fn least_of(values: &[f64]) -> usize {
     (0..values.len()).min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
 }
 
-/// The index of the interval to choose, and the range of the best one: the fitted optimum with its interval, extended
-/// to all tried intervals whose drift does not differ significantly from the least. The law is only smooth, so a tried
-/// interval that is better than it predicts takes precedence.
+/// The index of the interval to choose, and the range of the best one: of the tried intervals whose drift does not differ
+/// significantly from the least, the one nearest to the fitted optimum, with the interval of that, which is extended to the
+/// chosen one. The law is only smooth, so a tried interval that is better than it predicts takes precedence.
 pub(crate) fn among(tried: &[Tried], fitted: Found) -> (usize, Found) {
     let drifts: Vec<f64> = tried.iter().map(|tried| tried.switched.value).collect();
     let least = least_of(&drifts);
     let is_as_good = |place: &usize| {
-        let pairs = tried[*place].switched_replicates.iter().zip(&tried[least].switched_replicates);
-        let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-        drifts[*place] - drifts[least] <= T_95 * jackknife(&apart)
+        let pairs = tried[*place].switched_halves.iter().zip(&tried[least].switched_halves);
+        let apart: Vec<[f64; 2]> = pairs.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
+        drifts[*place] - drifts[least] <= T_95 * of_halves(&apart)
     };
     let good: Vec<usize> = (0..tried.len()).filter(|place| *place == least || is_as_good(place)).collect();
     let far = |place: &usize| libm::log(tried[*place].interval_s / fitted.value).abs();
     let best = good.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(least);
-    let ends = good.iter().map(|place| tried[*place].interval_s);
-    let at_end = good.first() == Some(&0) || good.last() == Some(&(tried.len() - 1));
-    let extended =
-        |(low, high): (f64, f64)| (ends.clone().fold(low, f64::min), ends.clone().fold(high, f64::max));
-    let interval = fitted.interval.filter(|_| tried.len() > 1 && !at_end).map(extended);
-    (best, Found { value: tried[best].interval_s, interval })
+    let (at, at_end) = (tried[best].interval_s, best == 0 || best + 1 == tried.len());
+    let extended = |(low, high): (f64, f64)| (low.min(at), high.max(at));
+    (best, Found { value: at, interval: fitted.interval.filter(|_| !at_end).map(extended) })
 }
 
 /// Terms of the squared drift at an interval relative to the middle one.
@@ -96,6 +93,94 @@ fn least(x: &[f64], y: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::jackknife::{PARTS, halves};
+    use crate::kernel::moments::{level, level_edge};
+
+    /// The 99.73 % level of errors that are counted in bins as those of runs are.
+    fn level_of(counts: &[u32]) -> f64 {
+        let rank = 0.9973 * f64::from(counts.iter().sum::<u32>());
+        let mut below = 0.0;
+        for (bin, &count) in (0..).zip(counts) {
+            if count > 0 && below + f64::from(count) >= rank {
+                let (low, high) = (level_edge(bin) as f64, level_edge(bin + 1) as f64);
+                return low + (high - low) * (rank - below) / f64::from(count);
+            }
+            below += f64::from(count);
+        }
+        unreachable!("the rank is below the count")
+    }
+
+    /// Normally distributed numbers from a generator of its own.
+    struct Normals(u64);
+
+    impl Normals {
+        fn uniform(&mut self) -> f64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 * (0.5_f64).powi(53) + 1e-17
+        }
+
+        fn next(&mut self) -> f64 {
+            let (u, v) = (self.uniform(), self.uniform());
+            (-2.0 * u.ln()).sqrt() * (core::f64::consts::TAU * v).cos()
+        }
+    }
+
+    /// Runs whose errors are a MT u + √(b/MT) v with normal u, which all intervals share, and v, which they share in part.
+    /// The best interval is 1.
+    fn simulated(trials: u64, seed: u64) -> Vec<Tried> {
+        const BINS: usize = 1 << 12;
+        let intervals: Vec<f64> = (0..12).map(|k| 0.4 * 1.19_f64.powi(k)).collect();
+        let mut counts = vec![vec![vec![0_u32; BINS]; PARTS as usize]; intervals.len()];
+        let mut normals = Normals(seed);
+        for trial in 0..trials {
+            let (u, shared) = (normals.next(), normals.next());
+            for (of_interval, x) in counts.iter_mut().zip(&intervals) {
+                let v = 0.6_f64.sqrt() * shared + 0.4_f64.sqrt() * normals.next();
+                let error = 1e5 * (x * u + (2.0 / x).sqrt() * v).abs();
+                of_interval[(trial * PARTS / trials) as usize][level(error as u32) as usize] += 1;
+            }
+        }
+        let of = |(interval_s, parts): (f64, &Vec<Vec<u32>>)| {
+            let sum = |of: &[usize]| -> f64 {
+                level_of(
+                    &(0..BINS).map(|bin| of.iter().map(|&part| parts[part][bin]).sum()).collect::<Vec<_>>(),
+                )
+            };
+            let drift = Found { value: sum(&(0..PARTS as usize).collect::<Vec<_>>()), interval: None };
+            let halves: Vec<[f64; 2]> = halves().map(|half| half.each_ref().map(|half| sum(half))).collect();
+            let (switched, switched_halves) = (drift, halves.clone());
+            Tried { interval_s, switches: 1, drift, closed_form: None, halves, switched, switched_halves }
+        };
+        intervals.iter().copied().zip(&counts).map(of).collect()
+    }
+
+    #[test]
+    fn intervals_of_the_best_interval_cover_it_and_are_half_as_wide_with_four_times_the_runs() {
+        const SEEDS: u64 = 48;
+        let widths = [4096, 16384].map(|trials| {
+            let mut widths = vec![];
+            let mut covered = 0;
+            for seed in 0..SEEDS {
+                let tried = simulated(trials, 1000 * seed + trials);
+                let (low, high) = among(&tried, of(&tried)).1.interval.expect("a minimum between the ends");
+                let (low, high) = of(&tried).interval.map_or((low, high), |fitted| fitted);
+                widths.push((high / low).ln());
+                covered += u64::from(low <= 1.0 && 1.0 <= high);
+            }
+            widths.sort_by(f64::total_cmp);
+            let part = covered as f64 / SEEDS as f64;
+            // Three standard errors of 95 % of so many seeds.
+            let error = (0.95 * 0.05 / SEEDS as f64).sqrt();
+            assert!((part - 0.95).abs() < 3.0 * error, "{trials}: {part} of the intervals cover it");
+            let [narrow, middle, wide] = [2, SEEDS as usize / 2, SEEDS as usize - 3].map(|at| widths[at]);
+            assert!(middle < 2.0 * narrow && wide < 2.0 * middle, "{trials}: {narrow} {middle} {wide}");
+            middle
+        });
+        let ratio = widths[0] / widths[1];
+        assert!((1.5..2.7).contains(&ratio), "{widths:?}: half as wide with four times the runs");
+    }
 
     #[test]
     fn the_least_of_a_law_is_found_from_few_points() {

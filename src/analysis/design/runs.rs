@@ -5,6 +5,7 @@ use crate::analysis::design::constraints::Cost;
 use crate::analysis::design::found::{Filler, Found, Tried};
 use crate::analysis::design::paper::{self, PapersRule};
 use crate::analysis::design::{DesignError, Measure, optimum, sampling};
+use crate::analysis::jackknife::halves;
 use crate::kernel::moments::Moments;
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::progress::Progress;
@@ -96,15 +97,15 @@ impl Runner<'_> {
             let parts = sampling::parts(filled, *switches, trials, &mut self.worker, self.progress)?;
             of_parts(filled, &parts, measure, trials, duration_s)
         };
-        let (drift, replicates) = level(filled)?;
-        let (switched, switched_replicates) = match &candidate.switched {
+        let (drift, halves) = level(filled)?;
+        let (switched, switched_halves) = match &candidate.switched {
             Some(filled) => level(filled)?,
-            None => (drift, replicates.clone()),
+            None => (drift, halves.clone()),
         };
         let oracle = filled.estimates[usize::from(measure.is_largest())].oracle;
         let closed_form = oracle.map(|oracle| oracle.rms() / duration_s);
         let (interval_s, switches) = (*interval_s, *switches);
-        Ok(Tried { interval_s, switches, drift, closed_form, replicates, switched, switched_replicates })
+        Ok(Tried { interval_s, switches, drift, closed_form, halves, switched, switched_halves })
     }
 }
 
@@ -116,14 +117,14 @@ fn insert(all: &mut Vec<Tried>, tried: Tried) {
     }
 }
 
-/// The drift of all parts of the trials together, and without each of them, ″/s.
+/// The drift of all parts of the trials together, and in balanced halves of them, ″/s.
 fn of_parts(
     filled: &FilledRun,
     parts: &[[Moments; 2]],
     measure: Measure,
     trials: u64,
     duration_s: f64,
-) -> Result<(Found, Vec<f64>), DesignError> {
+) -> Result<(Found, Vec<[f64; 2]>), DesignError> {
     let which = usize::from(measure.is_largest());
     let estimate = &filled.estimates[which];
     let value = |tally: &Moments| -> Option<Found> {
@@ -142,11 +143,12 @@ fn of_parts(
     let too_few = || DesignError::TooFew { trials, measure };
     let parts: Vec<&Moments> = parts.iter().map(|part| &part[which]).collect();
     let drift = value(&merged(parts.iter().copied())).ok_or_else(too_few)?;
-    let replicate = |left_out: usize| {
-        let rest = parts.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, part)| *part);
-        value(&merged(rest)).map(|found| found.value).ok_or_else(too_few)
+    let half = |half: &[usize]| {
+        let found = value(&merged(half.iter().map(|&part| parts[part])));
+        found.map(|found| found.value).ok_or_else(too_few)
     };
-    Ok((drift, (0..parts.len()).map(replicate).collect::<Result<_, _>>()?))
+    let pair = |[one, other]: [Vec<usize>; 2]| Ok::<_, DesignError>([half(&one)?, half(&other)?]);
+    Ok((drift, halves().map(pair).collect::<Result<_, _>>()?))
 }
 
 fn merged<'a>(parts: impl Iterator<Item = &'a Moments>) -> Moments {
