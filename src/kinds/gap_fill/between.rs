@@ -3,41 +3,56 @@
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler};
 use crate::kernel::gap_fill::shape::MARGIN;
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::judged::of_noise;
 use crate::kinds::gap_fill::lower::physical::MOST_PROFILE_TICKS;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
-use crate::motion::Profile;
 use crate::motion::keys::{INTERPOLATION, Interpolation};
+use crate::motion::{Motion, Profile};
 use crate::quantity::number::significant;
 
 /// Difference of two rms errors that is reported.
 const REPORTED: f64 = 0.01;
 
-/// Reports the filler whose rms residual, with the noise of ticks, differs most if the record is interpolated in the
-/// other way; `None` where no difference exceeds 1 %. Evaluated at the hardest point, over all places of the record.
+/// Reports the filler whose rms residual, with noise and whole pulses, differs most if the record is interpolated in the
+/// other way; `None` where no difference exceeds 1 %. Evaluated at the hardest point, over all places on which fillers are
+/// judged, with fillers that are designed from the record as it is interpolated: what the table of such a study has.
 pub(crate) fn note<'a>(points: &[Point], fillers: &'a [Filler]) -> Option<String> {
     let point = Point::hardest(points)?;
     let inputs = &point.inputs;
     let profile = inputs.motion.profile.as_ref()?;
     let n = inputs.gap_ticks as usize;
+    let (count, before) = profile.replayed(inputs.tick_s);
     // Lowering refuses other records.
-    let count = profile.record.whole_ticks(inputs.tick_s);
-    if !(2 * MARGIN + n..=MOST_PROFILE_TICKS).contains(&count) {
+    if count < 2 * MARGIN + n || count + before > MOST_PROFILE_TICKS {
         return None;
     }
     let other = match profile.interpolation {
         Interpolation::BandLimited => Interpolation::Linear,
         Interpolation::Linear => Interpolation::BandLimited,
     };
-    let [as_given, otherwise] = [profile.interpolation, other]
-        .map(|interpolation| Profile { interpolation, ..profile.clone() }.tick_angles(inputs.tick_s));
-    let statistics = Statistics::of(inputs);
+    let both = [profile.interpolation, other].map(|interpolation| {
+        let profile = Profile { interpolation, ..profile.clone() };
+        let angles = profile.tick_angles(inputs.tick_s);
+        let motion = Motion { profile: Some(profile), ..inputs.motion.clone() };
+        (angles, Inputs { motion, ..inputs.clone() })
+    });
+    let statistics = both.each_ref().map(|(_, inputs)| Statistics::of(inputs));
     let of_filler = |(filler, fill): (&'a Filler, &Fill)| {
         let ticks = &fill.fit_ticks;
-        let rows = Rows::of(filler, Error::Residual, ticks, &statistics).ok()??;
-        let weights = rows.values().pop()?;
-        let rms = |angles: &[f64]| residual_rms(angles, ticks, &weights, n, inputs.sigma_arcsec());
-        let (own, other) = (rms(&as_given), rms(&otherwise));
+        let rms = |which: usize| {
+            let rows = Rows::of(filler, Error::Residual, ticks, &statistics[which]).ok()??;
+            let weights = rows.values().pop()?;
+            Some(residual_rms(
+                &both[which].0[before..],
+                ticks,
+                &weights,
+                n,
+                of_noise(inputs, ticks, &weights),
+            ))
+        };
+        let (own, other) = (rms(0)?, rms(1)?);
         (own > 0.0).then(|| (filler.name.as_str(), own, other / own - 1.0))
     };
     let all = fillers.iter().zip(point.fills.iter()).filter_map(of_filler);
@@ -60,8 +75,9 @@ pub(crate) fn note<'a>(points: &[Point], fillers: &'a [Filler]) -> Option<String
     })
 }
 
-/// The rms over all places of a gap of n in a record of the error that some weights leave, with noise of σ per tick.
-fn residual_rms(angles: &[f64], ticks: &[i32], weights: &[f64], n: usize, sigma: f64) -> f64 {
+/// The rms over all places of a gap of n in a record of the error that some weights leave, which noise alone makes as large
+/// as `of_noise`.
+fn residual_rms(angles: &[f64], ticks: &[i32], weights: &[f64], n: usize, of_noise: f64) -> f64 {
     let places = MARGIN..angles.len() + 1 - MARGIN - n;
     let count = places.len() as f64;
     let square = |start: usize| {
@@ -71,7 +87,7 @@ fn residual_rms(angles: &[f64], ticks: &[i32], weights: &[f64], n: usize, sigma:
         (filled - lost) * (filled - lost)
     };
     let motion = places.map(square).sum::<f64>() / count;
-    libm::sqrt(motion + sigma * sigma * weights.iter().map(|w| w * w).sum::<f64>())
+    libm::hypot(libm::sqrt(motion), of_noise)
 }
 
 #[cfg(test)]
