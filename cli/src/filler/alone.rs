@@ -47,12 +47,13 @@ pub struct Given {
     #[arg(long, value_name = "ANGLE")]
     noise: Option<String>,
     /// Search the fit ticks of minimum-variance: the first after the gap, and then the fewest, with which 99.73 % of
-    /// residuals are at most this angle, also if the frequencies are 5 % lower or higher
-    #[arg(long, value_name = "ANGLE", requires = "band", conflicts_with = "fit_ticks")]
+    /// residuals are at most this angle, also if the frequencies are 5 % lower or higher; of a study for its motion, which may
+    /// be recorded
+    #[arg(long, value_name = "ANGLE", conflicts_with = "fit_ticks")]
     limit: Option<String>,
-    /// Search the fit ticks of minimum-variance among those that come at most this time after the gap, such as "20 ms"
-    /// [default: 16 ticks]
-    #[arg(long, value_name = "TIME", requires = "band", conflicts_with = "fit_ticks")]
+    /// Search the fit ticks of minimum-variance among those that come at most this time after the gap, such as "20 ms"; also
+    /// of a study [default: 16 ticks]
+    #[arg(long, value_name = "TIME", conflicts_with = "fit_ticks")]
     latency: Option<String>,
 }
 
@@ -65,7 +66,7 @@ struct TextOption<'a> {
 }
 
 impl Given {
-    fn texts(&self) -> [TextOption<'_>; 8] {
+    fn texts(&self) -> [TextOption<'_>; 6] {
         let needed = |name, value, example| TextOption { name, value, example: Some(example) };
         let optional = |name, value| TextOption { name, value, example: None };
         [
@@ -75,8 +76,6 @@ impl Given {
             needed("--band", &self.band, "\"18 Hz,22 Hz\""),
             needed("--amplitude", &self.amplitude, "\"12000 arcsec/s\""),
             needed("--noise", &self.noise, "\"0.5 arcsec\""),
-            optional("--limit", &self.limit),
-            optional("--latency", &self.latency),
         ]
     }
 
@@ -86,13 +85,35 @@ impl Given {
         self.gap_ticks.map(|_| "--gap-ticks").or(text)
     }
 
-    /// What a search of the fit ticks is asked for; `None` without a search.
+    /// What a search of the fit ticks of a study is asked for; `None` without a search.
     ///
     /// # Errors
-    /// It is not a minimum-variance filler, or a text is not such a quantity.
+    /// A text is not such a quantity.
+    pub fn asked_of_study(&self) -> Result<Option<Asked>, Failure> {
+        let value = |name: &str, text: &Option<String>, dimension| {
+            text.as_ref().map(|text| at_least_0(name, text, dimension)).transpose()
+        };
+        let limit_arcsec = value("--limit", &self.limit, Dimension::Angle)?;
+        let latency_s = value("--latency", &self.latency, Dimension::Time)?;
+        let is_asked = limit_arcsec.or(latency_s).is_some();
+        Ok(is_asked.then_some(Asked { limit_arcsec, latency_s }))
+    }
+
+    /// What a search of the fit ticks of fillers without a study is asked for; `None` without a search.
+    ///
+    /// # Errors
+    /// It is not a minimum-variance filler, the vibration is missing, or a text is not such a quantity.
     pub fn asked(&self, kinds: &[String]) -> Result<Option<Asked>, Failure> {
-        let searched = [("--limit", &self.limit), ("--latency", &self.latency)];
-        let Some((name, _)) = searched.iter().find(|(_, value)| value.is_some()) else { return Ok(None) };
+        let name = if self.limit.is_some() { "--limit" } else { "--latency" };
+        if self.limit.is_none() && self.latency.is_none() {
+            return Ok(None);
+        }
+        if self.band.is_none() {
+            let message = format!(
+                "{name} searches ticks for a vibration, but there is none\nadd --band, or give a study"
+            );
+            return Err(Failure::Usage(message));
+        }
         if kinds != [MINIMUM_VARIANCE] {
             let message = format!(
                 "{name} searches the ticks of one filler, `{MINIMUM_VARIANCE}`, not of `{}`\nleave it out",
@@ -100,12 +121,7 @@ impl Given {
             );
             return Err(Failure::Usage(message));
         }
-        let [limit, latency] = [Dimension::Angle, Dimension::Time];
-        let value = |(name, text): (&str, &Option<String>), dimension| {
-            text.as_ref().map(|text| at_least_0(name, text, dimension)).transpose()
-        };
-        let [of_limit, of_latency] = searched;
-        Ok(Some(Asked { limit_arcsec: value(of_limit, limit)?, latency_s: value(of_latency, latency)? }))
+        self.asked_of_study()
     }
 
     /// The text of a study with fillers of these kinds; `found` are the fit ticks of a search.

@@ -21,6 +21,7 @@ const EXAMPLES: &str = "\
 Examples:
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
+  sagnac filler my.toml --at gap_ticks=3 --limit \"20 arcsec\" --latency \"40 ms\"
   sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --fit-ticks=\"-7..0,n+1,n+2\" \\
     --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"
   sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --limit \"8 arcsec\" --latency \"20 ms\" \\
@@ -68,6 +69,14 @@ impl Options {
             Some(file) => Study::read(file)?,
             None => Study::parse("options", &self.alone.study(&self.what, None)?).map_err(failure)?,
         };
+        if let Some(asked) = file.and_then(|_| self.alone.asked_of_study().transpose()).transpose()? {
+            if !self.fillers.is_empty() {
+                let message = "--limit and --latency search a filler of their own\nleave --filler out";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+            let (study, firmware) = Firmware::searched(&study, &self.at, asked)?;
+            return Ok((study, firmware, self.folder(file)));
+        }
         let trade = self.trade(&study)?;
         let study = match &trade {
             Some(trade) => {
@@ -86,12 +95,16 @@ impl Options {
         if file.is_none() && self.alone.tick.is_none() {
             firmware.tick_s = None;
         }
+        Ok((study, firmware, self.folder(file)))
+    }
+
+    /// The output folder.
+    fn folder(&self, file: Option<&Path>) -> PathBuf {
         let stem = match file {
             Some(file) => file.file_stem().map(PathBuf::from).unwrap_or_default(),
             None => PathBuf::from(self.what.join("+")),
         };
-        let default = || Path::new("results").join(stem).join("filler");
-        Ok((study, firmware, self.out.clone().unwrap_or_else(default)))
+        self.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join("filler"))
     }
 
     /// The search of the fit ticks, where one is asked for.

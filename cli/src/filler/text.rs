@@ -138,9 +138,16 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
     text
 }
 
-/// What the filler does not provide.
+/// What the header leaves on whole pulses, and what the filler does not provide.
 fn missing(design: &Design, n: u32) -> String {
     let mut text = String::new();
+    if let Some(rms) = design.exported_rms {
+        text += &format!(
+            "  the C header, given whole pulses, leaves {} arcsec rms, because it rounds its result to whole pulses too; given pulses \
+             times 16 it leaves nearly what the study says\n",
+            significant(rms, 5)
+        );
+    }
     if design.rules().any(|(_, rule, _)| rule.rows.len() != n as usize) {
         text += "  it gives the sum over the gap alone, not single ticks\n";
     }

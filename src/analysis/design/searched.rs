@@ -5,8 +5,7 @@ use toml::Value;
 use crate::analysis::design::DesignError;
 use crate::analysis::design::constraints::{Constraints, Cost};
 use crate::analysis::design::variants;
-use crate::analysis::firmware::search::{Asked, Trade};
-use crate::filler::closed::MINIMUM_VARIANCE;
+use crate::analysis::firmware::search::{Asked, Trade, entry};
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -163,13 +162,7 @@ impl Sought {
             name.push('*');
         }
         known.push(name.clone());
-        let first = format!("{}..0", 1 - before.cast_signed());
-        let after = (after > 0).then(|| format!("n+1..n+{after}"));
-        let fit_ticks = std::iter::once(first).chain(after).map(Value::from).collect::<Vec<_>>();
-        let mut entry = toml::Table::new();
-        entry.insert("kind".to_owned(), MINIMUM_VARIANCE.into());
-        entry.insert("name".to_owned(), name.into());
-        entry.insert("fit_ticks".to_owned(), fit_ticks.into());
+        let mut entry = entry(name, before, after);
         if let Some(Band { low_hz, high_hz }) = band {
             let ends = [low_hz, high_hz].map(|frequency_hz| Value::from(format!("{frequency_hz} Hz")));
             entry.insert("band".to_owned(), ends.to_vec().into());

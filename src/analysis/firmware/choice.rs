@@ -1,6 +1,7 @@
 //! The choice of a point of a study, and of its fillers.
 
 use crate::analysis::firmware::design::{Firmware, rules};
+use crate::analysis::firmware::search::{Asked, Trade};
 use crate::filler::Filler;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
@@ -193,16 +194,43 @@ impl Firmware {
     /// # Errors
     /// The study has no fillers, or not the given names or values, or [`Firmware::new`] fails.
     pub fn choose(study: &Study, at: &[String], names: &[String]) -> Result<Firmware, ChoiceError> {
-        let Some(gap_fill) = study.asked::<GapFill>() else {
-            let kind = study.kind().name;
-            return Err(ChoiceError::Asked(format!(
-                "a study of kind = \"{kind}\" has no fillers\ngive a study of kind = \"gap-fill\""
-            )));
-        };
+        let gap_fill = of_gaps(study)?;
         let fillers = choose_fillers(gap_fill, names)?;
         let point = choose_point(study, gap_fill, at, &fillers)?;
         Ok(Firmware::new(study, point, &fillers)?)
     }
+
+    /// The study with a single filler of least variance, whose ticks are searched for the motion and noise at the point that
+    /// [`choose_point`] finds, also where the motion is a recorded profile; with its firmware and the search.
+    ///
+    /// # Errors
+    /// The study has no fillers or not the given values, the weights differ between points that match, or no ticks determine
+    /// a filler.
+    pub fn searched(study: &Study, at: &[String], asked: Asked) -> Result<(Study, Firmware), ChoiceError> {
+        let gap_fill = of_gaps(study)?;
+        let point = choose_point(study, gap_fill, at, &gap_fill.fillers)?;
+        let trade = Trade::new(&point.inputs, asked, None).ok_or_else(|| {
+            let message =
+                "no ticks determine a filler: the noise is too small beside the motion to choose weights by";
+            ChoiceError::Asked(format!(
+                "{message}\ngive the study the noise of ticks that the gyro really has"
+            ))
+        })?;
+        let study = study.with_fillers(|fillers| *fillers = vec![trade.entry()])?;
+        let mut firmware = Firmware::choose(&study, at, &[])?;
+        firmware.trade = Some(trade);
+        Ok((study, firmware))
+    }
+}
+
+/// The gaps of a study.
+fn of_gaps(study: &Study) -> Result<&GapFill, ChoiceError> {
+    study.asked::<GapFill>().ok_or_else(|| {
+        let kind = study.kind().name;
+        ChoiceError::Asked(format!(
+            "a study of kind = \"{kind}\" has no fillers\ngive a study of kind = \"gap-fill\""
+        ))
+    })
 }
 
 /// The fillers with these names, in the order of the study; all of them where none is named.

@@ -58,6 +58,9 @@ pub struct Design {
     pub judged: Option<Judged>,
     /// The part of the rms residual that comes from noise and whole pulses, ″.
     pub noise_rms: f64,
+    /// The rms residual of the C header where it is given the whole pulses of the readout and returns whole pulses, ″; absent
+    /// without pulses, and where the motion has no rms.
+    pub exported_rms: Option<f64>,
 }
 
 /// The closed form of an error, ″; values are absent where the motion has none.
@@ -101,7 +104,18 @@ impl Firmware {
             let judged = point.fills.get(place).and_then(|fill| Judged::of(inputs, filler, fill));
             let weights: Vec<f64> = interpolation.whole().values().collect();
             let noise_rms = of_noise(inputs, &interpolation.ticks, &weights);
-            designs.push(Design { name, method, interpolation, extrapolation, errors, judged, noise_rms });
+            let rounded = inputs.readout_lsb * libm::sqrt(interpolation.rounding());
+            let exported_rms = errors[0].rms.filter(|_| rounded > 0.0).map(|rms| libm::hypot(rms, rounded));
+            designs.push(Design {
+                name,
+                method,
+                interpolation,
+                extrapolation,
+                errors,
+                judged,
+                noise_rms,
+                exported_rms,
+            });
         }
         Ok(Firmware {
             title: study.title.clone(),

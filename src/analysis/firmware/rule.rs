@@ -43,6 +43,24 @@ impl Rule {
         }
     }
 
+    /// The mean square of what rounding the sum over the gap to a whole number adds, in units of the inputs: all remainders
+    /// of the reduced weights are equally likely.
+    pub(crate) fn rounding(&self) -> f64 {
+        let whole = self.whole();
+        let gcd = |a: i64, b: i64| {
+            let (mut a, mut b) = (a.abs(), b.abs());
+            while b != 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        let common = whole.numerators.iter().fold(whole.denominator, |common, &w| gcd(common, w));
+        let parts = (whole.denominator / common.max(1)) as f64;
+        // Of an even number of parts one is a half, which is rounded up.
+        let end = if whole.denominator / common.max(1) % 2 == 0 { 2.0 } else { -1.0 };
+        (1.0 + end / (parts * parts)) / 12.0
+    }
+
     /// The largest |P| for which every sum fits 63 bits, so that every difference of two fits 64; smaller inputs fit as
     /// well.
     pub fn largest_input(&self) -> i32 {
@@ -98,6 +116,23 @@ mod tests {
                 assert!((3 * sum - j * i64::from(p)).abs() * 2 <= 3, "P = {p}, tick {j}: {sum}");
             }
             assert_eq!(sum, 20 * i64::from(p));
+        }
+    }
+
+    #[test]
+    fn the_mean_square_of_rounding_is_that_of_all_remainders() {
+        for (row, denominator) in [([3], 7), ([5], 8), ([2], 8), ([4], 2), ([1], 1)] {
+            let rule = rule(&[&row], denominator);
+            let error = |p: i32| {
+                let exact = f64::from(p * row[0]) / f64::from(denominator);
+                (rule.fill(&[p])[0] as f64 - exact).powi(2)
+            };
+            let mean = (0..denominator).map(error).sum::<f64>() / f64::from(denominator);
+            assert!(
+                (rule.rounding() - mean).abs() < 1e-12,
+                "{row:?}/{denominator}: {} {mean}",
+                rule.rounding()
+            );
         }
     }
 

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::analysis::firmware::played::Played;
+use crate::filler::closed::MINIMUM_VARIANCE;
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::scale::Scale;
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -142,6 +143,12 @@ impl Trade {
         if after == 0 { format!("{first}..0") } else { format!("{first}..0,n+1..n+{after}") }
     }
 
+    /// The filler of the choice as a study writes it, for the motion of the study.
+    pub(crate) fn entry(&self) -> toml::Value {
+        let Candidate { before, after, .. } = self.chosen;
+        entry(format!("searched {before}+{after}"), before, after).into()
+    }
+
     /// Whether the choice meets the limit; `None` without one.
     pub fn meets(&self) -> Option<bool> {
         self.asked.limit_arcsec.map(|limit| self.chosen.level <= limit)
@@ -224,6 +231,18 @@ impl Trade {
             "candidates": self.candidates.iter().map(of).collect::<Vec<_>>(),
         })
     }
+}
+
+/// A filler of least variance as a study writes it, by the ticks before and after the gap that it reads.
+pub(crate) fn entry(name: String, before: u32, after: u32) -> toml::Table {
+    let first = format!("{}..0", 1 - before.cast_signed());
+    let after = (after > 0).then(|| format!("n+1..n+{after}"));
+    let fit_ticks = std::iter::once(first).chain(after).map(toml::Value::from).collect::<Vec<_>>();
+    let mut entry = toml::Table::new();
+    entry.insert("kind".to_owned(), MINIMUM_VARIANCE.into());
+    entry.insert("name".to_owned(), name.into());
+    entry.insert("fit_ticks".to_owned(), fit_ticks.into());
+    entry
 }
 
 #[cfg(test)]

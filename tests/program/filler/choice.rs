@@ -205,6 +205,55 @@ fn the_level_of_a_search_is_that_of_sampled_errors() {
 }
 
 #[test]
+fn a_search_of_a_study_takes_its_recorded_motion_and_agrees_with_a_run_of_what_it_finds() {
+    let rate = |i: u32| {
+        let t = f64::from(i) * 1e-3;
+        format!("{i}, {}\n", 2.0 * (110.0 * t).sin() + 1.5 * (67.0 * t + 0.3 * (5.0 * t).sin()).sin())
+    };
+    let record: String = (0..8000).map(rate).collect();
+    let desk = Desk::with("");
+    desk.write("base.csv", &format!("time [ms], rate [deg/s]\n{record}"));
+    let study = |fillers: &str| {
+        format!(
+            "title = \"x\"\nkind = \"gap-fill\"\ntrials = 40000\n[gyro]\ntick = \"5 ms\"\ntick_noise = {{ std = \"0.5 arcsec\" }}\n\
+             [motion]\nprofile = {{ file = \"base.csv\", position = \"every\" }}\n[switching]\ngap_ticks = 2\n\
+             errors = [\"residual\"]\nfillers = [{fillers}]\n"
+        )
+    };
+    desk.write("study.toml", &study("\"const\", \"quadratic\""));
+    let found = tables(&desk, "study.toml --latency 20ms");
+    let chosen = &found["search"]["chosen"];
+    let after = chosen["after"].as_i64().unwrap();
+    assert!(after <= 4, "{chosen:#}");
+    let name = format!("searched {}+{after}", chosen["before"]);
+    let residual = entry(&found, &name, "residual");
+    let ticks = residual["ticks"].as_array().unwrap().iter().map(|tick| format!("\"{tick}\""));
+    let ticks = ticks.collect::<Vec<_>>().join(", ");
+    desk.write("found.toml", &study(&format!("{{ kind = \"minimum-variance\", fit_ticks = [{ticks}] }}")));
+    desk.done("run found.toml --device cpu");
+    let points = desk.table("results/found/points.csv");
+    let (rms, error) = (number(&points[0], "rms_arcsec"), number(&points[0], "rms_se_arcsec"));
+    let exact = residual["rms_arcsec"].as_f64().unwrap();
+    assert!((rms - exact).abs() < 5.0 * error, "{rms} ± {error}, {exact} by the search");
+    desk.fails("filler study.toml --latency 20ms --filler const", 2, &["leave --filler out"]);
+}
+
+#[test]
+fn a_header_on_whole_pulses_is_told_with_what_its_rounding_adds() {
+    let pulses = STUDY.replace("[motion]", "readout_lsb = \"1.2 arcsec\"\n[motion]");
+    assert!(pulses.contains("readout_lsb"), "{pulses}");
+    let desk = Desk::with(&pulses);
+    let shown = desk.done("filler study.toml --filler quadratic").stdout;
+    let told = shown.split("given whole pulses, leaves ").nth(1).expect(&shown);
+    let exported: f64 = told.split_once(' ').unwrap().0.parse().unwrap();
+    let json = tables(&desk, "study.toml --filler quadratic");
+    let rms = entry(&json, "quadratic", "residual")["rms_arcsec"].as_f64().unwrap();
+    let added = (exported * exported - rms * rms).sqrt();
+    // Rounding to one pulse has at most 1/√8 of it as rms, with two equally likely remainders.
+    assert!(added > 0.2 && added <= 1.2 / 8_f64.sqrt() + 1e-3, "{exported} of {rms}: {added}");
+}
+
+#[test]
 fn a_filler_for_the_very_motion_is_told_with_its_error_beside_it() {
     let own = STUDY.replace("name = \"mv8+2\", band = [\"18 Hz\", \"22 Hz\"]", "name = \"mv8+2\"");
     let shown = Desk::with(&own).done("filler study.toml --filler mv8+2").stdout;
