@@ -113,14 +113,16 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let store = held(folder, &plan)?;
     // Folders of earlier versions lack the input files of the study.
     keep(&study, folder)?;
-    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
+    let progress = Shown::new(options.progress.how(options.quiet));
+    let tables = plan.tables(&store, &progress)?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
     if let Some(sentence) = incomplete(lacking) {
         note!("{}: {sentence}", folder.display());
     }
     let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
     let mut answer = results.answer(&results.verdicts()?)?;
-    answer.sheet = sheet_lines(decision(&study, &tables, lacking)?.as_ref(), lacking);
+    answer.sheet = sheet_lines(decision(&study, &tables, lacking, &progress)?.as_ref(), lacking);
+    progress.clear();
     let card = results.card(&answer.headline);
     write(&folder.join(REPORT), results.page(answer).as_bytes())?;
     Ok(card)

@@ -149,7 +149,7 @@ impl Asked {
         let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let judged = results.verdicts()?;
         let mut answer = results.answer(&judged)?;
-        let sheet = decide(&study, &tables)?;
+        let sheet = decide(&study, &tables, listener)?;
         answer.sheet = Lines::of_study(sheet.as_ref());
         let decision = sheet.map(|sheet| sheet.json().to_string());
         let headline = answer.headline.clone();

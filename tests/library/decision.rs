@@ -22,7 +22,7 @@ fn tables(study: &Study) -> Tables {
 fn decided(text: &str) -> Sheet {
     let study =
         Study::parse("random.toml", text).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
-    decide(&study, &tables(&study)).unwrap().unwrap()
+    decide(&study, &tables(&study), &Silent).unwrap().unwrap()
 }
 
 /// A study with another value of a key.

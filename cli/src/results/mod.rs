@@ -7,6 +7,7 @@ use std::path::Path;
 use sagnac::analysis::decision::{Lines, Sheet, decide};
 use sagnac::analysis::requirement::Decision;
 use sagnac::chart::Source;
+use sagnac::progress::Progress;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -46,12 +47,17 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
     }
 }
 
-/// The decision sheet of complete results.
+/// The decision sheet of complete results. `progress` receives the evaluations.
 ///
 /// # Errors
 /// A point cannot be evaluated again, or no threads can be started.
-pub fn decision(study: &Study, tables: &Tables, lacking: u64) -> Result<Option<Sheet>, Failure> {
-    if lacking > 0 { Ok(None) } else { Ok(decide(study, tables)?) }
+pub fn decision(
+    study: &Study,
+    tables: &Tables,
+    lacking: u64,
+    progress: &dyn Progress,
+) -> Result<Option<Sheet>, Failure> {
+    if lacking > 0 { Ok(None) } else { Ok(decide(study, tables, progress)?) }
 }
 
 /// The lines of the decision of results; none where trials are `lacking`.
@@ -140,7 +146,7 @@ impl Ran<'_> {
         draw(&results.charts, folder)?;
         let verdicts = results.verdicts()?;
         let mut answer = results.answer(&verdicts)?;
-        let sheet = decision(study, tables, *lacking)?;
+        let sheet = decision(study, tables, *lacking, progress)?;
         answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
         let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
         write(&folder.join(REPORT), results.page(answer).as_bytes())?;

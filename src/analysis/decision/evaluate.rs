@@ -2,7 +2,7 @@
 
 use crate::analysis::decision::DecisionError;
 use crate::device::Device;
-use crate::progress::Silent;
+use crate::progress::{Progress, Silent};
 use crate::run::{Plan, Tables};
 use crate::store::Store;
 use crate::study::Study;
@@ -75,9 +75,19 @@ pub(crate) struct Evaluator<'a> {
     pub(crate) device: &'a mut Device,
     /// Place of the row among those of its point.
     pub(crate) row: usize,
+    /// Receives the number of evaluations.
+    pub(crate) progress: &'a dyn Progress,
+    /// Evaluations that are done, and that are expected.
+    pub(crate) count: [u64; 2],
 }
 
 impl Evaluator<'_> {
+    /// So many more evaluations are to come, at most.
+    pub(crate) fn expect(&mut self, more: usize) {
+        self.count[1] += more as u64;
+        self.progress.start("evaluations", self.count[0], self.count[1]);
+    }
+
     /// The values of a column at all points of a study whose points share their random numbers; see
     /// [`values`](Evaluator::values).
     ///
@@ -105,6 +115,8 @@ impl Evaluator<'_> {
         columns: [&str; N],
         effort: Effort,
     ) -> Result<Option<[Vec<Value>; N]>, DecisionError> {
+        self.count[0] += 1;
+        self.progress.advance(1);
         let (subject, row) = study.subject.only(self.row).unwrap_or((study.subject.clone(), self.row));
         let study = Study { subject, ..study.clone() };
         let plan = Plan::new(&study)?;

@@ -4,8 +4,12 @@ use crate::analysis::decision::budget::mean_square;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
 use crate::analysis::decision::{DecisionError, Figure};
+use crate::filler::{FILLERS, Method};
 use crate::key::row::Key;
 use crate::key::setting::Swept;
+use crate::kinds::gap_fill::GapFill;
+use crate::kinds::gyro::TICK;
+use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::study::Study;
 use crate::table::Table;
@@ -21,7 +25,7 @@ const MOST: [f64; 4] = [64.0, 16.0, 4.0, 2.0];
 const BISECTIONS: usize = 10;
 
 /// Most changes whose needed values are compared.
-const COMPARED: usize = 4;
+const COMPARED: usize = 6;
 
 /// Prefix of keys that are the question itself.
 const ASKED: &str = "run.";
@@ -41,6 +45,10 @@ pub struct Lever {
     pub gain: Figure,
     /// What meets the limit; absent where the limit is met or there is none.
     pub needed: Option<Needed>,
+    /// What else a change of it does, as a sentence; empty for nothing.
+    pub remark: String,
+    /// Other inputs that meet the limit by themselves, each with its key, its label and the value that does.
+    pub also: Vec<(&'static str, &'static str, Quantity)>,
 }
 
 /// Whether a change of the lever alone meets the limit.
@@ -79,8 +87,11 @@ pub(crate) fn lever(
     let at = Place::of(study, table, choice);
     let judged = &choice.column.name;
     let limit = choice.limit.filter(|limit| choice.value() > limit.value);
+    let tried = at.tried(&mean_square(table, choice.column).name, evaluator);
+    let of_one = 1 + if limit.is_some() { BISECTIONS + 1 } else { 0 };
+    evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
     let mut levers: Vec<Lever> = Vec::new();
-    for Tried { input, factor, .. } in at.tried(&mean_square(table, choice.column).name, evaluator) {
+    for Tried { input, factor, .. } in tried {
         let to = changed(&input, factor);
         let found = match at.values(&input, &[input.value, to], judged, evaluator, Effort::Parts) {
             Ok(Some(found)) => found,
@@ -93,15 +104,51 @@ pub(crate) fn lever(
         }
         let needed = limit.and_then(|limit| at.needed(&input, factor < 1.0, limit.value, judged, evaluator));
         let (key, label) = (input.key.name, input.key.label);
-        levers.push(Lever { key, label, from: input.value, to, gain, needed });
+        let remark = remark(study, table, choice, &input, factor < 1.0);
+        levers.push(Lever { key, label, from: input.value, to, gain, needed, remark, also: vec![] });
         if levers.len() == if limit.is_some() { COMPARED } else { 1 } {
             break;
         }
     }
-    Ok(levers.into_iter().min_by(|a, b| a.change().total_cmp(&b.change())))
+    // The order of equal changes, such as those that do not meet the limit, is that of their gains.
+    levers.sort_by(|a, b| a.change().total_cmp(&b.change()));
+    let mut levers = levers.into_iter();
+    Ok(levers.next().map(|mut first| {
+        first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
+        first
+    }))
+}
+
+/// What a change of an input does besides what its name says: a tick that changes keeps the number of lost ticks, and fillers
+/// of least variance are designed for the changed inputs.
+fn remark(study: &Study, table: &Table, choice: &Choice, input: &Input, is_down: bool) -> String {
+    let fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref());
+    let name = table.listed_by(FILLERS).map(|column| column.cells[choice.row].text());
+    let chosen = fill.and_then(|fill| fill.fillers.iter().find(|filler| Some(&filler.name) == name.as_ref()));
+    let is_designed = chosen.is_some_and(|filler| matches!(filler.method, Method::MinimumVariance(_)));
+    let of_design =
+        ["gyro.", "motion.", "noise.", "switching."].iter().any(|part| input.key.name.starts_with(part));
+    let of_tick = std::ptr::eq(input.key, &TICK) && fill.is_some();
+    let length = if is_down { "shorter" } else { "longer" };
+    match (of_tick, is_designed && of_design) {
+        (true, true) => format!(
+            "The number of lost ticks stays, so that the gap is {length} too, and the filler is designed anew for it."
+        ),
+        (true, false) => format!("The number of lost ticks stays, so that the gap is {length} too."),
+        (false, true) => "The filler is designed anew for it.".to_owned(),
+        (false, false) => String::new(),
+    }
 }
 
 impl Lever {
+    /// Its key, its label and the value that meets the limit by itself, if any does.
+    fn meets(self) -> Option<(&'static str, &'static str, Quantity)> {
+        match self.needed {
+            Some(Needed::Value(value)) => Some((self.key, self.label, value)),
+            _ => None,
+        }
+    }
+
     /// The relative change that meets the limit, as a logarithm.
     fn change(&self) -> f64 {
         match &self.needed {
@@ -134,12 +181,13 @@ impl<'a> Place<'a> {
 
     /// The changes that lower the mean square, the most effective first.
     fn tried(&self, square: &str, evaluator: &mut Evaluator) -> Vec<Tried> {
+        let inputs = self.inputs();
+        evaluator.expect(1 + 2 * inputs.len());
         let mut screened = |input: &Input, value: Quantity| {
             // Not every change is a valid study.
             let found = self.values(input, &[value], square, evaluator, Effort::Screening).ok()??;
             Some(found.first()?.value.abs())
         };
-        let inputs = self.inputs();
         let Some(present) = inputs.first().and_then(|input| screened(input, input.value)) else {
             return vec![];
         };

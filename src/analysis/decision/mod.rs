@@ -16,6 +16,7 @@ pub(crate) mod evaluate;
 pub(crate) mod lever;
 pub(crate) mod lines;
 pub(crate) mod sheet;
+pub(crate) mod shown;
 
 pub use crate::analysis::decision::budget::Part;
 pub use crate::analysis::decision::choice::Next;
@@ -33,7 +34,7 @@ use crate::device::cpu::Cpu;
 use crate::kernel::width::Width;
 use crate::key::row::Key;
 use crate::key::setting::Swept;
-use crate::progress::Silent;
+use crate::progress::{Progress, Silent};
 use crate::run::{Plan, RunError, Tables};
 use crate::source::diagnose::StudyError;
 use crate::store::Store;
@@ -73,17 +74,26 @@ impl From<(f64, Option<(f64, f64)>)> for Figure {
     }
 }
 
-/// The decision sheet of a study; `None` where it judges no error.
+/// The decision sheet of a study; `None` where it judges no error. `progress` receives the evaluations for budget and lever.
 ///
 /// # Errors
 /// A row of the tables cannot be evaluated again, or no threads can be started.
-pub fn decide(study: &Study, tables: &Tables) -> Result<Option<Sheet>, DecisionError> {
+pub fn decide(
+    study: &Study,
+    tables: &Tables,
+    progress: &dyn Progress,
+) -> Result<Option<Sheet>, DecisionError> {
     let Some(choice) = Choice::of(study, tables)? else { return Ok(None) };
+    let mut device = processor()?;
+    let (row, count) = (choice.row_of_point, [0, 0]);
+    let mut evaluator = Evaluator { device: &mut device, row, progress, count };
+    if let Some(sentences) = shown::sentences(study, tables, &mut evaluator)? {
+        return Ok(Some(Sheet { shown: Some(sentences), ..Sheet::new(&choice, vec![], None) }));
+    }
     if choice.source != Source::Points {
         return Ok(Some(Sheet::new(&choice, vec![], None)));
     }
-    let mut device = processor()?;
-    let mut evaluator = Evaluator { device: &mut device, row: choice.row_of_point };
+    evaluator.expect(1);
     let parts = budget(study, &tables.points, &choice, &mut evaluator)?;
     let lever = lever(study, &tables.points, &choice, &mut evaluator)?;
     Ok(Some(Sheet::new(&choice, parts, lever)))
@@ -104,7 +114,7 @@ pub(crate) fn decide_at(
     let plan = Plan::new(&study)?;
     let mut store = Store::in_memory(&plan.identity());
     plan.run(&mut store, &mut processor()?, Share::WHOLE, &Silent)?;
-    decide(&study, &plan.tables(&store, &Silent)?)
+    decide(&study, &plan.tables(&store, &Silent)?, &Silent)
 }
 
 fn processor() -> Result<Device, DecisionError> {

@@ -51,6 +51,8 @@ pub struct Sheet {
     pub budget: Vec<Part>,
     /// The next lever.
     pub lever: Option<Lever>,
+    /// The sentences of a study that asks which coefficients records show, instead of those on the estimate.
+    pub shown: Option<[String; 5]>,
 }
 
 impl Sheet {
@@ -70,6 +72,7 @@ impl Sheet {
             left_out: choice.left_out.clone(),
             budget,
             lever,
+            shown: None,
         }
     }
 
@@ -94,6 +97,9 @@ impl Sheet {
 
     /// The five lines of the sheet: a heading with a sentence each.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
+        if let Some(sentences) = &self.shown {
+            return Lines { met: None, sentences: sentences.clone() }.headed();
+        }
         let sentences =
             [self.requirement(), self.best(), self.margin_told(), self.limits(), self.lever_told()];
         Lines { met: self.is_met(), sentences }.headed()
@@ -206,12 +212,12 @@ impl Sheet {
         let Some(lever) = &self.lever else {
             return "No single input was found whose change gains anything.".to_owned();
         };
-        let Lever { key, label, gain, needed, .. } = lever;
+        let Lever { key, label, gain, needed, remark, also, .. } = lever;
         let (from, to) = (short(lever.from), short(lever.to));
         let gain = with_interval(*gain, percent);
         let tried = format!("{to} instead of {from} gains {gain}");
         let name = format!("{} ({key})", capitalised(label));
-        match needed {
+        let told = match needed {
             Some(Needed::Value(value)) if *value == lever.to => {
                 format!("{name}: {to} instead of {from} meets the limit and gains {gain}.")
             }
@@ -222,7 +228,15 @@ impl Sheet {
                 self.shown(*left)
             ),
             None => format!("{name}: {tried}."),
-        }
+        };
+        let others: Vec<String> =
+            also.iter().map(|(_, label, value)| format!("{label} {}", short(*value))).collect();
+        let also = match &others[..] {
+            [] => String::new(),
+            [one] => format!("By itself, {one} would meet it too."),
+            more => format!("Each by itself, {} would meet it too.", listed(more)),
+        };
+        [told, remark.clone(), also].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
     }
 
     /// The sheet as JSON; values are in the units of tables, fractions as such.
@@ -243,6 +257,8 @@ impl Sheet {
                 "gain": figure(lever.gain),
                 "meets_limit": meets,
                 "not_even": not_even,
+                "remark": lever.remark,
+                "also_meet": lever.also.iter().map(|(key, _, value)| json!({ "key": key, "value": value.to_string() })).collect::<Vec<_>>(),
             })
         };
         json!({

@@ -40,7 +40,7 @@ fn ran(text: &str) -> (Study, Tables) {
 
 fn decided(text: &str) -> Sheet {
     let (study, tables) = ran(text);
-    decide(&study, &tables).unwrap().unwrap()
+    decide(&study, &tables, &Silent).unwrap().unwrap()
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn a_study_without_a_limit_has_a_best_option_and_no_margin() {
 #[test]
 fn the_same_results_give_the_same_sheet() {
     let (study, tables) = ran(PULSES);
-    assert_eq!(decide(&study, &tables).unwrap(), decide(&study, &tables).unwrap());
+    assert_eq!(decide(&study, &tables, &Silent).unwrap(), decide(&study, &tables, &Silent).unwrap());
 }
 
 #[test]
@@ -116,11 +116,45 @@ fn a_response_is_judged_by_a_limit_only() {
         )
     };
     let (unlimited, tables) = ran(&study(""));
-    let sheet = decide(&unlimited, &tables).unwrap();
+    let sheet = decide(&unlimited, &tables, &Silent).unwrap();
     assert_eq!(sheet, None);
     assert!(Lines::of_study(sheet.as_ref())[0].1.starts_with("None is given"));
     // The useful modes are at 380 Hz and 300 Hz; only LGK-400 has another one, at 700 Hz.
     let sheet = decided(&study("limit = \"5000 arcsec/s/g\"\n"));
     assert_eq!((sheet.option.as_str(), sheet.met), ("LGV-1", [3, 4]), "{:?}", sheet.lines());
     assert!(sheet.next.is_some_and(|next| next.option == "LGK-400" && next.met == 2));
+}
+
+#[test]
+fn every_input_that_meets_the_limit_by_itself_is_named_and_a_tick_says_what_it_keeps() {
+    // Motion and noise are about as large, so that either can be lowered.
+    let text = PULSES
+        .replace("readout_lsb = \"4 arcsec\"\n", "")
+        .replace("\"0.2 arcsec\"", "\"0.6 arcsec\"")
+        .replace("2000 arcsec/s", "300000 arcsec/s")
+        .replace("limit = \"5 arcsec\"", "limit = \"8 arcsec\"");
+    let sheet = decided(&text);
+    let lever = sheet.lever.clone().unwrap();
+    assert!(matches!(lever.needed, Some(Needed::Value(_))), "{lever:?}");
+    assert!(!lever.also.is_empty(), "{:?}", sheet.lines());
+    let line = &sheet.lines()[4].1;
+    for (_, label, _) in &lever.also {
+        assert!(line.contains(label) && line.contains("would meet it too."), "{line}");
+    }
+    assert_eq!(lever.key == "gyro.tick", line.contains("The number of lost ticks stays"), "{line}");
+}
+
+#[test]
+fn a_study_of_what_records_show_says_from_where_on_and_what_a_longer_record_shows() {
+    let text = "title = \"t\"\nkind = \"allan\"\ntrials = 64\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[noise]\n\
+                angle_random_walk = \"0.003 deg/sqrt(h)\"\nbias_instability = \"0.01 deg/h\"\n[allan]\nfit = \"auto\"\n\
+                [[sweep]]\nkey = \"noise.bias_instability\"\nlist = [\"0.001 deg/h\", \"0.1 deg/h\"]\n\
+                [[chart]]\ntable = \"coefficients\"\nx = \"bias_instability\"\ny = \"identified\"\n";
+    let lines = decided(text).lines();
+    assert!(lines[0].1.starts_with("None is given. At least half of the records show "), "{lines:?}");
+    assert!(lines[0].1.contains("B from bias instability B 0.0"), "{lines:?}");
+    assert!(
+        lines[4].1.starts_with("Length of the record (record.length): of 2 h instead of 1 h, "),
+        "{lines:?}"
+    );
 }
