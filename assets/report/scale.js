@@ -69,12 +69,19 @@ class Range {
       return { major: labelled, minor: minor.filter((value) => this.holds(value)) };
     }
     const least = ((this.high - this.low) / most) * (1 - 1e-9);
-    const { step, shown, decimals, power } = steps.find((each) => each.step >= least) ?? steps[steps.length - 1];
+    const found = steps.findIndex((each) => each.step >= least);
+    const at = found < 0 ? steps.length - 1 : found;
+    const major = this.multiples(steps[at]);
+    return { major: this.log && major.length < 3 && at > 0 ? this.multiples(steps[at - 1]) : major, minor: [] };
+  }
+
+  /** The multiples of a step that it holds, as ticks. */
+  multiples({ step, shown, decimals, power }) {
     const major = [];
     for (let i = Math.ceil(this.low / step - 1e-9); i * step <= this.high + 1e-9 * step; i++) {
       major.push({ value: i * step, label: i === 0 ? "0" : `${minus((i * shown).toFixed(decimals))}${power}` });
     }
-    return { major, minor: [] };
+    return major;
   }
 
   /** Whether values leave no more than three fifths of the axis without one. */

@@ -229,8 +229,10 @@ impl Sheet {
             ),
             None => format!("{name}: {tried}."),
         };
-        let others: Vec<String> =
-            also.iter().map(|(_, label, value)| format!("{label} {}", short(*value))).collect();
+        let equals = |value: &Quantity| if value.dimension == Dimension::Count { " =" } else { "" };
+        let other =
+            |(_, label, value): &(_, &str, Quantity)| format!("{label}{} {}", equals(value), short(*value));
+        let others: Vec<String> = also.iter().map(other).collect();
         let also = match &others[..] {
             [] => String::new(),
             [one] => format!("By itself, {one} would meet it too."),

@@ -154,7 +154,7 @@ fn a_study_of_what_records_show_says_from_where_on_and_what_a_longer_record_show
     assert!(lines[0].1.starts_with("None is given. At least half of the records show "), "{lines:?}");
     assert!(lines[0].1.contains("B from bias instability B 0.0"), "{lines:?}");
     assert!(
-        lines[4].1.starts_with("Length of the record (record.length): of 2 h instead of 1 h, "),
+        lines[4].1.starts_with("Length of the record (record.length): of 7200 s instead of 3600 s, "),
         "{lines:?}"
     );
 }

@@ -103,7 +103,7 @@ impl Figure {
         notes.left_out = figure.left_out();
         figure.leave_out_unseen();
         if figure.has_laws() && figure.x.names.is_empty() && !figure.series.iter().all(Series::has_law) {
-            "closed form, or a line through points without one".clone_into(&mut figure.lines);
+            "closed form, else joined".clone_into(&mut figure.lines);
         }
         if y.is_relative() {
             figure.in_percent();

@@ -248,9 +248,9 @@ fn a_header_on_whole_pulses_is_told_with_what_its_rounding_adds() {
     let exported: f64 = told.split_once(' ').unwrap().0.parse().unwrap();
     let json = tables(&desk, "study.toml --filler quadratic");
     let rms = entry(&json, "quadratic", "residual")["rms_arcsec"].as_f64().unwrap();
-    let added = (exported * exported - rms * rms).sqrt();
-    // Rounding to one pulse has at most 1/√8 of it as rms, with two equally likely remainders.
-    assert!(added > 0.2 && added <= 1.2 / 8_f64.sqrt() + 1e-3, "{exported} of {rms}: {added}");
+    // Rounding to one pulse has at most 1/√8 of it as rms, with two equally likely remainders; five digits are shown.
+    let most = rms.hypot(1.2 / 8_f64.sqrt());
+    assert!(exported > rms && exported < most * (1.0 + 1e-4), "{exported} of {rms}, at most {most}");
 }
 
 #[test]
