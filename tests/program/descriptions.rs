@@ -192,6 +192,6 @@ fn a_column_is_found_by_name_or_header_and_told_by_file_where_meanings_differ() 
     let faked = self::points(&RELOCK).column("drift_arcsec_per_s");
     assert!(faked.is_some() && faked == self::points(&RELOCK).column("drift"));
     let tau: Vec<usize> = meanings("tau_s").iter().map(|(_, files)| files.len()).collect();
-    assert_eq!(tau, [6], "one text for the averaging time");
+    assert_eq!(tau, [7], "one text for the averaging time");
     assert!(meanings("mean").len() > 2, "the mean of what depends on the file");
 }

@@ -128,8 +128,7 @@ impl<W: Word> State<W> {
             amplitude = amplitude - W::splat(p.amplitude).with_sign(W::splat(self.number << 31));
         }
         let turn = W::splat((self.sample_phase >> 32) as u32 & (u32::MAX >> 1));
-        let dither =
-            amplitude.mul_wide(sine(self.with_noise(p, turn, sine(turn) << 1))) + W::Wide::half();
+        let dither = amplitude.mul_wide(sine(self.with_noise(p, turn, sine(turn) << 1))) + W::Wide::half();
         angle + dither.high_word().sar(p.dither_lsb)
     }
 
@@ -171,10 +170,7 @@ impl<W: Word> State<W> {
         }
         let mut amplitude = W::splat(p.amplitude);
         if p.amplitude_noise[0] > 0 {
-            amplitude = amplitude
-                + normal(words[0])
-                    .mul_wide(W::splat(p.amplitude_noise[0]))
-                    .high_word();
+            amplitude = amplitude + normal(words[0]).mul_wide(W::splat(p.amplitude_noise[0])).high_word();
         }
         if p.amplitude_noise[1] > 0 {
             self.walk = self.walk + normal(words[1]).mul_wide(W::splat(p.amplitude_noise[1]));
@@ -182,9 +178,7 @@ impl<W: Word> State<W> {
         }
         self.amplitude = amplitude.with_sign(W::splat(self.number << 31));
         if p.phase_noise > 0 {
-            self.phase = normal(words[2])
-                .mul_wide(W::splat(p.phase_noise))
-                .high_word();
+            self.phase = normal(words[2]).mul_wide(W::splat(p.phase_noise)).high_word();
         }
         if p.beam > 0 {
             let noise = normal(words[3]).mul_wide(W::splat(p.beam)) + W::Wide::half();
@@ -292,11 +286,7 @@ impl LockIn {
     pub fn trace(&self, number: u64) -> Trace {
         self.assert_fits();
         let keys = schedule(self.key.map(Scalar)).map(|key| key.map(|word| word.0));
-        let address = Address {
-            low: Scalar(number as u32),
-            high: (number >> 32) as u32,
-            keys,
-        };
+        let address = Address { low: Scalar(number as u32), high: (number >> 32) as u32, keys };
         let (mut state, mut drawn) = (State::begin(self, address), State::begin(self, address));
         let mut angles = Vec::new();
         for _ in 0..=self.samples {
@@ -312,12 +302,7 @@ impl LockIn {
             amplitudes.push(drawn.amplitude.0 as i32);
             phases.push(drawn.phase.0 as i32);
         }
-        Trace {
-            start: state.start.0,
-            angles,
-            amplitudes,
-            phases,
-        }
+        Trace { start: state.start.0, angles, amplitudes, phases }
     }
 }
 
@@ -328,12 +313,9 @@ mod tests {
 
     /// The polynomial in z² through sin(πz/2)/z.
     fn regenerated() -> [u32; KICKS] {
-        let ratio =
-            |zz: f64| libm::sin(libm::sqrt(zz) * core::f64::consts::FRAC_PI_2) / libm::sqrt(zz);
+        let ratio = |zz: f64| libm::sin(libm::sqrt(zz) * core::f64::consts::FRAC_PI_2) / libm::sqrt(zz);
         let polynomial = through_chebyshev_points::<KICKS>(ratio);
-        core::array::from_fn(|k| {
-            libm::round(libm::fabs(polynomial[k]) * libm::exp2(31.0 + k as f64)) as u32
-        })
+        core::array::from_fn(|k| libm::round(libm::fabs(polynomial[k]) * libm::exp2(31.0 + k as f64)) as u32)
     }
 
     #[test]

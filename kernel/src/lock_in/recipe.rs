@@ -88,18 +88,12 @@ impl LockIn {
             && self.third <= self.samples
             && (2..=3).contains(&self.order)
             && !self.levels.is_empty()
-            && self.levels.iter().all(|level| {
-                level.stride > 0 && !level.spans.is_empty() && !level.spans.contains(&0)
-            });
-        assert!(
-            sound,
-            "the words of a gyro with lock-in do not fit: {self:?}"
-        );
-        assert!(
-            table <= self.table.len(),
-            "a gyro reads {table} words of a table of {}",
-            self.table.len()
-        );
+            && self
+                .levels
+                .iter()
+                .all(|level| level.stride > 0 && !level.spans.is_empty() && !level.spans.contains(&0));
+        assert!(sound, "the words of a gyro with lock-in do not fit: {self:?}");
+        assert!(table <= self.table.len(), "a gyro reads {table} words of a table of {}", self.table.len());
     }
 
     /// Half-cycles of a record, with the one that begins after its last step and those of a chunk that is not full.
@@ -172,11 +166,7 @@ impl Recorded for LockIn {
     }
 
     fn curve(&self) -> Curve<'_> {
-        Curve {
-            samples: self.samples,
-            order: self.order,
-            levels: &self.levels,
-        }
+        Curve { samples: self.samples, order: self.order, levels: &self.levels }
     }
 
     fn values(&self) -> usize {
@@ -204,18 +194,11 @@ impl Recorded for LockIn {
 
     fn shortened(&self, samples: u32) -> Arc<dyn Recorded> {
         let samples = self.samples.min(samples);
-        Arc::new(LockIn {
-            samples,
-            third: self.third.min(samples),
-            ..self.clone()
-        })
+        Arc::new(LockIn { samples, third: self.third.min(samples), ..self.clone() })
     }
 
     fn shader(&self, variant: Variant) -> (String, bool) {
-        let fields = self
-            .fixed(0, 0, [0, 0])
-            .map(|(name, _)| format!("    {name}: u32,\n"))
-            .concat();
+        let fields = self.fixed(0, 0, [0, 0]).map(|(name, _)| format!("    {name}: u32,\n")).concat();
         let mut parts = vec![&part::philox, &part::sine, &part::lock_in, &part::curve];
         // The table of normal numbers is bound only where the shader reads it.
         if self.is_random() {
@@ -237,21 +220,15 @@ impl Recorded for LockIn {
                 ("DEMODULATED", self.readout == Readout::Demodulated),
                 ("THIRD_ORDER", self.order == 3),
             ],
-            declarations: format!(
-                "struct Parameters {{\n{fields}{}}}\n",
-                self.curve().declarations()
-            ),
+            declarations: format!("struct Parameters {{\n{fields}{}}}\n", self.curve().declarations()),
         };
         (shader.text(variant), shader.has_normals())
     }
 
     fn parameters(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
         self.assert_fits();
-        let mut words: Vec<u32> = self
-            .fixed(first, lanes, chunks)
-            .into_iter()
-            .map(|(_, word)| word)
-            .collect();
+        let mut words: Vec<u32> =
+            self.fixed(first, lanes, chunks).into_iter().map(|(_, word)| word).collect();
         words.resize(words.len().next_multiple_of(4), 0);
         self.curve().parameters(&mut words);
         words

@@ -75,7 +75,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
         Of::new("tau", Unit::S, "averaging time τ", |row| row.tau_s().into())
-            .is(Role::Coordinate, "Averaging time τ, s, at which the angle random walk is read off.")
+            .is(Role::Coordinate, "Averaging time τ, s.")
             .usual(Usual::Abscissa),
         Of::new("m", Unit::NONE, "averaging factor m", |row| row.m.into())
             .is(Role::Count, "Averaging time in samples."),

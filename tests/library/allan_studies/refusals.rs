@@ -63,7 +63,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (
             locks_in("400 deg/s", "100 deg/s"),
             &[
-                "a.toml:11:25",
+                "a.toml:9:25",
                 "not below the dither rate of 360000 arcsec/s",
                 "locked",
                 "the gyro would stay locked",
@@ -71,7 +71,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         ),
         (
             locks_in("0.1 arcsec/s", "0.1 arcsec"),
-            &["a.toml:11:", "turns the beat phase by only 0.314 rad", "too small", "kind = \"lock-in\""],
+            &["a.toml:9:", "turns the beat phase by only 0.314 rad", "too small", "kind = \"lock-in\""],
         ),
         (
             locks_in("180 arcsec/s", "100 deg/s^2"),
