@@ -19,12 +19,14 @@ fn root() -> &'static Path {
     Path::new(crate::ROOT)
 }
 
-/// The studies that are shipped, and one of them with the trajectories of its fillers.
+/// The studies that are shipped, one of them with the trajectories of its fillers, and one of lock-in with fits.
 fn studies() -> Vec<Study> {
     let mut studies: Vec<Study> = shipped().iter().map(|path| Study::read(path).unwrap()).collect();
-    let of_fillers = std::fs::read_to_string(root().join("studies/design_point.toml")).unwrap();
-    let with_curves = of_fillers.replace("[run]", "[run]\ntrajectories = 1");
+    let text = |name: &str| std::fs::read_to_string(root().join("studies").join(name)).unwrap();
+    let with_curves = text("design_point.toml").replace("[run]", "[run]\ntrajectories = 1");
+    let with_fits = text("arw_from_lock_in.toml") + "\n[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\"]\n";
     studies.push(Study::parse("design_point.toml", &with_curves).unwrap());
+    studies.push(Study::parse("arw_from_lock_in.toml", &with_fits).unwrap());
     studies
 }
 

@@ -225,15 +225,15 @@ pub enum ModelError {
     )]
     Beyond {
         /// Name of the column.
-        column: String,
+        column: Box<str>,
         /// Shortest τ of the curve.
-        shortest_s: String,
+        shortest_s: Box<str>,
         /// Longest τ of the curve.
-        longest_s: String,
+        longest_s: Box<str>,
         /// Shortest requested time.
-        from_s: String,
+        from_s: Box<str>,
         /// Longest requested time.
-        to_s: String,
+        to_s: Box<str>,
     },
     /// The noise is 0 everywhere.
     #[error("column {0}: there is no noise to model between these times")]
@@ -250,17 +250,17 @@ pub enum ModelError {
     )]
     NotWithin {
         /// Name of the column.
-        column: String,
+        column: Box<str>,
         /// Most Markov states that were tried.
         most: usize,
         /// Shortest τ.
-        from_s: String,
+        from_s: Box<str>,
         /// Longest τ.
-        to_s: String,
+        to_s: Box<str>,
         /// τ at which the nearest model is farthest outside.
-        tau_s: String,
+        tau_s: Box<str>,
         /// How far outside.
-        percent: String,
+        percent: Box<str>,
     },
     /// Noise without a record has no repetition.
     #[error("a noise.toml has no record whose repetition could be bounded: give the log, or `bound = true`")]

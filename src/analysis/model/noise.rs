@@ -98,7 +98,7 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
         name: "noise".to_owned(),
         unit: Unit::Angular,
         points: points.collect(),
-        quantisation: (quantisation[0] > 0.0).then(|| quantisation.map(|square| libm::sqrt(square))),
+        quantisation: (quantisation[0] > 0.0).then(|| quantisation.map(libm::sqrt)),
         length_s: None,
         has_band,
     };
@@ -117,7 +117,7 @@ fn point(known: &[Known], tau_s: f64) -> Point {
     let away =
         |end: usize| -> f64 { all.iter().map(|ends| (ends[end] - ends[1]) * (ends[end] - ends[1])).sum() };
     let (lower, upper) = ((value - libm::sqrt(away(0))).max(0.0), value + libm::sqrt(away(2)));
-    let [value, lower, upper] = [value, lower, upper].map(|variance| libm::sqrt(variance));
+    let [value, lower, upper] = [value, lower, upper].map(libm::sqrt);
     Point { tau_s, value, lower, upper, edf: None }
 }
 

@@ -277,13 +277,13 @@ fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
     });
     let [percent, tau_s] = off.max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
     let [from_s, to_s] = target.taus();
-    let shown = |x: f64| significant(x, 4);
+    let shown = |x: f64| significant(x, 4).into();
     ModelError::NotWithin {
-        column: target.name.clone(),
+        column: target.name.as_str().into(),
         most: MOST_STATES,
         from_s: shown(from_s),
         to_s: shown(to_s),
         tau_s: shown(tau_s),
-        percent: significant(100.0 * percent.max(0.0), 2),
+        percent: significant(100.0 * percent.max(0.0), 2).into(),
     }
 }

@@ -118,9 +118,9 @@ impl Target {
             return Err(ModelError::Order { from_s, to_s });
         }
         if from_s < shortest_s * (1.0 - NEAR) || to_s > longest_s * (1.0 + NEAR) {
-            let shown = |tau_s: f64| significant(tau_s, 6);
+            let shown = |tau_s: f64| significant(tau_s, 6).into();
             return Err(ModelError::Beyond {
-                column: self.name,
+                column: self.name.into(),
                 shortest_s: shown(shortest_s),
                 longest_s: shown(longest_s),
                 from_s: shown(from_s),
