@@ -5,7 +5,7 @@ use crate::study::part::Part;
 
 /// All parts. The threshold has no value without lock-in, so a negligible one takes its place.
 pub(crate) static PARTS: [Part<Inputs>; 5] = [
-    Part { name: "lock-in", off: |inputs| inputs.threshold = NEGLIGIBLE * inputs.threshold },
+    Part { name: "lock-in", off: |inputs| inputs.threshold *= NEGLIGIBLE },
     Part { name: "noise of the beam", off: |inputs| inputs.beam_noise = 0.0 },
     Part {
         name: "amplitude noise of the dither",
