@@ -9,7 +9,7 @@
 //!
 //! **Method.** The Allan variance is linear in N², K² and the variances σ² of Markov states with fixed correlation times. For each
 //! number of states, all choices of times on a grid of [six per decade](search::PER_DECADE) are tried. Each is a
-//! [least-squares problem](least) with non-negative variances, whose constraints are the band of the record: a bound may be nowhere
+//! least-squares problem with non-negative variances, whose constraints are the band of the record: a bound may be nowhere
 //! below its upper end, a description stays between both ends. The number of states grows until the bound is near enough.
 //!
 //! **What the filter sees.** Quantisation is an error of the angle that does not accumulate, so it is kept out of the model of the

@@ -3,7 +3,7 @@
 //! With λ̇ = −Aᵀλ and λ(T) the unit vector of an error, the error is ∫ λ_g(t) ε_g(t) dt over the gyros g, so that one
 //! solution backwards in time gives the response to the errors of all gyros at all times. A is constant within a sample,
 //! as it is in its middle; then λ is multiplied by the matrix exponential of Aᵀ·sample, and the weight is the mean of λ
-//! over the sample. Both are sums of [`ORDER`] powers in a fixed order.
+//! over the sample. Both are sums of `ORDER` powers in a fixed order.
 
 use crate::theory::navigation::equations::{ARCSEC, Leg, STATES, State};
 
