@@ -112,8 +112,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Count, "Number k of the nearest zone of dynamic lock-in; blank without dither."),
         Of::new("zone_centre", Unit::ARCSEC_PER_S, "centre of the zone", |row| row.zone.map(|zone| zone.centre).into())
             .is(Role::Estimate, "k f_d q, the centre of that zone and its output rate, ″/s."),
-        Of::new("locked", Unit::NONE, "locked to the zone", |row| row.locked().into())
-            .is(Role::Fraction, "1 where the mean output rate stays at the centre of the zone, else 0."),
+        Of::new("locked", Unit::NONE, "lock to the nearest zone", |row| row.locked().into())
+            .is(Role::Estimate, "1 where the mean output rate stays at the centre of the zone, else 0."),
         Of::new("zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone", |row| row.width().into())
             .is(Role::Estimate, "Half width of that zone, ″/s, from w² = (Ω − Ω_k)² − (r − Ω_k)² with the output r outside it; blank inside."),
         Of::new("oracle_zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone (closed form)", |row| row.zone.map(|zone| zone.half_width).into())
