@@ -21,7 +21,6 @@ use sagnac::device::gpu::fault::{Fault, Faults, Moment};
 use sagnac::device::gpu::patience::on_wait;
 use sagnac::device::select::SelectError;
 use sagnac::kernel::KERNELS;
-use sagnac::kernel::KERNELS;
 use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 use sagnac::tally::block::cover;
