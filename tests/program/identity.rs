@@ -60,7 +60,8 @@ fn the_matrix_of_the_documents_is_that_of_the_current_kernels() {
          the digest {digest} of 4096 trials"
     );
     let measured: Vec<_> = document.lines().filter(|line| line.contains("| identical |")).collect();
-    assert!(measured.len() >= 4, "{measured:#?}");
+    // The portable CPU, AVX2 and llvmpipe; not every machine has AVX-512.
+    assert!(measured.len() >= 3, "{measured:#?}");
     let digests: std::collections::BTreeSet<_> =
         measured.iter().map(|row| row.split(" | ").nth(7).unwrap()).collect();
     assert_eq!(digests.len(), 1, "identical rows have one digest");
