@@ -61,7 +61,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         ),
         (locks_in("-1 arcsec/s", "100 deg/s"), &["out of range", "negative"]),
         (
-            locks_in("400 deg/s", "100 deg/s"),
+            locks_in("200 deg/s", "100 deg/s"),
             &[
                 "a.toml:9:25",
                 "not below the dither rate of 360000 arcsec/s",
