@@ -1,7 +1,8 @@
 // Allan variances of synthetic records of a gyro at rest. Twin of kernel/src/allan.rs.
 
-//#if DRIFT
-@group(0) @binding(5) var<storage, read> drift: array<u32>;
+//#if TABLE
+// The angles common to all records, where there are any.
+@group(0) @binding(5) var<storage, read> table: array<u32>;
 //#end
 
 // Only here to the end: parameters and state that are structures in Rust.

@@ -1,18 +1,9 @@
 // Records whose angles come chunk by chunk from a source, and the exact sums of their squared differences.
 // Twin of kernel/src/curve.rs.
 //
-// An invocation makes one record, some chunks at a time; `state` keeps its data between dispatches, word by word for
-// all lanes.
-
 // Parameters are generated: for each level the stride, the start and length of its ring, and its first place.
-@group(0) @binding(1) var<uniform> p: Parameters;
 @group(0) @binding(2) var<storage, read_write> rings: array<u32>;
-@group(0) @binding(3) var<storage, read_write> sums: array<u32>;
-@group(0) @binding(4) var<storage, read_write> state: array<u32>;
 
-var<private> address: Address;
-var<private> angles: array<u32, CHUNK>;
-var<private> lane: u32;
 // The place of the record's first angle in `rings`, and the distance to its next: up to RING_LANES records have their angles
 // side by side.
 var<private> ring: u32;
@@ -136,35 +127,4 @@ fn squares(level: vec4<u32>, span: u32, newest: Newest) -> Wide {
 
 fn angle(level: vec4<u32>, at: u32) -> u32 {
     return rings[ring + (level.y + at) * row];
-}
-
-// The sum at a place has three words.
-fn add(place: u32, square: Wide) {
-    let at = SUM_WORDS * place * p.lanes + lane;
-    let low = sums[at] + low_word(square);
-    let carry = select(0u, 1u, low < low_word(square));
-    let middle = sums[at + p.lanes] + carry;
-    let carry_on = select(0u, 1u, middle < carry);
-    let sum = middle + high_word(square);
-    sums[at] = low;
-    sums[at + p.lanes] = sum;
-    sums[at + 2u * p.lanes] += carry_on + select(0u, 1u, sum < middle);
-}
-
-// Only here to the end: state that is a structure in Rust.
-fn kept(word: u32) -> u32 {
-    return state[word * p.lanes + lane];
-}
-
-fn kept_wide(word: u32) -> Wide {
-    return wide(kept(word), kept(word + 1u));
-}
-
-fn keep(word: u32, value: u32) {
-    state[word * p.lanes + lane] = value;
-}
-
-fn keep_wide(word: u32, value: Wide) {
-    keep(word, low_word(value));
-    keep(word + 1u, high_word(value));
 }

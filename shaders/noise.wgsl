@@ -163,7 +163,7 @@ fn go_over(octave: u32, stream: u32, value: u32) {
 fn reading(sample: u32, without: u32) -> u32 {
     var angle = without;
     //#if DRIFT
-    angle += drift[min(sample, p.samples)];
+    angle += table[min(sample, p.samples)];
     //#end
     //#if FILL_RESIDUALS
     angle += high_word(noise.residuals);

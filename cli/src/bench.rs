@@ -169,7 +169,7 @@ impl Figure {
         let with = if *histogram { "with histogram" } else { "without histogram" };
         let (unit, digits) = (rates.unit, if rates.unit == "runs" { 3 } else { 1 });
         let estimates = match unit {
-            "samples" | "steps" => format!("{estimates} averaging times"),
+            "samples" | "steps" => format!("{estimates} sums of a record"),
             _ => format!("{estimates} estimates, {with:17}"),
         };
         let million = |rate: f64| format!("{:9.digits$}", rate / 1e6);

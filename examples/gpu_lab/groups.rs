@@ -22,7 +22,7 @@ static GROUPS: Part =
 fn constants() -> Constants {
     let own = [("SPAN", SPAN), ("LANES", LANES), ("SCAN_STEPS", LANES.ilog2()), ("QUAD", 4)];
     let own = own.map(|(name, value)| (name.to_owned(), value.into()));
-    let kernel = [&part::noise, &part::curve, &part::allan];
+    let kernel = [&part::noise, &part::record, &part::curve, &part::allan];
     kernel.into_iter().flat_map(|part| (part.constants)()).chain(own).collect()
 }
 

@@ -71,49 +71,25 @@ impl Recorded for Recipe {
     }
 
     fn shader(&self, variant: Variant) -> (String, bool) {
-        let octaves = self.octaves();
-        let fields = self.fixed(0, 0, [0, 0]).map(|(name, _)| format!("    {name}: u32,\n")).concat();
-        let mut constants = vec![("OCTAVES", octaves), ("HOLD_ROOM", STREAMS * octaves.max(1))];
-        constants.extend(self.curve().constants());
-        let shader = Shader {
-            parts: vec![&part::philox, &part::normal, &part::sine, &part::noise, &part::allan, &part::curve],
-            constants,
-            flags: vec![
-                ("FLICKER_HOLDS", octaves > 1),
-                ("WALK_STEPS", self.walk > 0),
-                ("MARKOV_STEPS", self.markov.is_some()),
-                ("SINE_WAVE", self.sine.is_some()),
-                ("QUANTISATION_NOISE", self.quantisation > 0),
-                ("PULSE", self.pulse.is_some()),
-                ("DRIFT", !self.drift.is_empty()),
-                ("FILL_RESIDUALS", self.switching.is_some()),
-                ("THIRD_ORDER", self.order == 3),
-            ],
-            declarations: format!(
-                "struct Parameters {{\n{fields}    flicker: array<vec4<u32>, {}>,\n{}}}\n",
-                self.flicker_vectors(),
-                self.curve().declarations()
-            ),
+        let mut shader = Shader {
+            constants: self.curve().constants().to_vec(),
+            flags: vec![("THIRD_ORDER", self.order == 3), ("TABLE", !self.drift.is_empty())],
+            ..Shader::default()
         };
+        self.include(&mut shader, &self.curve().declarations());
+        shader.parts.push(&part::curve);
         (shader.text(variant), shader.has_normals())
     }
 
     fn parameters(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
         self.assert_fits();
-        let mut words: Vec<u32> =
-            self.fixed(first, lanes, chunks).into_iter().map(|(_, word)| word).collect();
-        words.resize(words.len().next_multiple_of(4), 0);
-        let flicker = words.len();
-        // Octave 0 has no hold.
-        words.push(0);
-        words.extend(&self.flicker);
-        words.resize(flicker + 4 * self.flicker_vectors(), 0);
+        let mut words = self.words(first, lanes, chunks);
         self.curve().parameters(&mut words);
         words
     }
 
     fn state_words(&self) -> usize {
-        STATE_WORDS + HOLD_WORDS * STREAMS * self.octaves()
+        self.noise_words()
     }
 
     fn rounds(&self) -> usize {
@@ -122,6 +98,46 @@ impl Recorded for Recipe {
 }
 
 impl Recipe {
+    /// Adds the noise to a shader: its files, sizes and options, and its parameters, which `fields` follow.
+    pub(crate) fn include(&self, shader: &mut Shader, fields: &str) {
+        let octaves = self.octaves();
+        let words = self.fixed(0, 0, [0, 0]).map(|(name, _)| format!("    {name}: u32,\n")).concat();
+        let vectors = self.flicker_vectors();
+        let parts = [&part::philox, &part::normal, &part::sine, &part::noise, &part::allan, &part::record];
+        shader.parts.extend(parts);
+        shader.constants.extend([("OCTAVES", octaves), ("HOLD_ROOM", STREAMS * octaves.max(1))]);
+        shader.flags.extend([
+            ("FLICKER_HOLDS", octaves > 1),
+            ("WALK_STEPS", self.walk > 0),
+            ("MARKOV_STEPS", self.markov.is_some()),
+            ("SINE_WAVE", self.sine.is_some()),
+            ("QUANTISATION_NOISE", self.quantisation > 0),
+            ("PULSE", self.pulse.is_some()),
+            ("DRIFT", !self.drift.is_empty()),
+            ("FILL_RESIDUALS", self.switching.is_some()),
+        ]);
+        shader.declarations +=
+            &format!("struct Parameters {{\n{words}    flicker: array<vec4<u32>, {vectors}>,\n{fields}}}\n");
+    }
+
+    /// The parameters of the noise in a dispatch, in whole vectors of four words.
+    pub(crate) fn words(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
+        let mut words: Vec<u32> =
+            self.fixed(first, lanes, chunks).into_iter().map(|(_, word)| word).collect();
+        words.resize(words.len().next_multiple_of(4), 0);
+        let flicker = words.len();
+        // Octave 0 has no hold.
+        words.push(0);
+        words.extend(&self.flicker);
+        words.resize(flicker + 4 * self.flicker_vectors(), 0);
+        words
+    }
+
+    /// Words of the noise's state that a shader keeps between dispatches.
+    pub(crate) fn noise_words(&self) -> usize {
+        STATE_WORDS + HOLD_WORDS * STREAMS * self.octaves()
+    }
+
     /// Words of a dispatch that precede the lists of the recipe, by their names in the shader. The dispatch covers the
     /// chunks `chunk_from .. chunk_to` of `lanes` records; the first record has the number high·2^32 + low.
     fn fixed(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> [(&'static str, u32); 21] {

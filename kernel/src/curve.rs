@@ -8,16 +8,14 @@ use std::sync::Arc;
 
 use crate::philox::{Address, schedule};
 use crate::recipe::{CHUNK, Level};
+use crate::record::Sum;
 use crate::sealed::Sealed;
 use crate::shader::{Part, Variant, constants};
 use crate::width::pair::Pair;
 use crate::width::{AnyWidth, Width};
 use crate::word::{Scalar, Wide, Word};
 
-constants!(CHUNK, SUM_WORDS, RING_LANES);
-
-/// Words of a sum.
-pub const SUM_WORDS: usize = 3;
+constants!(RING_LANES);
 
 /// Records of a dispatch whose angles stand side by side: one cache line of a GPU.
 pub const RING_LANES: usize = 32;
@@ -205,12 +203,6 @@ struct Newest {
     at: usize,
 }
 
-/// The sum at one place of the curve, kept as the sums of the lower and upper halves of its terms.
-#[derive(Clone, Copy)]
-struct Sum<W: Word> {
-    halves: [W::Wide; 2],
-}
-
 struct Records<'a, S> {
     source: &'a S,
     first: u64,
@@ -252,8 +244,7 @@ fn records<W: Word, S: Source>(source: &S, address: Address<W>, count: usize, to
             Ring { stride: level.stride as usize, depth, words: vec![0; depth * W::LANES] }
         })
         .collect();
-    let nothing = Sum::<W> { halves: [W::Wide::splat(0); 2] };
-    let mut sums = vec![nothing; curve.places()];
+    let mut sums = vec![Sum::<W>::nothing(); curve.places()];
     let mut angles: Chunk = [0; MOST_LANES * CHUNK];
     let last = curve.samples as usize;
     for first in (0..=last).step_by(CHUNK) {
@@ -348,22 +339,5 @@ impl Ring {
     #[inline(always)]
     fn angle<W: Word>(&self, at: usize) -> W {
         W::load(&self.words[at * W::LANES..])
-    }
-}
-
-impl<W: Word> Sum<W> {
-    #[inline(always)]
-    fn add(&mut self, square: W::Wide) {
-        let [low, high] = square.halves();
-        self.halves = [self.halves[0] + low, self.halves[1] + high];
-    }
-
-    // Only here: an invocation has one lane.
-    #[inline(always)]
-    fn of_lane(&self, lane: usize) -> u128 {
-        let (mut low, mut high) = ([0; MOST_LANES], [0; MOST_LANES]);
-        self.halves[0].store(&mut low[..W::LANES]);
-        self.halves[1].store(&mut high[..W::LANES]);
-        u128::from(low[lane]) + (u128::from(high[lane]) << 32)
     }
 }

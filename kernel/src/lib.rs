@@ -26,7 +26,7 @@ pub enum Form {
     Map(Map),
     /// From trials of a point to moments of its estimates; see [`launch::Trial`].
     Moments,
-    /// From synthetic records to the sums of their squared differences; see [`curve::Recorded`].
+    /// From synthetic records to the exact sums of each; see [`curve::Recorded`].
     Records,
 }
 
@@ -76,6 +76,7 @@ twins! {
         motion,
         relock_ticks,
         noise,
+        record,
         curve,
     }
     kernels {
@@ -88,5 +89,6 @@ twins! {
         relock,
         allan,
         lock_in,
+        navigation,
     }
 }

@@ -81,25 +81,31 @@ impl Recipe {
     /// # Errors
     /// Names the field that would lead beyond them.
     pub fn fits(&self) -> Result<(), Misfit> {
+        self.noise_fits()?;
+        let spans = 1..=(MOST_TABLE / 4) as u32;
+        first_unsound(&[
+            ("order", (2..=3).contains(&self.order)),
+            ("stride", self.levels.iter().all(|level| level.stride > 0)),
+            ("levels", !self.levels.is_empty() && self.levels.iter().all(|level| !level.spans.is_empty())),
+            ("spans", self.levels.iter().flat_map(|level| &level.spans).all(|span| spans.contains(span))),
+        ])
+    }
+
+    /// Checks that no record reads beyond its drift or its holds, whatever its random words.
+    ///
+    /// # Errors
+    /// Names the field that would lead beyond them.
+    pub(crate) fn noise_fits(&self) -> Result<(), Misfit> {
         let angles = self.samples as usize + 1;
         if !self.drift.is_empty() && self.drift.len() < angles {
             return Err(Misfit::Table { expected: angles, found: self.drift.len() });
         }
-        let spans = 1..=(MOST_TABLE / 4) as u32;
-        let sound = [
+        first_unsound(&[
             ("samples", angles <= MOST_TABLE),
-            ("order", (2..=3).contains(&self.order)),
             ("flicker", self.flicker.len() < MAX_OCTAVES),
             ("switching", self.switching.is_none_or(|[interval, ..]| interval > 0)),
             ("pulse", self.pulse.is_none_or(|bits| bits < 32)),
-            ("stride", self.levels.iter().all(|level| level.stride > 0)),
-            ("levels", !self.levels.is_empty() && self.levels.iter().all(|level| !level.spans.is_empty())),
-            ("spans", self.levels.iter().flat_map(|level| &level.spans).all(|span| spans.contains(span))),
-        ];
-        match sound.iter().find(|(_, sound)| !sound) {
-            Some((name, _)) => Err(Misfit::Field(name)),
-            None => Ok(()),
-        }
+        ])
     }
 
     /// Ends the program where a record would read beyond what there is.
@@ -128,4 +134,9 @@ impl Recipe {
     pub fn depth(&self) -> usize {
         self.curve().depth()
     }
+}
+
+/// Names the first of some fields that is unsound.
+fn first_unsound(fields: &[(&'static str, bool)]) -> Result<(), Misfit> {
+    fields.iter().find(|(_, sound)| !sound).map_or(Ok(()), |(name, _)| Err(Misfit::Field(name)))
 }

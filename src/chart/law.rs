@@ -18,6 +18,12 @@ words! {
         /// The paper's tables 1 and 2: the drift measured after a switch, and its remainder after the paper's
         /// compensations. Only for kind = "relock".
         ZeemanTables = "zeeman-tables",
+        /// The class of strategic navigators, 0.02 nmi/h. Only for kind = "navigation".
+        StrategicGrade = "strategic-grade",
+        /// The class of navigators of aircraft, 1 nmi/h. Only for kind = "navigation".
+        NavigationGrade = "navigation-grade",
+        /// The class of tactical navigators, 10 nmi/h. Only for kind = "navigation".
+        TacticalGrade = "tactical-grade",
     }
 }
 
@@ -26,6 +32,7 @@ impl Law {
     pub(crate) fn subject(self) -> &'static str {
         match self {
             Law::ZeemanTables => "relock",
+            Law::StrategicGrade | Law::NavigationGrade | Law::TacticalGrade => "navigation",
             _ => "gap fillers",
         }
     }
@@ -33,6 +40,10 @@ impl Law {
     /// Its column in the table. Z(20) holds for one tick while charts show the whole gap, and the noise is 3σ; each
     /// label says so.
     pub(crate) fn about(self) -> About {
+        let unit = match self {
+            Law::StrategicGrade | Law::NavigationGrade | Law::TacticalGrade => Unit::NMI,
+            _ => Unit::ARCSEC,
+        };
         let (name, label, meaning) = match self {
             Law::TaylorExtremum => (
                 "law_taylor_extremum",
@@ -61,8 +72,23 @@ impl Law {
                 "the paper's tables 1 and 2",
                 "A law of the chart, ″: tables 1 and 2 of the paper, measured and compensated.",
             ),
+            Law::StrategicGrade => (
+                "law_strategic_grade",
+                "strategic grade, 0.02 nmi/h",
+                "A law of the chart, nmi: 0.02 nmi for each hour, the class of strategic navigators.",
+            ),
+            Law::NavigationGrade => (
+                "law_navigation_grade",
+                "navigation grade, 1 nmi/h",
+                "A law of the chart, nmi: 1 nmi for each hour, the class of navigators of aircraft.",
+            ),
+            Law::TacticalGrade => (
+                "law_tactical_grade",
+                "tactical grade, 10 nmi/h",
+                "A law of the chart, nmi: 10 nmi for each hour, the class of tactical navigators.",
+            ),
         };
-        About { unit: Unit::ARCSEC, label, role: Role::Law, meaning, ..About::named(name) }
+        About { unit, label, role: Role::Law, meaning, ..About::named(name) }
     }
 
     /// The name of its column in the table.

@@ -299,7 +299,7 @@ fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     }
     let limit = given.read(&unlimited(ground.limits))?;
     if limit.value > 0.0 {
-        return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
+        return Ok(Limit { value: limit.shown(), unit: limit.dimension.unit() });
     }
     let message = format!("{} = {limit}, but no error stays within that", given.key.name);
     let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());

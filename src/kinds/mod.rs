@@ -10,6 +10,7 @@ pub mod gap_fill;
 pub(crate) mod gyro;
 pub mod keys;
 pub mod lock_in;
+pub mod navigation;
 pub(crate) mod plan;
 mod read;
 pub mod relock;
@@ -22,7 +23,7 @@ mod tests;
 use crate::study::kind::Kind;
 
 /// Every kind of study.
-pub static KINDS: [&Kind; 7] = [
+pub static KINDS: [&Kind; 8] = [
     &gap_fill::kind::GAP_FILL,
     &allan::kind::ALLAN,
     &switched_run::kind::SWITCHED_RUN,
@@ -30,4 +31,5 @@ pub static KINDS: [&Kind; 7] = [
     &lock_in::kind::LOCK_IN,
     &drift_budget::kind::DRIFT_BUDGET,
     &suspension::kind::SUSPENSION,
+    &navigation::kind::NAVIGATION,
 ];

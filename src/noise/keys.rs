@@ -1,11 +1,11 @@
 //! The keys of `[noise]` and of noise.toml, with their settings.
 
 use crate::key::holds::{Holds, measure};
-use crate::key::row::keys;
-use crate::key::setting::Setting;
+use crate::key::row::{Key, keys};
+use crate::key::setting::{self, Setting};
 use crate::noise::lock_in::LockIn;
 use crate::noise::{Noise, Switching};
-use crate::quantity::units::Dimension;
+use crate::quantity::units::{Dimension, Quantity};
 use crate::theory::allan::Term;
 
 const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
@@ -141,6 +141,19 @@ fn locks_in(noise: &Noise) -> bool {
 
 fn of_lock_in(noise: &mut Noise) -> &mut LockIn {
     noise.lock_in.get_or_insert_default()
+}
+
+/// The coefficients of a noise, by the keys that set them.
+pub(crate) fn coefficient_values(noise: &Noise) -> Vec<(&'static Key, Quantity)> {
+    let coefficient = |term: Term| {
+        let key = term.row().key;
+        let names = [key.to_owned(), format!("{key}.amplitude")];
+        let key = setting::keys(&SETTINGS).find(|key| names.iter().any(|name| name == key.name))?;
+        let dimension = key.holds.measured()?.accepts.first()?;
+        let [size, _] = noise.given(term);
+        Some((key, Quantity::new(size, *dimension)))
+    };
+    Term::EVERY.into_iter().filter_map(coefficient).collect()
 }
 
 fn switches(noise: &Noise) -> bool {

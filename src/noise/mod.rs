@@ -1,8 +1,10 @@
 //! The noise of a gyro by its coefficients, as given by `[noise]` and noise.toml.
 
+pub(crate) mod files;
 pub(crate) mod keys;
 pub(crate) mod lock_in;
 pub(crate) mod read;
+pub(crate) mod switches;
 
 use crate::noise::lock_in::LockIn;
 use crate::quantity::units::round_12;

@@ -16,6 +16,9 @@ const ARCSEC_PER_RAD: f64 = 206_264.806_247_096_36;
 /// Standard acceleration of free fall, m/s² in one g, exactly: CGPM 1901.
 pub(crate) const STANDARD_GRAVITY: f64 = 9.80665;
 
+/// One international nautical mile, m, exactly.
+pub(crate) const NAUTICAL_MILE: f64 = 1852.0;
+
 /// One metre in g·s².
 const METRE: f64 = 1.0 / STANDARD_GRAVITY;
 
@@ -62,7 +65,7 @@ pub(crate) struct Size {
 }
 
 /// All symbols, each with its size in base units and the powers (in halves) of ″, s, g, pulse.
-const SYMBOLS: [(&[&str], f64, [i32; 4]); 26] = [
+const SYMBOLS: [(&[&str], f64, [i32; 4]); 29] = [
     (&["s"], 1.0, [0, 2, 0, 0]),
     (&["ms"], 1e-3, [0, 2, 0, 0]),
     (&["us", "µs", "μs"], 1e-6, [0, 2, 0, 0]),
@@ -85,6 +88,9 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 26] = [
     (&["cm"], METRE * 1e-2, [0, 4, 2, 0]),
     (&["mm"], METRE * 1e-3, [0, 4, 2, 0]),
     (&["ft"], METRE * 0.3048, [0, 4, 2, 0]),
+    (&["km"], METRE * 1e3, [0, 4, 2, 0]),
+    (&["nmi"], METRE * NAUTICAL_MILE, [0, 4, 2, 0]),
+    (&["kn"], METRE * NAUTICAL_MILE / 3600.0, [0, 2, 2, 0]),
     (&["Gal"], METRE * 1e-2, [0, 0, 2, 0]),
     (&["mGal"], METRE * 1e-5, [0, 0, 2, 0]),
     (&["uGal", "µGal", "μGal"], METRE * 1e-8, [0, 0, 2, 0]),

@@ -41,6 +41,14 @@ impl Unit {
     pub const G_S: Unit = Unit { suffix: "g_s", symbol: "g·s" };
     /// Lengths, as the second integral of an acceleration.
     pub const G_S2: Unit = Unit { suffix: "g_s2", symbol: "g·s²" };
+    /// Speeds of vehicles, and errors of them.
+    pub const M_PER_S: Unit = Unit { suffix: "m_per_s", symbol: "m/s" };
+    /// Distances over the Earth, and errors of positions.
+    pub const NMI: Unit = Unit { suffix: "nmi", symbol: "nmi" };
+    /// Growth of the error of a position.
+    pub const NMI_PER_H: Unit = Unit { suffix: "nmi_per_h", symbol: "nmi/h" };
+    /// Tilts.
+    pub const MICRORAD: Unit = Unit { suffix: "urad", symbol: "µrad" };
     /// Densities of acceleration, one-sided.
     pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
     /// Phases.
@@ -56,7 +64,7 @@ impl Unit {
     }
 
     /// All units in which a header may end.
-    pub const ALL: [Unit; 16] = [
+    pub const ALL: [Unit; 20] = [
         Unit::ARCSEC,
         Unit::ARCSEC_PER_S,
         Unit::ARCSEC_PER_S2,
@@ -70,6 +78,10 @@ impl Unit {
         Unit::ARCSEC_PER_S_PER_G,
         Unit::G,
         Unit::G2_PER_HZ,
+        Unit::M_PER_S,
+        Unit::NMI,
+        Unit::NMI_PER_H,
+        Unit::MICRORAD,
         Unit::DEG,
         Unit::HZ,
         Unit::S,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::quantity::error::UnitError;
-use crate::quantity::expression::{self, Exponents};
+use crate::quantity::expression::{self, Exponents, NAUTICAL_MILE, STANDARD_GRAVITY};
 use crate::quantity::number::significant;
 use crate::quantity::unit::Unit;
 
@@ -79,6 +79,12 @@ dimensions! {
     Velocity: [0, 2, 2], "a velocity", "m/s, mm/s, ft/s, g·s", r#""0.1 mm/s""#, G_S;
     /// A length, in g·s².
     Length: [0, 4, 2], "a length", "m, cm, mm, ft", r#""1 m""#, G_S2;
+    /// The speed of a vehicle, in g·s.
+    Speed: [0, 2, 2], "a speed", "m/s, km/h, kn", r#""250 m/s""#, M_PER_S;
+    /// A distance over the Earth, in g·s².
+    Distance: [0, 4, 2], "a distance", "nmi, km, m", r#""1 nmi""#, NMI;
+    /// A latitude or a course, in ″.
+    Bearing: [2, 0, 0], "an angle on the Earth", "deg (°), arcmin (′), arcsec (″), rad", r#""60 deg""#, DEG;
     /// Power spectral density of an acceleration, one-sided.
     AccelerationDensity: [0, 2, 4], "a density of the acceleration", "g^2/Hz", r#""0.01 g^2/Hz""#, G2_PER_HZ;
     /// Rate per linear acceleration, of a suspension.
@@ -110,6 +116,9 @@ impl Dimension {
             // 1 ″/√s is 1/60 °/√h, 1 ″/s^1.5 is 60 °/h/√h; ″/s and °/h are the same.
             Dimension::AngleRandomWalk => 1.0 / 60.0,
             Dimension::RateRandomWalk => 60.0,
+            Dimension::Speed => STANDARD_GRAVITY,
+            Dimension::Distance => STANDARD_GRAVITY / NAUTICAL_MILE,
+            Dimension::Bearing => 1.0 / 3600.0,
             _ => 1.0,
         }
     }
@@ -327,6 +336,10 @@ mod tests {
             ("9806.65 mm/s", 1.0),
             ("980665 mGal", 1.0),
             ("5 mg", 0.005),
+            ("9.80665 km", 1000.0),
+            ("36 km/h", value("10 m/s")),
+            ("1 nmi/h", value("1 kn")),
+            ("1 nmi", value("1852 m")),
         ];
         for (text, expected) in table {
             assert_eq!(value(text), expected, "{text}");
@@ -383,6 +396,17 @@ mod tests {
         assert!(expression::parse(&"(".repeat(100_000)).is_err());
         let error = parse("5 ms", &[Dimension::Frequency]).unwrap_err();
         assert_eq!(error.to_string(), "\"5 ms\" is a time");
+    }
+
+    #[test]
+    fn tables_show_what_is_on_the_earth_in_the_units_of_navigators() {
+        for (text, dimension, shown) in [
+            ("463 m", Dimension::Distance, "0.25 nmi"),
+            ("36 km/h", Dimension::Speed, "10 m/s"),
+            ("60 ′", Dimension::Bearing, "1 °"),
+        ] {
+            assert_eq!(parse(text, &[dimension]).unwrap().to_string(), shown);
+        }
     }
 
     #[test]

@@ -8,6 +8,9 @@ use crate::kernel::shader::Variant;
 use crate::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
 use crate::kinds::gap_fill::verify::configurations;
 use crate::kinds::lock_in::verify::{checked, lowered};
+use crate::kinds::navigation;
+use crate::kinds::navigation::keys::Solution;
+use crate::kinds::navigation::verify::navigator;
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::verify::{launches_of, relock};
 use crate::kinds::switched_run::verify::hour_launches;
@@ -62,6 +65,9 @@ const SAMPLES: u64 = 32_400;
 const GYRO_SAMPLES: u64 = 4000;
 const STEP: [u32; 2] = [30, 123];
 
+/// The north gyro of a navigator over nine hours, with seven functionals.
+const NAVIGATOR: [u32; 2] = [255, 873];
+
 /// All measured loads.
 pub fn measured() -> Vec<Measured> {
     let mut measured = Vec::new();
@@ -110,5 +116,14 @@ pub fn measured() -> Vec<Measured> {
         histogram: false,
         operations: STEP,
     });
+    let navigator = navigator(Solution::Inertial, navigation::verify::lgk_400(), SAMPLES as f64);
+    measured.extend(navigator.gyros.into_iter().next().map(|gyro| Measured {
+        kernel: "navigation",
+        configuration: "lgk-400, inertial",
+        unit: "samples",
+        work: Work::Records(Arc::new(gyro.navigation)),
+        histogram: false,
+        operations: NAVIGATOR,
+    }));
     measured
 }

@@ -10,11 +10,12 @@ use serde::Serialize;
 use crate::device::gpu::adapter::WORKGROUP;
 use crate::device::gpu::tile::{Part, grid, partial};
 use crate::device::load::Work;
-use crate::kernel::curve::{Recorded, SUM_WORDS};
+use crate::kernel::curve::Recorded;
 use crate::kernel::launch::{Launch, MOST_STEPS};
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 use crate::kernel::normal_table::NORMAL_TABLE;
+use crate::kernel::record::SUM_WORDS;
 use crate::kernel::shader::Variant;
 use crate::kernel::width::Width;
 use crate::kernel::{Form, KERNELS};
@@ -247,7 +248,6 @@ fn of_records(recipe: &dyn Recorded) -> Run {
         ("rings", Contents::zeros(recipe.curve().ring_words(RECORDS))),
         ("sums", Contents::result(expected)),
         ("state", Contents::zeros(recipe.state_words() * RECORDS)),
-        ("drift", Contents::input(recipe.table())),
         ("table", Contents::input(recipe.table())),
     ];
     (contents, (0..chunks).step_by(most as usize).map(dispatch).collect())

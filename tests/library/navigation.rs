@@ -1,12 +1,25 @@
-//! Weights of navigation against an independent simulation and closed forms.
+//! Studies of navigation: weights against an independent simulation, sampled errors against closed forms, and refusals.
 
 use std::f64::consts::PI;
 use std::path::Path;
 
+use sagnac::device::cpu::Cpu;
+use sagnac::device::load::Work;
+use sagnac::kernel::curve::Recorded;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::navigation::keys::Solution;
+use sagnac::kinds::navigation::lower::Lowered;
+use sagnac::kinds::navigation::verify::{lgk_400, loads, navigator, noise_of, shaped};
+use sagnac::kinds::navigation::{Noise, Switching};
+use sagnac::study::Study;
+use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::covariance;
 use sagnac::theory::navigation::equations::{ARCSEC, EARTH_RATE};
+use sagnac::theory::navigation::radial::Radial;
 use sagnac::theory::navigation::weights::Times;
 use sagnac::theory::navigation::{GRAVITY, Leg, RADIUS, Task, weights};
+
+use crate::devices::{adapters, name, open, variants};
 
 /// The rows of a file that `tests/data/navigation/simulate.py` wrote: the texts of the first columns, then the numbers.
 fn rows(file: &str, texts: usize) -> Vec<(Vec<String>, Vec<f64>)> {
@@ -58,32 +71,32 @@ fn weights_give_the_errors_of_the_full_equations_to_a_ten_thousandth() {
     }
 }
 
+fn rms(of: &Radial) -> f64 {
+    of.mean_square().sqrt()
+}
+
 #[test]
 fn closed_forms_are_the_rms_of_an_independent_simulation() {
     let rows = rows("noise.csv", 1);
     assert_eq!(rows.len(), 6);
-    let leg = Leg { earth_rate: EARTH_RATE, latitude: PI / 3.0, velocity: [0.0; 2] };
+    let mut largest = 0.0_f64;
     for (noise, numbers) in rows {
         let [size, shape, duration] = [0, 1, 2].map(|at| numbers[at]);
-        // Samples of 1 s.
-        let times = Times { sample_s: 1.0, alignment: 0, duration: duration as usize, calibrates: false };
-        let nothing = covariance::Noise::default();
-        let of_increments = match noise[0].as_str() {
-            "angle_random_walk" => covariance::Noise { white: size, ..nothing },
-            "rate_random_walk" => covariance::Noise { walk: size, ..nothing },
-            "markov" => covariance::Noise { markov: Some([size, 1.0 / shape]), ..nothing },
+        let term = match noise[0].as_str() {
+            "angle_random_walk" => Term::AngleRandomWalk,
+            "rate_random_walk" => Term::RateRandomWalk,
+            "markov" => Term::Markov,
             other => panic!("{other}"),
         };
-        let gyros = weights(&Task::Inertial(leg), &times);
+        let noise = if shape > 0.0 { shaped(term, size, shape) } else { noise_of(&[(term, size)]) };
+        let lowered = navigator(Solution::Inertial, noise, duration);
         for (error, found) in numbers[3..].chunks_exact(2).enumerate() {
-            let of_gyro = |gyro: &sagnac::theory::navigation::Weights| {
-                of_increments.covariance(&gyro.of_errors[error], &gyro.of_errors[error])
-            };
-            let closed = gyros.iter().map(of_gyro).sum::<f64>().sqrt();
-            let z = (found[0] - closed) / found[1];
-            assert!(z.abs() < 5.0, "{}, {duration} s, error {error}: {z} standard errors", noise[0]);
+            let z = (found[0] - rms(&lowered.distributions(&[error])[0])) / found[1];
+            largest = largest.max(z.abs());
+            assert!(z.abs() < 5.0, "{term:?}, {duration} s, error {error}: {z} standard errors");
         }
     }
+    println!("largest deviation of 42: {largest:.2} standard errors");
 }
 
 /// wᵀCw of white noise with weights of one functional.
@@ -119,4 +132,167 @@ fn white_noise_has_the_variances_of_theory() {
     let expected = n / (600_f64.sqrt() * EARTH_RATE * (PI / 3.0).cos());
     assert!((found / expected - 1.0).abs() < 1e-12);
     assert!((found - 32.0).abs() < 0.5, "LGV-1, 10 min, 60°: {found}");
+}
+
+/// Mean and root mean square of each error over some sampled navigators, with their standard errors.
+fn sampled(lowered: &Lowered, trials: usize) -> Vec<[f64; 4]> {
+    let cpu = Cpu::new(Width::widest(), 0).unwrap();
+    let width = lowered.errors.len();
+    let mut all = vec![0.0; trials * width];
+    for gyro in &lowered.gyros {
+        let sums = cpu.sums(&gyro.navigation, 7, trials, &|_| {});
+        for (to, sums) in all.chunks_exact_mut(width).zip(sums.chunks_exact(width)) {
+            to.iter_mut().zip(gyro.errors(sums)).for_each(|(to, error)| *to += error);
+        }
+    }
+    let n = trials as f64;
+    let of = |error: usize| {
+        let values = || all.iter().skip(error).step_by(width);
+        let mean = values().sum::<f64>() / n;
+        let second = values().map(|x| x * x).sum::<f64>() / n;
+        let fourth = values().map(|x| (x * x - second).powi(2)).sum::<f64>() / n;
+        let rms = second.sqrt();
+        [mean, ((second - mean * mean).max(0.0) / n).sqrt(), rms, (fourth / n).sqrt() / (2.0 * rms)]
+    };
+    (0..width).map(of).collect()
+}
+
+#[test]
+fn sampled_errors_have_the_means_and_the_rms_of_their_closed_forms() {
+    let white = [(Term::AngleRandomWalk, 0.0288)];
+    let switching = Switching {
+        interval_s: 40.0,
+        magnetic: 14.0,
+        warm_up_s: Some(300.0),
+        initial_magnetic: 0.1,
+        residual: 5.0,
+        residual_noise: 1.0,
+    };
+    let table: Vec<(&str, Noise)> = vec![
+        ("white", noise_of(&white)),
+        ("quantisation", noise_of(&[(Term::Quantisation, 0.24)])),
+        ("flicker", noise_of(&[(Term::BiasInstability, 0.00164)])),
+        ("walk", noise_of(&[(Term::RateRandomWalk, 2e-5)])),
+        ("Markov", shaped(Term::Markov, 0.002, 300.0)),
+        ("sine", shaped(Term::Sine, 0.01, 0.001_3)),
+        ("ramp beside white", noise_of(&[white[0], (Term::RateRamp, 1e-6)])),
+        ("switches beside white", Noise { switching: Some(switching), ..noise_of(&white) }),
+        ("LGK-400", lgk_400()),
+    ];
+    let mut largest = 0.0_f64;
+    for (name, noise) in table {
+        for solution in Solution::ALL {
+            let lowered = navigator(solution, noise.clone(), 900.0);
+            for (error, [mean, mean_se, rms_found, rms_se]) in sampled(&lowered, 2000).into_iter().enumerate()
+            {
+                let closed = lowered.distributions(&[error])[0];
+                let room = lowered.rounding(error);
+                let off = (mean - closed.mean[0]).abs() - room;
+                assert!(
+                    off < 5.0 * mean_se,
+                    "{name}, {solution:?}, mean of error {error}: {off} of {mean_se}"
+                );
+                let off = (rms_found - rms(&closed)).abs() - room;
+                largest = largest.max(off / rms_se);
+                assert!(off < 5.0 * rms_se, "{name}, {solution:?}, rms of error {error}: {off} of {rms_se}");
+            }
+        }
+    }
+    println!("largest deviation of an rms: {largest:.2} standard errors");
+}
+
+/// More than the lanes of any width, and not a multiple of them.
+const COUNT: usize = 37;
+
+#[test]
+fn navigators_are_the_same_in_every_width_and_shader() {
+    let all = loads();
+    assert!(all.len() == 4 && all.iter().all(|load| load.kernel() == "navigation"));
+    for load in &all {
+        let Work::Records(records) = &load.work else { panic!("{} makes no records", load.name) };
+        let first = (1 << 32) - 20;
+        let reference =
+            [records.sums(Width::PORTABLE, first, 20), records.sums(Width::PORTABLE, first + 20, COUNT - 20)]
+                .concat();
+        assert_eq!(reference.len(), COUNT * records.values());
+        for width in Width::available() {
+            for threads in [1, 3] {
+                let found = Cpu::new(width, threads).unwrap().sums(&**records, first, COUNT, &|_| {});
+                assert!(found == reference, "{}: {}, {threads} threads", load.name, width.name());
+            }
+        }
+        for adapter in adapters() {
+            for variant in variants(&adapter) {
+                let found = open(&adapter, variant).sums(&**records, first, COUNT, &|_| {}).unwrap();
+                assert!(found == reference, "{}: {}", load.name, name(&adapter, variant));
+            }
+        }
+    }
+}
+
+const BASE: &str = "title = \"T\"\nkind = \"navigation\"\n[navigation]\nduration = \"1 h\"\nlatitude = \"60 deg\"\n\
+                    [noise]\nangle_random_walk = \"0.001 deg/sqrt(h)\"\n";
+
+#[test]
+fn bad_navigators_are_refused_by_name_with_what_is_accepted() {
+    let replaced = |old: &str, new: &str| {
+        assert!(BASE.contains(old), "{old}");
+        BASE.replace(old, new)
+    };
+    let latitude = "latitude = \"60 deg\"\n";
+    for (text, pieces) in [
+        (
+            replaced("latitude = \"60 deg\"\n", ""),
+            ["a.toml:3", "navigation.latitude", "latitude = \"60 deg\""],
+        ),
+        (replaced("60 deg", "87 deg"), ["a.toml:5:12", "navigation.latitude", "-85 deg to 85 deg"]),
+        (replaced("60 deg", "60 m"), ["a.toml:5:12", "navigation.latitude", "deg (°)"]),
+        (
+            replaced("1 h\"", "1 h\"\nsolution = \"heading\""),
+            ["a.toml:6:12", "navigation.latitude has no effect", "leave it out"],
+        ),
+        (replaced("1 h\"", "1 h\"\nsolution = \"marine\""), ["a.toml:5:12", "marine", "gyrocompass"]),
+        (
+            replaced("1 h\"", "1 h\"\ncourse = \"90 deg\""),
+            ["a.toml:5:10", "navigation.course has no effect", "speed = \"250 m/s\""],
+        ),
+        (
+            replaced("1 h\"", "1 h\"\ncalibration = true"),
+            ["a.toml:5:15", "without navigation.alignment", "10 min"],
+        ),
+        (
+            replaced("1 h\"", "1 h\"\nsample = \"200 s\""),
+            ["a.toml:5:10", "navigation.sample", "0.1 ms to 120 s"],
+        ),
+        (replaced("1 h\"", "100 h\"\nspeed = \"250 m/s\""), ["a.toml:5:9", "near a pole", "88 deg"]),
+        (replaced("1 h\"", "1 h\"\ndraws = 8"), ["a.toml:5:9", "nothing to draw", "[[sensitivity]]"]),
+        (
+            replaced("[noise]", "[noise]\nreadout_lsb = \"0.4 arcsec\""),
+            ["a.toml:7:15", "noise.readout_lsb", "√12"],
+        ),
+        (
+            replaced("angle_random_walk = \"0.001 deg/sqrt(h)\"\n", ""),
+            ["a.toml:6", "[noise] is empty", "angle_random_walk"],
+        ),
+        (
+            replaced("[noise]", "[noise]\nswitching = { interval = \"2 h\", residual = \"1 arcsec\" }"),
+            ["a.toml:7", "noise.switching.interval", "within the record"],
+        ),
+        (format!("limit = \"1 s\"\n{BASE}"), ["a.toml:1:9", "limit", "nmi"]),
+        (
+            replaced(
+                latitude,
+                "latitude = \"60 deg\"\n[[sweep]]\nkey = \"navigation.solution\"\nlist = [\"heading\"]\n",
+            ),
+            ["a.toml:7:7", "cannot be swept", "navigation.duration"],
+        ),
+    ] {
+        let report = match Study::parse("a.toml", &text) {
+            Ok(_) => panic!("accepted although {pieces:?} was expected:\n{text}"),
+            Err(error) => error.render(false, 400),
+        };
+        for piece in pieces {
+            assert!(report.contains(piece), "`{piece}` is missing in\n{report}");
+        }
+    }
 }

@@ -199,7 +199,7 @@ impl Recorded for LockIn {
 
     fn shader(&self, variant: Variant) -> (String, bool) {
         let fields = self.fixed(0, 0, [0, 0]).map(|(name, _)| format!("    {name}: u32,\n")).concat();
-        let mut parts = vec![&part::philox, &part::sine, &part::lock_in, &part::curve];
+        let mut parts = vec![&part::philox, &part::sine, &part::lock_in, &part::record, &part::curve];
         // The table of normal numbers is bound only where the shader reads it.
         if self.is_random() {
             parts.push(&part::normal);

@@ -27,8 +27,8 @@ const BISECTIONS: usize = 10;
 /// Most changes whose needed values are compared.
 const COMPARED: usize = 6;
 
-/// Prefix of keys that are the question itself.
-const ASKED: &str = "run.";
+/// Prefixes of keys that are the question itself.
+const ASKED: [&str; 2] = ["run.", "navigation."];
 
 /// The input whose change gains most.
 #[derive(Debug, Clone, PartialEq)]
@@ -215,7 +215,7 @@ impl<'a> Place<'a> {
         let mut inputs: Vec<Input> = Vec::new();
         for (key, value) in swept.chain(written) {
             let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
-            let is_asked = key.name.starts_with(ASKED) || self.conditions.contains(&key.name);
+            let is_asked = ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
             if is_new && value.value != 0.0 && !is_asked {
                 inputs.push(Input { key, value });
             }

@@ -9,7 +9,8 @@ use crate::device::error::GpuError;
 use crate::device::gpu::fault::Submission;
 use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::{Gpu, TILE_SECONDS};
-use crate::kernel::curve::{RING_LANES, Recorded, SUM_WORDS};
+use crate::kernel::curve::{RING_LANES, Recorded};
+use crate::kernel::record::SUM_WORDS;
 
 impl Gpu {
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
@@ -62,7 +63,7 @@ impl Gpu {
         }
         let pipeline = self.pipeline_of_records(recipe)?;
         let table = self.upload("table", bytemuck::cast_slice(recipe.table()), BufferUsages::STORAGE)?;
-        let most = self.most_lanes.min((budget / ring_bytes) as usize).max(1);
+        let most = self.most_lanes.min((budget / ring_bytes.max(1)) as usize).max(1);
         // Whole rows of the rings.
         let most = most - if most > RING_LANES { most % RING_LANES } else { 0 };
         let mut sums = Vec::with_capacity(count * recipe.values());
@@ -109,10 +110,12 @@ impl Gpu {
                 self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM)?;
             let mut resources = vec![
                 (1, parameters.as_entire_binding()),
-                (2, rings.as_entire_binding()),
                 (3, sums.as_entire_binding()),
                 (4, state.as_entire_binding()),
             ];
+            if recipe.curve().depth() > 0 {
+                resources.push((2, rings.as_entire_binding()));
+            }
             if !recipe.table().is_empty() {
                 resources.push((5, table.as_entire_binding()));
             }

@@ -11,6 +11,7 @@ use crate::kinds::allan::columns;
 use crate::kinds::allan::parts;
 use crate::kinds::allan::run;
 use crate::kinds::allan::{Allan, keys, read, sweepable};
+use crate::noise::keys::coefficient_values;
 use crate::progress::Progress;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::sampling::plan::Planned;
@@ -57,7 +58,7 @@ impl Subject for Allan {
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
-        self.points.get(point).map(parts::values).unwrap_or_default()
+        self.points.get(point).map(|point| coefficient_values(&point.inputs.noise)).unwrap_or_default()
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -18,9 +18,10 @@ use crate::fit::choose::Terms;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting;
+use crate::noise::files::swept_files;
 use crate::noise::keys::FILE;
-use crate::noise::read::{WrittenNoise, read_file};
-use crate::noise::{self, Noise};
+use crate::noise::read::WrittenNoise;
+use crate::noise::{self, Noise, switches};
 use crate::source::diagnose::Wrong;
 use crate::theory::allan::estimator::Estimator;
 use crate::theory::allan::terms::Term;
@@ -53,13 +54,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     let WrittenNoise { noise, written } = noise::read::read(reading)?;
     reading.note(&[&keys::ALLAN, &keys::TAU]);
     let estimate = estimate::read(&reading.table)?;
-    let mut files = Vec::new();
-    for file in reading.sweep(&FILE).into_iter().flat_map(|sweep| &sweep.files) {
-        let mut noise = read_file(file.get_ref(), file.span(), reading.files)?;
-        // Keys in the study take precedence over those of a noise file.
-        written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
-        files.push(noise);
-    }
+    let files = swept_files(reading, &written)?;
     let base = point::Base {
         inputs: Inputs { noise, ..inputs },
         files,
@@ -68,7 +63,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
         estimate: &estimate,
     };
     base.check_sweeps()?;
-    base.check_switching()?;
+    switches::check(base.noises(), &reading.places, reading.sweeps)?;
     let points = base.points()?;
     let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
     reading.notes.extend(notes::of(terms.as_ref(), &points));

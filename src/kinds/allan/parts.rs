@@ -1,11 +1,7 @@
 //! The parts of the noise of a record.
 
-use crate::key::row::Key;
-use crate::key::setting;
 use crate::kinds::allan::point::{Inputs, Point};
 use crate::noise::Noise;
-use crate::noise::keys::SETTINGS;
-use crate::quantity::units::Quantity;
 use crate::study::part::{self, Part};
 use crate::theory::allan::terms::Term;
 
@@ -15,19 +11,6 @@ static OTHERS: [Part<Noise>; 3] = [
     Part { name: "whole pulses of the readout", off: |noise| noise.readout_lsb = 0.0 },
     Part { name: "mode switches", off: |noise| noise.switching = None },
 ];
-
-/// The coefficients of the noise at a point, by the keys that set them.
-pub(crate) fn values(point: &Point) -> Vec<(&'static Key, Quantity)> {
-    let coefficient = |term: Term| {
-        let key = term.row().key;
-        let names = [key.to_owned(), format!("{key}.amplitude")];
-        let key = setting::keys(&SETTINGS).find(|key| names.iter().any(|name| name == key.name))?;
-        let dimension = key.holds.measured()?.accepts.first()?;
-        let [size, _] = point.inputs.noise.given(term);
-        Some((key, Quantity::new(size, *dimension)))
-    };
-    Term::EVERY.into_iter().filter_map(coefficient).collect()
-}
 
 /// A point as it is, and without each term of its noise and each other part in turn.
 pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {

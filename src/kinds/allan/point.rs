@@ -9,18 +9,13 @@ use crate::kinds::allan::estimate::Estimate;
 use crate::kinds::allan::keys::{RATE, SETTINGS};
 use crate::kinds::allan::lower::MOST_SAMPLES;
 use crate::noise::Noise;
-use crate::noise::keys::{
-    FILE, INITIAL_MAGNETIC, MAGNETIC, READOUT_LSB, RESIDUAL, RESIDUAL_NOISE, SETTINGS as NOISE_SETTINGS,
-    SWITCHING_WARM_UP,
-};
+use crate::noise::files::selected;
+use crate::noise::keys::{READOUT_LSB, SETTINGS as NOISE_SETTINGS};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::allan::estimator::{Difference, Stride};
 use crate::theory::allan::terms::Term;
 
-/// The keys of what switches leave in a record.
-static LEFT_BY_SWITCHES: [&str; 4] =
-    [MAGNETIC.name, INITIAL_MAGNETIC.name, RESIDUAL.name, RESIDUAL_NOISE.name];
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
 /// Relative deviation of a listed time from a whole number of samples that counts as rounding, since not all decimal
@@ -96,53 +91,21 @@ impl Base<'_> {
         sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
     }
 
-    /// Refuses switches without effect at any point, and a warm-up without a drift.
-    pub(crate) fn check_switching(&self) -> Result<(), Fault> {
-        let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
-        let refuse = |names: &[&str], message, label, help| {
-            Err(Fault::new(self.places.written(names), message, label, help))
-        };
-        for switching in self.noises().iter().filter_map(|noise| noise.switching) {
-            if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
-                let message = "[noise.switching] has switches without effect";
-                let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or \
-                            residual_noise, not 0; or leave the table out";
-                let names = ["noise.switching", FILE.name, "noise"];
-                return refuse(&names, message, "no drift and no residual", help);
-            }
-            let warms_up = switching.warm_up_s.is_some() || is_swept(&[SWITCHING_WARM_UP.name]);
-            if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC.name]) {
-                let message = "noise.switching.warm_up_time is given without magnetic";
-                let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
-                let names = [SWITCHING_WARM_UP.name, FILE.name, "noise"];
-                return refuse(&names, message, "nothing warms up", help);
-            }
-        }
-        Ok(())
-    }
-
     /// The noise of the study, or that of each file of a sweep over files.
-    fn noises(&self) -> &[Noise] {
+    pub(crate) fn noises(&self) -> &[Noise] {
         if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
     }
 
     fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        if let Some(noise) = self.file(&swept) {
-            inputs.noise = noise;
+        if let Some(noise) = selected(&self.files, self.sweeps, &swept) {
+            inputs.noise = noise.clone();
         }
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
         let ms = self.factors(&inputs, &swept)?;
         Ok(Point { swept, inputs, ms })
-    }
-
-    /// The noise of the file selected by a sweep.
-    fn file(&self, swept: &[(&'static str, Swept)]) -> Option<Noise> {
-        let (sweep, (_, name)) = self.sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.is_file())?;
-        let place = sweep.values.iter().position(|value| value == name)?;
-        self.files.get(place).cloned()
     }
 
     /// Checks limits that involve more than one value.

@@ -20,7 +20,7 @@ impl Figure {
         let Shown { table, estimate, series } = Shown::of(table, chart)?;
         let table: &Table = &table;
         let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
-        let law = chart.laws().first().map(|_| ("law", Unit::ARCSEC));
+        let law = chart.laws().first().map(|law| ("law", law.about().unit));
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
         let laws =
             chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;

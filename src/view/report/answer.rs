@@ -24,7 +24,7 @@ use crate::view::verdict::Answer as Judged;
 const MOST_BESIDE: usize = 4;
 
 /// Prefixes of keys that are conditions or requirements instead of choices of a designer.
-const GIVEN: [&str; 11] = [
+const GIVEN: [&str; 12] = [
     "coefficient",
     "record.rate",
     "suspension.frequency",
@@ -32,6 +32,7 @@ const GIVEN: [&str; 11] = [
     "motion.",
     "drift.",
     "noise.",
+    "navigation.",
     "relock.adc_noise",
     "gyro.tick_noise",
     "gyro.readout_lsb",

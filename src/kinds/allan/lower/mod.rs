@@ -157,6 +157,11 @@ impl Records {
         &self.recipe
     }
 
+    /// The words of the noise.
+    pub(crate) fn fixed(&self) -> &Fixed {
+        &self.fixed
+    }
+
     /// Averaging factors, as given.
     pub fn ms(&self) -> &[u64] {
         &self.ms
