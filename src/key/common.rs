@@ -30,10 +30,10 @@ keys! {
     /// Monte Carlo trials at each point. If absent, 1 000 000; for kind = "switched-run" 100 000 runs, for kind =
     /// "allan" 1000 records, and for kind = "navigation" 1000 navigators. Kinds in closed form do not use it.
     pub(crate) TRIALS = "trials", "", Holds::Whole(1, MOST_TRIALS as i64), "trials = 1_000_000";
-    /// Requirement of the study, above 0, which its answer must stay within: an error as an angle, "10 arcsec", of a position
-    /// as a distance, "1 nmi"; a drift or
-    /// an Allan deviation as a rate, "0.01 deg/h"; the error of a coefficient as a percentage, "10 %". Charts of that
-    /// estimate that have no limit of their own take it, and a chart that the study leaves to the program shows that estimate.
+    /// Requirement of the study, above 0, which its answer must stay within: an error as an angle, "10 arcsec", of a
+    /// position as a distance, "1 nmi"; a drift or an Allan deviation as a rate, "0.01 deg/h"; the error of a coefficient as
+    /// a percentage, "10 %". Charts of that estimate that have no limit of their own take it, and a chart that the study
+    /// leaves to the program shows that estimate.
     pub(crate) LIMIT = "limit", "", Holds::Any, r#"limit = "10 arcsec""#;
     /// Whether the points share their random numbers.
     pub(crate) STREAMS = "streams", "", Holds::Word(Streams::WORDS), r#"streams = "independent""#;

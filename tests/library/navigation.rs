@@ -5,7 +5,6 @@ use std::path::Path;
 
 use sagnac::device::cpu::Cpu;
 use sagnac::device::load::Work;
-use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::navigation::keys::Solution;
 use sagnac::kinds::navigation::lower::Lowered;
@@ -168,6 +167,8 @@ fn sampled_errors_have_the_means_and_the_rms_of_their_closed_forms() {
         residual: 5.0,
         residual_noise: 1.0,
     };
+    let mut switched = noise_of(&white);
+    switched.switching = Some(switching);
     let table: Vec<(&str, Noise)> = vec![
         ("white", noise_of(&white)),
         ("quantisation", noise_of(&[(Term::Quantisation, 0.24)])),
@@ -176,7 +177,7 @@ fn sampled_errors_have_the_means_and_the_rms_of_their_closed_forms() {
         ("Markov", shaped(Term::Markov, 0.002, 300.0)),
         ("sine", shaped(Term::Sine, 0.01, 0.001_3)),
         ("ramp beside white", noise_of(&[white[0], (Term::RateRamp, 1e-6)])),
-        ("switches beside white", Noise { switching: Some(switching), ..noise_of(&white) }),
+        ("switches beside white", switched),
         ("LGK-400", lgk_400()),
     ];
     let mut largest = 0.0_f64;

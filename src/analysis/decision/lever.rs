@@ -215,7 +215,8 @@ impl<'a> Place<'a> {
         let mut inputs: Vec<Input> = Vec::new();
         for (key, value) in swept.chain(written) {
             let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
-            let is_asked = ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
+            let is_asked =
+                ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
             if is_new && value.value != 0.0 && !is_asked {
                 inputs.push(Input { key, value });
             }
