@@ -2,7 +2,7 @@
 
 use crate::kinds::navigation::point::{Inputs, Point};
 use crate::noise::{Noise, Switching};
-use crate::study::part::{self, Part};
+use crate::study::part::Part;
 use crate::theory::allan::terms::Term;
 
 /// The parts besides the terms of the noise.
@@ -27,18 +27,44 @@ fn switched(noise: &mut Noise, change: impl Fn(Switching) -> Switching) {
     noise.switching = noise.switching.map(change);
 }
 
-/// A point as it is, and without each term of its noise and each other part in turn.
-pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
-    let noise = &point.inputs.noise;
-    let (mut names, mut noises) = part::points(noise, &OTHERS);
-    for term in Term::EVERY.into_iter().filter(|term| noise.has(*term)) {
-        let without = noise.without(term);
-        // An angle random walk by lock-in alone is the part above.
-        if without != *noise {
-            names.push(term.row().name[1]);
-            noises.push(without);
+/// What a point lacks of its noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lack {
+    /// One of the terms.
+    Term(Term),
+    /// One of the other parts, by its place.
+    Other(usize),
+}
+
+impl Lack {
+    /// The noise without what is lacking.
+    pub(crate) fn of(self, mut noise: Noise) -> Noise {
+        match self {
+            Lack::Term(term) => noise.without(term),
+            Lack::Other(place) => {
+                (OTHERS[place].off)(&mut noise);
+                noise
+            }
         }
     }
-    let with = |noise| Point { inputs: Inputs { noise, ..point.inputs.clone() }, ..point.clone() };
-    (names, noises.into_iter().map(with).collect())
+}
+
+/// A point as it is, and without each other part and each term of its noise in turn. A point remembers what it lacks, because
+/// swept and drawn coefficients are set anew for each set.
+pub(crate) fn dissected(point: &Point) -> (Vec<&'static str>, Vec<Point>) {
+    let noise = &point.inputs.noise;
+    let others = OTHERS.iter().enumerate().map(|(place, part)| (part.name, Lack::Other(place)));
+    let has = |term: &Term| noise.has(*term);
+    let terms = Term::EVERY.into_iter().filter(has).map(|term| (term.row().name[1], Lack::Term(term)));
+    let (mut names, mut points) = (vec![], vec![point.clone()]);
+    for (name, lack) in others.chain(terms) {
+        let without = lack.of(noise.clone());
+        // An angle random walk by lock-in alone is the part above.
+        if without != *noise {
+            names.push(name);
+            let inputs = Inputs { noise: without, ..point.inputs.clone() };
+            points.push(Point { inputs, lack: Some(lack), ..point.clone() });
+        }
+    }
+    (names, points)
 }

@@ -5,6 +5,7 @@ use crate::key::setting::{self, Swept};
 use crate::key::sweep::{self, Sweep};
 use crate::kinds::allan::lower::MOST_SAMPLES;
 use crate::kinds::navigation::keys::{SETTINGS, Solution};
+use crate::kinds::navigation::parts::Lack;
 use crate::noise::Noise;
 use crate::noise::files::selected;
 use crate::noise::keys::SETTINGS as NOISE_SETTINGS;
@@ -111,6 +112,8 @@ pub struct Point {
     pub swept: Vec<(&'static str, Swept)>,
     /// Inputs of the point.
     pub inputs: Inputs,
+    /// The part of the noise that it lacks, in an error budget.
+    pub lack: Option<Lack>,
 }
 
 /// The inputs common to all points, with their places in the text.
@@ -157,7 +160,7 @@ impl Base<'_> {
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
-        Ok(Point { swept, inputs })
+        Ok(Point { swept, inputs, lack: None })
     }
 
     /// Checks limits that involve more than one value.

@@ -28,7 +28,7 @@ pub fn navigator(solution: Solution, noise: Noise, duration_s: f64) -> Lowered {
         sample_s: Some(1.0),
         noise,
     };
-    let point = Point { swept: vec![], inputs };
+    let point = Point { swept: vec![], inputs, lack: None };
     let study = Navigation { solution, draws: 1, uncertain: vec![], points: vec![] };
     let lowered = Lowered::new(&point, &study, 1, Streams::Independent);
     lowered.unwrap_or_else(|error| panic!("a named navigator does not lower: {error}"))

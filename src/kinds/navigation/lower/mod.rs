@@ -97,7 +97,10 @@ fn drawn(point: &Point, study: &Navigation, seed: u64, set: u64) -> Noise {
         setting::set(&mut noise, &NOISE_SETTINGS, &[(uncertain.key.name, Uncertain::at(uncertain, level))]);
     }
     setting::set(&mut noise, &NOISE_SETTINGS, &point.swept);
-    noise
+    match point.lack {
+        Some(lack) => lack.of(noise),
+        None => noise,
+    }
 }
 
 /// Size of a unit of the weights of each error: the power of two with which the largest of them, of all gyros, has
