@@ -159,9 +159,9 @@ keys! {
     /// The ends of bands, which occur only in sweeps.
     pub(crate) static ENDS;
     /// The lower end of the band from which a tone is drawn.
-    FREQUENCY_LOW = "motion.frequency.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
+    pub(crate) FREQUENCY_LOW = "motion.frequency.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
     /// The upper end of the band from which a tone is drawn.
-    FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
+    pub(crate) FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
     /// The lower end of the band of Gaussian motion.
     GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
     /// The upper end of the band of Gaussian motion.

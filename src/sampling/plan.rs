@@ -86,7 +86,7 @@ pub(crate) trait Plan: fmt::Debug {
     /// A row of the store is damaged, or the disk fails.
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
 
-    /// Number of steps of one trial of every point, where trials are of any number; `None` for records.
+    /// Number of steps of one trial of every point, where trials are of any number; `None` where shares have whole records.
     fn steps_of_a_trial(&self) -> Option<u64> {
         None
     }

@@ -79,6 +79,10 @@ impl Column {
 
     /// A value of the column as in a sentence: `vibration frequency 20 Hz`, `lost ticks n = 3`.
     pub fn valued(&self, value: &str) -> String {
+        let value = match value.strip_prefix('-') {
+            Some(size) => format!("−{size}"),
+            None => value.to_owned(),
+        };
         match self.unit.symbol {
             "" => format!("{} = {value}", self.label),
             symbol => format!("{} {value} {symbol}", self.label),

@@ -222,7 +222,7 @@ fn the_answer_over_what_a_gyro_meets_is_the_filler_that_is_best_at_worst() {
     );
     desk.write("study.toml", &with(&format!("{SWEEP}{chart}limit = \"1000 arcsec\"\n")));
     let said = headline(&desk);
-    assert!(said.starts_with("Both curves stay within 1000 arcsec: at most "), "{said}");
+    assert!(said.starts_with("Both curves stay within 1000 arcsec; the largest is "), "{said}");
 }
 
 #[test]

@@ -25,7 +25,7 @@ struct Rated {
     name: String,
     row: usize,
     met: usize,
-    conditions: usize,
+    rows: Vec<usize>,
 }
 
 /// The best of the options that a study compares: the one that meets the limit under most conditions, and of these the
@@ -43,6 +43,10 @@ pub(crate) struct Choice<'t> {
     pub(crate) row_of_point: usize,
     /// The point of that row.
     pub(crate) point: usize,
+    /// The rows of the best option under all conditions.
+    pub(crate) rows: Vec<usize>,
+    /// Labels of the swept keys that are conditions, and of all swept keys, each with several values.
+    pub(crate) swept: [Vec<String>; 2],
     /// Name of the best option; empty where there is only one.
     pub(crate) option: String,
     /// The condition under which it is worst; empty where there is only one.
@@ -83,6 +87,8 @@ impl<'t> Choice<'t> {
             _ => rows.retain(|&row| has_value(row)),
         }
         let abscissa = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
+        // Where each point has a single averaging time, there is no curve.
+        let abscissa = abscissa.filter(|_| rows.iter().any(|&row| place(study, table, row).1 > 0));
         let by = apart(study, source, table, vec![])?;
         let by: Vec<&Column> =
             by.into_iter().filter(|by| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]])).collect();
@@ -112,11 +118,11 @@ impl<'t> Choice<'t> {
                 grouped(rows, &condition_of).into_iter().filter_map(|(_, rows)| least(rows)).collect();
             let worst = conditions.iter().copied().max_by(|a, b| value(*a).total_cmp(&value(*b)))?;
             let met = conditions.iter().filter(|row| is_met(**row)).count();
-            Some(Rated { name, row: worst, met, conditions: conditions.len() })
+            Some(Rated { name, row: worst, met, rows: conditions })
         };
         let mut options: Vec<Rated> = grouped(rows, option_of).into_iter().filter_map(option).collect();
         options.sort_by(|a, b| b.met.cmp(&a.met).then(value(a.row).total_cmp(&value(b.row))));
-        let Some(Rated { name, row, met, conditions }) = options.first().cloned() else { return Ok(None) };
+        let Some(Rated { name, row, met, rows }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);
         let is_equal = |option: &&Rated| value(option.row) == value(row);
         let (equal, worse): (Vec<&Rated>, Vec<&Rated>) = options[1..].iter().partition(is_equal);
@@ -129,7 +135,13 @@ impl<'t> Choice<'t> {
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
-        let met = [met, conditions];
+        let met = [met, rows.len()];
+        let several = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
+        let swept: Vec<&Column> = several.filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
+        let labels = |of: fn(&Column) -> bool| {
+            swept.iter().filter(|column| of(column)).map(|column| column.label.clone()).collect()
+        };
+        let swept = [labels(is_given), labels(|_| true)];
         Ok(Some(Choice {
             source,
             column,
@@ -137,6 +149,8 @@ impl<'t> Choice<'t> {
             row,
             row_of_point,
             point,
+            rows,
+            swept,
             option,
             condition,
             is_minimum,

@@ -24,7 +24,7 @@ const MOST_STEPS: u64 = 1 << 24;
 /// Fewest trials that tell a level of 99.73 %.
 const FEWEST_TRIALS: u64 = 1 << 12;
 
-/// Most steps of the fewest trials of a point; beyond it there is no value.
+/// Most steps of the fewest trials of a point, or of all if there are less; beyond it there is no value.
 const TOO_MANY_STEPS: u64 = 1 << 29;
 
 /// Part of the trials that is enough to compare mean squares.
@@ -128,7 +128,7 @@ impl Evaluator<'_> {
         }
         let Some(steps) = plan.steps_of_a_trial() else { return Ok(None) };
         let of_point = (steps / points as u64).max(1);
-        if of_point > TOO_MANY_STEPS / FEWEST_TRIALS {
+        if of_point > TOO_MANY_STEPS / study.trials.clamp(1, FEWEST_TRIALS) {
             return Ok(None);
         }
         let most = (MOST_STEPS / of_point).clamp(FEWEST_TRIALS, MOST_TRIALS);

@@ -7,6 +7,7 @@ use crate::analysis::decision::{DecisionError, Figure};
 use crate::filler::{FILLERS, Method};
 use crate::key::row::Key;
 use crate::key::setting::Swept;
+use crate::key::sweep::Sweep;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gyro::TICK;
 use crate::kinds::switched_run::SwitchedRun;
@@ -26,6 +27,12 @@ const BISECTIONS: usize = 10;
 
 /// Most changes whose needed values are compared.
 const COMPARED: usize = 6;
+
+/// The least gain that is worth a line.
+const LEAST_GAIN: f64 = 0.01;
+
+/// Most conditions under which a lever is tried.
+const MOST_CONDITIONS: usize = 1000;
 
 /// Prefixes of keys that are the question itself.
 const ASKED: [&str; 2] = ["run.", "navigation."];
@@ -60,6 +67,14 @@ pub enum Needed {
     NotEven(Quantity, f64),
 }
 
+/// Whether inputs were searched for a lever, and what was found.
+pub(crate) enum Search {
+    /// They were not.
+    None,
+    /// They were.
+    Done(Option<Lever>),
+}
+
 /// An input with its value at the chosen point.
 #[derive(Clone, Copy)]
 struct Input {
@@ -77,17 +92,20 @@ struct Tried {
 }
 
 /// The best lever at the chosen row: of the changes that gain most, the one that meets the limit with the least relative
-/// change, else the one that gains most. `None` where no change gains anything, or changes cost too much to sample.
+/// change, else the one that gains most. There is none where no change gains anything, and no search where changes cost too much
+/// to sample.
 pub(crate) fn lever(
     study: &Study,
     table: &Table,
     choice: &Choice,
     evaluator: &mut Evaluator,
-) -> Result<Option<Lever>, DecisionError> {
+) -> Result<Search, DecisionError> {
     let at = Place::of(study, table, choice);
     let judged = &choice.column.name;
     let limit = choice.limit.filter(|limit| choice.value() > limit.value);
-    let tried = at.tried(&mean_square(table, choice.column).name, evaluator);
+    let Some(tried) = at.tried(&mean_square(table, choice.column).name, evaluator) else {
+        return Ok(Search::None);
+    };
     let of_one = 1 + if limit.is_some() { BISECTIONS + 1 } else { 0 };
     evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
     let mut levers: Vec<Lever> = Vec::new();
@@ -103,6 +121,10 @@ pub(crate) fn lever(
             continue;
         }
         let needed = limit.and_then(|limit| at.needed(&input, factor < 1.0, limit.value, judged, evaluator));
+        let meets = matches!(needed, Some(Needed::Value(_)));
+        if !meets && gain.value < LEAST_GAIN || !at.gains_everywhere(&input, to, judged, evaluator)? {
+            continue;
+        }
         let (key, label) = (input.key.name, input.key.label);
         let remark = remark(study, table, choice, &input, factor < 1.0);
         levers.push(Lever { key, label, from: input.value, to, gain, needed, remark, also: vec![] });
@@ -113,10 +135,10 @@ pub(crate) fn lever(
     // The order of equal changes, such as those that do not meet the limit, is that of their gains.
     levers.sort_by(|a, b| a.change().total_cmp(&b.change()));
     let mut levers = levers.into_iter();
-    Ok(levers.next().map(|mut first| {
+    Ok(Search::Done(levers.next().map(|mut first| {
         first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
         first
-    }))
+    })))
 }
 
 /// What a change of an input does besides what its name says: a tick that changes keeps the number of lost ticks, and fillers
@@ -164,23 +186,32 @@ struct Place<'a> {
     swept: Vec<(&'static Key, Swept)>,
     /// Names of the swept keys that are conditions.
     conditions: Vec<&'static str>,
+    /// The swept values under each condition; empty where a lever is not tried under all of them.
+    everywhere: Vec<Vec<(&'static Key, Swept)>>,
     point: usize,
 }
 
 impl<'a> Place<'a> {
     fn of(study: &'a Study, table: &Table, choice: &Choice) -> Place<'a> {
-        let swept = study.sweeps.iter().filter_map(|sweep| {
-            let shown = &table.column(sweep.key.name).ok()?.cells[choice.row];
-            let value = sweep.values.iter().find(|value| value.cell() == *shown)?;
-            Some((sweep.key, value.clone()))
-        });
+        let swept = |row: usize| {
+            let value = |sweep: &Sweep| {
+                let shown = &table.column(sweep.key.name).ok()?.cells[row];
+                let value = sweep.values.iter().find(|value| value.cell() == *shown)?;
+                Some((sweep.key, value.clone()))
+            };
+            study.sweeps.iter().filter_map(value).collect::<Vec<_>>()
+        };
         let varied = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.key.name);
         let conditions = varied.filter(|name| table.column(name).is_ok_and(is_given)).collect();
-        Place { study, swept: swept.collect(), conditions, point: choice.point }
+        // The least value of a curve is in another row for each condition.
+        let has_rows = !choice.is_minimum && (2..=MOST_CONDITIONS).contains(&choice.rows.len());
+        let rows = choice.rows.iter().filter(|_| has_rows);
+        let everywhere = rows.map(|&row| swept(row)).collect();
+        Place { study, swept: swept(choice.row), conditions, everywhere, point: choice.point }
     }
 
-    /// The changes that lower the mean square, the most effective first.
-    fn tried(&self, square: &str, evaluator: &mut Evaluator) -> Vec<Tried> {
+    /// The changes that lower the mean square, the most effective first; `None` where it cannot be evaluated.
+    fn tried(&self, square: &str, evaluator: &mut Evaluator) -> Option<Vec<Tried>> {
         let inputs = self.inputs();
         evaluator.expect(1 + 2 * inputs.len());
         let mut screened = |input: &Input, value: Quantity| {
@@ -188,9 +219,7 @@ impl<'a> Place<'a> {
             let found = self.values(input, &[value], square, evaluator, Effort::Screening).ok()??;
             Some(found.first()?.value.abs())
         };
-        let Some(present) = inputs.first().and_then(|input| screened(input, input.value)) else {
-            return vec![];
-        };
+        let present = inputs.first().and_then(|input| screened(input, input.value))?;
         let mut tried: Vec<Tried> = Vec::new();
         for input in inputs {
             for factor in [1.0 / TRIED, TRIED] {
@@ -203,7 +232,7 @@ impl<'a> Place<'a> {
             }
         }
         tried.sort_by(|a, b| a.left.total_cmp(&b.left));
-        tried
+        Some(tried)
     }
 
     /// The inputs that can change: those swept and those written, without what the question asks for and the conditions
@@ -241,6 +270,37 @@ impl<'a> Place<'a> {
         let points: Vec<Vec<Swept>> = values.iter().map(point).collect();
         let study = self.study.at_points(&keys, &points)?;
         evaluator.one(&study, points.len(), column, effort)
+    }
+
+    /// Whether a change of an input lowers the largest value under all conditions, too: it may do so only where the present
+    /// value is the largest, and raise another one, as a zone of lock-in that moves.
+    fn gains_everywhere(
+        &self,
+        input: &Input,
+        to: Quantity,
+        column: &str,
+        evaluator: &mut Evaluator,
+    ) -> Result<bool, DecisionError> {
+        let Some(first) = self.everywhere.first() else { return Ok(true) };
+        let others = |swept: &[(&'static Key, Swept)]| {
+            swept.iter().filter(|(key, _)| !std::ptr::eq(*key, input.key)).cloned().collect::<Vec<_>>()
+        };
+        let keys: Vec<&'static Key> = others(first).into_iter().map(|(key, _)| key).chain([input.key]).collect();
+        let mut largest = |value: Quantity| {
+            let point = |swept: &Vec<(&'static Key, Swept)>| {
+                others(swept).into_iter().map(|(_, value)| value).chain([Swept::Quantity(value)]).collect()
+            };
+            let points: Vec<Vec<Swept>> = self.everywhere.iter().map(point).collect();
+            let study = self.study.at_points(&keys, &points)?;
+            let found = evaluator.one(&study, points.len(), column, Effort::Screening)?;
+            Ok(found.map(|found| found.iter().map(|found| found.value.abs()).fold(0.0, f64::max)))
+        };
+        match (largest(input.value), largest(to)) {
+            (Ok(Some(present)), Ok(Some(changed))) => Ok(changed < (1.0 - LEAST_GAIN) * present),
+            // Not every change is a valid study under all conditions, nor is every condition cheap enough to sample.
+            (Ok(_) | Err(DecisionError::Study(_)), Ok(_) | Err(DecisionError::Study(_))) => Ok(true),
+            (Err(error), _) | (_, Err(error)) => Err(error),
+        }
     }
 
     /// Whether and where a change of an input meets the limit with its whole interval, to three digits on the safe side.

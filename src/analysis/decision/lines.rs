@@ -25,7 +25,7 @@ impl Lines {
             "None is better without a requirement, which a limit would state.",
             "Without a limit there is none.",
             "The parts of this estimate are not separated.",
-            "It is searched where there is a limit.",
+            "None is searched where no estimate is an error.",
         ];
         Lines { met: None, sentences: sentences.map(str::to_owned) }
     }

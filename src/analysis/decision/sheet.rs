@@ -5,7 +5,7 @@ use serde_json::{Value as Json, json};
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::{Choice, Next};
-use crate::analysis::decision::lever::{Lever, Needed};
+use crate::analysis::decision::lever::{Lever, Needed, Search};
 use crate::analysis::decision::lines::Lines;
 use crate::chart::Limit;
 use crate::quantity::list::listed;
@@ -51,12 +51,20 @@ pub struct Sheet {
     pub budget: Vec<Part>,
     /// The next lever.
     pub lever: Option<Lever>,
+    /// Whether inputs were searched for it.
+    pub is_searched: bool,
+    /// Labels of the swept keys that are conditions, which no lever is, and of all swept keys.
+    pub swept: [Vec<String>; 2],
     /// The sentences of a study that asks which coefficients records show, instead of those on the estimate.
     pub shown: Option<[String; 5]>,
 }
 
 impl Sheet {
-    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, lever: Option<Lever>) -> Sheet {
+    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, search: Search) -> Sheet {
+        let (lever, is_searched) = match search {
+            Search::Done(lever) => (lever, true),
+            Search::None => (None, false),
+        };
         Sheet {
             label: choice.column.label.clone(),
             unit: choice.column.unit,
@@ -72,6 +80,8 @@ impl Sheet {
             left_out: choice.left_out.clone(),
             budget,
             lever,
+            is_searched,
+            swept: choice.swept.clone(),
             shown: None,
         }
     }
@@ -210,7 +220,7 @@ impl Sheet {
 
     fn lever_told(&self) -> String {
         let Some(lever) = &self.lever else {
-            return "No single input was found whose change gains anything.".to_owned();
+            return self.no_lever();
         };
         let Lever { key, label, gain, needed, remark, also, .. } = lever;
         let (from, to) = (short(lever.from), short(lever.to));
@@ -239,6 +249,24 @@ impl Sheet {
             more => format!("Each by itself, {} would meet it too.", listed(more)),
         };
         [told, remark.clone(), also].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Why there is no lever, with what the study itself varies.
+    fn no_lever(&self) -> String {
+        if self.is_met() == Some(true) {
+            return "None is needed, as the limit is met.".to_owned();
+        }
+        let [conditions, all] = &self.swept;
+        match (self.is_searched, &conditions[..], &all[..]) {
+            (true, [], _) => "No single input gains 1 %.".to_owned(),
+            (true, conditions, _) => {
+                format!("No single input gains 1 %, besides what the study varies: {}.", listed(conditions))
+            }
+            (false, _, []) => "None is searched for this estimate.".to_owned(),
+            (false, _, all) => {
+                format!("None is searched for this estimate; the study itself varies {}.", listed(all))
+            }
+        }
     }
 
     /// The sheet as JSON; values are in the units of tables, fractions as such.

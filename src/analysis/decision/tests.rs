@@ -158,3 +158,83 @@ fn a_study_of_what_records_show_says_from_where_on_and_what_a_longer_record_show
         "{lines:?}"
     );
 }
+
+/// A navigator whose gyros switch modes, with a magnetic drift that a sweep varies, and a coefficient that is drawn.
+const SWITCHED: &str = r#"
+title = "Switched"
+kind = "navigation"
+trials = 64
+limit = "1 nmi"
+[navigation]
+duration = "10 min"
+alignment = "80 s"
+calibration = true
+latitude = "60 deg"
+sample = "1 s"
+draws = 4
+[noise]
+angle_random_walk = "0.01 deg/sqrt(h)"
+[noise.switching]
+interval = "40 s"
+magnetic = "1 arcsec/s"
+warm_up_time = "3000 s"
+[[sensitivity]]
+key = "noise.angle_random_walk"
+interval = { value = "0.01 deg/sqrt(h)", low = "0.008 deg/sqrt(h)", high = "0.012 deg/sqrt(h)" }
+[[sweep]]
+key = "noise.switching.magnetic"
+list = ["0 arcsec/s", "14 arcsec/s"]
+"#;
+
+#[test]
+fn parts_that_are_swept_or_drawn_are_in_the_error_budget() {
+    let sheet = decided(SWITCHED);
+    let share = |sheet: &Sheet, name: &str| {
+        let part = sheet.budget.iter().find(|part| part.name == name);
+        part.map(|part| part.share.value).unwrap_or_else(|| panic!("{name}: {:?}", sheet.budget))
+    };
+    let parts = ["magnetic drift of the modes", "angle random walk"].map(|name| share(&sheet, name));
+    // Independent parts add up.
+    assert!(parts[0] > 0.05 && parts[1] > 0.05 && (parts[0] + parts[1] - 1.0).abs() < 0.02, "{parts:?}");
+    let alone = decided(&SWITCHED.replace("\"14 arcsec/s\"]", "\"0.001 arcsec/s\"]"));
+    assert!(share(&alone, "angle random walk") > 0.99, "{:?}", alone.budget);
+}
+
+/// A dither without randomisation, whose zones lie at multiples of 800 ″/s.
+const ZONES: &str = r#"
+title = "Zones"
+kind = "lock-in"
+trials = 4
+[gyro]
+scale_factor = "2 arcsec/pulse"
+[lock_in]
+threshold = "180 arcsec/s"
+beam_noise = "0.00002 deg/sqrt(h)"
+[dither]
+frequency = "400 Hz"
+rate = "4000 arcsec/s"
+[record]
+length = "0.5 s"
+[[sweep]]
+key = "input.rate"
+linear = { from = "10 arcsec/s", to = "1610 arcsec/s", points = 81 }
+[[chart]]
+x = "input.rate"
+y = "rate_error"
+y_scale = "linear"
+"#;
+
+#[test]
+fn a_lever_that_moves_the_largest_error_to_another_condition_is_none() {
+    let sheet = decided(ZONES);
+    assert_eq!(sheet.options, 1, "an input rate is no option");
+    assert!(sheet.value.value > 40.0, "{:?}", sheet.value);
+    // Another dither frequency moves the zone away from this input, and onto another one.
+    let moved = decided(&ZONES.replace("\"400 Hz\"", "\"500 Hz\""));
+    assert!(moved.value.value > 0.9 * sheet.value.value, "{:?}", moved.value);
+    let key = sheet.lever.as_ref().map(|lever| lever.key);
+    assert!(key.is_none_or(|key| key != "dither.frequency" && key != "input.rate"), "{key:?}");
+    assert!(sheet.is_searched);
+    let told = sheet.lines()[4].1.clone();
+    assert!(key.is_some() || told.ends_with("besides what the study varies: input rate."), "{told}");
+}

@@ -187,4 +187,12 @@ impl plan::Plan for Plan<'_> {
     fn all_trials(&self) -> u64 {
         u64::MAX
     }
+
+    fn steps_of_a_trial(&self) -> Option<u64> {
+        let points = self.subject.points.iter().zip(&self.points);
+        let steps = points.map(|(Point { times, .. }, gyros)| {
+            times.samples as f64 * times.sample_s / gyros.step_s()
+        });
+        Some(steps.sum::<f64>() as u64)
+    }
 }

@@ -3,6 +3,7 @@
 use crate::chart::{Chart, Source};
 use crate::drift::schedule::INTERVAL;
 use crate::filler::FILLERS;
+use crate::kinds::navigation::keys::ALIGNMENT;
 use crate::motion::keys::GYRO as SUSPENDED_GYRO;
 use crate::noise::keys::FILE as NOISE_FILE;
 use crate::quantity::list::listed;
@@ -24,7 +25,7 @@ use crate::view::verdict::Answer as Judged;
 const MOST_BESIDE: usize = 4;
 
 /// Prefixes of keys that are conditions or requirements instead of choices of a designer.
-const GIVEN: [&str; 12] = [
+const GIVEN: [&str; 14] = [
     "coefficient",
     "record.rate",
     "suspension.frequency",
@@ -34,13 +35,15 @@ const GIVEN: [&str; 12] = [
     "noise.",
     "navigation.",
     "relock.adc_noise",
+    "lock_in.threshold",
+    "input.rate",
     "gyro.tick_noise",
     "gyro.readout_lsb",
     "switching.gap_ticks",
 ];
 
-/// Keys of these that tell gyros apart, between which a designer chooses.
-const CHOSEN: [&str; 2] = [SUSPENDED_GYRO.name, NOISE_FILE.name];
+/// Keys of these between which a designer chooses: those that tell gyros apart, and the time of alignment.
+const CHOSEN: [&str; 3] = [SUSPENDED_GYRO.name, NOISE_FILE.name, ALIGNMENT.name];
 
 /// Whether a column is a condition or a requirement instead of a choice.
 pub(crate) fn is_given(column: &Column) -> bool {
@@ -93,7 +96,11 @@ impl Answer {
         };
         let mut curves: Vec<(String, Vec<String>)> =
             verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
-        let has_minima = |resolved: &&Resolved| resolved.has_curves() && resolved.chart.limit.is_none();
+        // The least over what is given, as over the run time, is nobody's choice.
+        let has_minima = |resolved: &&Resolved| {
+            let is_asked = resolved.is_environment() || !is_given(resolved.x);
+            resolved.has_curves() && resolved.chart.limit.is_none() && is_asked
+        };
         for resolved in charts.iter().filter(has_minima) {
             let is_largest = resolved.is_environment();
             let each = resolved.curves().map_or(vec![], |curves| curves.of_each(is_largest));
@@ -196,7 +203,8 @@ impl<'a> Resolved<'a> {
             }
         }
         let curves = if self.is_environment() { self.curves() } else { None };
-        let told = curves.and_then(|curves| curves.least_at_worst()).or_else(|| self.interval_for_each());
+        let told = curves.and_then(|curves| curves.least_at_worst());
+        let told = told.or_else(|| self.interval_for_each()).or_else(|| self.best_for_each_given());
         if let Some(told) = told.or_else(|| self.course()) {
             return Ok(self.with_caveat(Some(told), false));
         }
@@ -256,6 +264,16 @@ impl<'a> Resolved<'a> {
             self.series.iter().copied().partition(|column| is_given(column));
         let curves = Curves::of(self.x, self.estimate, &self.rows, &given);
         curves.least_for_each([&given, &chosen], MOST_BESIDE)
+    }
+
+    /// The minimum over a swept key that is chosen, for each of the conditions in which the curves differ.
+    fn best_for_each_given(&self) -> Option<String> {
+        let is_swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == self.x.name);
+        let is_chosen = is_swept && !is_given(self.x) && self.has_curves();
+        let are_given = !self.series.is_empty() && self.series.iter().all(|column| is_given(column));
+        self.curves()
+            .filter(|_| is_chosen && are_given)?
+            .least_for_each([&self.series, &[]], MOST_BESIDE)
     }
 
     fn is_over_interval(&self) -> bool {

@@ -118,7 +118,7 @@ impl Curves<'_> {
         Some(format!("The {label} grows between {from} and {}: {}.", self.at(to), told.join("; ")))
     }
 
-    /// The values between which each curve lies, as a sentence; `None` for a single curve.
+    /// The values between which each curve lies, and over which range, as a sentence; `None` for a single curve.
     pub(crate) fn ranges(&self) -> Option<String> {
         self.named()?;
         (self.curves.len() > 1).then_some(())?;
@@ -130,7 +130,11 @@ impl Curves<'_> {
             Some(self.told(name, format!("{range} {}", self.y.unit.symbol).trim_end().to_owned()))
         };
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
-        Some(format!("The {} is {}.", self.y.label, told.join(", ").replace('-', "−")))
+        let rows = || self.curves.iter().flat_map(|(_, rows)| rows).map(|&row| self.x.value(row));
+        let (from, to) = (rows().reduce(f64::min)?, rows().reduce(f64::max)?);
+        let told = told.join(", ").replace('-', "−");
+        let from = self.x.valued(&significant(from, 3));
+        Some(format!("The {} is {told}, between {from} and {}.", self.y.label, self.at(to)))
     }
 
     /// The least value of the curve that gets lowest, with its place, and of the one that stays highest, as a sentence; `None`
@@ -212,7 +216,7 @@ mod tests {
         let peaks = said(&curves, |curves| curves.peaks());
         assert_eq!(peaks.as_deref(), Some("The rms peaks at frequency 2 Hz (a), 2 Hz (b)."));
         let ranges = said(&curves, |curves| curves.ranges());
-        assert_eq!(ranges.as_deref(), Some("The rms is 1 to 3 arcsec (a), 2 to 5 arcsec (b)."));
+        assert_eq!(ranges.as_deref(), Some("The rms is 1 to 3 arcsec (a), 2 to 5 arcsec (b), between frequency 1 Hz and 4 Hz."));
         assert_eq!(said(&[("a", [1.0, 2.0, 3.0])], |curves| curves.peaks()), None);
     }
 }

@@ -5,7 +5,7 @@ use crate::quantity::list::listed;
 use crate::quantity::number::significant;
 use crate::table::{Column, grouped};
 use crate::view::report::agreement::capitalised;
-use crate::view::verdict::{Answer as Judged, Outcome};
+use crate::view::verdict::{Answer as Judged, Outcome, places};
 
 /// The verb for one curve and for several.
 const STAY: [&str; 2] = ["stays", "stay"];
@@ -46,14 +46,26 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
             let side = if one.outcome == Outcome::AboveFrom { "above" } else { "within" };
             return Some(format!("{}: {}, {side} {limit}.", capitalised(&one.name()), most(one.most)));
         }
-        1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
+        1 if always.len() == all => {
+            let one = &answers[0];
+            let name = if one.series.is_empty() { String::new() } else { one.name() + ": " };
+            let told = format!("{name}within {limit} up to the last point, {}", place(one));
+            return Some(format!("{}: at most {}.", capitalised(&told), most(one.most)));
+        }
+        1 => return Some(capitalised(&told(&answers[0], limit)) + "."),
         _ if always.len() == all => {
             // The one with the least margin is the last.
-            let worst = always.last().map(|one| format!(": at most {} ({})", most(one.most), one.name()));
+            let worst = always.last().map(|one| format!("; the largest is {} ({})", most(one.most), one.name()));
             let whole = if all == 2 { "Both".to_owned() } else { format!("All {all}") };
             return Some(format!("{whole} curves stay within {limit}{}.", worst.unwrap_or_default()));
         }
-        _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
+        _ if never.len() == all => {
+            let nearest = never.iter().min_by(|a, b| a.least.total_cmp(&b.least));
+            let nearest =
+                nearest.map(|one| format!("; nearest is {} with {}", one.name(), most(one.least)));
+            let whole = if all == 2 { "Neither of both curves".to_owned() } else { format!("None of the {all} curves") };
+            return Some(format!("{whole} is within {limit}{}.", nearest.unwrap_or_default()));
+        }
         _ => [
             counted(&always, STAY, &format!("within {limit}"), with_most(&always)),
             counted(&open, STAY, &format!("within {limit} as far as there are values"), with_most(&open)),
@@ -82,8 +94,8 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
     // All curves with the same value as one, to the digits shown.
     let alike = |one: &Judged| {
-        let place = one.place();
-        curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>()
+        let there = place(one);
+        curves.iter().copied().filter(|answer| place(answer) == there).collect::<Vec<_>>()
     };
     let there = |one: &Judged| names(&alike(one));
     let (verbs, first, other, how, best, worst) = if all_are(&LEAVE) {
@@ -91,31 +103,86 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     } else if all_are(&[Outcome::WithinFrom]) {
         (["is", "are"], "first", "last", "from", least, greatest)
     } else {
+        if let Some(between) = between(curves) {
+            return Some(format!("within {limit}: {between}"));
+        }
         return Some(match curves[..] {
-            [one] => one.sentence(limit),
+            [one] => told(one, limit),
             _ if curves.len() <= MOST_EACH => {
-                let each: Vec<String> = curves.iter().map(|one| one.sentence(limit)).collect();
+                let each: Vec<String> = curves.iter().map(|one| told(one, limit)).collect();
                 each.join("; ")
             }
             _ => format!("{} are within {limit} in part ({})", curves.len(), names(curves)),
         });
     };
-    if let Some(each) = by_first(curves, how).filter(|_| best.place() != worst.place()) {
+    let is_same = place(best) == place(worst);
+    if let Some(each) = by_first(curves, how).filter(|_| !is_same) {
         return Some(format!("within {limit}: {each}"));
     }
     let others = if are_others { "of the others, " } else { "" };
-    let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
-    Some(match best.place() == worst.place() {
-        true => format!("{others}within {limit}: {}", side(best)),
-        false => format!(
-            "{others}{} {} within {limit} {first}, {how} {}; {} {other}, {how} {}",
+    let side = |one: &Judged| format!("{}, {how} {}", there(one), place(one));
+    if is_same {
+        return Some(format!("{others}within {limit}: {}", side(best)));
+    }
+    let mut sides = vec![
+        format!(
+            "{others}{} {} within {limit} {first}, {how} {}",
             there(best),
             verbs[usize::from(alike(best).len() != 1)],
-            best.place(),
-            there(worst),
-            worst.place()
+            place(best)
         ),
-    })
+        format!("{} {other}, {how} {}", there(worst), place(worst)),
+    ];
+    if curves.len() <= MOST_EACH {
+        let is_between = |one: &&&Judged| ![place(best), place(worst)].contains(&place(one));
+        let mut between: Vec<&Judged> = curves.iter().filter(is_between).copied().collect();
+        between.sort_by(|a, b| (at(a) - at(best)).abs().total_cmp(&(at(b) - at(best)).abs()));
+        let mut between: Vec<String> = between.into_iter().map(side).collect();
+        between.dedup();
+        sides.splice(1..1, between);
+    }
+    Some(sides.join("; "))
+}
+
+/// The place of an outcome on the axis alone, without what varies with it.
+fn place(one: &Judged) -> String {
+    places(one.at.get(..1).unwrap_or_default())
+}
+
+/// A curve as a sentence that names places on the axis alone.
+fn told(one: &Judged, limit: &str) -> String {
+    fn axis<'t>(at: &[(&'t Column, f64)]) -> Vec<(&'t Column, f64)> {
+        at.iter().take(1).copied().collect()
+    }
+    let [at, until, first] = [&one.at, &one.until, &one.first].map(|at| axis(at));
+    let sentence = Judged { at, until, first, ..one.clone() }.sentence(limit);
+    match (one.series.is_empty(), sentence.split_once(": ")) {
+        (true, Some((_, outcome))) => outcome.to_owned(),
+        _ => sentence,
+    }
+}
+
+/// Curves that are each within the limit between two places, the widest first: `mv from frequency 382 to 418 Hz; const from
+/// 394 to 406 Hz`. `None` for others.
+fn between(curves: &[&Judged]) -> Option<String> {
+    fn range<'t>(one: &Judged<'t>) -> Option<(&'t Column, f64, f64)> {
+        let (column, from) = *one.at.first()?;
+        Some((column, from, one.until.first()?.1))
+    }
+    let is_plain = |one: &&Judged| {
+        one.outcome == Outcome::WithinBetween && !one.again && one.first.is_empty() && range(one).is_some()
+    };
+    ((2..=MOST_EACH).contains(&curves.len()) && curves.iter().all(is_plain)).then_some(())?;
+    let mut curves = curves.to_vec();
+    let width = |one: &Judged| range(one).map_or(0.0, |(_, from, to)| to - from);
+    curves.sort_by(|a, b| width(b).total_cmp(&width(a)));
+    let told = curves.iter().enumerate().map(|(number, one)| {
+        let (column, from, to) = range(one)?;
+        let label = if number == 0 { format!("{} ", column.label) } else { String::new() };
+        let ends = format!("{} to {} {}", significant(from, 3), significant(to, 3), column.unit.symbol);
+        Some(format!("{} from {label}{}", one.name(), ends.trim_end()))
+    });
+    Some(told.collect::<Option<Vec<String>>>()?.join("; "))
 }
 
 /// The places of curves that differ in two columns, of which the second has numbers: one part for each value of the first,
@@ -187,6 +254,13 @@ mod tests {
             "Late stays within 10 arcsec longest, up to frequency 2.83 Hz; a and b shortest, up to frequency 1.41 Hz."
         );
         assert_eq!(judged(&early), "Within 10 arcsec: a and b, up to frequency 1.41 Hz.");
+        // Where there are few, those between are told in their order.
+        let between = ("between", [1.0, 10.0, 40.0]);
+        assert_eq!(
+            judged(&[early[0], between, late]),
+            "Late stays within 10 arcsec longest, up to frequency 2.83 Hz; between, up to frequency 2 Hz; a shortest, up to \
+             frequency 1.41 Hz."
+        );
     }
 
     #[test]
@@ -194,14 +268,20 @@ mod tests {
         let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
         assert_eq!(
             judged(&[good, ("fine", [1.0; 3])]),
-            "Both curves stay within 10 arcsec: at most 3 arcsec (good)."
+            "Both curves stay within 10 arcsec; the largest is 3 arcsec (good)."
         );
-        assert_eq!(judged(&[good]), "Good: within 10 arcsec up to the last point, frequency 4 Hz.");
+        assert_eq!(
+            judged(&[good]),
+            "Good: within 10 arcsec up to the last point, frequency 4 Hz: at most 3 arcsec."
+        );
         assert_eq!(
             judged(&[good, bad]),
             "1 of 2 curves stays within 10 arcsec (good, at most 3 arcsec); 1 of 2 curves is nowhere within 10 arcsec (bad)."
         );
-        assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 arcsec.");
+        assert_eq!(
+            judged(&[bad, ("worse", [30.0; 3])]),
+            "Neither of both curves is within 10 arcsec; nearest is bad with 20 arcsec."
+        );
     }
 
     #[test]
@@ -219,6 +299,15 @@ mod tests {
         assert_eq!(
             judged(&[between, ("bad", [20.0; 3])]),
             "Between: within 10 arcsec from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 arcsec (bad)."
+        );
+    }
+
+    #[test]
+    fn curves_within_the_limit_between_two_places_are_told_the_widest_first_on_the_axis_alone() {
+        let curves = [("narrow", [20.0, 5.0, 20.0]), ("wide", [11.0, 5.0, 11.0])];
+        assert_eq!(
+            judged(&curves),
+            "Within 10 arcsec: wide from frequency 1.09 to 3.68 Hz; narrow from 1.41 to 2.83 Hz."
         );
     }
 

@@ -54,6 +54,8 @@ pub struct Answer<'t> {
     pub at: Vec<(&'t Column, f64)>,
     /// Largest magnitude of the curve, in the unit of y.
     pub most: f64,
+    /// Least magnitude of the curve, in the unit of y.
+    pub least: f64,
     /// Whether points after the last value of the curve have none, as in an incomplete run.
     pub open: bool,
     /// For [`Outcome::WithinBetween`], the place where it rises above the limit again.
@@ -138,8 +140,9 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let open = blank.iter().any(|&row| x.value(row) > x.value(last));
         let late = blank.iter().any(|&row| x.value(row) < x.value(rows[0]));
         let first = if late { crossing((rows[0], rows[0])) } else { vec![] };
-        let most = rows.iter().map(|&row| y.value(row).abs()).fold(0.0, f64::max);
-        Answer { series: named, outcome, at, most, open, until, again, first }
+        let sizes = || rows.iter().map(|&row| y.value(row).abs());
+        let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
+        Answer { series: named, outcome, at, most, least, open, until, again, first }
     };
     Ok(curves.into_iter().map(answer).collect())
 }
@@ -230,7 +233,8 @@ impl Answer<'_> {
     }
 }
 
-fn places(places: &[(&Column, f64)]) -> String {
+/// Places as in a sentence.
+pub(crate) fn places(places: &[(&Column, f64)]) -> String {
     let each = places.iter().map(|(column, value)| {
         let named = |shown: &str| column.valued(shown);
         match (column.unit.symbol, *value) {
