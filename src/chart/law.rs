@@ -24,6 +24,9 @@ words! {
         NavigationGrade = "navigation-grade",
         /// The class of tactical navigators, 10 nmi/h. Only for kind = "navigation".
         TacticalGrade = "tactical-grade",
+        /// The mean squared error over the claimed variance (NEES) of a consistent filter, 1. Only for kind = "navigation" with
+        /// a filter.
+        ConsistentFilter = "consistent-filter",
     }
 }
 
@@ -33,6 +36,7 @@ impl Law {
         match self {
             Law::ZeemanTables => "relock",
             Law::StrategicGrade | Law::NavigationGrade | Law::TacticalGrade => "navigation",
+            Law::ConsistentFilter => "filters in navigation",
             _ => "gap fillers",
         }
     }
@@ -42,6 +46,7 @@ impl Law {
     pub(crate) fn about(self) -> About {
         let unit = match self {
             Law::StrategicGrade | Law::NavigationGrade | Law::TacticalGrade => Unit::NMI,
+            Law::ConsistentFilter => Unit::NONE,
             _ => Unit::ARCSEC,
         };
         let (name, label, meaning) = match self {
@@ -86,6 +91,11 @@ impl Law {
                 "law_tactical_grade",
                 "tactical grade, 10 nmi/h",
                 "A law of the chart, nmi: 10 nmi for each hour, the class of tactical navigators.",
+            ),
+            Law::ConsistentFilter => (
+                "law_consistent_filter",
+                "a consistent filter, 1",
+                "A law of the chart: 1, the mean squared error over the claimed variance of a consistent filter.",
             ),
         };
         About { unit, label, role: Role::Law, meaning, ..About::named(name) }

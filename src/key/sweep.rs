@@ -100,6 +100,18 @@ pub(crate) fn read_all(
     Ok(sweeps)
 }
 
+/// The one that a point takes of what each file of a sweep over `key` holds; `None` without such a sweep.
+pub(crate) fn selected<'f, T>(
+    of_files: &'f [T],
+    key: &Key,
+    sweeps: &[Sweep],
+    swept: &[(&'static str, Swept)],
+) -> Option<&'f T> {
+    let (sweep, (_, name)) = sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.name == key.name)?;
+    let place = sweep.values.iter().position(|value| value == name)?;
+    of_files.get(place)
+}
+
 /// The input that a key sets. The keys of a table that takes exactly one of them all set the same input.
 pub(crate) fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
     let forms = keys.iter().find(|table| table.name == key.table() && matches!(table.holds, Holds::OneOf));

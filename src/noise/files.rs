@@ -1,8 +1,7 @@
 //! The noise of the points of a study that sweeps over noise files.
 
 use crate::key::reading::Reading;
-use crate::key::setting::{Setting, Swept};
-use crate::key::sweep::Sweep;
+use crate::key::setting::Setting;
 use crate::noise::Noise;
 use crate::noise::keys::FILE;
 use crate::noise::read::read_file;
@@ -24,15 +23,4 @@ pub(crate) fn swept_files(
         files.push(noise);
     }
     Ok(files)
-}
-
-/// The noise of the file that a sweep selects, from those of all its `files`; `None` without such a sweep.
-pub(crate) fn selected<'n>(
-    files: &'n [Noise],
-    sweeps: &[Sweep],
-    swept: &[(&'static str, Swept)],
-) -> Option<&'n Noise> {
-    let (sweep, (_, name)) = sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.is_file())?;
-    let place = sweep.values.iter().position(|value| value == name)?;
-    files.get(place)
 }

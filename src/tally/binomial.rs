@@ -2,6 +2,8 @@
 
 use std::cell::Cell;
 
+use crate::tally::stats::NORMAL_95;
+
 /// The least and the greatest number of successes in 95 % of all cases, of `n` trials with success probability `p`; at
 /// most 2.5 % of the cases lie outside on either side.
 ///
@@ -18,6 +20,15 @@ pub(crate) fn central_interval(n: u64, p: f64) -> (u64, u64) {
     let interval = computed(n, p);
     LAST.set(((n, p), interval));
     interval
+}
+
+/// The 95 % interval of a probability after `successes` in `n` trials (Wilson).
+pub(crate) fn proportion_interval(successes: u64, n: u64) -> (f64, f64) {
+    let (part, n) = (successes as f64 / n as f64, n as f64);
+    let square = NORMAL_95 * NORMAL_95 / n;
+    let middle = part + 0.5 * square;
+    let half = libm::sqrt(square * (part * (1.0 - part) + 0.25 * square));
+    (((middle - half) / (1.0 + square)).max(0.0), ((middle + half) / (1.0 + square)).min(1.0))
 }
 
 fn computed(n: u64, p: f64) -> (u64, u64) {

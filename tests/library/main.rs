@@ -26,6 +26,7 @@ mod decision;
 mod device_faults;
 mod filler_memory;
 mod fit_beside_model;
+mod filters;
 mod fit_range;
 mod groups;
 mod imports;

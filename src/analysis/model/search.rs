@@ -269,7 +269,7 @@ fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
         most: vec![f64::INFINITY; bounds.len()],
         ..problem(target, bounds, Aim::Describe)
     };
-    let nearest = open.best(Allowed { walk: true, states: 2, times }).unwrap_or_default();
+    let nearest = open.best(Allowed { walk: true, states: MOST_STATES, times }).unwrap_or_default();
     let nearest = Model { quantisation: quantisation(target, Aim::Describe), ..nearest };
     let off = target.points.iter().map(|point| {
         let deviation = nearest.deviation(point.tau_s);

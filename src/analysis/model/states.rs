@@ -14,7 +14,7 @@
 use crate::allan::Unit;
 use crate::analysis::model::Model;
 use crate::quantity::expression::STANDARD_GRAVITY;
-use crate::theory::allan::exponential::beyond_square;
+use crate::theory::allan::steps::Step;
 
 /// Size of the unit of a model in SI: of ″ in rad, or of µg in m/s².
 pub fn si(unit: Unit) -> f64 {
@@ -67,18 +67,13 @@ pub fn discrete(model: &Model, unit: Unit, step_s: f64, longest_s: f64) -> Discr
     found.added[0][0] = square(model.white) * step_s;
     if walks {
         let k = square(model.walk);
-        let d = step_s;
-        found.join("walk".to_owned(), [d, 1.0], [k * d * d * d / 3.0, k * d * d / 2.0, k * d]);
+        found.join("walk".to_owned(), Step::walk(k, step_s));
         found.stationary.push(None);
         found.initial.push(k * longest_s);
     }
     for (state, number) in model.markov.iter().zip(1..) {
-        let (variance, t, z) = (square(state.sigma), state.time_s, step_s / state.time_s);
-        let (a, less) = (libm::exp(-z), -libm::expm1(-z));
-        // z − 2(1 − a) + (1 − a²)/2, whose powers up to z² cancel.
-        let bracket = 2.0 * beyond_square(z) - 0.5 * beyond_square(2.0 * z);
-        let added = [2.0 * t * t * bracket, t * less * less, -libm::expm1(-2.0 * z)];
-        found.join(format!("markov_{number}"), [t * less, a], added.map(|part| variance * part));
+        let variance = square(state.sigma);
+        found.join(format!("markov_{number}"), Step::markov(variance, state.time_s, step_s));
         found.stationary.push(Some(variance));
         found.initial.push(variance);
     }
@@ -87,7 +82,7 @@ pub fn discrete(model: &Model, unit: Unit, step_s: f64, longest_s: f64) -> Discr
 
 impl Discrete {
     /// Joins a state of the rate: its column of F, and its share of Q for the angle, for both and for itself.
-    fn join(&mut self, name: String, [onto_angle, own]: [f64; 2], [angle, both, itself]: [f64; 3]) {
+    fn join(&mut self, name: String, Step { onto_angle, own, added: [angle, both, itself] }: Step) {
         let place = self.names.len();
         self.names.push(name);
         self.transition[0][place] = onto_angle;

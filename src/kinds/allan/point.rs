@@ -4,13 +4,12 @@ use crate::allan::deviation::Deviation;
 use crate::allan::tau::{TauError, Taus};
 use crate::key::places::Places;
 use crate::key::setting::{self, Swept};
-use crate::key::sweep::{self, Sweep};
+use crate::key::sweep::{self, Sweep, selected};
 use crate::kinds::allan::estimate::Estimate;
 use crate::kinds::allan::keys::{RATE, SETTINGS};
 use crate::kinds::allan::lower::MOST_SAMPLES;
 use crate::noise::Noise;
-use crate::noise::files::selected;
-use crate::noise::keys::{READOUT_LSB, SETTINGS as NOISE_SETTINGS};
+use crate::noise::keys::{FILE, READOUT_LSB, SETTINGS as NOISE_SETTINGS};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::allan::estimator::{Difference, Stride};
@@ -98,7 +97,7 @@ impl Base<'_> {
 
     fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        if let Some(noise) = selected(&self.files, self.sweeps, &swept) {
+        if let Some(noise) = selected(&self.files, &FILE, self.sweeps, &swept) {
             inputs.noise = noise.clone();
         }
         setting::set(&mut inputs, &SETTINGS, &swept);

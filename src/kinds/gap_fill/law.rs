@@ -29,7 +29,11 @@ impl Law {
             Law::TaylorZeroCrossing => taylor(taylor_zero_crossing_as_published),
             Law::NoiseAsPublished => (of_const && ticks == PUBLISHED_TICKS)
                 .then(|| noise_of_const_as_published(three_sigma, inputs.gap_ticks)),
-            Law::ZeemanTables | Law::StrategicGrade | Law::NavigationGrade | Law::TacticalGrade => None,
+            Law::ZeemanTables
+            | Law::StrategicGrade
+            | Law::NavigationGrade
+            | Law::TacticalGrade
+            | Law::ConsistentFilter => None,
             Law::Noise => of_const.then(|| noise_of_const(three_sigma, inputs.gap_ticks, ticks)),
         }
     }

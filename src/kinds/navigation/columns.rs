@@ -1,8 +1,10 @@
 //! The columns of a study of navigation, with a row for each point.
 
 use crate::chart::law::Law;
+use crate::kinds::navigation::claims::claims;
 use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::point::Point;
+use crate::kinds::navigation::run::claim::Claim;
 use crate::kinds::navigation::run::sizes::{Level, Sizes};
 use crate::quantity::expression::NAUTICAL_MILE;
 use crate::table::column::{Band, abouts};
@@ -59,12 +61,17 @@ pub(crate) const GRADES: [(Law, &str, f64); 3] = [
 /// Their laws in charts of the position.
 pub(crate) static LAWS: [Law; 3] = [Law::StrategicGrade, Law::NavigationGrade, Law::TacticalGrade];
 
+/// The law of charts of the consistency of a filter.
+pub(crate) static OF_FILTERS: [Law; 1] = [Law::ConsistentFilter];
+
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {
     pub(crate) point: &'a Point,
     pub(crate) trials: u64,
     /// The size of each quantity of the solution.
     pub(crate) sizes: Vec<Sizes>,
+    /// What the filter claims, where there is one.
+    pub(crate) claim: Option<Claim>,
 }
 
 impl Row<'_> {
@@ -111,8 +118,11 @@ impl Row<'_> {
         Cell::Text(grade.map_or("none", |(_, name, _)| name).to_owned())
     }
 
-    /// The limit of a class at the end of the row's navigation, nmi.
+    /// A consistent filter has a NEES of 1; of a class, it is the limit at the end of the row's navigation, nmi.
     pub(crate) fn law(&self, law: Law) -> Cell {
+        if law == Law::ConsistentFilter {
+            return 1.0.into();
+        }
         let grade = GRADES.iter().find(|(known, ..)| *known == law);
         grade.map(|(_, _, rate)| rate * self.hours()).into()
     }
@@ -246,9 +256,9 @@ macro_rules! sizes {
     };
 }
 
-/// The columns of a solution except the swept keys, in the order of the file.
+/// The columns of a solution, with a filter or without, except the swept keys, in the order of the file.
 #[rustfmt::skip]
-pub(crate) fn columns<'a>(solution: Solution) -> Vec<ColumnOf<Row<'a>>> {
+pub(crate) fn columns<'a>(solution: Solution, has_filter: bool) -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     let mut columns = vec![
         Of::new("trials", Unit::NONE, "trials", |row| row.trials.into())
@@ -266,6 +276,9 @@ pub(crate) fn columns<'a>(solution: Solution) -> Vec<ColumnOf<Row<'a>>> {
                 .is(Role::Note, "The usual class for `cep_rate`: `strategic` up to 0.02 nmi/h, `navigation` up to 1 nmi/h, `tactical` up to 10 nmi/h, else `none`."),
         ]);
     }
+    if has_filter {
+        columns.extend(claims());
+    }
     let usual = if solution == Solution::Inertial { "position_q95" } else { "heading_q95" };
     let mark = |column: ColumnOf<Row<'a>>| if column.about.name == usual { column.usual(Usual::Estimate) } else { column };
     columns.into_iter().map(mark).collect()
@@ -273,6 +286,6 @@ pub(crate) fn columns<'a>(solution: Solution) -> Vec<ColumnOf<Row<'a>>> {
 
 /// All possible columns of such a study except the swept keys.
 pub(crate) fn described() -> Vec<About> {
-    let laws = LAWS.iter().map(|law| law.about());
-    abouts(&columns(Solution::Inertial)).into_iter().chain(laws).collect()
+    let laws = LAWS.iter().chain(&OF_FILTERS).map(|law| law.about());
+    abouts(&columns(Solution::Inertial, true)).into_iter().chain(laws).collect()
 }

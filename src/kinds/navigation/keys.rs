@@ -39,6 +39,10 @@ keys! {
     pub(crate) ALIGNMENT = "navigation.alignment", "time of alignment", DURATIONS, r#"alignment = "10 min""#;
     /// Whether the mean rates of the other gyros in the alignment are taken as their biases and removed; false if absent.
     pub(crate) CALIBRATION = "navigation.calibration", "", Holds::Flag, "calibration = true";
+    /// Path of the noise model of a Kalman filter, relative to the folder of the study, for "heading": a document of
+    /// `sagnac model --json` with one column. The filter finds the bias of the gyro in the alignment and predicts it from the
+    /// start on; calibration is that of a filter that knows white noise only.
+    pub(crate) FILTER = "navigation.filter", "filter", Holds::File, r#"filter = "model.json""#;
     /// Latitude at the start, for "inertial" and "gyrocompass": "60 deg".
     pub(crate) LATITUDE = "navigation.latitude", "latitude", LATITUDES, r#"latitude = "60 deg""#;
     /// Speed on a straight leg, for "inertial"; at rest if absent: "250 m/s".

@@ -6,7 +6,7 @@ use crate::chart::Source;
 use crate::chart::ground::Ground;
 use crate::kernel::navigation::VERSION;
 use crate::key::row::Key;
-use crate::kinds::navigation::columns::{self, LAWS};
+use crate::kinds::navigation::columns::{self, LAWS, OF_FILTERS};
 use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::run;
 use crate::kinds::navigation::{Navigation, keys, parts, read, sweepable};
@@ -26,7 +26,8 @@ pub(crate) static NAVIGATION: Kind = Kind {
     about: "Simulates records of the gyros of a navigator with the noise of [noise] and sums their increments with the weights \
             that follow from its error equations. points.csv has the error of the position over the ground after the time of \
             navigation, `position_cep` and `position_q95`, below which half and 95 % of the trials stay, in nautical miles, and \
-            likewise those of velocity, tilt and heading; for solution = \"heading\" and \"gyrocompass\" the heading alone.",
+            likewise those of velocity, tilt and heading; for solution = \"heading\" and \"gyrocompass\" the heading alone. With \
+            navigation.filter a Kalman filter keeps the heading, and the table has its consistency, `nees` and `within95`.",
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1000,
@@ -55,13 +56,14 @@ impl Subject for Navigation {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        let columns = abouts(&columns::columns(self.solution));
+        let columns = abouts(&columns::columns(self.solution, self.has_filter()));
         let limits: &[Dimension] = match self.solution {
             Solution::Inertial => &[Dimension::Distance, Dimension::Angle, Dimension::Speed],
             Solution::Heading | Solution::Gyrocompass => &[Dimension::Angle],
         };
         let laws = match self.solution {
             Solution::Inertial => &LAWS[..],
+            Solution::Heading if self.has_filter() => &OF_FILTERS[..],
             Solution::Heading | Solution::Gyrocompass => &[],
         };
         vec![Ground { laws, ..Ground::of(Source::Points, columns, [], limits) }]

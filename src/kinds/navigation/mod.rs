@@ -1,6 +1,8 @@
 //! Studies of navigation: the errors of heading, velocity and position that the noise of gyros leaves.
 
+pub(crate) mod claims;
 pub(crate) mod columns;
+pub(crate) mod filter;
 pub mod keys;
 pub(crate) mod kind;
 pub mod lower;
@@ -17,8 +19,8 @@ use crate::key::row::Key;
 use crate::key::sensitivity::{self, Uncertain};
 use crate::key::setting;
 use crate::kinds::navigation::keys::{
-    ALIGNMENT, CALIBRATION, COURSE, DRAWS, DURATION, LATITUDE, NAVIGATION, SAMPLE, SETTINGS, SOLUTION, SPEED,
-    Solution,
+    ALIGNMENT, CALIBRATION, COURSE, DRAWS, DURATION, FILTER, LATITUDE, NAVIGATION, SAMPLE, SETTINGS,
+    SOLUTION, SPEED, Solution,
 };
 use crate::noise::files::swept_files;
 use crate::noise::keys::FILE;
@@ -40,6 +42,13 @@ pub struct Navigation {
     pub points: Vec<Point>,
 }
 
+impl Navigation {
+    /// Whether a filter keeps the heading.
+    pub(crate) fn has_filter(&self) -> bool {
+        self.points.iter().any(|point| point.inputs.filter.is_some())
+    }
+}
+
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
     [keys::KEYS, noise::keys::KEYS].concat()
@@ -47,12 +56,12 @@ pub(crate) fn keys() -> Vec<&'static Key> {
 
 /// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
-    setting::keys(&SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE]).collect()
+    setting::keys(&SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE, &FILTER]).collect()
 }
 
 /// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
-    reading.note(&[&NAVIGATION]);
+    reading.note(&[&NAVIGATION, &FILTER]);
     let solution = Solution::of(reading.get(&SOLUTION));
     let calibrates = reading.get(&CALIBRATION).is_some_and(|given| given.flag());
     check_keys(reading, solution, calibrates)?;
@@ -61,6 +70,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
         duration_s: 0.0,
         alignment_s: 0.0,
         calibrates,
+        filter: filter::written(reading)?,
         latitude_arcsec: 0.0,
         speed_m_per_s: 0.0,
         course_arcsec: 0.0,
@@ -70,10 +80,12 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
     reading.set(&mut inputs, &SETTINGS)?;
     let WrittenNoise { noise, written } = noise::read::read(reading)?;
     let files = swept_files(reading, &written)?;
+    let filters = filter::swept(reading)?;
     let (draws, uncertain) = read_draws(reading)?;
     let base = point::Base {
         inputs: Inputs { noise, ..inputs },
         files,
+        filters,
         places: &reading.places,
         sweeps: reading.sweeps,
     };
@@ -88,9 +100,11 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
 /// Refuses a key without effect on the solution, and a missing one.
 fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result<(), Fault> {
     let (needed, unused): (&[&'static Key], &[&'static Key]) = match solution {
-        Solution::Inertial => (&[&DURATION, &LATITUDE], &[]),
+        Solution::Inertial => (&[&DURATION, &LATITUDE], &[&FILTER]),
         Solution::Heading => (&[&DURATION], &[&LATITUDE, &SPEED, &COURSE]),
-        Solution::Gyrocompass => (&[&ALIGNMENT, &LATITUDE], &[&DURATION, &CALIBRATION, &SPEED, &COURSE]),
+        Solution::Gyrocompass => {
+            (&[&ALIGNMENT, &LATITUDE], &[&DURATION, &CALIBRATION, &FILTER, &SPEED, &COURSE])
+        }
     };
     let name = solution.name();
     let is_given = |key: &'static Key| reading.get(key).is_some() || reading.sweep(key).is_some();
@@ -116,12 +130,27 @@ fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result
         _ => Ok(()),
     };
     no_effect(&COURSE, &SPEED, "give a speed as in speed = \"250 m/s\"")?;
-    if calibrates || solution != Solution::Heading {
+    if is_given(&FILTER) {
+        if let Some(given) = reading.get(&CALIBRATION) {
+            let message =
+                "navigation.calibration has no effect beside navigation.filter, which finds the bias itself";
+            return Err(given.fault(message, "no effect", "leave it out, or navigation.filter"));
+        }
+        if !is_given(&ALIGNMENT) {
+            let message = "navigation.filter finds the bias of the gyro in the alignment, and there is none";
+            let table = reading.table.span_of(&NAVIGATION).unwrap_or_default();
+            let help = "give a time as in alignment = \"10 min\", or leave navigation.filter out";
+            return Err(Fault::new(table, message, "without alignment", help));
+        }
+    } else if calibrates || solution != Solution::Heading {
         no_effect(&CALIBRATION, &ALIGNMENT, "give a time as in alignment = \"10 min\"")?;
     } else if let Some(given) = reading.get(&ALIGNMENT) {
-        let message =
-            "navigation.alignment of solution = \"heading\" is for a calibration, and there is none";
-        return Err(given.fault(message, "no effect", "write calibration = true too, or leave it out"));
+        let message = "navigation.alignment of solution = \"heading\" is for a calibration or a filter, and there is none";
+        return Err(given.fault(
+            message,
+            "no effect",
+            "write calibration = true too, or filter = \"model.json\", or leave it out",
+        ));
     }
     Ok(())
 }

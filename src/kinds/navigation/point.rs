@@ -2,23 +2,25 @@
 
 use crate::key::places::Places;
 use crate::key::setting::{self, Swept};
-use crate::key::sweep::{self, Sweep};
+use crate::key::sweep::{self, Sweep, selected};
 use crate::kinds::allan::lower::MOST_SAMPLES;
-use crate::kinds::navigation::keys::{SETTINGS, Solution};
+use crate::kinds::navigation::keys::{FILTER, SETTINGS, Solution};
 use crate::kinds::navigation::parts::Lack;
 use crate::noise::Noise;
-use crate::noise::files::selected;
-use crate::noise::keys::SETTINGS as NOISE_SETTINGS;
+use crate::noise::keys::{FILE, SETTINGS as NOISE_SETTINGS};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::allan::terms::Term;
 use crate::theory::navigation::equations::{ARCSEC, EARTH_RATE, Leg};
-use crate::theory::navigation::weights::{LONGEST_SAMPLE, Task, Times};
+use crate::theory::navigation::filter::{Model, filtered};
+use crate::theory::navigation::weights::{Gyro, LONGEST_SAMPLE, Task, Times, Weights, weights};
 
 /// Samples that a record has at least where the study gives no sampling time.
 const LEAST_SAMPLES: f64 = 2000.0;
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
+/// Most samples of the alignment of a filter, whose gains are in memory.
+const MOST_READINGS: usize = 1 << 22;
 /// Largest latitude that a leg may reach, ″: 88°.
 const MOST_LATITUDE: f64 = 316_800.0;
 
@@ -33,6 +35,8 @@ pub struct Inputs {
     pub alignment_s: f64,
     /// Whether the alignment calibrates the other gyros.
     pub calibrates: bool,
+    /// Noise model of the filter that keeps the heading; `None` without a filter.
+    pub filter: Option<Model>,
     /// Latitude at the start, ″.
     pub latitude_arcsec: f64,
     /// Speed on the leg, m/s.
@@ -98,6 +102,21 @@ impl Inputs {
         }
     }
 
+    /// The weights of the gyros in the errors.
+    pub(crate) fn weights(&self) -> Vec<Weights> {
+        match &self.filter {
+            Some(model) => {
+                vec![Weights { gyro: Gyro::Down, of_errors: vec![filtered(model, &self.times()).weights] }]
+            }
+            None => weights(&self.task(), &self.times()),
+        }
+    }
+
+    /// Standard deviation of the heading as claimed by the filter, ″.
+    pub fn claimed(&self) -> Option<f64> {
+        self.filter.as_ref().map(|model| libm::sqrt(filtered(model, &self.times()).variance))
+    }
+
     /// The inputs that determine the draws, as lines of text.
     pub(crate) fn canonical(&self) -> String {
         let Times { sample_s, alignment, duration, .. } = self.times();
@@ -121,6 +140,8 @@ pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,
     /// The noise of each file of a sweep over files, combined with the keys of the study.
     pub(crate) files: Vec<Noise>,
+    /// The noise model of each file of a sweep over filters.
+    pub(crate) filters: Vec<Model>,
     pub(crate) places: &'a Places,
     pub(crate) sweeps: &'a [Sweep],
 }
@@ -154,8 +175,11 @@ impl Base<'_> {
 
     fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        if let Some(noise) = selected(&self.files, self.sweeps, &swept) {
+        if let Some(noise) = selected(&self.files, &FILE, self.sweeps, &swept) {
             inputs.noise = noise.clone();
+        }
+        if let Some(model) = selected(&self.filters, &FILTER, self.sweeps, &swept) {
+            inputs.filter = Some(model.clone());
         }
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
@@ -202,6 +226,13 @@ impl Base<'_> {
                 "too short",
                 "give a longer alignment, or a shorter sample",
             );
+        }
+        if inputs.filter.is_some() && alignment > MOST_READINGS {
+            let message = format!("the filter reads {alignment} samples of {shown} s in the alignment");
+            let help =
+                format!("accepted: up to {MOST_READINGS}; give a shorter alignment, or a longer sample");
+            let names = ["navigation.alignment", "navigation.sample"];
+            return self.places.refuse(&names, message, "too many", help);
         }
         Ok(())
     }

@@ -22,6 +22,7 @@ pub fn navigator(solution: Solution, noise: Noise, duration_s: f64) -> Lowered {
         duration_s: if is_compass { 0.0 } else { duration_s },
         alignment_s: if is_compass { duration_s } else { 0.0 },
         calibrates: false,
+        filter: None,
         latitude_arcsec: 216_000.0,
         speed_m_per_s: 0.0,
         course_arcsec: 0.0,

@@ -64,6 +64,7 @@ pub mod part;
 pub mod process;
 pub mod quantiser;
 pub mod spectrum;
+pub(crate) mod steps;
 pub mod switching;
 pub mod terms;
 

@@ -3,7 +3,7 @@
 use crate::chart::{Chart, Source};
 use crate::drift::schedule::INTERVAL;
 use crate::filler::FILLERS;
-use crate::kinds::navigation::keys::ALIGNMENT;
+use crate::kinds::navigation::keys::{ALIGNMENT, FILTER};
 use crate::motion::keys::GYRO as SUSPENDED_GYRO;
 use crate::noise::keys::FILE as NOISE_FILE;
 use crate::quantity::list::listed;
@@ -42,8 +42,8 @@ const GIVEN: [&str; 14] = [
     "switching.gap_ticks",
 ];
 
-/// Keys of these between which a designer chooses: those that tell gyros apart, and the time of alignment.
-const CHOSEN: [&str; 3] = [SUSPENDED_GYRO.name, NOISE_FILE.name, ALIGNMENT.name];
+/// Keys of these between which a designer chooses: those that tell gyros or filters apart, and the time of alignment.
+const CHOSEN: [&str; 4] = [SUSPENDED_GYRO.name, NOISE_FILE.name, FILTER.name, ALIGNMENT.name];
 
 /// Whether a column is a condition or a requirement instead of a choice.
 pub(crate) fn is_given(column: &Column) -> bool {

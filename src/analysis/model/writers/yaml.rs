@@ -44,11 +44,23 @@ pub(super) static OPENVINS: Writer = Writer {
     },
 };
 
+/// Part of its variance at the longest τ that a walk may add to a model without one.
+const NEGLIGIBLE: f64 = 0.002;
+
+/// A walk that raises no deviation by more than 0.1 %: Kalibr refuses a walk of 0.
+fn least_walk(axes: &[Axis]) -> f64 {
+    let of_axis = |axis: &Axis| {
+        let [_, longest_s] = axis.column.target.taus();
+        libm::sqrt(3.0 * NEGLIGIBLE * axis.model.variance(longest_s) / longest_s)
+    };
+    axes.iter().map(of_axis).fold(f64::INFINITY, f64::min)
+}
+
 /// The keys of both sensors; those of a sensor without columns are comments.
 fn keys(sheet: &Sheet, indent: &str, topic: &str) -> String {
     let sensor = |axes: &[Axis], name: &str, unit: Unit, units: [&str; 2]| -> String {
         let size = si(unit);
-        let values = [largest(axes, |model| model.white), largest(axes, |model| model.walk)];
+        let values = [largest(axes, |model| model.white), largest(axes, |model| model.walk).max(least_walk(axes))];
         let keys = ["noise_density", "random_walk"].into_iter().zip(values).zip(units);
         let line = |((key, value), unit): ((&str, f64), &str)| match axes {
             [] => format!("#{indent}{name}_{key}:  # {unit}\n"),

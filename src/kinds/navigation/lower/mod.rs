@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! Inputs ─┬─ noise ─▶ allan::lower::Records ─▶ Recipe ─┐
-//!         └─ task ─▶ theory::navigation::weights ──────┴─▶ Navigation, one for each gyro and set of coefficients
+//!         └─ task ─▶ theory::navigation: weights or filter ─┴─▶ Navigation, one for each gyro and set of coefficients
 //! ```
 //!
 //! Words, weights and headroom: `docs/numerics.md`, "Errors of a navigator".
@@ -31,7 +31,7 @@ use crate::noise::keys::SETTINGS as NOISE_SETTINGS;
 use crate::store::Address;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::Estimator;
-use crate::theory::navigation::{Error, Gyro, Weights, weights};
+use crate::theory::navigation::{Error, Gyro, Weights};
 
 /// Roundings of the angle of a sample by less than one LSB each: angle, sine, quantisation noise, drift, fill residuals.
 const ROUNDINGS: f64 = 5.0;
@@ -70,8 +70,7 @@ impl Lowered {
     /// # Errors
     /// The noise cannot be represented; see [`Refusal`].
     pub fn new(point: &Point, study: &Navigation, seed: u64, streams: Streams) -> Result<Lowered, Refusal> {
-        let (task, times) = (point.inputs.task(), point.inputs.times());
-        let all = weights(&task, &times);
+        let all = point.inputs.weights();
         let scales = scales(&all);
         let mut gyros = Vec::new();
         for set in 0..study.draws {
@@ -82,7 +81,7 @@ impl Lowered {
                 gyros.push(asked.lower(weights.gyro, whole, &scales, seed, streams)?);
             }
         }
-        Ok(Lowered { errors: task.errors(), gyros, of_set: all.len() })
+        Ok(Lowered { errors: point.inputs.task().errors(), gyros, of_set: all.len() })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Running a study of navigation: records that the store lacks are made batch by batch, and then become errors.
 
+pub(crate) mod claim;
 pub(crate) mod sizes;
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,6 +13,7 @@ use crate::key::refusal::Refusal;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
+use crate::kinds::navigation::run::claim::Claim;
 use crate::kinds::navigation::run::sizes::Sizes;
 use crate::kinds::table::table;
 use crate::progress::Progress;
@@ -114,7 +116,9 @@ impl<'a> Plan<'a> {
     fn row(&self, point: usize, store: Option<&Store>) -> Result<Row<'a>, RunError> {
         let quantities = Quantity::of(self.navigation.solution);
         let of_point = &self.navigation.points[point];
-        let Some(store) = store else { return Ok(Row { point: of_point, trials: 0, sizes: vec![] }) };
+        let Some(store) = store else {
+            return Ok(Row { point: of_point, trials: 0, sizes: vec![], claim: None });
+        };
         let lowered = self.lowered(point)?;
         let errors = sampled(&lowered, store)?;
         let size = |quantity: &Quantity| {
@@ -124,8 +128,11 @@ impl<'a> Plan<'a> {
             let sizes = errors.chunks_exact(lowered.errors.len()).map(size).collect();
             Sizes::closed(&lowered.distributions(places), rounding).with(sizes)
         };
-        let sizes = quantities.par_iter().map(size).collect();
-        Ok(Row { point: of_point, trials: (errors.len() / lowered.errors.len()) as u64, sizes })
+        let sizes: Vec<Sizes> = quantities.par_iter().map(size).collect();
+        // A filter keeps the heading, which is its only error.
+        let claim = |sigma| Claim::of(sigma, &sizes[0], &lowered.distributions(&[0]), &errors);
+        let claim = of_point.inputs.claimed().map(claim);
+        Ok(Row { point: of_point, trials: (errors.len() / lowered.errors.len()) as u64, sizes, claim })
     }
 }
 
@@ -178,7 +185,7 @@ impl plan::Plan for Plan<'_> {
     fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
         let points = 0..self.navigation.points.len();
         let rows = points.map(|point| self.row(point, store)).collect::<Result<Vec<Row>, RunError>>()?;
-        let columns = columns(self.navigation.solution);
+        let columns = columns(self.navigation.solution, self.navigation.has_filter());
         let mut table = table(&self.study.sweeps, &columns, &rows, |row| &row.point.swept);
         let law = |law| rows.iter().map(|row| row.law(law)).collect();
         table.columns.extend(self.study.laws().into_iter().map(|drawn| drawn.about().with(law(drawn))));

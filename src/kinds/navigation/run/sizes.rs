@@ -104,7 +104,7 @@ mod tests {
         let half = found.half.unwrap();
         assert_eq!((half.value, half.low, half.high), (500.5, Some(469.0), Some(532.0)));
         let few = Sizes::default().with(vec![3.0, 1.0]);
-        assert_eq!((few.most.unwrap().low, few.most.unwrap().high), (Some(3.0), None));
+        assert_eq!((few.most.unwrap().low, few.most.unwrap().high), (Some(1.0), None));
         assert_eq!(Sizes::default().with(vec![]).rms, None);
     }
 }
