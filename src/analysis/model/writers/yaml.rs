@@ -60,7 +60,8 @@ fn least_walk(axes: &[Axis]) -> f64 {
 fn keys(sheet: &Sheet, indent: &str, topic: &str) -> String {
     let sensor = |axes: &[Axis], name: &str, unit: Unit, units: [&str; 2]| -> String {
         let size = si(unit);
-        let values = [largest(axes, |model| model.white), largest(axes, |model| model.walk).max(least_walk(axes))];
+        let values =
+            [largest(axes, |model| model.white), largest(axes, |model| model.walk).max(least_walk(axes))];
         let keys = ["noise_density", "random_walk"].into_iter().zip(values).zip(units);
         let line = |((key, value), unit): ((&str, f64), &str)| match axes {
             [] => format!("#{indent}{name}_{key}:  # {unit}\n"),
