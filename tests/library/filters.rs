@@ -145,7 +145,7 @@ fn weights_are_those_of_a_kalman_filter_that_runs_step_by_step() {
         assert!((error - expected).abs() < 1e-9 * size, "{model:?}: {error}, not {expected}");
         let claimed = kalman.p[0][0] + kalman.reading;
         assert!(
-            (found.variance / claimed - 1.0).abs() < 1e-7,
+            (found.variance / claimed - 1.0).abs() < 1e-9,
             "{model:?}: {}, not {claimed}",
             found.variance
         );
@@ -205,7 +205,7 @@ fn a_filter_that_knows_the_noise_is_consistent_and_one_that_does_not_is_too_sure
             assert!((mean - closed).abs() < 5.0 * se, "{duration_s} s: {mean} of {closed} with {se}");
             if is_right {
                 // Records hold their rates over each sample, a filter knows them in between.
-                assert!((closed - 1.0).abs() < 0.01, "{duration_s} s: {closed}");
+                assert!((closed - 1.0).abs() < 1e-5, "{duration_s} s: {closed}");
                 assert!((mean - 1.0).abs() < 5.0 * se, "{duration_s} s: {mean} with {se}");
             } else {
                 assert!(closed > 1.2, "{duration_s} s: {closed}");
