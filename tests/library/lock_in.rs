@@ -2,11 +2,12 @@
 
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::curve::Recorded;
+use sagnac::kernel::lock_in::LockIn;
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::lock_in::lower::Gyros;
 use sagnac::kinds::lock_in::verify::{checked, lowered, named_gyros};
-use sagnac::kinds::lock_in::{Dither, Inputs};
+use sagnac::kinds::lock_in::{Dither, Inputs, Readout};
 use sagnac::theory::allan::{Estimator, Stride};
 use sagnac::theory::lock_in::mean_rate;
 
@@ -175,24 +176,74 @@ fn randomised_dither_leaves_the_angle_random_walk_of_the_closed_form() {
 
 #[test]
 fn half_and_twice_the_steps_move_no_estimate_by_its_standard_error() {
-    let dithered = checked();
-    let still = Inputs { dither: None, rate: 250.0, beam_noise: 0.05, ..checked() };
-    let strong = Inputs { threshold: 700.0, rate: -523.0, ..checked() };
-    for inputs in [dithered, still, strong] {
+    let with = |threshold: f64, rate: f64, change: fn(&mut Dither)| {
+        let mut inputs = Inputs { threshold, rate, ..checked() };
+        inputs.dither.as_mut().into_iter().for_each(change);
+        inputs
+    };
+    let gyros = [
+        ("checked", checked(), 128),
+        ("no dither", Inputs { dither: None, rate: 250.0, beam_noise: 0.05, ..checked() }, 32),
+        ("strong", with(700.0, -523.0, |_| ()), 64),
+        (
+            "large noise",
+            with(20.0, 37.0, |dither| (dither.rate, dither.amplitude_noise) = (24_000.0, 0.1)),
+            64,
+        ),
+        ("phase noise", with(180.0, 37.0, |dither| dither.phase_noise = 7200.0), 64),
+        (
+            "walk",
+            with(180.0, 37.0, |dither| (dither.amplitude_noise, dither.amplitude_walk) = (0.005, 0.002)),
+            64,
+        ),
+    ];
+    for (name, inputs, count) in gyros {
         let of = |refinement: f64| {
-            let gyros = lowered(&Inputs { refinement, ..inputs.clone() }, 1, 2000, THINNED);
-            let sample_s = inputs.dither.as_ref().map_or(0.01, |dither| 1.0 / dither.frequency_hz);
-            [walk(&gyros, 32, 4, sample_s), rate(&gyros, 32)]
+            estimates(&lowered(&Inputs { refinement, ..inputs.clone() }, 1, 2000, THINNED), count)
         };
         let whole = of(1.0);
         for refinement in [0.5, 2.0] {
-            for ([found, _], [before, se]) in of(refinement).into_iter().zip(whole) {
-                assert!(
-                    (found - before).abs() < se,
-                    "{refinement}: {found} instead of {before} ± {se}, {inputs:?}"
-                );
-            }
+            let moved: Vec<f64> = of(refinement)
+                .iter()
+                .zip(&whole)
+                .map(|([found, _], [before, se])| (found - before) / se)
+                .collect();
+            println!("{name}, {refinement}: moved by {moved:.3?} standard errors");
+            assert!(moved.iter().all(|moved| moved.abs() < 1.0), "{name}, {refinement}: {moved:?}");
         }
+    }
+}
+
+/// The variance at each averaging time and the mean output rate of some gyros, each with its standard error.
+fn estimates(gyros: &Gyros, count: usize) -> Vec<[f64; 2]> {
+    let values = cpu().sums(gyros.recipe(), 0, count, &|_| {});
+    let of_gyros: Vec<Vec<f64>> = values
+        .chunks_exact(gyros.recipe().values())
+        .map(|values| [gyros.variances(values), vec![gyros.mean_rate(values)]].concat())
+        .collect();
+    (0..of_gyros[0].len()).map(|at| mean(&of_gyros.iter().map(|gyro| gyro[at]).collect::<Vec<_>>())).collect()
+}
+
+#[test]
+fn at_whole_periods_every_readout_has_the_angle_without_the_dither() {
+    let of = |readout: Readout| {
+        let mut inputs = checked();
+        inputs.dither.as_mut().into_iter().for_each(|dither| {
+            (dither.readout, dither.phase_noise, dither.rate) = (readout, 1800.0, 90_000.0)
+        });
+        lowered(&inputs, 3, 500, THINNED)
+    };
+    let stripped = of(Readout::Stripped);
+    for readout in [Readout::Dithered, Readout::Demodulated] {
+        let other = of(readout);
+        // The same draws.
+        let recipe = LockIn { key: stripped.recipe().key, ..other.recipe().clone() };
+        let angles = stripped.recipe().trace(5).angles.into_iter().zip(recipe.trace(5).angles);
+        let [fine, coarse] = [&stripped, &other].map(Gyros::lsb_arcsec);
+        let apart = |(a, b): (i32, i32)| (f64::from(a) * fine - f64::from(b) * coarse).abs();
+        let most = angles.map(apart).fold(0.0, f64::max);
+        assert!(most <= 2.0 * coarse, "{readout:?}: {most} arcsec apart, and the unit is {coarse}");
+        assert!(coarse < 1e-3 && stripped.recipe().trace(5).angles.iter().any(|angle| *angle != 0));
     }
 }
 

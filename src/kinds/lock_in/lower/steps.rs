@@ -2,11 +2,12 @@
 //!
 //! The midpoint rule with n steps in a period of the dither replaces the lock-in of zone k, J_k(Θ), by Σ J_{k+mn}(Θ) over all whole m,
 //! because the samples of an angle that turns n times more look the same. J_ν(Θ) falls faster than any exponential once ν exceeds Θ:
-//! it is below 10^−9 for ν = Θ + 8 Θ^{1/3}. Where the amplitude changes, at the zero crossings, a sum of samples differs from the
-//! integral by up to its next term, which n ≥ 2.2 Θ keeps below 10^−4 of a jump at a reversal. The explicit step of the lock-in
-//! itself errs by π²c² of c. `docs/numerics.md` has the derivations.
+//! it is below 10^−9 for ν = Θ + 8 Θ^{1/3}. The steps of a period tell the largest amplitude from its alias by that bound, and half of
+//! them that of nearly every half-cycle, so that an integration with half the steps shows the error of this one. Where the amplitude
+//! changes, at the zero crossings, a sum of samples differs from the integral by up to its next term, which n ≥ 2.2 Θ keeps below
+//! 10^−4 of a jump at a reversal. The explicit step of the lock-in itself errs by π²c² of c. `docs/numerics.md` has the derivations.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 
 use crate::kernel::lock_in::ROUND;
 use crate::kernel::normal::REACH;
@@ -16,10 +17,12 @@ use crate::kinds::lock_in::motion;
 use crate::kinds::lock_in::point::Times;
 use crate::kinds::lock_in::{Dither, Inputs};
 
-/// Fewest steps of a period for each radian of the dither: half of them would still do.
+/// Fewest steps of a period for each radian of the dither.
 const STEPS_PER_RADIAN: f64 = 2.2;
 /// Multiples of Θ^{1/3} by which the steps exceed Θ.
 const TAIL: f64 = 8.0;
+/// Standard deviations of Θ that half of the steps must still tell from an alias: all but one of 30,000 half-cycles.
+const USUAL: f64 = 4.0;
 /// Fewest steps of a period.
 const LEAST: f64 = 64.0;
 /// Most lock-in of a step, in radians of the beat phase, with dither.
@@ -32,6 +35,8 @@ const MOST_ROUNDS: u64 = 880;
 const STATIC_HALF: f64 = 8.0;
 /// Time over which the largest rate of a profile is measured, s.
 const MEASURED_S: f64 = 0.001;
+/// ″ of half a turn of the dither's phase.
+const HALF_TURN: f64 = 648_000.0;
 /// Most steps of a record.
 const MOST_STEPS: f64 = 1e12;
 
@@ -72,11 +77,15 @@ impl Steps {
 fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Refusal> {
     let period = dither.frequency_hz * inputs.scale_factor;
     let nominal = dither.rate / period;
-    let theta = nominal * largest(dither, times);
     let beats = most_rate(inputs, times) / period;
-    let tail = theta + TAIL * libm::cbrt(theta) + beats;
+    let beyond = |theta: f64| theta + TAIL * libm::cbrt(theta) + beats;
+    // The phase at a reversal changes the rate at the zero crossings as the amplitude does.
+    let phase_noise = PI * dither.phase_noise / HALF_TURN;
+    let theta = nominal * largest(dither, times) * (1.0 + REACH * phase_noise);
+    let spread = libm::hypot(dither.spread(times.length_s()), phase_noise);
+    let told = libm::fmax(beyond(theta), 2.0 * beyond(nominal * (1.0 + USUAL * spread)));
     let kick = TAU * inputs.threshold / (period * MOST_KICK);
-    let least = libm::fmax(libm::fmax(STEPS_PER_RADIAN * nominal, tail), libm::fmax(kick, LEAST));
+    let least = libm::fmax(libm::fmax(STEPS_PER_RADIAN * nominal, told), libm::fmax(kick, LEAST));
     let half = libm::ceil(inputs.refinement * least / (2 * ROUND) as f64);
     if 2.0 * half > MOST_ROUNDS as f64 {
         let found = format!(
