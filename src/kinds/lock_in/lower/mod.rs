@@ -49,7 +49,12 @@ impl Gyros {
             times.samples,
             inputs.canonical()
         );
-        let (id, key) = identity("lock-in", seed, streams, &text);
+        let (of_draws, key) = identity("lock-in", seed, streams, &text);
+        // Other steps take the same draws, but are another point.
+        let id = match inputs.refinement {
+            1.0 => of_draws,
+            other => identity("lock-in", seed, streams, &format!("{text}refinement={other:.11e}\n")).0,
+        };
         let ms: Vec<u64> = times.ms.iter().map(|m| m * steps.division).collect();
         let samples = times.samples * steps.division;
         let (levels, places) = levels(estimator, &ms);
