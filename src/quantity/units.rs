@@ -64,6 +64,9 @@ dimensions! {
     /// = 1/60 °/√h.
     AngleRandomWalk: [2, -1, 0], "an angle random walk",
         "deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", r#""0.003 deg/sqrt(h)""#, DEG_PER_SQRT_H;
+    /// An angle random walk of short records, in ″/√s.
+    ShortAngleRandomWalk: [2, -1, 0], "an angle random walk",
+        "arcsec/sqrt(s), deg/sqrt(h), deg/√h, deg/h/sqrt(Hz)", r#""0.17 arcsec/sqrt(s)""#, ARCSEC_PER_RT_S;
     /// An angular acceleration, in ″/s².
     AngularAcceleration: [2, -4, 0], "an angular acceleration",
         "arcsec/s^2, deg/s^2, rad/s^2, deg/h/h", r#""100 deg/s^2""#, ARCSEC_PER_S2;

@@ -42,6 +42,19 @@ impl Row<'_> {
         Some(0.5 * se? * libm::sqrt(self.tau_s() / variance)).filter(|se| se.is_finite())
     }
 
+    /// N over its closed form for a randomised dither, whose premises need not hold, with its 95 % interval.
+    fn walk_ratio(&self) -> Option<(f64, Option<(f64, f64)>)> {
+        let inputs = &self.point.inputs;
+        let closed = libm::hypot(inputs.gyro()?.angle_random_walk(), inputs.beam_noise);
+        let ends = self.walk_interval().map(|(low, high)| (low / closed, high / closed));
+        Some((self.walk()? / closed, ends))
+    }
+
+    fn walk_interval(&self) -> Option<(f64, f64)> {
+        let (walk, se) = (self.walk()?, self.walk_se()?);
+        Some((walk - NORMAL_95 * se, walk + NORMAL_95 * se))
+    }
+
     fn z(&self) -> Option<f64> {
         z_score(self.walk()?, self.oracle?, self.walk_se()?, self.rounding)
     }
@@ -84,10 +97,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("angle_random_walk", Unit::ARCSEC_PER_RT_S, "angle random walk N", |row| row.walk().into())
             .is(Role::Error, "Angle random walk N = σ√τ, ″/√s, from the variance of the increments of the angle over τ.")
             .usual(Usual::Estimate)
-            .within(|row| {
-                let (walk, se) = (row.walk()?, row.walk_se()?);
-                Some((walk - NORMAL_95 * se, walk + NORMAL_95 * se))
-            }),
+            .within(Row::walk_interval),
         Of::new("angle_random_walk_se", Unit::ARCSEC_PER_RT_S, "standard error of N", |row| row.walk_se().into())
             .is_of("angle_random_walk", Role::StandardError, "Standard error (1 σ) of `angle_random_walk` over the gyros, ″/√s."),
         Of::new("oracle_angle_random_walk", Unit::ARCSEC_PER_RT_S, "N (closed form)", |row| row.oracle.into())
@@ -124,5 +134,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Coordinate, "Θ = Ω_D/(f_d q), amplitude of the dither in radians of the beat phase; blank without dither."),
         Of::new("steps_per_second", Unit::HZ, "steps of the integration", |row| row.step_s.map(|step_s| 1.0 / step_s).into())
             .is(Role::Count, "Steps of the integration in a second."),
+        Of::new("walk_ratio", Unit::NONE, "N over its closed form", |row| row.walk_ratio().map(|ratio| ratio.0).into())
+            .is(Role::Estimate, "`angle_random_walk` over Ω_L√(q/2πΩ_D), with the noise of the beam, also where the premises of that closed form fail; blank without dither.")
+            .within(|row| row.walk_ratio()?.1),
     ]
 }

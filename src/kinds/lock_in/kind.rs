@@ -56,7 +56,7 @@ impl Subject for LockInStudy {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        let limits = &[Dimension::AngleRandomWalk, Dimension::Rate];
+        let limits = &[Dimension::ShortAngleRandomWalk, Dimension::Rate];
         vec![
             Ground::of(Source::Points, abouts(&columns::columns()), [], limits),
             coefficients(self.terms.as_ref()),
