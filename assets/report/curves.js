@@ -261,7 +261,7 @@ class Curves {
       return element("tr", { class: series === found.series ? "first" : null },
         element("td", {}, element("i", { class: `swatch c${series.colour % 8}` })),
         element("td", {}, this.name(series) || this.y.label),
-        element("td", {}, value, element("small", {}, band, law ? ` ${this.figure.lines || "closed form"}: ${significant(law[1])}` : "")));
+        element("td", {}, value, element("small", {}, band, law && Number.isFinite(law[1]) ? ` ${this.figure.lines || "closed form"}: ${significant(law[1])}` : "")));
     });
     const more = rows.length > shown.length ? element("p", {}, `and ${rows.length - shown.length} more`) : null;
     return [element("p", { class: "at" }, axisValue(this.x, x), key === undefined ? "" : ` (${axisValue(this.figure.key, key)})`), element("table", {}, ...lines), more].filter(Boolean);

@@ -85,7 +85,8 @@ pub(crate) fn near(a: f64, b: f64) -> bool {
 
 /// Whether two curves are identical to the nine digits that files show. Curves without points are not compared.
 fn same_curve(a: &Series, b: &Series) -> bool {
-    let near_pair = |a: (f64, f64), b: (f64, f64)| near(a.0, b.0) && near(a.1, b.1);
+    let near_pair =
+        |a: (f64, f64), b: (f64, f64)| near(a.0, b.0) && (near(a.1, b.1) || (a.1.is_nan() && b.1.is_nan()));
     let same_band = |a: Option<(f64, f64)>, b: Option<(f64, f64)>| match (a, b) {
         (Some(a), Some(b)) => near_pair(a, b),
         (a, b) => a.is_none() && b.is_none(),

@@ -107,8 +107,8 @@ pub struct Series {
     pub dash: usize,
     /// Points by rising x.
     pub points: Vec<SeriesPoint>,
-    /// The closed form of the same quantity, a thin line under the points. Lines join the points of a series that has
-    /// none.
+    /// The closed form of the same quantity, a thin line under the points, interrupted where its value is NaN. Lines join the
+    /// points of a series that has none.
     pub law: Vec<(f64, f64)>,
 }
 

@@ -82,7 +82,7 @@ impl Figure {
             };
             let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
             notes.blank += all - points.len();
-            let law = oracle.map_or(vec![], |oracle| along(oracle, rows, place));
+            let law = oracle.map_or(vec![], |oracle| with_gaps(oracle, rows, place));
             figure.series.push(Series { colour: *colour, dash: *dash, points, law });
         }
         // In the order of the legend.
@@ -194,6 +194,17 @@ fn name(cell: &Cell) -> String {
 pub(crate) fn style(grouping: &Grouping, cell: &Cell) -> usize {
     let name = name(cell);
     grouping.entries.iter().find(|entry| entry.name == name).map_or(0, |entry| entry.style)
+}
+
+/// The values of a column over the places of some rows, from the first to the last row that has one; NaN where one between has
+/// none.
+fn with_gaps(column: &Column, rows: &[usize], place: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)> {
+    let has = |row: &usize| column.cells[*row].number().is_some();
+    let Some((first, last)) = rows.iter().position(has).zip(rows.iter().rposition(has)) else {
+        return vec![];
+    };
+    let value = |row: usize| column.cells[row].number().unwrap_or(f64::NAN);
+    rows[first..=last].iter().filter_map(|&row| Some((place(row)?, value(row)))).collect()
 }
 
 /// The values of a column over the places of some rows.

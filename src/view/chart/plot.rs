@@ -148,6 +148,14 @@ impl Plot<'_> {
             }
         } else if series.has_law() {
             self.draw_line(canvas, &series.law, Stroke { colour, width: 1.3, dash });
+            // A value without neighbours is a short line of its own.
+            let shown = |place: &(f64, f64)| self.figure.shows(*place);
+            let runs = series.law.chunk_by(|a, b| shown(a) && shown(b));
+            for place in runs.filter(|run| run.len() == 1 && shown(&run[0])).flatten() {
+                let (x, y) = self.area.place(*place);
+                canvas
+                    .line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], Stroke { colour, width: 1.3, dash: "" });
+            }
         } else {
             let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();
             self.draw_line(canvas, &places, Stroke { colour, width: 1.8, dash });

@@ -190,3 +190,28 @@ fn limits_and_laws_are_drawn_on_angles_only() {
     assert_eq!(error, "`frequency` is in Hz, a law in arcsec cannot be drawn on it");
     assert!(Figure::from_table(&table(), &Chart { limit: None, ..frequency }).is_ok());
 }
+
+#[test]
+fn the_closed_form_has_a_gap_where_rows_have_none() {
+    let mut table = table();
+    let blank = |row: usize, at: f64| table.columns[2].cells[row] == Cell::Number(at);
+    let kept = |gap: f64| {
+        let cell = |row| if blank(row, gap) { Cell::Blank } else { table.columns[4].cells[row].clone() };
+        (0..table.rows()).map(cell).collect::<Vec<Cell>>()
+    };
+    let [between, end] = [2.0, 3.0].map(kept);
+    let mut law = |cells: Vec<Cell>| {
+        table.columns[4].cells = cells.into();
+        let (figure, notes) = Figure::from_table(&table, &spec()).unwrap();
+        // The gaps of "copy" are those of "const".
+        assert_eq!(
+            (figure.series[0].points.len(), notes.blank, &*notes.merged),
+            (3, 0, &["const = copy".to_owned()][..])
+        );
+        figure.series[0].law.clone()
+    };
+    let law_between = law(between);
+    assert_eq!([law_between[0], law_between[2]], [(1.0, 1.01 * 2.0), (3.0, 1.01 * 6.0)]);
+    assert!(law_between[1].0 == 2.0 && law_between[1].1.is_nan());
+    assert_eq!(law(end), [(1.0, 1.01 * 2.0), (2.0, 1.01 * 4.0)]);
+}
