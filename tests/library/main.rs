@@ -33,6 +33,7 @@ mod imports;
 mod keys;
 mod lock_in;
 mod lock_in_integrator;
+mod lock_in_studies;
 mod log_formats;
 mod lowering;
 mod motions;
