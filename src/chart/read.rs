@@ -299,14 +299,7 @@ fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     }
     let limit = given.read(&unlimited(ground.limits))?;
     if limit.value > 0.0 {
-        let (value, unit) = (limit.shown(), limit.dimension.unit());
-        let has = |unit: Unit| ground.columns.iter().any(|column| column.unit == unit);
-        // Short records have their angle random walk in arcsec/√s.
-        let is_short = unit == Unit::DEG_PER_SQRT_H && !has(unit) && has(Unit::ARCSEC_PER_RT_S);
-        return Ok(match is_short {
-            true => Limit { value: 60.0 * value, unit: Unit::ARCSEC_PER_RT_S },
-            false => Limit { value, unit },
-        });
+        return Ok(Limit { value: limit.shown(), unit: limit.dimension.unit() });
     }
     let message = format!("{} = {limit}, but no error stays within that", given.key.name);
     let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
