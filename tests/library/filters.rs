@@ -176,7 +176,7 @@ fn kept(filter: Model, noise: Noise, duration_s: f64) -> (Lowered, f64) {
         noise,
     };
     let sigma = inputs.claimed().unwrap();
-    let point = Point { swept: vec![], inputs };
+    let point = Point { swept: vec![], inputs, lack: None };
     let study = Navigation { solution: Solution::Heading, draws: 1, uncertain: vec![], points: vec![] };
     (Lowered::new(&point, &study, 1, Streams::Independent).unwrap(), sigma)
 }
