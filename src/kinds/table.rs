@@ -1,5 +1,7 @@
 //! The tables of studies: swept keys, then the columns of the kind.
 
+use rayon::prelude::*;
+
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::table::cells::Growing;
@@ -43,7 +45,8 @@ pub(crate) fn appended<E>(tables: impl Iterator<Item = Result<Table, E>>) -> Res
             all = table.columns.iter().map(|column| (bare(column), Growing::default())).collect();
         }
         let more = table.rows();
-        for ((whole, cells), column) in all.iter_mut().zip(table.columns) {
+        // Looking up which cells of a long column are known takes as long as making them.
+        all.par_iter_mut().zip(table.columns).for_each(|((whole, cells), column)| {
             cells.extend(column.cells.iter().cloned());
             if let Some((band, own)) = whole.band.as_mut().zip(column.band)
                 && (!band.is_empty() || own.iter().any(Option::is_some))
@@ -51,7 +54,7 @@ pub(crate) fn appended<E>(tables: impl Iterator<Item = Result<Table, E>>) -> Res
                 band.resize(rows, None);
                 band.extend(own);
             }
-        }
+        });
         rows += more;
     }
     let columns = all.into_iter().map(|(column, cells)| Column { cells: cells.into_cells(), ..column });

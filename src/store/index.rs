@@ -1,6 +1,6 @@
 //! The trials that a store holds of each tally.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 use crate::store::row::NO_BLOCK;
@@ -12,8 +12,10 @@ use crate::tally::id::Id;
 #[derive(Debug)]
 pub struct Index {
     path: PathBuf,
-    /// Digests of parameters and blocks, by point and estimate.
-    held: HashMap<(Id, Id), (Id, Vec<Block>)>,
+    /// The address of each tally, by point and estimate, with the place behind its last block.
+    held: Vec<(Address, usize)>,
+    /// The blocks of all tallies, one tally after the other.
+    blocks: Vec<Block>,
 }
 
 impl Store {
@@ -23,18 +25,28 @@ impl Store {
     /// # Errors
     /// A key is invalid, rows of a tally were computed from different parameters, or the disk fails.
     pub fn index(&self) -> Result<Index, StoreError> {
-        let mut index = Index { path: self.path.clone(), held: HashMap::new() };
-        for (address, block) in self.keep.keys()? {
+        let mut keys = self.keep.keys()?;
+        // A database gives them in this order already, and a stable sort then takes one look at each.
+        keys.sort_by_key(|(address, _)| (address.point, address.estimate));
+        let mut index =
+            Index { path: self.path.clone(), held: Vec::new(), blocks: Vec::with_capacity(keys.len()) };
+        for (address, block) in keys {
             let Address { point, estimate, digest } = address;
             if !block.is_aligned() {
                 let (path, first) = (index.path, block.first);
                 return Err(StoreError::DamagedRow { path, point, estimate, first, what: NO_BLOCK });
             }
-            let (known, blocks) = index.held.entry((point, estimate)).or_insert((digest, vec![]));
-            if *known != digest {
-                return Err(index.disagrees(&address, block));
+            index.blocks.push(block);
+            let end = index.blocks.len();
+            match index.held.last_mut() {
+                Some((last, behind)) if (last.point, last.estimate) == (point, estimate) => {
+                    if last.digest != digest {
+                        return Err(index.disagrees(&address, block));
+                    }
+                    *behind = end;
+                }
+                _ => index.held.push((address, end)),
             }
-            blocks.push(block);
         }
         Ok(index)
     }
@@ -43,7 +55,7 @@ impl Store {
 impl Index {
     /// The points of which rows are held.
     pub fn points(&self) -> HashSet<Id> {
-        self.held.keys().map(|(point, _)| *point).collect()
+        self.held.iter().map(|(address, _)| address.point).collect()
     }
 
     /// The blocks held of a tally, as written.
@@ -51,11 +63,14 @@ impl Index {
     /// # Errors
     /// They were computed from other parameters.
     pub fn blocks(&self, address: &Address) -> Result<&[Block], StoreError> {
-        match self.held.get(&(address.point, address.estimate)) {
-            None => Ok(&[]),
-            Some((digest, blocks)) if *digest == address.digest => Ok(blocks),
-            Some((_, blocks)) => Err(self.disagrees(address, blocks[0])),
-        }
+        let key = (address.point, address.estimate);
+        let Ok(place) = self.held.binary_search_by_key(&key, |(own, _)| (own.point, own.estimate)) else {
+            return Ok(&[]);
+        };
+        let start = place.checked_sub(1).map_or(0, |before| self.held[before].1);
+        let (own, end) = &self.held[place];
+        let blocks = &self.blocks[start..*end];
+        if own.digest == address.digest { Ok(blocks) } else { Err(self.disagrees(address, blocks[0])) }
     }
 
     /// The number of trials held of a tally, if they are its first ones.

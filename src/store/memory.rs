@@ -54,8 +54,9 @@ impl Keep for Memory {
         Ok(added.len() as u64)
     }
 
-    fn rows(&self, address: &Address) -> Result<Vec<Raw>, StoreError> {
-        Ok(self.rows.get(&(address.point, address.estimate)).cloned().unwrap_or_default())
+    fn rows(&self, addresses: &[Address]) -> Result<Vec<Vec<Raw>>, StoreError> {
+        let of = |address: &Address| self.rows.get(&(address.point, address.estimate)).cloned();
+        Ok(addresses.iter().map(|address| of(address).unwrap_or_default()).collect())
     }
 
     fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {

@@ -185,8 +185,8 @@ trait Keep: std::fmt::Debug + Send {
     /// where it is given. Returns the number of new rows.
     fn insert(&mut self, rows: &[Raw], so_far: Option<&Provenance>, from: &Path) -> Result<u64, StoreError>;
 
-    /// The rows of a tally, without any check.
-    fn rows(&self, address: &Address) -> Result<Vec<Raw>, StoreError>;
+    /// The rows of each of some tallies, without any check.
+    fn rows(&self, addresses: &[Address]) -> Result<Vec<Vec<Raw>>, StoreError>;
 
     /// The trials held of each tally.
     fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError>;
@@ -203,7 +203,7 @@ trait Keep: std::fmt::Debug + Send {
 
 /// Tallies whose rows are read at once, while as many others are added up. Rows of many trials have some 2 KiB, and a
 /// tally may have fifty rows.
-const READ_AT_ONCE: usize = 1024;
+const READ_AT_ONCE: usize = 256;
 
 impl Store {
     /// A store in memory, for a run whose results are used at once.
@@ -271,7 +271,8 @@ impl Store {
     /// # Errors
     /// It fails where [`Store::total`] does.
     pub fn total_within(&self, address: &Address, trials: u64) -> Result<Moments, StoreError> {
-        added_up(&self.held(address, trials)?, &self.path)
+        let held = self.held(std::slice::from_ref(address), trials)?;
+        added_up(&held.into_iter().flatten().collect::<Vec<_>>(), &self.path)
     }
 
     /// Applies `of` to the tallies of several addresses, each given with its index, and returns the results in that
@@ -287,6 +288,8 @@ impl Store {
         let mut all = Vec::with_capacity(addresses.len());
         let mut read: Vec<Vec<Raw>> = Vec::new();
         let path = self.path.as_path();
+        // Held to the end: otherwise SQLite begins and ends a transaction for each address.
+        let _reading = self.keep.database().map(Database::reading).transpose()?;
         // The empty chunk at the end lets the last tallies be added up when nothing is left to read.
         for addresses in addresses.chunks(READ_AT_ONCE).chain([&[][..]]) {
             let (first, mut made) = (all.len(), Ok(vec![]));
@@ -295,8 +298,7 @@ impl Store {
                     let one = |(at, rows): (usize, &Vec<Raw>)| Ok(of(first + at, &added_up(rows, path)?));
                     made = read.par_iter().enumerate().map(one).collect();
                 });
-                let held = addresses.iter().map(|address| self.held(address, u64::MAX));
-                held.collect::<Result<_, StoreError>>()
+                self.held(addresses, u64::MAX)
             });
             all.append(&mut made?);
             read = next?;
@@ -313,23 +315,27 @@ impl Store {
             rows if rows.width == width => Ok(rows),
             _ => Err(raw.damaged(&self.path, "its rows are of another width")),
         };
-        self.held(address, u64::MAX)?.into_iter().map(rows).collect()
+        let held = self.held(std::slice::from_ref(address), u64::MAX)?;
+        held.into_iter().flatten().map(rows).collect()
     }
 
-    /// The rows that lie within the first `trials` trials, none of them twice, in order. Each is checked for damage and
-    /// for the right parameters.
-    fn held(&self, address: &Address, trials: u64) -> Result<Vec<Raw>, StoreError> {
-        let mut held = Vec::new();
-        for raw in self.keep.rows(address)? {
-            let raw = raw.sound(&self.path)?;
-            if raw.address.digest != address.digest {
-                return Err(raw.disagrees(&self.path));
+    /// The rows of each tally that lie within the first `trials` trials, none of them twice, in order. Each is checked
+    /// for damage and for the right parameters.
+    fn held(&self, addresses: &[Address], trials: u64) -> Result<Vec<Vec<Raw>>, StoreError> {
+        let sound = |(address, rows): (&Address, Vec<Raw>)| -> Result<Vec<Raw>, StoreError> {
+            let mut held = Vec::with_capacity(rows.len());
+            for raw in rows {
+                let raw = raw.sound(&self.path)?;
+                if raw.address.digest != address.digest {
+                    return Err(raw.disagrees(&self.path));
+                }
+                if raw.block.end() <= trials {
+                    held.push((raw.block, raw));
+                }
             }
-            if raw.block.end() <= trials {
-                held.push((raw.block, raw));
-            }
-        }
-        Ok(fold(held).into_iter().map(|(_, raw)| raw).collect())
+            Ok(fold(held).into_iter().map(|(_, raw)| raw).collect())
+        };
+        addresses.iter().zip(self.keep.rows(addresses)?).map(sound).collect()
     }
 
     /// The devices that computed the rows, each once with all its trials and seconds, the one with the most trials

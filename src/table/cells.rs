@@ -185,6 +185,15 @@ fn bits(cell: &Cell) -> (u8, u64) {
     }
 }
 
+/// Whether two cells have the same place: 0 and −0 have different ones.
+fn is_same(one: &Cell, other: &Cell) -> bool {
+    match (one, other) {
+        (Cell::Text(one), Cell::Text(other)) => one == other,
+        (Cell::Text(_), _) | (_, Cell::Text(_)) => false,
+        (one, other) => bits(one) == bits(other),
+    }
+}
+
 impl Growing {
     pub(crate) fn into_cells(self) -> Cells {
         self.cells
@@ -199,7 +208,9 @@ impl Growing {
                 }
             }
             Held::Coded { values, codes } => {
-                let place = self.places.get(&cell).or_else(|| {
+                // Neighbouring rows often share a cell.
+                let last = codes.last().copied().filter(|&last| is_same(&values[usize::from(last)], &cell));
+                let place = last.or_else(|| self.places.get(&cell)).or_else(|| {
                     let new = u16::try_from(values.len()).ok().filter(|_| values.len() < MOST_VALUES)?;
                     self.places.insert(&cell, new);
                     values.push(cell.clone());

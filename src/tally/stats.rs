@@ -50,7 +50,8 @@ impl Estimates {
         let rms = libm::sqrt(second);
         let max = f64::from(tally.least.unsigned_abs().max(tally.greatest.unsigned_abs()));
         let edges = Edges { base: bin_base, max };
-        let rms_se = variance_of_square(tally, edges).filter(|_| tally.count > 1).map(|variance| {
+        let filled = filled(tally);
+        let rms_se = variance_of_square(tally, &filled, edges).filter(|_| tally.count > 1).map(|variance| {
             // Where every error is 0, so is the variance.
             if variance == 0.0 { 0.0 } else { libm::sqrt(variance / n) / (2.0 * rms) }
         });
@@ -59,7 +60,7 @@ impl Estimates {
             rms: rms * scale,
             rms_se: rms_se.map(|se| se * scale),
             max: max * scale,
-            q9973: quantile(tally, edges).map(|q| Quantile {
+            q9973: quantile(tally.count, &filled, edges).map(|q| Quantile {
                 value: q.value * scale,
                 low: q.low.map(|x| x * scale),
                 high: q.high.map(|x| x * scale),
@@ -109,7 +110,7 @@ fn mean_and_variance(tally: &Moments) -> (f64, f64) {
 ///
 /// `None` without a histogram where one is needed, where its bins give no variance although there is some, and where
 /// too much of the variance may come from errors beyond them.
-fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
+fn variance_of_square(tally: &Moments, filled: &[Filled], edges: Edges) -> Option<f64> {
     let (mean, variance) = mean_and_variance(tally);
     let mean = mean.abs();
     if variance == 0.0 {
@@ -122,16 +123,16 @@ fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
     }
     let result = if tally.least < 0 && tally.greatest > 0 {
         let second = tally.square as f64 / tally.count as f64;
-        histogram_mean(tally, edges, |x, v, k| {
+        histogram_mean(tally.count, filled, edges, |x, v, k| {
             let t = x * x - second;
             t * t + (4.0 * x * x + 2.0 * t) * v + k
         })
     } else {
-        let third = histogram_mean(tally, edges, |x, v, _| {
+        let third = histogram_mean(tally.count, filled, edges, |x, v, _| {
             let d = x - mean;
             d * d * d + 3.0 * d * v
         });
-        let fourth = histogram_mean(tally, edges, |x, v, k| {
+        let fourth = histogram_mean(tally.count, filled, edges, |x, v, k| {
             let d = x - mean;
             d * d * d * d + 6.0 * d * d * v + k
         });
@@ -150,9 +151,10 @@ const OPEN_PART: f64 = 0.2;
 
 /// Mean of a function over the histogram, each bin taken as evenly filled with integers. `of` receives the mean of a
 /// bin and its second and fourth central moments.
-fn histogram_mean(tally: &Moments, edges: Edges, of: impl Fn(f64, f64, f64) -> f64) -> f64 {
-    let sum: f64 = filled(tally)
-        .map(|(bin, count)| {
+fn histogram_mean(n: u64, filled: &[Filled], edges: Edges, of: impl Fn(f64, f64, f64) -> f64) -> f64 {
+    let sum: f64 = filled
+        .iter()
+        .map(|&(bin, count)| {
             let (low, high) = edges.of(bin);
             // The upper edge belongs to the next bin, except for the largest |error| of all.
             let last = if high < edges.max { high - 1.0 } else { edges.max };
@@ -161,19 +163,22 @@ fn histogram_mean(tally: &Moments, edges: Edges, of: impl Fn(f64, f64, f64) -> f
             count as f64 * of(0.5 * (low + last), second, fourth)
         })
         .sum();
-    sum / tally.count as f64
+    sum / n as f64
 }
 
-fn filled(tally: &Moments) -> impl Iterator<Item = (usize, u64)> + '_ {
-    tally.bins.iter().copied().enumerate().filter(|&(_, count)| count > 0)
+/// A bin that is not empty, and its count.
+type Filled = (usize, u64);
+
+/// The bins that are not empty, listed once because most are: the histogram is read several times.
+fn filled(tally: &Moments) -> Vec<Filled> {
+    tally.bins.iter().copied().enumerate().filter(|&(_, count)| count > 0).collect()
 }
 
 /// The quantile at [`LEVEL`]; `None` without a histogram.
-fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
-    let n = tally.count;
+fn quantile(n: u64, filled: &[Filled], edges: Edges) -> Option<Quantile> {
     let value = {
         let rank = LEVEL * n as f64;
-        let (bin, within) = bin_of_rank(tally, rank)?;
+        let (bin, within) = bin_of_rank(filled, rank)?;
         if is_open(bin, edges) {
             return None;
         }
@@ -182,11 +187,11 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
     };
     // Of n trials about n (1 − level) lie above the quantile; in 95 % of all cases their number is between these two.
     let (fewest, most) = central_interval(n, 1.0 - LEVEL);
-    let low = bin_of_rank(tally, n.saturating_sub(most) as f64)
+    let low = bin_of_rank(filled, n.saturating_sub(most) as f64)
         .filter(|_| most < n)
         .map(|(bin, _)| edges.of(bin).0);
     let high = (fewest > 0)
-        .then(|| bin_of_rank(tally, (n - fewest + 1) as f64))
+        .then(|| bin_of_rank(filled, (n - fewest + 1) as f64))
         .flatten()
         .map(|(bin, _)| edges.of(bin).1);
     Some(Quantile { value, low, high })
@@ -199,9 +204,9 @@ fn is_open(bin: usize, edges: Edges) -> bool {
 }
 
 /// The bin that holds the `rank`-th smallest |error|, and the relative position of that error in the bin.
-fn bin_of_rank(tally: &Moments, rank: f64) -> Option<(usize, f64)> {
+fn bin_of_rank(filled: &[Filled], rank: f64) -> Option<(usize, f64)> {
     let mut below = 0.0;
-    for (bin, count) in filled(tally) {
+    for &(bin, count) in filled {
         let count = count as f64;
         if below + count >= rank {
             return Some((bin, ((rank - below) / count).clamp(0.0, 1.0)));

@@ -143,13 +143,23 @@ impl Ran<'_> {
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         let results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
         write(&folder.join(RESOLVED), results.resolved().as_bytes())?;
-        draw(&results.charts, folder)?;
-        let verdicts = results.verdicts()?;
-        let mut answer = results.answer(&verdicts)?;
-        let sheet = decision(study, tables, *lacking, progress)?;
-        answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
-        let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
-        write(&folder.join(REPORT), results.page(answer).as_bytes())?;
+        let mut drawn = Ok(());
+        let page = || {
+            let verdicts = results.verdicts()?;
+            let mut answer = results.answer(&verdicts)?;
+            let sheet = decision(study, tables, *lacking, progress)?;
+            answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
+            let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
+            write(&folder.join(REPORT), results.page(answer).as_bytes())?;
+            Ok::<_, Failure>((verdicts, sheet, headline, lines))
+        };
+        // The picture of a chart of 10,000 points takes as long as the page.
+        let made = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| drawn = draw(&results.charts, folder));
+            page()
+        });
+        drawn?;
+        let (verdicts, sheet, headline, lines) = made?;
         progress.clear();
         if self.json {
             let mut document = self.to_json(tables, &verdicts, &results.notes());

@@ -15,6 +15,8 @@ use crate::theory::gap::tick_phase;
 pub(crate) const ANGLE_UNITS: f64 = 4.0;
 pub(crate) const SIGMA_UNITS: f64 = 16.0;
 const PEAK_UNITS: f64 = 32.0;
+/// 2^32, as the angle that is common to all trials has units of 2^−32 LSB.
+pub(crate) const CONSTANT_UNITS: f64 = 4_294_967_296.0;
 
 /// Amplitude of a Rayleigh-distributed tone in units of the kernel's sine, because its normal numbers have another
 /// unit.
@@ -118,10 +120,13 @@ impl Fixed {
 
     /// The angle of a tick that is common to all trials, in 2^−32 LSB.
     pub(crate) fn tick_constant(&self, tick: i32) -> i64 {
+        if !self.has_constants() {
+            return 0;
+        }
         let after_gap = usize::try_from(tick - self.gap_ticks - 1).ok();
         let relock = after_gap.and_then(|place| self.relock.get(place)).copied().unwrap_or(0.0);
         let from_middle = f64::from(tick) - 0.5 * (f64::from(self.gap_ticks) + 1.0);
-        libm::round((self.rate + self.acceleration * from_middle + relock) * libm::exp2(32.0)) as i64
+        libm::round((self.rate + self.acceleration * from_middle + relock) * CONSTANT_UNITS) as i64
     }
 
     /// The same angle over the first `ticks` of the gap.

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 
 use crate::kernel::normal::REACH;
 use crate::kinds::gap_fill::lower::fixed::{
-    ANGLE_UNITS, Fixed, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
+    ANGLE_UNITS, CONSTANT_UNITS, Fixed, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
 };
 use crate::theory::quadrature;
 
@@ -71,7 +71,7 @@ impl Response {
 impl Fixed {
     /// The response of the whole motion.
     pub(crate) fn response(&self, f: &Functional) -> Response {
-        let lsb = |x: i64| x as f64 / libm::exp2(32.0);
+        let lsb = |x: i64| x as f64 / CONSTANT_UNITS;
         let constant = f.of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
         let terms = f.terms_of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
         let (bound, largest) = (constant.abs(), Some(constant));
