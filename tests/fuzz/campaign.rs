@@ -11,6 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
 
+use crate::cases::Outcome;
 use crate::limits::{self, Taken};
 
 /// How long inputs are made where nothing else is asked for.
@@ -18,14 +19,6 @@ const SHORT: Duration = Duration::from_secs(10);
 
 /// The most frequent refusals that are listed.
 const LISTED: usize = 12;
-
-/// What came of an input.
-pub enum Outcome {
-    /// As what.
-    Accepted(String),
-    /// With this message.
-    Refused(String),
-}
 
 /// What is fuzzed.
 pub struct Target {

@@ -8,6 +8,7 @@
 mod formats;
 
 mod campaign;
+mod cases;
 mod damaged;
 mod databases;
 mod edits;
