@@ -285,7 +285,8 @@ impl<'a> Place<'a> {
         let others = |swept: &[(&'static Key, Swept)]| {
             swept.iter().filter(|(key, _)| !std::ptr::eq(*key, input.key)).cloned().collect::<Vec<_>>()
         };
-        let keys: Vec<&'static Key> = others(first).into_iter().map(|(key, _)| key).chain([input.key]).collect();
+        let keys: Vec<&'static Key> =
+            others(first).into_iter().map(|(key, _)| key).chain([input.key]).collect();
         let mut largest = |value: Quantity| {
             let point = |swept: &Vec<(&'static Key, Swept)>| {
                 others(swept).into_iter().map(|(_, value)| value).chain([Swept::Quantity(value)]).collect()

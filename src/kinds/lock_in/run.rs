@@ -190,9 +190,8 @@ impl plan::Plan for Plan<'_> {
 
     fn steps_of_a_trial(&self) -> Option<u64> {
         let points = self.subject.points.iter().zip(&self.points);
-        let steps = points.map(|(Point { times, .. }, gyros)| {
-            times.samples as f64 * times.sample_s / gyros.step_s()
-        });
+        let steps =
+            points.map(|(Point { times, .. }, gyros)| times.samples as f64 * times.sample_s / gyros.step_s());
         Some(steps.sum::<f64>() as u64)
     }
 }

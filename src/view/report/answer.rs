@@ -271,9 +271,7 @@ impl<'a> Resolved<'a> {
         let is_swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == self.x.name);
         let is_chosen = is_swept && !is_given(self.x) && self.has_curves();
         let are_given = !self.series.is_empty() && self.series.iter().all(|column| is_given(column));
-        self.curves()
-            .filter(|_| is_chosen && are_given)?
-            .least_for_each([&self.series, &[]], MOST_BESIDE)
+        self.curves().filter(|_| is_chosen && are_given)?.least_for_each([&self.series, &[]], MOST_BESIDE)
     }
 
     fn is_over_interval(&self) -> bool {

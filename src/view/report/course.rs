@@ -216,7 +216,10 @@ mod tests {
         let peaks = said(&curves, |curves| curves.peaks());
         assert_eq!(peaks.as_deref(), Some("The rms peaks at frequency 2 Hz (a), 2 Hz (b)."));
         let ranges = said(&curves, |curves| curves.ranges());
-        assert_eq!(ranges.as_deref(), Some("The rms is 1 to 3 arcsec (a), 2 to 5 arcsec (b), between frequency 1 Hz and 4 Hz."));
+        assert_eq!(
+            ranges.as_deref(),
+            Some("The rms is 1 to 3 arcsec (a), 2 to 5 arcsec (b), between frequency 1 Hz and 4 Hz.")
+        );
         assert_eq!(said(&[("a", [1.0, 2.0, 3.0])], |curves| curves.peaks()), None);
     }
 }

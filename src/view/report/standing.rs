@@ -55,15 +55,19 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         1 => return Some(capitalised(&told(&answers[0], limit)) + "."),
         _ if always.len() == all => {
             // The one with the least margin is the last.
-            let worst = always.last().map(|one| format!("; the largest is {} ({})", most(one.most), one.name()));
+            let worst =
+                always.last().map(|one| format!("; the largest is {} ({})", most(one.most), one.name()));
             let whole = if all == 2 { "Both".to_owned() } else { format!("All {all}") };
             return Some(format!("{whole} curves stay within {limit}{}.", worst.unwrap_or_default()));
         }
         _ if never.len() == all => {
             let nearest = never.iter().min_by(|a, b| a.least.total_cmp(&b.least));
-            let nearest =
-                nearest.map(|one| format!("; nearest is {} with {}", one.name(), most(one.least)));
-            let whole = if all == 2 { "Neither of both curves".to_owned() } else { format!("None of the {all} curves") };
+            let nearest = nearest.map(|one| format!("; nearest is {} with {}", one.name(), most(one.least)));
+            let whole = if all == 2 {
+                "Neither of both curves".to_owned()
+            } else {
+                format!("None of the {all} curves")
+            };
             return Some(format!("{whole} is within {limit}{}.", nearest.unwrap_or_default()));
         }
         _ => [
