@@ -93,9 +93,9 @@ fn records<W: Word>(navigation: &Navigation, address: Address<W>, count: usize, 
     for c in 0..navigation.curve().chunks() as usize {
         noise.chunk(recipe, c * CHUNK, &mut angles);
         last = increments(last, &mut angles);
-        for f in 0..*functionals {
+        for (f, sum) in sums.iter_mut().take(*functionals).enumerate() {
             let from = (c * functionals + f) * CHUNK;
-            sums[f].add(weighted::<W>(&weights[from..from + CHUNK], &angles));
+            sum.add(weighted::<W>(&weights[from..from + CHUNK], &angles));
         }
     }
     for lane in 0..count {
@@ -117,8 +117,6 @@ fn increments<W: Word>(last: W, angles: &mut Chunk) -> W {
 }
 
 /// Weighted sum of the increments of a chunk, raised so that it is not negative.
-// The loop mirrors that of the shader.
-#[expect(clippy::needless_range_loop)]
 #[inline(always)]
 fn weighted<W: Word>(weights: &[u32], increments: &Chunk) -> W::Wide {
     let mut sum = W::Wide::splat(1 << RAISED_BITS);
