@@ -1,4 +1,4 @@
-//! What is done with an input of each target, shared with the fuzzer of `tests/fuzz`, which needs no instrumentation.
+//! This package runs the cases of `tests/fuzz` under libFuzzer, which guides its inputs by coverage.
 
 #[path = "../../tests/fuzz/cases/mod.rs"]
 pub mod cases;

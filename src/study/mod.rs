@@ -137,6 +137,16 @@ impl Study {
         Fault::new(span, message, "here", help).within(&self.text)
     }
 
+    /// Refuses more than `most` trials; `what` names what a trial of this kind is.
+    pub(crate) fn check_trials(&self, most: u64, what: &str) -> Result<(), StudyError> {
+        if self.trials <= most {
+            return Ok(());
+        }
+        let message = format!("{} {what} of a point", self.trials);
+        let help = format!("accepted: up to {most} trials, which are {what} here");
+        Err(self.error_at(self.place_of("trials"), message, help))
+    }
+
     /// The error for a point at these swept values that cannot be sampled, at the key that has to change.
     pub(crate) fn refused(&self, swept: &[(&'static str, Swept)], refusal: &Refusal) -> StudyError {
         let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();

@@ -21,7 +21,7 @@ pub(crate) enum Quantity {
 }
 
 impl Quantity {
-    /// Those of a solution, in the order of [`Row::sizes`].
+    /// Returns the quantities of a solution, in the order of [`Row::sizes`].
     pub(crate) fn of(solution: Solution) -> &'static [Quantity] {
         match solution {
             Solution::Inertial => {
@@ -31,7 +31,7 @@ impl Quantity {
         }
     }
 
-    /// Places of its errors among those of the task.
+    /// Returns the places of its errors among those of the task.
     pub(crate) fn errors(self) -> &'static [usize] {
         match self {
             Quantity::Heading => &[0],

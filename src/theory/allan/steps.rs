@@ -5,9 +5,9 @@ use crate::theory::allan::exponential::beyond_square;
 /// A state of the rate over a step Δ beside the angle: F = [1 `onto_angle`; 0 `own`], and what Q adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Step {
-    /// Angle for a state of one.
+    /// The angle that a state of one accumulates over the step.
     pub(crate) onto_angle: f64,
-    /// What is left of the state.
+    /// The part of the state that remains after the step.
     pub(crate) own: f64,
     /// Variance that the step adds to the angle, covariance of both, and variance that it adds to the state.
     pub(crate) added: [f64; 3],

@@ -1,4 +1,4 @@
-//! What is done with an input of each target. The fuzzers of `tests/fuzz` and of `fuzz/` share it.
+//! The cases read an input of each target and check what they make of it. The fuzzers of `tests/fuzz` and of `fuzz/` share them.
 
 pub mod databases;
 pub mod records;
@@ -7,8 +7,8 @@ pub mod tallies;
 
 /// What came of an input.
 pub enum Outcome {
-    /// As what.
+    /// The input was read; the text says as what.
     Accepted(String),
-    /// With this message.
+    /// The input was refused with this message.
     Refused(String),
 }

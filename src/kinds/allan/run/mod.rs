@@ -68,11 +68,7 @@ impl<'a> Plan<'a> {
         allan: &'a Allan,
         progress: &dyn Progress,
     ) -> Result<Option<Plan<'a>>, StudyError> {
-        if study.trials > MOST_RECORDS {
-            let message = format!("{} records of a point", study.trials);
-            let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
-            return Err(study.error_at(study.place_of("trials"), message, help));
-        }
+        study.check_trials(MOST_RECORDS, "records")?;
         let mut plan = Plan { study, allan, records: vec![], off: (0.0, 0.0) };
         progress.start("points", 0, allan.points.len() as u64);
         for point in &allan.points {

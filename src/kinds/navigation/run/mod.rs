@@ -54,11 +54,7 @@ impl<'a> Plan<'a> {
         navigation: &'a Navigation,
         progress: &dyn Progress,
     ) -> Result<Option<Plan<'a>>, StudyError> {
-        if study.trials > MOST_TRIALS {
-            let message = format!("{} navigators of a point", study.trials);
-            let help = format!("accepted: up to {MOST_TRIALS} trials, which are navigators here");
-            return Err(study.error_at(study.place_of("trials"), message, help));
-        }
+        study.check_trials(MOST_TRIALS, "navigators")?;
         let mut plan = Plan { study, navigation, records: vec![], of_point: 1, newest: Mutex::new(None) };
         progress.start("points", 0, navigation.points.len() as u64);
         let lower = |point: usize| {
