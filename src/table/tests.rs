@@ -1,0 +1,96 @@
+use super::*;
+
+fn column(name: &str, unit: Unit) -> Column {
+    Column { name: name.to_owned(), label: name.to_owned(), unit, ..Column::default() }
+}
+
+#[test]
+fn a_name_finds_its_column_with_or_without_prefix_and_unit() {
+    let table = Table { columns: vec![column("motion.frequency", Unit::HZ), column("rms", Unit::ARCSEC)] };
+    for name in ["motion.frequency_hz", "motion.frequency", "frequency_hz", "frequency"] {
+        assert_eq!(table.column(name).unwrap().header(), "motion.frequency_hz");
+    }
+    assert_eq!(table.column("rms").unwrap().header(), "rms_arcsec");
+    let table = Table { columns: vec![column("motion.gaussian.rms", Unit::HZ), column("rms", Unit::ARCSEC)] };
+    assert_eq!(table.column("gaussian.rms").unwrap().name, "motion.gaussian.rms");
+    assert_eq!(table.column("rms").unwrap().name, "rms");
+    assert!(table.column("sian.rms").is_err());
+}
+
+#[test]
+fn an_ambiguous_or_unknown_name_is_an_error_that_lists_the_choices() {
+    let table = Table { columns: vec![column("a.x", Unit::HZ), column("b.x", Unit::S)] };
+    assert_eq!(
+        table.column("x").unwrap_err().to_string(),
+        "`x` may mean a.x_hz or b.x_s; write the whole name"
+    );
+    assert_eq!(
+        table.column("y").unwrap_err().to_string(),
+        "no column is called `y`; the columns are a.x_hz, b.x_s"
+    );
+}
+
+#[test]
+fn rows_are_chosen_by_the_values_that_files_show_and_a_value_that_is_not_there_is_told() {
+    let with = |name: &str, cells: Vec<Cell>| Column { cells: cells.into(), ..column(name, Unit::NONE) };
+    let text = |name: &str| Cell::Text(name.to_owned());
+    let table = Table {
+        columns: vec![
+            with("a.filler", vec![text("const"), text("const"), text("linear")]),
+            with("x", vec![Cell::Number(0.1), Cell::Number(1.0 / 3.0), Cell::Integer(2)]),
+        ],
+    };
+    assert_eq!(table.rows_where(&[("filler", "const")]), Ok(vec![0, 1]));
+    assert_eq!(table.rows_where(&[("filler", "const"), ("x", "0.333333333")]), Ok(vec![1]));
+    assert_eq!(
+        (table.rows_where(&[("x", "0.10")]), table.rows_where(&[("x", "2")])),
+        (Ok(vec![0]), Ok(vec![2]))
+    );
+    assert_eq!(table.rows_where::<&str, &str>(&[]), Ok(vec![0, 1, 2]));
+    let error = table.rows_where(&[("filler", "linear"), ("x", "0.1")]).unwrap_err();
+    assert_eq!(error.to_string(), "no row has x = `0.1`; its values are 2");
+}
+
+#[test]
+fn numbers_keep_nine_digits_and_blanks_stay_blank() {
+    assert_eq!(Cell::Number(77.569_123_456_7).text(), "77.5691235");
+    assert_eq!(Cell::Number(0.1).text(), "0.1");
+    assert_eq!(Cell::Number(1.5e-7).text(), "1.5e-7");
+    assert_eq!(Cell::Number(12000.0).text(), "12000");
+    assert_eq!(Cell::from(Some(f64::NAN)).text(), "");
+    assert_eq!(Cell::from(None).text(), "");
+}
+
+#[test]
+fn files_have_no_formulas_and_their_numbers_stay() {
+    let text = |text: &str| Cell::Text(text.to_owned());
+    let texts = ["=cmd|' /C calc'!A0", "+1+1", "-1+1", "@SUM(A1)", "\t=1", "\r=1", "-2.5", "const", ""];
+    let cells = texts.map(text).into_iter().chain([Cell::Number(-1.5), Cell::Integer(-3)]).collect();
+    let table = Table { columns: vec![Column { cells, ..column("=name", Unit::NONE) }] };
+    let mut file = Vec::new();
+    table.write_csv(&mut file).unwrap();
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&file[..]);
+    let found: Vec<String> = reader.records().map(|row| row.unwrap()[0].to_owned()).collect();
+    let wanted = [
+        "'=name",
+        "'=cmd|' /C calc'!A0",
+        "'+1+1",
+        "'-1+1",
+        "'@SUM(A1)",
+        "'\t=1",
+        "'\r=1",
+        "-2.5",
+        "const",
+        "",
+        "-1.5",
+        "-3",
+    ];
+    assert_eq!(found, wanted);
+}
+
+#[test]
+fn a_value_is_said_with_label_and_unit() {
+    assert_eq!(column("upper frequency", Unit::HZ).valued("4.36"), "upper frequency 4.36 Hz");
+    assert_eq!(column("lost ticks n", Unit::NONE).valued("3"), "lost ticks n = 3");
+    assert_eq!(column("error", Unit::ARCSEC).title(), "error, arcsec");
+}
