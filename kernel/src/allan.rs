@@ -37,11 +37,13 @@ impl Source for Recipe {
         self.key
     }
 
+    // Only here: the shader calls that of noise.wgsl.
     #[inline(always)]
     fn begin<W: Word>(&self, address: Address<W>) -> Noise<W> {
         Noise::begin(self, address)
     }
 
+    // Only here: the shader calls that of noise.wgsl.
     #[inline(always)]
     fn chunk<W: Word>(&self, noise: &mut Noise<W>, first: usize, angles: &mut Chunk) {
         noise.chunk(self, first, angles);

@@ -149,6 +149,7 @@ pub(crate) trait Source: Recorded {
     /// Computes the angles of the chunk that starts at sample `first`.
     fn chunk<W: Word>(&self, state: &mut Self::State<W>, first: usize, angles: &mut Chunk);
     /// Appends the values of a lane besides its sums, at the end of the record.
+    // Only here: the shader of a kernel that has others keeps them where it makes them.
     #[inline(always)]
     fn others<W: Word>(&self, _state: &Self::State<W>, _lane: usize, _to: &mut Vec<u128>) {}
 

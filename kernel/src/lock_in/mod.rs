@@ -258,6 +258,7 @@ impl Source for LockIn {
         state.chunk(self, first, angles);
     }
 
+    // Only here: `store_state` of the shader sets these values.
     #[inline(always)]
     fn others<W: Word>(&self, state: &State<W>, lane: usize, to: &mut Vec<u128>) {
         for third in state.thirds {
