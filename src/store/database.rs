@@ -94,11 +94,6 @@ impl Database {
         rows.map_err(|error| self.failed(error))
     }
 
-    /// A transaction that reads only.
-    pub(crate) fn reading(&self) -> Result<Transaction<'_>, StoreError> {
-        self.connection.unchecked_transaction().map_err(|error| self.failed(error))
-    }
-
     /// Takes the database for this connection alone. This comes before any other access, so that its journal needs no
     /// shared memory, which network file systems lack.
     pub(crate) fn exclusive(&self) -> Result<(), StoreError> {
@@ -226,7 +221,9 @@ impl Keep for Database {
     fn rows(&self, addresses: &[Address]) -> Result<Vec<Vec<Raw>>, StoreError> {
         let failed = |error| self.failed(error);
         let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
-        // Looked up once, as a study may have hundreds of thousands of tallies.
+        // Without it, SQLite would begin and end a transaction for each address.
+        let _reading = self.connection.unchecked_transaction().map_err(failed)?;
+        // The statement is looked up once, as a study may have hundreds of thousands of tallies.
         let mut statement = self.connection.prepare_cached(&sql).map_err(failed)?;
         let mut of = |address: &Address| -> Result<Vec<Raw>, rusqlite::Error> {
             statement.query_map(params![address.point.0, address.estimate.0], Raw::read)?.collect()

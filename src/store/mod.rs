@@ -288,8 +288,6 @@ impl Store {
         let mut all = Vec::with_capacity(addresses.len());
         let mut read: Vec<Vec<Raw>> = Vec::new();
         let path = self.path.as_path();
-        // Held to the end: otherwise SQLite begins and ends a transaction for each address.
-        let _reading = self.keep.database().map(Database::reading).transpose()?;
         // The empty chunk at the end lets the last tallies be added up when nothing is left to read.
         for addresses in addresses.chunks(READ_AT_ONCE).chain([&[][..]]) {
             let (first, mut made) = (all.len(), Ok(vec![]));

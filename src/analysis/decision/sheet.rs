@@ -201,20 +201,27 @@ impl Sheet {
         let Some(first) = self.budget.first() else {
             return "The parts of this estimate are not separated.".to_owned();
         };
+        let without = |part: &Part| with_interval(part.without, |value| self.shown(value));
         let told = |part: &Part| format!("{} {}", part.name, with_interval(part.share, percent));
         let parts: Vec<String> =
-            self.budget.iter().filter(|part| part.share.value.abs() >= LEAST_SHARE).map(told).collect();
-        let without = with_interval(first.without, |value| self.shown(value));
+            self.budget.iter().filter(|part| part.share.value >= LEAST_SHARE).map(told).collect();
+        // A share below 0 would not tell how much the part helps.
+        let helps = |part: &Part| {
+            format!(" {} lowers it: without that it is {}.", capitalised(part.name), without(part))
+        };
+        let helpful: String =
+            self.budget.iter().filter(|part| part.share.value <= -LEAST_SHARE).map(helps).collect();
         let all: f64 = self.budget.iter().map(|part| part.share.value).sum();
-        let together = match (all - 1.0).abs() > 0.02 {
-            true => format!(" They add up to {}, because parts act together.", percent(all)),
-            false => String::new(),
+        let together = match (all - 1.0).abs() > 0.02 && helpful.is_empty() {
+            true => " The shares do not add up to 100 %, because parts act together.",
+            false => "",
         };
         format!(
-            "{} of the mean square; without {} the {} is {without}.{together}",
+            "{} of the mean square; without {} the {} is {}.{helpful}{together}",
             capitalised(&parts.join(", ")),
             first.name,
-            worded(&self.label)
+            worded(&self.label),
+            without(first)
         )
     }
 
