@@ -6,14 +6,14 @@
 ... except sagnac.StudyError as error:
 ...     print(error)
   × unknown value "gap-fil"
-    ╭─[study:2:8]
-  1 │ title = "Mine"
-  2 │ kind = "gap-fil"
-    ·        ────┬────
-    ·            ╰── not one of the choices
-    ╰────
-   help: did you mean `gap-fill`? accepted: gap-fill, allan, switched-run, relock, drift-budget,
-         suspension
+   ╭─[study:2:8]
+ 1 │ title = "Mine"
+ 2 │ kind = "gap-fil"
+   ·        ────┬────
+   ·            ╰── not one of the choices
+   ╰────
+  help: did you mean `gap-fill`? accepted: gap-fill, allan, switched-run, relock, lock-in, drift-
+        budget, suspension, navigation
 """
 
 

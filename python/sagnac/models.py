@@ -91,7 +91,7 @@ def model(
 
     Examples
     --------
-    >>> gyro = {"angle_random_walk": "0.003 deg/sqrt(h)", "bias_instability": "0.002 deg/h"}
+    >>> gyro = {"angle_random_walk": "0.003 deg/sqrt(h)", "bias_instability": "0.01 deg/h"}
     >>> found = model(noise=gyro, from_s=1.0, to_s=1000.0)
     >>> len(found.data["markov"]), found.data["largest_excess"] < 0.2
     (1, True)
