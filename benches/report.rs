@@ -52,6 +52,7 @@ fn page(bencher: divan::Bencher, points: usize) {
                 provenance: vec![],
                 kernels: "gap_fill 2".to_owned(),
             },
+            digest: "",
         };
         report.html()
     });

@@ -9,5 +9,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut store = Store::open("results/example".as_ref(), &plan.identity())?;
     let mut device = select("auto", 0)?.device;
     plan.run(&mut store, &mut device, Share::WHOLE, &Silent)?;
-    Ok(plan.tables(&store, &Silent)?.points.write_csv(std::io::stdout())?)
+    plan.tables(&store, &Silent)?.points.write_csv(std::io::stdout())?;
+    Ok(())
 }

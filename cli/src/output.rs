@@ -1,5 +1,6 @@
 //! Writing of data to the standard output and to files.
 
+use std::fs::File;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -127,13 +128,16 @@ pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
     move |source| Failure::Write { path: path.to_owned(), source }
 }
 
-/// Writes a table as CSV; a missing folder is created.
+/// Writes a table as CSV; a missing folder is created. Returns the SHA-256 of the file, in hexadecimal digits.
 ///
 /// # Errors
 /// The folder or the file cannot be written.
-pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
+pub fn write_table(path: &Path, table: &Table) -> Result<String, Failure> {
     make_folder(path.parent().unwrap_or(path))?;
-    write_whole_by(path, |file| table.write_csv(file)).map_err(unwritten(path))
+    let mut digest = String::new();
+    let write = |file: &mut File| table.write_csv(file).map(|written| digest = written);
+    write_whole_by(path, write).map_err(unwritten(path))?;
+    Ok(digest)
 }
 
 /// Writes a table of a results folder, or removes that of an earlier run where there is none.
@@ -142,7 +146,7 @@ pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
 /// It cannot be written or removed.
 pub fn write_or_remove(path: &Path, table: Option<Table>) -> Result<(), Failure> {
     match table {
-        Some(table) => write_table(path, &table),
+        Some(table) => write_table(path, &table).map(drop),
         None => remove(path).map(drop),
     }
 }

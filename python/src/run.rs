@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::analysis::decision::{Lines, decide};
+use sagnac::chart::Source;
 use sagnac::device::select::Selection;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
@@ -136,11 +137,15 @@ impl Asked {
         raised()?;
         let tables = plan.tables(&store, listener)?;
         raised()?;
-        if self.is_kept {
-            for (source, table) in tables.all() {
-                let name = source.file();
-                let mut csv = Vec::new();
-                table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
+        let mut digest = String::new();
+        for (source, table) in tables.all() {
+            let name = source.file();
+            let mut csv = Vec::new();
+            let written = table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
+            if source == Source::Points {
+                digest = written;
+            }
+            if self.is_kept {
                 self.write(name, &csv)?;
             }
         }
@@ -153,7 +158,7 @@ impl Asked {
         answer.sheet = Lines::of_study(sheet.as_ref());
         let decision = sheet.map(|sheet| sheet.json().to_string());
         let headline = answer.headline.clone();
-        let report = results.page(answer);
+        let report = results.page(answer, &digest);
         if self.is_kept {
             self.write(RESOLVED, results.resolved().as_bytes())?;
             self.write(REPORT, report.as_bytes())?;

@@ -1,9 +1,10 @@
 //! The cells of a column, which take two bytes a row where few of them differ.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::fmt;
 use std::ops::Index;
+
+use rustc_hash::FxHashMap;
 
 use crate::table::Cell;
 
@@ -156,8 +157,8 @@ pub(crate) struct Growing {
 /// The places of different cells among the values: numbers by their bits, texts by themselves.
 #[derive(Default)]
 struct Places {
-    numbers: HashMap<(u8, u64), u16>,
-    texts: HashMap<String, u16>,
+    numbers: FxHashMap<(u8, u64), u16>,
+    texts: FxHashMap<String, u16>,
 }
 
 impl Places {

@@ -3,10 +3,10 @@
 mod cell;
 pub(crate) mod cells;
 pub(crate) mod column;
+pub(crate) mod file;
 
 use std::collections::HashMap;
 use std::hash::Hash;
-use std::io;
 
 pub use crate::quantity::unit::Unit;
 pub use crate::table::cell::Cell;
@@ -221,43 +221,6 @@ impl Table {
     pub fn referred(&self, column: &Column) -> Option<&Column> {
         self.columns.iter().find(|other| other.name == column.of)
     }
-
-    /// Writes the table as CSV: a header, then the rows; blanks stay empty. A text that a spreadsheet would take for a
-    /// formula, because it begins with `=`, `+`, `-`, `@`, a tab or a carriage return and is no number, has an apostrophe
-    /// before it (OWASP, "CSV Injection").
-    ///
-    /// # Errors
-    /// The errors of the writer.
-    pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
-        let mut writer = csv::Writer::from_writer(to);
-        writer.write_record(self.columns.iter().map(|column| guarded(column.header()))).map_err(of_file)?;
-        let text = |cell: &Cell| match cell {
-            Cell::Text(text) => guarded(text.clone()),
-            cell => cell.text(),
-        };
-        let columns: Vec<_> = self.columns.iter().map(|column| column.cells.texts(text)).collect();
-        for row in 0..self.rows() {
-            for column in &columns {
-                writer.write_field(&*column.at(row)).map_err(of_file)?;
-            }
-            writer.write_record(None::<&[u8]>).map_err(of_file)?;
-        }
-        writer.flush()
-    }
-}
-
-/// The error of the file behind one of the CSV writer, which names a full disk.
-fn of_file(error: csv::Error) -> io::Error {
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
-        other => io::Error::other(format!("{other:?}")),
-    }
-}
-
-/// A text of a file that no spreadsheet takes for a formula.
-fn guarded(text: String) -> String {
-    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
-    if is_formula { format!("'{text}") } else { text }
 }
 
 /// Rows by a key that each has, in the order of their first rows.

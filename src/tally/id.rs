@@ -16,7 +16,8 @@ impl Id {
 
     /// The identity of a sequence of words.
     pub fn of_words(words: impl IntoIterator<Item = u32>) -> Id {
-        let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_le_bytes).collect();
+        let mut bytes = vec![];
+        words.into_iter().for_each(|word| bytes.extend_from_slice(&word.to_le_bytes()));
         Id::of_bytes(&bytes)
     }
 

@@ -87,8 +87,8 @@ impl<'a> Results<'a> {
         Card { title, question, headline: headline.to_owned(), picture, ..Card::default() }
     }
 
-    /// The page of the study.
-    pub fn page(&self, answer: Answer) -> String {
+    /// The page of the study, with the SHA-256 of its points that [`Table::write_csv`] returned.
+    pub fn page(&self, answer: Answer, digest: &str) -> String {
         let report = Report {
             title: &self.study.title,
             question: &self.study.question,
@@ -97,6 +97,7 @@ impl<'a> Results<'a> {
             charts: &self.charts,
             tables: self.tables.as_charted(&self.study.charts),
             source: &self.source,
+            digest,
         };
         report.html()
     }

@@ -3,6 +3,7 @@
 pub mod summary;
 
 use std::path::Path;
+use std::sync::mpsc::{self, Receiver};
 
 use sagnac::analysis::decision::{Lines, Sheet, decide};
 use sagnac::analysis::requirement::Decision;
@@ -92,6 +93,13 @@ pub fn print_lines(lines: &Lines) -> Result<(), Failure> {
     print(&format!("\n{}", sheet_text(&lines.headed())))
 }
 
+/// Writes the tables of a study, and returns the SHA-256 of the first, that of its points.
+fn write_tables(folder: &Path, tables: &Tables) -> Result<String, Failure> {
+    let write = |(source, table): (Source, &Table)| write_table(&folder.join(source.file()), table);
+    let digests = tables.all().map(write).collect::<Result<Vec<_>, _>>()?;
+    Ok(digests.into_iter().next().unwrap_or_default())
+}
+
 /// A study with results to show.
 pub struct Ran<'a> {
     pub study: &'a Study,
@@ -118,25 +126,23 @@ impl Ran<'_> {
     pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
         let Ran { plan, folder, .. } = self;
         let tables = plan.tables(store, progress)?;
-        let mut written = Ok(());
         // Long tables take as long to write as everything else that is made of them.
-        let document = rayon::in_place_scope(|scope| {
+        let (sender, written) = mpsc::channel();
+        rayon::in_place_scope(|scope| {
             scope.spawn(|_| {
-                let write =
-                    |(source, table): (Source, &Table)| write_table(&folder.join(source.file()), table);
-                written = tables.all().try_for_each(write);
+                // Nobody listens any more where something else failed.
+                let _ = sender.send(write_tables(folder, &tables));
             });
-            self.show_tables(store, &tables, progress)
-        });
-        written?;
-        document
+            self.show_tables(store, &tables, &written, progress)
+        })
     }
 
-    /// Writes the charts and the page, prints, and returns the results as JSON if requested.
+    /// Writes the charts and, once the tables are `written`, the page, prints, and returns the results as JSON if requested.
     fn show_tables(
         &self,
         store: &Store,
         tables: &Tables,
+        written: &Receiver<Result<String, Failure>>,
         progress: &Shown,
     ) -> Result<Option<Value>, Failure> {
         let Ran { study, plan, folder, done, lacking, .. } = self;
@@ -150,7 +156,9 @@ impl Ran<'_> {
             let sheet = decision(study, tables, *lacking, progress)?;
             answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
             let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
-            write(&folder.join(REPORT), results.page(answer).as_bytes())?;
+            // Without a word from the task that writes, it has panicked, and so does the scope that waits for it.
+            let digest = written.recv().unwrap_or_else(|_| Ok(String::new()))?;
+            write(&folder.join(REPORT), results.page(answer, &digest).as_bytes())?;
             Ok::<_, Failure>((verdicts, sheet, headline, lines))
         };
         // The picture of a chart of 10,000 points takes as long as the page.

@@ -104,7 +104,7 @@ impl Firmware {
             of(sum_known, &|row| Cell::Integer(row.known())),
             of(correction, &|row| whole(row.delivered().map(|sum| sum - row.known()))),
         ]);
-        Table { columns }.write_csv(to)
+        Table { columns }.write_csv(to).map(drop)
     }
 }
 

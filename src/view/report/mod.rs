@@ -58,6 +58,8 @@ pub struct Report<'a> {
     pub tables: Vec<(chart::Source, &'a Table)>,
     /// Simulation and its provenance.
     pub source: &'a Source,
+    /// SHA-256 of the table of points as a file, in hexadecimal digits.
+    pub digest: &'a str,
 }
 
 impl Report<'_> {

@@ -1,9 +1,6 @@
 //! The page of one study.
 
-use std::io::{self, Write};
-
 use maud::{Markup, html};
-use sha2::{Digest, Sha256};
 
 use crate::chart;
 use crate::quantity::number::significant;
@@ -15,7 +12,7 @@ use crate::view::report::agreement::{Agreement, agreements};
 use crate::view::report::data::{Packed, data};
 use crate::view::report::sections::sheet;
 use crate::view::report::shell::{READING, Shell, chart, file, listings};
-use crate::view::report::source::{Source, hexadecimal};
+use crate::view::report::source::Source;
 
 pub(crate) fn page(report: &Report) -> String {
     let points =
@@ -23,9 +20,7 @@ pub(crate) fn page(report: &Report) -> String {
     let charts: Vec<&Drawn> = report.charts.iter().collect();
     let tables: Vec<(&str, &Table)> =
         report.tables.iter().map(|(source, table)| (source.file(), *table)).collect();
-    // Each takes half of the time where there are many rows.
-    let (packed, digest) = rayon::join(|| data(&charts, &tables), || points.map(digest));
-    let Packed { text: packed, tables, thinned } = packed;
+    let Packed { text: packed, tables, thinned } = data(&charts, &tables);
     let agreements = points.map(agreements).unwrap_or_default();
     let links = [
         (!report.charts.is_empty()).then_some(("charts", "Charts")),
@@ -40,7 +35,7 @@ pub(crate) fn page(report: &Report) -> String {
             (closed_forms(table, &agreements))
         }
         (listings(&tables))
-        (source(report.source, digest.as_deref()))
+        (source(report.source, points.map(|_| report.digest)))
     };
     let shell = Shell {
         title: report.title,
@@ -162,28 +157,6 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                 }
             }
         }
-    }
-}
-
-/// SHA-256 of a table in the form of its file.
-fn digest(table: &Table) -> String {
-    let mut hash = Hashed(Sha256::new());
-    // A hash takes everything.
-    let _ = table.write_csv(&mut hash);
-    hexadecimal(&hash.0.finalize())
-}
-
-/// A file of which only the hash is kept.
-struct Hashed(Sha256);
-
-impl Write for Hashed {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
     }
 }
 

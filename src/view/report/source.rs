@@ -9,6 +9,7 @@ use crate::store::{Provenance, Store};
 use crate::study::Study;
 use crate::study::kept::Input;
 use crate::study::kind::Kind;
+use crate::table::file::hexadecimal;
 
 /// The simulation and its provenance.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,11 +55,6 @@ impl Named {
         let text = (input.text.len() <= SHORT).then(|| input.text.to_string());
         Named { name: input.name.clone(), digest: hexadecimal(&Sha256::digest(input.text.as_bytes())), text }
     }
-}
-
-/// Bytes, in hexadecimal.
-pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Source {

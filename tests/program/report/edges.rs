@@ -42,6 +42,7 @@ fn page_of(table: &Table, chart: &Chart) -> String {
         charts: &[drawn],
         tables: vec![(sagnac::chart::Source::Points, table)],
         source: &source,
+        digest: "",
     };
     report.html()
 }
