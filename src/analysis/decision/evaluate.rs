@@ -116,7 +116,11 @@ impl Evaluator<'_> {
         effort: Effort,
     ) -> Result<Option<[Vec<Value>; N]>, DecisionError> {
         self.count[0] += 1;
-        self.progress.advance(1);
+        match self.count[0] <= self.count[1] {
+            true => self.progress.advance(1),
+            // One more than was expected.
+            false => self.expect(1),
+        }
         let (subject, row) = study.subject.only(self.row).unwrap_or((study.subject.clone(), self.row));
         let study = Study { subject, ..study.clone() };
         let plan = Plan::new(&study)?;
