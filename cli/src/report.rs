@@ -13,7 +13,7 @@ use sagnac::view::results::Results;
 
 use crate::failure::Failure;
 use crate::folders::{self, left_out, whole};
-use crate::output::write;
+use crate::output::{unwritten, write};
 use crate::progress::{self, Shown};
 use crate::results::{decision, held, lacking, sheet_lines};
 
@@ -125,9 +125,9 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     answer.sheet = sheet_lines(decision(&study, &tables, lacking, &progress)?.as_ref(), lacking);
     progress.clear();
     let card = results.card(&answer.headline);
-    // Writing to nothing cannot fail.
-    let digest = tables.points.write_csv(io::sink()).unwrap_or_default();
-    write(&folder.join(REPORT), results.page(answer, &digest).as_bytes())?;
+    let path = folder.join(REPORT);
+    let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&path))?;
+    write(&path, results.page(answer, &digest).as_bytes())?;
     Ok(card)
 }
 

@@ -56,7 +56,8 @@ def run(
         as CSV; the report; and the study as it was run. ``sagnac run`` on that study adds the charts. Without ``out`` nothing
         is kept.
     progress
-        Called as ``progress(done, total, unit)`` several times a second; ``unit`` is ``trials``, ``samples`` or ``fits``, then ``evaluations`` for the decision sheet.
+        Called as ``progress(done, total, unit)`` several times a second; ``unit`` is ``trials``, ``samples`` or ``fits``,
+        then ``evaluations`` for the decision sheet.
         An exception that it raises ends the run and is raised here.
 
     Notes

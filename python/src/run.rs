@@ -138,7 +138,7 @@ impl Asked {
         let tables = plan.tables(&store, listener)?;
         raised()?;
         let mut digest = String::new();
-        for (source, table) in tables.all() {
+        for (source, table) in tables.all().filter(|(source, _)| self.is_kept || *source == Source::Points) {
             let name = source.file();
             let mut csv = Vec::new();
             let written = table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;

@@ -268,6 +268,12 @@ fn bad_navigators_are_refused_by_name_with_what_is_accepted() {
         (replaced("1 h\"", "100 h\"\nspeed = \"250 m/s\""), ["a.toml:5:9", "near a pole", "88 deg"]),
         (replaced("1 h\"", "1 h\"\ndraws = 8"), ["a.toml:5:9", "nothing to draw", "[[sensitivity]]"]),
         (
+            replaced("1 h\"", "1 h\"\ndraws = 8")
+                + "[[sensitivity]]\nkey = \"noise.angle_random_walk\"\ninterval = { value = \"0.0004 deg/sqrt(h)\", \
+                   low = \"0.0003 deg/sqrt(h)\", high = \"0.0005 deg/sqrt(h)\" }\n",
+            ["a.toml:10:7", "of another gyro", "sagnac allan"],
+        ),
+        (
             replaced("[noise]", "[noise]\nreadout_lsb = \"0.4 arcsec\""),
             ["a.toml:7:15", "noise.readout_lsb", "√12"],
         ),

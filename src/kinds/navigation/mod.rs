@@ -23,10 +23,11 @@ use crate::kinds::navigation::keys::{
     SOLUTION, SPEED, Solution,
 };
 use crate::noise::files::swept_files;
-use crate::noise::keys::FILE;
+use crate::noise::keys::{FILE, coefficient_values};
 use crate::noise::read::WrittenNoise;
 use crate::noise::{self, lock_in, switches};
 use crate::quantity::number::significant;
+use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, Wrong};
 
 /// The part of a study that is specific to navigation.
@@ -81,7 +82,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Navigation, Wrong> {
     let WrittenNoise { noise, written } = noise::read::read(reading)?;
     let files = swept_files(reading, &written)?;
     let filters = filter::swept(reading)?;
-    let (draws, uncertain) = read_draws(reading)?;
+    let (draws, uncertain) = read_draws(reading, &noise)?;
     let base = point::Base {
         inputs: Inputs { noise, ..inputs },
         files,
@@ -155,8 +156,8 @@ fn check_keys(reading: &Reading, solution: Solution, calibrates: bool) -> Result
     Ok(())
 }
 
-/// Reads the number of sets of coefficients, and their distributions.
-fn read_draws(reading: &Reading) -> Result<(u64, Vec<Uncertain>), Fault> {
+/// Reads the number of sets of coefficients, and their distributions, which must be those of the noise of the study.
+fn read_draws(reading: &Reading, noise: &Noise) -> Result<(u64, Vec<Uncertain>), Fault> {
     let Some(given) = reading.get(&DRAWS) else { return Ok((1, vec![])) };
     let draws = given.whole()?.cast_unsigned();
     let uncertain = sensitivity::read_all(&reading.table, &keys(), &sweepable(), &[])?;
@@ -172,8 +173,33 @@ fn read_draws(reading: &Reading) -> Result<(u64, Vec<Uncertain>), Fault> {
         let help = "leave its distribution out, or navigation.draws";
         return Err(Fault::new(other.span.clone(), message, "not of [noise]", help));
     }
+    uncertain.iter().try_for_each(|input| is_of(input, noise))?;
     Ok((draws, uncertain))
 }
+
+/// Refuses the distribution of a coefficient that the noise has with a value beyond it: it is that of another gyro.
+fn is_of(input: &Uncertain, noise: &Noise) -> Result<(), Fault> {
+    let own = coefficient_values(noise)
+        .into_iter()
+        .find(|(key, own)| key.name == input.key.name && own.value > 0.0);
+    let [low, high] = WITHIN.map(|level| input.at(level).quantity());
+    let (Some((key, own)), Some(low), Some(high)) = (own, low, high) else { return Ok(()) };
+    if (low.value..=high.value).contains(&own.value) {
+        return Ok(());
+    }
+    let [own, least, most] =
+        [own, low, high].map(|one| significant(Quantity { dimension: low.dimension, ..one }.shown(), 3));
+    let (name, unit) = (key.name, low.dimension.unit().symbol);
+    let message = format!(
+        "the study has {name} = {own} {unit}, and its distribution goes from {least} to {most} {unit}"
+    );
+    let help =
+        "write the value and the 95 % interval of this gyro, which `sagnac allan` writes into noise.toml";
+    Err(Fault::new(input.span.clone(), message, "of another gyro", help))
+}
+
+/// Parts of a distribution below its ends, as far as the noise of a study may lie from the median.
+const WITHIN: [f64; 2] = [0.001, 0.999];
 
 /// Relative rounding of a time that needs no note.
 const ROUNDED: f64 = 1e-9;

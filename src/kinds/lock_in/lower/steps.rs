@@ -25,7 +25,8 @@ const TAIL: f64 = 8.0;
 const USUAL: f64 = 4.0;
 /// Fewest steps of a period.
 const LEAST: f64 = 64.0;
-/// Most lock-in of a step, in radians of the beat phase, with dither: what sums of steps are off by at a reversal is a part of it.
+/// Most lock-in of a step, in radians of the beat phase, with dither. What the sums of steps are off by at a zero crossing is a
+/// part of it.
 const MOST_KICK: f64 = 0.003;
 /// Inverse of the most lock-in of a step without dither, in turns.
 const STEPS_PER_TURN: f64 = 2048.0;
