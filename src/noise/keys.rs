@@ -156,6 +156,22 @@ pub(crate) fn coefficient_values(noise: &Noise) -> Vec<(&'static Key, Quantity)>
     Term::EVERY.into_iter().filter_map(coefficient).collect()
 }
 
+/// The values of a noise that a decision may change: the coefficients and those of mode switches, by the keys that set them.
+pub(crate) fn values(noise: &Noise) -> Vec<(&'static Key, Quantity)> {
+    let switching = noise.switching.iter().flat_map(|switching| {
+        [
+            (&INTERVAL, switching.interval_s, Dimension::Time),
+            (&MAGNETIC, switching.magnetic, Dimension::DriftRate),
+            (&SWITCHING_WARM_UP, switching.warm_up_s.unwrap_or(0.0), Dimension::Time),
+            (&INITIAL_MAGNETIC, switching.initial_magnetic, Dimension::DriftRate),
+            (&RESIDUAL, switching.residual, Dimension::Angle),
+            (&RESIDUAL_NOISE, switching.residual_noise, Dimension::Angle),
+        ]
+    });
+    let switching = switching.map(|(key, value, dimension)| (key, Quantity::new(value, dimension)));
+    coefficient_values(noise).into_iter().chain(switching).collect()
+}
+
 fn switches(noise: &Noise) -> bool {
     noise.switching.is_some()
 }

@@ -53,6 +53,11 @@ pub fn with_unit(x: f64, digits: usize, unit: &str) -> String {
     format!("{} {unit}", significant(x, digits)).trim_end().to_owned()
 }
 
+/// A fraction in percent with three digits.
+pub(crate) fn percent(fraction: f64) -> String {
+    format!("{} %", significant(100.0 * fraction, 3)).replace('-', "−")
+}
+
 /// A large number with three digits and a word.
 pub fn short(number: f64) -> String {
     let (scale, unit) = match number {

@@ -72,6 +72,12 @@ impl Column {
         self.band.as_ref()?.get(row).copied().flatten()
     }
 
+    /// Whether the intervals of two rows, if there are any, have values in common.
+    pub(crate) fn is_alike(&self, one: usize, other: usize) -> bool {
+        let intervals = self.interval(one).zip(self.interval(other));
+        intervals.is_some_and(|((low, high), (least, most))| low <= most && least <= high)
+    }
+
     /// Whether the column holds errors relative to what is estimated, which people read in percent.
     pub(crate) fn is_relative(&self) -> bool {
         self.role == Role::Error && self.unit == Unit::NONE

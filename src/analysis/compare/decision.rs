@@ -4,13 +4,14 @@ use crate::analysis::compare::Length;
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, times};
-use crate::analysis::decision::sheet::{LEVEL, at_level, margin_in_words, percent};
+use crate::analysis::decision::sheet::{LEVEL, at_level, margin_in_words};
 use crate::analysis::decision::{Figure, Lines};
 use crate::analysis::requirement::{
     Decision, Judgement, LimitError, Limited, Standing, is_fitted, met, named, twice,
 };
 use crate::fit::Term;
 use crate::quantity::list::listed;
+use crate::quantity::number::percent;
 use crate::quantity::number::significant;
 use crate::view::report::agreement::capitalised;
 

@@ -1,6 +1,7 @@
 //! The best option of a study, and the condition under which it is worst.
 
 use crate::chart::{Chart, Limit, Source};
+use crate::kinds::allan::keys::LENGTH;
 use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Table, Usual, grouped};
@@ -17,6 +18,8 @@ pub struct Next {
     pub value: f64,
     /// Number of conditions under which it is within the limit.
     pub met: usize,
+    /// Whether the 95 % intervals of both options overlap.
+    pub is_alike: bool,
 }
 
 /// An option with its worst row.
@@ -61,6 +64,8 @@ pub(crate) struct Choice<'t> {
     pub(crate) equal: Vec<String>,
     /// The next best option.
     pub(crate) next: Option<Next>,
+    /// Whether the best option is the shortest record that meets the limit as often.
+    pub(crate) is_shortest: bool,
     /// Names of fillers that do not count as options, because firmware cannot have them.
     pub(crate) left_out: Vec<String>,
 }
@@ -121,16 +126,27 @@ impl<'t> Choice<'t> {
             Some(Rated { name, row: worst, met, rows: conditions })
         };
         let mut options: Vec<Rated> = grouped(rows, option_of).into_iter().filter_map(option).collect();
-        options.sort_by(|a, b| b.met.cmp(&a.met).then(value(a.row).total_cmp(&value(b.row))));
+        // Of records that meet the limit equally often, the shortest is the best: a longer one costs time.
+        let length = match chosen[..] {
+            [column] if column.name == LENGTH.name && limit.is_some() => Some(column),
+            _ => None,
+        };
+        let cost = |option: &Rated| match length {
+            Some(length) if option.met > 0 => length.value(option.row),
+            _ => value(option.row),
+        };
+        options.sort_by(|a, b| b.met.cmp(&a.met).then(cost(a).total_cmp(&cost(b))));
         let Some(Rated { name, row, met, rows }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);
-        let is_equal = |option: &&Rated| value(option.row) == value(row);
+        let is_shortest = length.is_some() && met > 0 && options.len() > 1;
+        let is_equal = |option: &&Rated| !is_shortest && option.met == met && value(option.row) == value(row);
         let (equal, worse): (Vec<&Rated>, Vec<&Rated>) = options[1..].iter().partition(is_equal);
         let equal = equal.into_iter().map(|option| option.name.clone()).collect();
         let next = worse.first().map(|next| Next {
             option: next.name.clone(),
             value: value(next.row),
             met: next.met,
+            is_alike: column.is_alike(row, next.row),
         });
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
@@ -158,6 +174,7 @@ impl<'t> Choice<'t> {
             options,
             equal,
             next,
+            is_shortest,
             left_out,
         }))
     }

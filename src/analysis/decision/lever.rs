@@ -4,6 +4,7 @@ use crate::analysis::decision::budget::mean_square;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
 use crate::analysis::decision::{DecisionError, Figure};
+use crate::drift::schedule::{End, INTERVAL};
 use crate::filler::{FILLERS, Method};
 use crate::key::row::Key;
 use crate::key::setting::Swept;
@@ -106,7 +107,7 @@ pub(crate) fn lever(
     let Some(tried) = at.tried(&mean_square(table, choice.column).name, evaluator) else {
         return Ok(Search::None);
     };
-    let of_one = 1 + if limit.is_some() { BISECTIONS + 1 } else { 0 };
+    let of_one = 1 + if limit.is_some() { BISECTIONS + MOST.len() } else { 0 };
     evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
     let mut levers: Vec<Lever> = Vec::new();
     for Tried { input, factor, .. } in tried {
@@ -120,7 +121,9 @@ pub(crate) fn lever(
         if gain.interval.map_or(gain.value, |(low, _)| low) <= 0.0 {
             continue;
         }
-        let needed = limit.and_then(|limit| at.needed(&input, factor < 1.0, limit.value, judged, evaluator));
+        let tried = (to, found[1].upper());
+        let needed =
+            limit.and_then(|limit| at.needed(&input, factor < 1.0, limit.value, tried, judged, evaluator));
         let meets = matches!(needed, Some(Needed::Value(_)));
         if !meets && gain.value < LEAST_GAIN || !at.gains_everywhere(&input, to, judged, evaluator)? {
             continue;
@@ -243,10 +246,12 @@ impl<'a> Place<'a> {
         let written = self.study.values.iter().copied().chain(of_files);
         let mut inputs: Vec<Input> = Vec::new();
         for (key, value) in swept.chain(written) {
+            // Where a run ends exactly, its drift depends on how far the last interval has come.
+            let is_parity = std::ptr::eq(key, &INTERVAL) && ends_exactly(self.study, self.point);
             let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
             let is_asked =
                 ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
-            if is_new && value.value != 0.0 && !is_asked {
+            if is_new && value.value != 0.0 && !is_asked && !is_parity {
                 inputs.push(Input { key, value });
             }
         }
@@ -304,12 +309,14 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Whether and where a change of an input meets the limit with its whole interval, to three digits on the safe side.
+    /// Whether and where a change of an input meets the limit with its whole interval, to three digits on the safe side. `tried`
+    /// is a small change with the upper end of the estimate there.
     fn needed(
         &self,
         input: &Input,
         is_down: bool,
         limit: f64,
+        tried: (Quantity, f64),
         column: &str,
         evaluator: &mut Evaluator,
     ) -> Option<Needed> {
@@ -318,7 +325,16 @@ impl<'a> Place<'a> {
             let found = self.values(input, &[value], column, evaluator, Effort::Parts).ok()??;
             Some((value, found.first()?.upper()))
         };
-        let (most, (end, left)) = MOST.into_iter().find_map(|most| Some((most, at(most)?)))?;
+        let mut ends = MOST.into_iter().filter_map(|most| Some((most, at(most)?)));
+        let mut best = ends.next()?;
+        // The largest change may lie beyond an optimum.
+        if best.1.1 > tried.1 {
+            best = ends.chain([best]).min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        }
+        let (most, (end, left)) = best;
+        if left > limit && left > tried.1 {
+            return Some(Needed::NotEven(tried.0, tried.1));
+        }
         if left > limit {
             return Some(Needed::NotEven(end, left));
         }
@@ -332,6 +348,12 @@ impl<'a> Place<'a> {
         }
         Some(Needed::Value(met))
     }
+}
+
+/// Whether a point is of runs with an exact end.
+fn ends_exactly(study: &Study, point: usize) -> bool {
+    let runs = study.asked::<SwitchedRun>().map(|runs| &runs.points);
+    runs.and_then(|points| points.get(point)).is_some_and(|point| point.schedule.end == End::Exact)
 }
 
 /// The value of an input that is tried: multiplied by a factor, or the next whole number.

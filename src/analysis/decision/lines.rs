@@ -7,6 +7,10 @@ use crate::analysis::decision::Sheet;
 /// The heading of each line.
 const HEADINGS: [&str; 5] = ["Requirement", "Best option", "Margin", "What limits", "Next lever"];
 
+/// The single sentence of a study without an estimate of which less is better.
+const UNJUDGED: &str = "None is given: the study describes, and no estimate of it is an error. There is no best option, and neither \
+                        margin nor lever, until a limit says what is wanted.";
+
 /// The decision to which an analysis leads, in a sentence for each heading: whether the requirement is met, the best
 /// option, its margin, what limits it, and what to change next. A line that has no answer says why.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,21 +22,11 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// The lines of a study that judges nothing, as a description without a limit.
-    fn unjudged() -> Lines {
-        let sentences = [
-            "None is given, and no estimate of the study is an error, of which less is better.",
-            "None is better without a requirement, which a limit would state.",
-            "Without a limit there is none.",
-            "The parts of this estimate are not separated.",
-            "None is searched where no estimate is an error.",
-        ];
-        Lines { met: None, sentences: sentences.map(str::to_owned) }
-    }
-
-    /// The headings and sentences of a study with complete results, whose sheet is absent where it judges nothing.
+    /// The headings and sentences of a study with complete results. A study that describes and judges nothing has no sheet, and
+    /// says so in a single line.
     pub fn of_study(sheet: Option<&Sheet>) -> Vec<(&'static str, String)> {
-        sheet.map_or_else(|| Lines::unjudged().headed(), Sheet::lines)
+        let unjudged = || vec![(HEADINGS[0], UNJUDGED.to_owned())];
+        sheet.map_or_else(unjudged, Sheet::lines)
     }
 
     /// Each heading with its sentence.

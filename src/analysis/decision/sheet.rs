@@ -9,7 +9,7 @@ use crate::analysis::decision::lever::{Lever, Needed, Search};
 use crate::analysis::decision::lines::Lines;
 use crate::chart::Limit;
 use crate::quantity::list::listed;
-use crate::quantity::number::significant;
+use crate::quantity::number::{percent, significant};
 use crate::quantity::units::{Dimension, Quantity};
 use crate::table::{Unit, titled, worded};
 use crate::view::report::agreement::capitalised;
@@ -53,6 +53,8 @@ pub struct Sheet {
     pub lever: Option<Lever>,
     /// Whether inputs were searched for it.
     pub is_searched: bool,
+    /// Whether the best option is the shortest record that meets the limit as often.
+    pub is_shortest: bool,
     /// Labels of the swept keys that are conditions, which no lever is, and of all swept keys.
     pub swept: [Vec<String>; 2],
     /// The sentences of a study that asks which coefficients records show, instead of those on the estimate.
@@ -78,6 +80,7 @@ impl Sheet {
             equal: choice.equal.clone(),
             next: choice.next.clone(),
             left_out: choice.left_out.clone(),
+            is_shortest: choice.is_shortest,
             budget,
             lever,
             is_searched,
@@ -147,7 +150,10 @@ impl Sheet {
                 let [met, all] = self.met;
                 let part =
                     if met > 0 { format!("Met under {met} of {all} conditions") } else { "Not met".into() };
-                format!("{part}: {told}, above {}.", limit.text())
+                match self.value.value.is_finite() {
+                    true => format!("{part}: {told}, above {}.", limit.text()),
+                    false => format!("{part}: {told}, so that nothing shows it within {}.", limit.text()),
+                }
             }
             (None, _) if !self.value.value.is_finite() => "None is given.".to_owned(),
             (None, _) => format!("None is given; {told}."),
@@ -160,7 +166,13 @@ impl Sheet {
             names => format!(" {} would need a motion that firmware does not know.", listed(names)),
         };
         if self.options < 2 {
-            return format!("There is only one option.{left_out}");
+            let none = match &self.swept[0][..] {
+                [] => "There is only one option.".to_owned(),
+                conditions => {
+                    format!("None is compared: the study varies conditions only ({}).", listed(conditions))
+                }
+            };
+            return format!("{none}{left_out}");
         }
         let equal = match &self.equal[..] {
             [] => String::new(),
@@ -168,16 +180,27 @@ impl Sheet {
         };
         let [met, all] = self.met;
         let next = match &self.next {
+            _ if self.is_shortest => {
+                let under = match all {
+                    1 => String::new(),
+                    all => format!(" under {met} of {all} conditions"),
+                };
+                format!(", the shortest of {} lengths within the limit{under}", self.options)
+            }
             // The option that meets the limit more often may be the one with the larger value.
             Some(Next { option, met: less, .. }) if *less != met => {
                 let other = if self.options == 2 { "the other one," } else { "next is" };
                 format!(", within the limit under {met} of {all} conditions; {other} {option}, under {less}")
             }
-            Some(Next { option, value, .. }) if self.options == 2 => {
-                format!("; the other one, {option}, has {}", self.shown(*value))
-            }
-            Some(Next { option, value, .. }) => {
-                format!(", of {} options; next is {option} with {}", self.options, self.shown(*value))
+            Some(Next { option, value, is_alike, .. }) => {
+                let alike = match is_alike {
+                    true => ", a difference that the 95 % intervals do not show",
+                    false => "",
+                };
+                match self.options {
+                    2 => format!("; the other one, {option}, has {}{alike}", self.shown(*value)),
+                    all => format!(", of {all} options; next is {option} with {}{alike}", self.shown(*value)),
+                }
             }
             None => format!(", of {} options", self.options),
         };
@@ -186,6 +209,9 @@ impl Sheet {
 
     fn margin_told(&self) -> String {
         let Some(margin) = self.margin().filter(|margin| margin.value.is_finite()) else {
+            if self.limit.is_some() {
+                return format!("It is unknown{}, where too few records show a value.", self.at());
+            }
             let over = |next: f64| next / self.value.value - 1.0;
             return match &self.next {
                 Some(Next { value, .. }) if over(*value) > 0.0 => {
@@ -194,7 +220,17 @@ impl Sheet {
                 _ => "Without a limit there is none.".to_owned(),
             };
         };
-        margin_in_words(margin, LEVEL)
+        let worst = margin_in_words(margin, LEVEL);
+        match self.met {
+            [met, all] if (1..all).contains(&met) => {
+                let worst = match worst.strip_prefix("The") {
+                    Some(rest) => format!("the{rest}"),
+                    None => worst,
+                };
+                format!("The limit is met under {met} of {all} conditions;{} {worst}", self.at())
+            }
+            _ => worst,
+        }
     }
 
     fn limits(&self) -> String {
@@ -239,6 +275,9 @@ impl Sheet {
                 format!("{name}: {to} instead of {from} meets the limit and gains {gain}.")
             }
             Some(Needed::Value(value)) => format!("{name}: {} meets the limit; {tried}.", short(*value)),
+            Some(Needed::NotEven(value, _)) if *value == lever.to => {
+                format!("{name}: {tried}, but alone it does not meet the limit.")
+            }
             Some(Needed::NotEven(value, left)) => format!(
                 "{name}: {tried}, but alone it does not meet the limit: even {} leaves {}.",
                 short(*value),
@@ -357,10 +396,6 @@ pub(crate) fn short(quantity: Quantity) -> String {
         Dimension::Time if value.abs() < 0.1 => format!("{} ms", significant(1000.0 * value, 6)),
         _ => Quantity { value, ..quantity }.to_string(),
     }
-}
-
-pub(crate) fn percent(value: f64) -> String {
-    format!("{} %", significant(100.0 * value, 3)).replace('-', "−")
 }
 
 fn rounded(value: f64) -> f64 {

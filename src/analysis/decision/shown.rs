@@ -2,13 +2,14 @@
 
 use crate::analysis::decision::DecisionError;
 use crate::analysis::decision::evaluate::Evaluator;
-use crate::analysis::decision::sheet::{percent, short};
+use crate::analysis::decision::sheet::short;
 use crate::device::Device;
 use crate::key::setting::Swept;
+use crate::kinds::allan::columns::is_absent;
 use crate::kinds::allan::keys::LENGTH;
 use crate::progress::Silent;
 use crate::quantity::list::listed;
-use crate::quantity::number::significant;
+use crate::quantity::number::{percent, significant};
 use crate::quantity::units::Quantity;
 use crate::run::{Plan, Tables};
 use crate::store::Store;
@@ -58,6 +59,7 @@ pub(crate) fn sentences(
     for curve in curves.curves.iter().filter(|curve| !curve.1.is_empty()) {
         match curve.1.windows(2).find(|pair| (part(pair[0]) < HALF) != (part(pair[1]) < HALF)) {
             Some(pair) => passes.push((curve, pair[1])),
+            None if is_absent(table, &curve.1) => {}
             None if part(curve.1[0]) < HALF => never.push(curve),
             None => always.push(curve),
         }
@@ -117,7 +119,9 @@ pub(crate) fn sentences(
         None => None,
     };
     Ok(Some([
-        format!("None is given. {}", curves.half().unwrap_or_default()).trim_end().to_owned(),
+        format!("None is given. {}", curves.half(|rows| is_absent(table, rows)).unwrap_or_default())
+            .trim_end()
+            .to_owned(),
         "The study compares no options, only what records of one gyro show.".to_owned(),
         margin,
         limits,

@@ -99,6 +99,11 @@ fn an_option_that_meets_the_limit_more_often_says_so() {
     let between = 0.5 * (worst("const") + worst("quadratic"));
     let sheet = decided(&limit(between));
     let told = &sheet.lines()[1].1;
+    let partly = decided(&limit(0.5 * worst("const"))).lines()[2].1.clone();
+    assert!(
+        partly.starts_with("The limit is met under 1 of 2 conditions; at pulse weight 4 arcsec the "),
+        "{partly}"
+    );
     assert!(sheet.next.as_ref().is_some_and(|next| next.met == 1), "{:?}", sheet.next);
     assert!(
         told.contains("within the limit under 2 of 2 conditions; the other one, quadratic, under 1"),
@@ -118,7 +123,8 @@ fn a_response_is_judged_by_a_limit_only() {
     let (unlimited, tables) = ran(&study(""));
     let sheet = decide(&unlimited, &tables, &Silent).unwrap();
     assert_eq!(sheet, None);
-    assert!(Lines::of_study(sheet.as_ref())[0].1.starts_with("None is given"));
+    let lines = Lines::of_study(sheet.as_ref());
+    assert!(lines.len() == 1 && lines[0].1.starts_with("None is given: the study describes"), "{lines:?}");
     // The useful modes are at 380 Hz and 300 Hz; only LGK-400 has another one, at 700 Hz.
     let sheet = decided(&study("limit = \"5000 arcsec/s/g\"\n"));
     assert_eq!((sheet.option.as_str(), sheet.met), ("LGV-1", [3, 4]), "{:?}", sheet.lines());
@@ -157,6 +163,38 @@ fn a_study_of_what_records_show_says_from_where_on_and_what_a_longer_record_show
         lines[4].1.starts_with("Length of the record (record.length): of 7200 s instead of 3600 s, "),
         "{lines:?}"
     );
+}
+
+#[test]
+fn of_records_that_meet_the_limit_the_shortest_is_the_best() {
+    let text = "title = \"t\"\nkind = \"allan\"\ntrials = 200\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[noise]\n\
+                angle_random_walk = \"0.003 deg/sqrt(h)\"\n[allan]\nfit = [\"N\"]\n\
+                [[sweep]]\nkey = \"record.length\"\nlist = [\"100 s\", \"1000 s\", \"10000 s\"]\n\
+                [[chart]]\ntable = \"coefficients\"\nx = \"length\"\ny = \"relative_rmse\"\nlimit = \"6 %\"\n";
+    let sheet = decided(text);
+    assert_eq!(
+        (sheet.option.as_str(), sheet.is_met()),
+        ("length of the record 1000 s", Some(true)),
+        "{:?}",
+        sheet.lines()
+    );
+    assert_eq!(
+        sheet.lines()[1].1,
+        "length of the record 1000 s, the shortest of 3 lengths within the limit."
+    );
+}
+
+#[test]
+fn an_interval_is_no_lever_where_the_end_of_a_run_is_exact() {
+    let run = |end: &str| {
+        format!(
+            "title = \"t\"\nkind = \"switched-run\"\ntrials = 2000\n[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\n\
+             residual_max = \"1 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"600 s\"\nend = \"{end}\"\n"
+        )
+    };
+    let lever = |end: &str| decided(&run(end)).lever.map(|lever| lever.key);
+    assert!(lever("any").is_some());
+    assert_ne!(lever("exact"), Some("switching.interval"));
 }
 
 /// A navigator whose gyros switch modes, with a magnetic drift that a sweep varies, and a coefficient that is drawn.

@@ -1,8 +1,8 @@
 //! The decision to which fillers at a point lead.
 
 use crate::analysis::decision::Lines;
-use crate::analysis::decision::sheet::percent;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
+use crate::quantity::number::percent;
 use crate::quantity::number::significant;
 
 impl Firmware {

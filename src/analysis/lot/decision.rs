@@ -1,11 +1,12 @@
 //! The decision to which a lot leads.
 
 use crate::analysis::decision::Figure;
-use crate::analysis::decision::sheet::{percent, with_interval};
+use crate::analysis::decision::sheet::with_interval;
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Lot};
 use crate::analysis::requirement::{Decision, Judgement, Limit, Standing, Subject, decide};
 use crate::quantity::list::listed;
+use crate::quantity::number::percent;
 use crate::quantity::number::with_unit;
 
 impl Lot {

@@ -6,7 +6,6 @@ use crate::allan::Unit;
 use crate::analysis::compare::words::duration;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::decision::Lines;
-use crate::analysis::decision::sheet::percent;
 use crate::analysis::requirement::best::{by_margin, by_value, ranked};
 use crate::analysis::requirement::judged::{Judged, Judgement, Standing, met};
 use crate::analysis::requirement::largest::{runs, told as largest_told, usual};
@@ -14,6 +13,7 @@ use crate::analysis::requirement::lever;
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::{Gap, Subject};
 use crate::quantity::list::listed;
+use crate::quantity::number::percent;
 use crate::view::report::agreement::capitalised;
 
 /// Most judgements that are named in a sentence.

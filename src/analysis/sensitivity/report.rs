@@ -2,12 +2,13 @@
 
 use serde_json::{Value, json};
 
-use crate::analysis::decision::sheet::{percent as share_of, with_interval};
+use crate::analysis::decision::sheet::with_interval;
 use crate::analysis::decision::{Figure, Lines};
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
 use crate::key::scale::Scale;
 use crate::quantity::list::listed;
+use crate::quantity::number::percent as share_of;
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::columns_of;

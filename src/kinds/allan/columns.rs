@@ -7,7 +7,7 @@ use crate::kinds::allan::run::coefficients::Found;
 use crate::kinds::allan::run::curves::Scatter;
 use crate::kinds::table::Values;
 use crate::table::column::Band;
-use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
+use crate::table::{Cell, ColumnOf, Role, Table, Unit, Usual};
 use crate::tally::stats::z_score;
 
 /// A row before it becomes cells.
@@ -84,18 +84,27 @@ pub(crate) struct CoefficientRow<'a> {
     pub(crate) found: Found,
 }
 
+/// Name of the column of coefficients, and of that of their true values.
+pub(crate) const COEFFICIENT: &str = "coefficient";
+const TRUTH: &str = "truth";
+
+/// Whether the coefficient of some rows of a table is 0 in the noise of all their points.
+pub(crate) fn is_absent(table: &Table, rows: &[usize]) -> bool {
+    table.column(TRUTH).is_ok_and(|truth| rows.iter().all(|&row| truth.cells[row].number() == Some(0.0)))
+}
+
 /// The columns of the coefficients except the swept keys, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
     type Of<'a> = ColumnOf<CoefficientRow<'a>>;
     vec![
-        Of::new("coefficient", Unit::NONE, "coefficient", |row| row.quantity.name().into())
+        Of::new(COEFFICIENT, Unit::NONE, "coefficient", |row| row.quantity.name().into())
             .is(Role::Key, "The coefficient: Q, N, B, K or R as in data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
             .brief(),
         Of::new("unit", Unit::NONE, "unit", |row| row.quantity.unit(Angles::Angular).1.into())
             .is(Role::Note, "Unit of `truth`, `mean`, `sd` and `rmse`.")
             .brief(),
-        Of::new("truth", Unit::NONE, "true value", |row| row.truth.into())
+        Of::new(TRUTH, Unit::NONE, "true value", |row| row.truth.into())
             .is(Role::Estimate, "True value of the coefficient in the study.")
             .brief(),
         Of::new("mean", Unit::NONE, "mean estimate", |row| row.found.mean().into())

@@ -11,7 +11,7 @@ use crate::kinds::allan::columns;
 use crate::kinds::allan::parts;
 use crate::kinds::allan::run;
 use crate::kinds::allan::{Allan, keys, read, sweepable};
-use crate::noise::keys::coefficient_values;
+use crate::noise::keys::values;
 use crate::progress::Progress;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::sampling::plan::Planned;
@@ -58,7 +58,7 @@ impl Subject for Allan {
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
-        self.points.get(point).map(|point| coefficient_values(&point.inputs.noise)).unwrap_or_default()
+        self.points.get(point).map(|point| values(&point.inputs.noise)).unwrap_or_default()
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -13,6 +13,7 @@ pub(crate) mod of_noise;
 pub(crate) mod parts;
 pub mod point;
 pub(crate) mod run;
+pub(crate) mod tuning;
 pub mod verify;
 
 use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};

@@ -10,7 +10,7 @@ use crate::kinds::navigation::columns::{self, LAWS, OF_FILTERS};
 use crate::kinds::navigation::keys::Solution;
 use crate::kinds::navigation::run;
 use crate::kinds::navigation::{Navigation, keys, parts, read, sweepable};
-use crate::noise::keys::coefficient_values;
+use crate::noise::keys::values;
 use crate::progress::Progress;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::sampling::plan::Planned;
@@ -52,7 +52,7 @@ impl Subject for Navigation {
     }
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
-        self.points.get(point).map(|point| coefficient_values(&point.inputs.noise)).unwrap_or_default()
+        self.points.get(point).map(|point| values(&point.inputs.noise)).unwrap_or_default()
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -9,7 +9,7 @@ use crate::table::{Column, Table};
 use crate::view::chart::notes::ChartError;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::{chart_stem, refused};
-use crate::view::verdict::{Answer, Question, verdict};
+use crate::view::verdict::{Answer, Question, Window, verdict};
 
 /// The verdict of one chart, or of several with the same content.
 pub struct Verdict<'t> {
@@ -84,6 +84,11 @@ impl Verdict<'_> {
         format!("{}{besides}\n{sentences}", self.heading())
     }
 
+    /// Whether a chart with this name of its files shows it.
+    pub(crate) fn is_of(&self, stem: &str) -> bool {
+        self.charts.iter().any(|chart| chart == stem)
+    }
+
     /// The judged column, and the charts that show it.
     pub fn heading(&self) -> String {
         let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
@@ -104,12 +109,14 @@ impl Verdict<'_> {
             let places = |places: &[(&Column, f64)]| -> Vec<Value> {
                 places.iter().map(|(column, value)| json!([column.header(), value])).collect()
             };
+            let window =
+                |window: &Window| json!({ "from": places(&window.from), "until": places(&window.until) });
             json!({
                 "series": series.collect::<Vec<_>>(),
                 "outcome": answer.outcome,
                 "at": places(&answer.at),
                 "until": places(&answer.until),
-                "again": answer.again,
+                "again": answer.again.iter().map(window).collect::<Vec<_>>(),
                 "first": places(&answer.first),
             })
         });

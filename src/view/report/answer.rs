@@ -3,6 +3,7 @@
 use crate::chart::{Chart, Source};
 use crate::drift::schedule::INTERVAL;
 use crate::filler::FILLERS;
+use crate::kinds::allan::columns::is_absent;
 use crate::kinds::navigation::keys::{ALIGNMENT, FILTER};
 use crate::motion::keys::GYRO as SUSPENDED_GYRO;
 use crate::noise::keys::FILE as NOISE_FILE;
@@ -87,7 +88,15 @@ impl Answer {
         let first = charts.iter().find(shows).or(charts.first());
         let headline = match (verdicts.first().zip(judged), first) {
             (Some((first, resolved)), _) => {
-                resolved.judged(first).map_err(|error| refuse(resolved.chart, error))?
+                let told = resolved.judged(first).map_err(|error| refuse(resolved.chart, error))?;
+                // Charts of the same curves under other conditions answer the same question.
+                let judged = charts.iter().filter(|other| other.chart.limit.is_some() && other.has_curves());
+                let further = judged.filter(|other| resolved.is_continued_by(other)).filter_map(|other| {
+                    let verdict = verdicts.iter().find(|verdict| verdict.is_of(&other.drawn.stem))?;
+                    of_verdict(&verdict.answers, verdict.limit)
+                });
+                let further: Vec<String> = further.collect();
+                told.map(|told| [&[told], &further[..]].concat().join(" "))
             }
             (None, Some(resolved)) if !resolved.shown.is_supplied(resolved.chart) => {
                 resolved.of_picture().map_err(|error| refuse(resolved.chart, error))?
@@ -145,6 +154,17 @@ impl<'a> Resolved<'a> {
         let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?;
         let rows = table.rows_where(&chart.filter())?;
         Ok(Resolved { study, chart, shown, drawn, x, estimate, series, rows })
+    }
+
+    /// Whether another chart has the same curves for another value of a swept key.
+    fn is_continued_by(&self, other: &Resolved) -> bool {
+        let swept = |resolved: &Resolved| {
+            let is_swept = |name: &str| self.study.sweeps.iter().any(|sweep| sweep.key.name.ends_with(name));
+            let filter = resolved.chart.filter();
+            (!filter.is_empty() && filter.iter().all(|(name, _)| is_swept(name))).then_some(filter)
+        };
+        let is_alike = self.x.name == other.x.name && self.estimate.name == other.estimate.name;
+        is_alike && swept(self).zip(swept(other)).is_some_and(|(one, two)| one != two)
     }
 
     fn has_curves(&self) -> bool {
@@ -220,19 +240,21 @@ impl<'a> Resolved<'a> {
         let is_over_time = self.x.usual == Some(Usual::Abscissa) && !has_places;
         match self.estimate.role {
             _ if !self.has_curves() => None,
-            Role::Fraction => curves.half(),
+            Role::Fraction => curves.half(|rows| is_absent(&self.shown.table, rows)),
             _ if is_error && is_given(self.x) && !self.is_environment() => curves.growth(),
-            _ if is_error && is_over_time => curves.minima(),
+            _ if is_error && is_over_time => curves.minima(&self.series),
             Role::Estimate if !is_error && self.study.kind().is_exact => {
                 curves.peaks().or_else(|| curves.ranges())
             }
+            // Neither end of the range is better, and a condition is nobody's choice.
+            Role::Estimate if !is_error && is_given(self.x) => curves.ranges(),
             _ => None,
         }
     }
 
     /// The least value for each name in a column of series other than fillers, as a further sentence.
     fn beside_names(&self) -> Option<String> {
-        if !less_is_better(&self.shown.table, self.estimate, &self.rows) {
+        if is_given(self.x) || !less_is_better(&self.shown.table, self.estimate, &self.rows) {
             return None;
         }
         let is_named = |column: &&&Column| {

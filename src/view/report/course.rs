@@ -1,11 +1,11 @@
-//! Sentences on curves of which no single value is the answer: where they pass one half, where they peak, how they grow,
-//! and between which values they lie.
+//! Sentences on curves of which no single value is the answer: where they pass one half, where they peak, and between which
+//! values they lie.
 
 use crate::quantity::list::listed;
 use crate::quantity::number::significant;
-use crate::table::worded;
+use crate::table::{Column, grouped, worded};
 use crate::view::report::curves::Curves;
-use crate::view::report::sentences::measured;
+use crate::view::report::sentences::{measured, names};
 
 /// Most curves that a sentence names.
 const MOST_CURVES: usize = 9;
@@ -13,31 +13,29 @@ const MOST_CURVES: usize = 9;
 /// Most peaks of a curve that are named.
 const MOST_PEAKS: usize = 4;
 
-/// Relative rise over the least value from which a curve counts as grown.
-const GROWN: f64 = 0.1;
-
-/// Largest deviation from a power of x, as a logarithm, of a curve that follows one.
-const STRAIGHT: f64 = 0.2;
+/// Most curves of which each minimum is named.
+const MOST_LISTED: usize = 4;
 
 impl Curves<'_> {
-    fn named(&self) -> Option<()> {
+    pub(super) fn named(&self) -> Option<()> {
         (1..=MOST_CURVES).contains(&self.curves.len()).then_some(())
     }
 
-    fn at(&self, x: f64) -> String {
+    pub(super) fn at(&self, x: f64) -> String {
         measured(self.x, x)
     }
 
     /// The value of a row, with the name of its curve where there are several.
-    fn told(&self, name: &str, what: String) -> String {
+    pub(super) fn told(&self, name: &str, what: String) -> String {
         if name.is_empty() { what } else { format!("{what} ({name})") }
     }
 
-    /// What at least half of the records show, and from where on, as a sentence.
-    pub(crate) fn half(&self) -> Option<String> {
+    /// What at least half of the records show, and from where on, as a sentence. `is_absent` says for the rows of a curve
+    /// whether there is nothing to show.
+    pub(crate) fn half(&self, is_absent: impl Fn(&[usize]) -> bool) -> Option<String> {
         self.named()?;
         let mut passes = Vec::new();
-        let (mut always, mut never) = (Vec::new(), Vec::new());
+        let (mut always, mut never, mut absent) = (Vec::new(), Vec::new(), Vec::new());
         for (name, rows) in &self.curves {
             let name = if name.is_empty() { "the coefficient" } else { name };
             let is_more = |row: usize| self.y.value(row) >= 0.5;
@@ -50,6 +48,7 @@ impl Curves<'_> {
                     passes.push(format!("{name} {way}"));
                 }
                 _ if rows.iter().all(|&row| is_more(row)) => always.push(name),
+                _ if is_absent(rows) => absent.push(name),
                 _ => never.push(name),
             }
         }
@@ -57,14 +56,23 @@ impl Curves<'_> {
             passes.push(format!("{} everywhere in the study", listed(&always)));
         }
         let none = if never.is_empty() { None } else { Some(listed(&never)) };
-        match (&passes[..], none) {
+        let told = match (&passes[..], none) {
             ([], None) => None,
             ([], Some(none)) => Some(format!("Fewer than half of the records show {none}.")),
             (some, None) => Some(format!("At least half of the records show {}.", listed(some))),
             (some, Some(none)) => {
                 Some(format!("At least half of the records show {}; fewer show {none}.", listed(some)))
             }
-        }
+        };
+        let absent = match &absent[..] {
+            [] => String::new(),
+            [one] => format!(" This noise has no {one}."),
+            more => format!(
+                " This noise has neither {}.",
+                more.iter().map(ToString::to_string).collect::<Vec<_>>().join(" nor ")
+            ),
+        };
+        told.map(|told| told + &absent)
     }
 
     /// The peaks between the ends of each curve, as a sentence; `None` where a curve has none or too many.
@@ -77,45 +85,17 @@ impl Curves<'_> {
             };
             let peaks: Vec<String> =
                 rows.windows(3).filter(is_peak).map(|three| self.at(self.x.value(three[1]))).collect();
-            (1..=MOST_PEAKS).contains(&peaks.len()).then(|| self.told(name, listed(&peaks)))
+            // A rise at the end may lead to a peak beyond it.
+            let rise = match rows[..] {
+                [.., a, b] if self.y.value(b) > self.y.value(a) => {
+                    format!(" and rising at {}", self.at(self.x.value(b)))
+                }
+                _ => String::new(),
+            };
+            (1..=MOST_PEAKS).contains(&peaks.len()).then(|| self.told(name, listed(&peaks) + &rise))
         };
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
         Some(format!("The {} peaks at {} {}.", self.y.label, self.x.label, told.join(", ")))
-    }
-
-    /// How each curve grows from the least x to its largest value, with the power of x where it follows one, and from where
-    /// on it is a tenth above its least value. `None` where a curve does not grow.
-    pub(crate) fn growth(&self) -> Option<String> {
-        self.named()?;
-        let of_curve = |(name, rows): &(String, Vec<usize>)| {
-            let (&first, &last) = (rows.first()?, rows.last()?);
-            let top = *rows.iter().max_by(|&&a, &&b| self.y.value(a).total_cmp(&self.y.value(b)))?;
-            let [(from, low), (to, high)] = [first, top].map(|row| (self.x.value(row), self.y.value(row)));
-            let grows = 0.0 < from && from < to && 0.0 < low && low * (1.0 + GROWN) < high;
-            grows.then_some(())?;
-            let power = libm::log(high / low) / libm::log(to / from);
-            let law = |row: usize| low * libm::pow(self.x.value(row) / from, power);
-            let follows = rows.iter().all(|&row| libm::log(self.y.value(row) / law(row)).abs() < STRAIGHT);
-            let power = if follows { format!("power {}, ", significant(power, 2)) } else { String::new() };
-            let least = rows.iter().map(|&row| self.y.value(row)).fold(f64::INFINITY, f64::min);
-            let grown = rows.iter().find(|&&row| self.y.value(row) > (1.0 + GROWN) * least)?;
-            let on = self.x.valued(&significant(self.x.value(*grown), 3));
-            let at = match top == last {
-                true => String::new(),
-                false => format!(" at {}", self.x.valued(&significant(to, 3))),
-            };
-            let name = if name.is_empty() { String::new() } else { format!("{name} ") };
-            let (low, high) = (significant(low, 3), significant(high, 3));
-            Some(format!(
-                "{name}from {low} to {high} {}{at} ({power}10 % above its least value from {on} on)",
-                self.y.unit.symbol
-            ))
-        };
-        let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
-        let rows = || self.curves.iter().flat_map(|(_, rows)| rows).map(|&row| self.x.value(row));
-        let (from, to) = (rows().reduce(f64::min)?, rows().reduce(f64::max)?);
-        let (label, from) = (worded(&self.y.label), self.x.valued(&significant(from, 3)));
-        Some(format!("The {label} grows between {from} and {}: {}.", self.at(to), told.join("; ")))
     }
 
     /// The values between which each curve lies, and over which range, as a sentence; `None` for a single curve.
@@ -126,7 +106,13 @@ impl Curves<'_> {
             let values = || rows.iter().map(|&row| self.y.value(row));
             let (low, high) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
             let [low, high] = [low, high].map(|value| significant(value, 3));
-            let range = if low == high { high } else { format!("{low} to {high}") };
+            let pairs = || rows.windows(2).map(|pair| [self.y.value(pair[0]), self.y.value(pair[1])]);
+            let range = match low == high {
+                true => high,
+                false if pairs().all(|[a, b]| a <= b) => format!("{low} rising to {high}"),
+                false if pairs().all(|[a, b]| a >= b) => format!("{high} falling to {low}"),
+                false => format!("{low} to {high}"),
+            };
             Some(self.told(name, format!("{range} {}", self.y.unit.symbol).trim_end().to_owned()))
         };
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
@@ -137,9 +123,9 @@ impl Curves<'_> {
         Some(format!("The {} is {told}, between {from} and {}.", self.y.label, self.at(to)))
     }
 
-    /// The least value of the curve that gets lowest, with its place, and of the one that stays highest, as a sentence; `None`
-    /// for a single curve.
-    pub(crate) fn minima(&self) -> Option<String> {
+    /// The least value of each curve with its place, as a sentence. Of more than [`MOST_LISTED`] curves it names the range for each value
+    /// of the column `by` that decides, if there is one, else the lowest and the highest. `None` for a single curve.
+    pub(crate) fn minima(&self, by: &[&Column]) -> Option<String> {
         self.named()?;
         let least = |(name, rows): &(String, Vec<usize>)| {
             let row = *rows.iter().min_by(|&&a, &&b| self.y.value(a).total_cmp(&self.y.value(b)))?;
@@ -148,6 +134,16 @@ impl Curves<'_> {
         let mut all: Vec<(String, usize)> = self.curves.iter().filter_map(least).collect();
         all.sort_by(|a, b| self.y.value(a.1).total_cmp(&self.y.value(b.1)));
         let [(low_name, low), between @ .., (high_name, high)] = &all[..] else { return None };
+        if all.len() <= MOST_LISTED {
+            let told = |(name, row): &(String, usize)| {
+                format!("{} at {} ({name})", measured(self.y, self.y.value(*row)), self.at_place(*row))
+            };
+            let told: Vec<String> = all.iter().map(told).collect();
+            return Some(format!("The least {} is {}.", worded(&self.y.label), listed(&told)));
+        }
+        if let Some(told) = by.iter().find_map(|by| self.decided(&all, by)) {
+            return Some(format!("The least {} is {told}.", worded(&self.y.label)));
+        }
         let [least, most] = [*low, *high].map(|row| measured(self.y, self.y.value(row)));
         let [at_least, at_most] = [*low, *high].map(|row| self.at_place(row));
         let others = match between.len() {
@@ -161,6 +157,25 @@ impl Curves<'_> {
         ))
     }
 
+    /// The least values of curves as a range for each value of a column, if the ranges do not overlap. `all` is sorted by these
+    /// values.
+    fn decided(&self, all: &[(String, usize)], by: &Column) -> Option<String> {
+        let groups = grouped(all.iter().map(|(_, row)| *row), |row| by.cells[row].text());
+        let is_apart = groups.windows(2).all(|pair| {
+            let ends = (pair[0].1.last(), pair[1].1.first());
+            matches!(ends, (Some(&a), Some(&b)) if self.y.value(a) < self.y.value(b))
+        });
+        let many = groups.len() > 1 && groups.len() < all.len();
+        (many && is_apart).then(|| {
+            let told = groups.iter().map(|(_, rows)| {
+                let [low, high] = [rows[0], rows[rows.len() - 1]].map(|row| self.y.value(row));
+                let range = format!("{} to {}", significant(low, 3), measured(self.y, high));
+                self.told(&names(&[by], rows[0]), range)
+            });
+            listed(&told.collect::<Vec<_>>())
+        })
+    }
+
     fn at_place(&self, row: usize) -> String {
         self.x.valued(&significant(self.x.value(row), 3))
     }
@@ -168,6 +183,7 @@ impl Curves<'_> {
 
 #[cfg(test)]
 mod tests {
+    use crate::table::Cell;
     use crate::view::report::curves::Curves;
     use crate::view::report::tests::table;
 
@@ -182,32 +198,36 @@ mod tests {
     fn a_fraction_is_told_where_it_passes_one_half() {
         let said =
             said(&[("a", [0.0, 1.0, 1.0]), ("b", [0.9, 0.8, 1.0]), ("c", [0.0, 0.1, 0.2])], |curves| {
-                curves.half()
+                curves.half(|_| false)
             });
         // Halfway between 1 and 2 Hz on a logarithmic scale.
         let expected = "At least half of the records show a from frequency 1.41 Hz on and b everywhere in the study; fewer show c.";
         assert_eq!(said.as_deref(), Some(expected));
+        let expected = "At least half of the records show b everywhere in the study. This noise has no c.";
+        let curves = [("b", [0.9, 0.8, 1.0]), ("c", [0.0, 0.1, 0.2])];
+        assert_eq!(self::said(&curves, |curves| curves.half(|rows| rows[0] > 2)).as_deref(), Some(expected));
     }
 
     #[test]
-    fn growth_has_a_power_and_a_place_where_it_begins() {
-        let expected = "The rms grows between frequency 1 Hz and 4 Hz: a from 1 to 4 arcsec (power 1, 10 % above its least \
-                        value from frequency 2 Hz on).";
-        assert_eq!(said(&[("a", [1.0, 2.0, 4.0])], |curves| curves.growth()).as_deref(), Some(expected));
-        assert_eq!(said(&[("a", [4.0, 2.0, 1.0])], |curves| curves.growth()), None);
-        // Flat, then steep, then less: no power, and the largest value has its place.
-        let expected = "The rms grows between frequency 1 Hz and 4 Hz: a from 1 to 9 arcsec at frequency 2 Hz (10 % above its \
-                        least value from frequency 2 Hz on).";
-        assert_eq!(said(&[("a", [1.0, 9.0, 8.0])], |curves| curves.growth()).as_deref(), Some(expected));
-    }
-
-    #[test]
-    fn minima_are_told_by_the_lowest_and_the_highest_curve() {
-        let curves = [("a", [3.0, 1.0, 2.0]), ("b", [5.0, 4.0, 4.5]), ("c", [3.0, 3.0, 2.0])];
-        let expected = "The rms gets down to 1 arcsec at frequency 2 Hz with a, but only to 4 arcsec at frequency 2 Hz with b; the \
-                        other curve lies between.";
-        assert_eq!(said(&curves, |curves| curves.minima()).as_deref(), Some(expected));
-        assert_eq!(said(&curves[..1], |curves| curves.minima()), None);
+    fn minima_of_few_curves_are_listed_and_those_of_many_by_what_decides() {
+        let few = [("a", [3.0, 1.0, 2.0]), ("b", [5.0, 4.0, 4.5])];
+        let expected = "The least rms is 1 arcsec at frequency 2 Hz (a) and 4 arcsec at frequency 2 Hz (b).";
+        assert_eq!(said(&few, |curves| curves.minima(&[])).as_deref(), Some(expected));
+        assert_eq!(said(&few[..1], |curves| curves.minima(&[])), None);
+        let many = [("a", 1.0), ("b", 2.0), ("c", 3.0), ("d", 7.0), ("e", 8.0)];
+        let table = table("rms", &many.map(|(name, least)| (name, [9.0, least, 9.5])));
+        let rows: Vec<usize> = (0..table.rows()).collect();
+        let [filler, x, y] = [0, 1, 2].map(|at| &table.columns[at]);
+        let curves = Curves::of(x, y, &rows, &[filler]);
+        let expected = "The rms gets down to 1 arcsec at frequency 2 Hz with a, but only to 8 arcsec at frequency 2 Hz with e; the other 3 \
+                        curves lie between.";
+        assert_eq!(curves.minima(&[filler]).as_deref(), Some(expected));
+        // A column that is the same for a, b and c and for d and e.
+        let mut deciding = filler.clone();
+        deciding.cells =
+            rows.iter().map(|&row| Cell::Text(if row < 9 { "without" } else { "with" }.to_owned())).collect();
+        let expected = "The least rms is 1 to 3 arcsec (without) and 7 to 8 arcsec (with).";
+        assert_eq!(curves.minima(&[filler, &deciding]).as_deref(), Some(expected));
     }
 
     #[test]
@@ -221,5 +241,9 @@ mod tests {
             Some("The rms is 1 to 3 arcsec (a), 2 to 5 arcsec (b), between frequency 1 Hz and 4 Hz.")
         );
         assert_eq!(said(&[("a", [1.0, 2.0, 3.0])], |curves| curves.peaks()), None);
+        let rising = said(&[("a", [1.0, 2.0, 3.0]), ("b", [3.0, 1.0, 2.0])], |curves| curves.ranges());
+        let expected =
+            "The rms is 1 rising to 3 arcsec (a), 1 to 3 arcsec (b), between frequency 1 Hz and 4 Hz.";
+        assert_eq!(rising.as_deref(), Some(expected));
     }
 }

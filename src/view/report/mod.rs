@@ -19,6 +19,7 @@ pub(crate) mod course;
 pub(crate) mod curves;
 pub(crate) mod data;
 pub mod gallery;
+mod growth;
 pub(crate) mod page;
 pub mod sections;
 pub(crate) mod sentences;

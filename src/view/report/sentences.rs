@@ -1,8 +1,22 @@
 //! Sentences with answers: the minimum and the winner.
 
+use crate::kinds::allan::columns::COEFFICIENT;
+use crate::quantity::list::listed;
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, Role, Table, worded};
-use crate::view::chart::map::{Cells, Map, share};
+use crate::table::{Cell, Column, Role, Table, Unit, worded};
+use crate::theory::allan::terms::in_words;
+use crate::view::chart::map::{Cells, Map, Won, share};
+use crate::view::verdict::places;
+
+/// Most rows that are named beside one from which they do not differ.
+const MOST_ALIKE: usize = 4;
+
+/// Distance of the mean place of cells from the middle of an axis, in lengths of that axis, from which on they are mostly on one
+/// side.
+const OFF_CENTRE: f64 = 0.05;
+
+/// Time from which on it is told in hours or days too, s.
+const LONG_S: f64 = 7200.0;
 
 /// Significant digits of all values in a sentence.
 const DIGITS: usize = 3;
@@ -62,7 +76,16 @@ pub(crate) fn best(table: &Table, column: &Column, rows: &[usize], by: &[&Column
             let end = |(row, value): &(usize, f64)| format!("{} ({})", shown(*value), place(*row));
             told("runs from", format!("{} to {}", end(least), end(most)))
         }
-        (_, 1) => least_of(format!(": {}", place(least.0))),
+        (_, 1) => {
+            let is_alike = |(row, _): &&(usize, f64)| *row != least.0 && column.is_alike(least.0, *row);
+            let alike: Vec<String> = known.iter().filter(is_alike).map(|(row, _)| place(*row)).collect();
+            let alike = match alike.len() {
+                0 => String::new(),
+                1..=MOST_ALIKE => format!("; the 95 % intervals show no difference to {}", alike.join("; ")),
+                others => format!("; the 95 % intervals show no difference to {others} other rows"),
+            };
+            least_of(format!(": {}{alike}", place(least.0)))
+        }
         (_, alike) => least_of(format!(", in {alike} rows: {}, …", place(least.0))),
     })
 }
@@ -100,9 +123,13 @@ pub(crate) fn measured(column: &Column, value: f64) -> String {
 fn named(column: &Column, cell: &Cell) -> Option<String> {
     match cell {
         Cell::Blank => None,
+        Cell::Text(text) if column.name == COEFFICIENT => Some(in_words(text).unwrap_or(text).to_owned()),
         Cell::Text(text) if text.parse::<f64>().is_ok() => Some(column.valued(text)),
         Cell::Text(text) => Some(text.clone()),
-        cell => cell.number().map(|x| column.valued(&significant(x, 4))),
+        cell => cell.number().map(|x| match x >= LONG_S && column.unit == Unit::S {
+            true => places(&[(column, x)]),
+            false => column.valued(&significant(x, 4)),
+        }),
     }
 }
 
@@ -122,6 +149,23 @@ pub(crate) fn naming<'t>(columns: &[&'t Column]) -> impl Fn(usize) -> String + u
 /// The values of some columns in a row, as in a sentence.
 pub(crate) fn names(columns: &[&Column], row: usize) -> String {
     columns.iter().filter_map(|column| named(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
+}
+
+/// Where the cells of a winner mostly are, as the end of a sentence: at low or high values of each axis along which their
+/// mean place differs from the middle.
+fn mostly(map: &Map, won: &[Option<Won>], style: usize) -> String {
+    let cells = || won.iter().enumerate().filter(|(_, won)| won.is_some_and(|won| won.style == style));
+    let (columns, rows) = (map.columns.len(), map.rows.len());
+    let axes = [(&map.x, columns, true), (&map.y, rows, false)];
+    let sides = axes.into_iter().filter_map(|(axis, count, is_column)| {
+        let place =
+            |(cell, _): (usize, &Option<Won>)| if is_column { cell % columns } else { cell / columns };
+        let mean = cells().map(place).sum::<usize>() as f64 / cells().count() as f64;
+        let off = mean / (count.max(2) - 1) as f64 - 0.5;
+        (off.abs() > OFF_CENTRE).then(|| format!("{} {}", if off < 0.0 { "low" } else { "high" }, axis.label))
+    });
+    let sides: Vec<String> = sides.collect();
+    if sides.is_empty() { String::new() } else { format!(" (mostly at {})", listed(&sides)) }
 }
 
 /// The content of a map as a sentence: the shares of the winners, or the least and greatest value of a heat map.
@@ -154,16 +198,23 @@ pub(crate) fn of_map(map: &Map) -> Option<String> {
         }
         Cells::Winners { of, won, .. } => {
             let cells = |style: usize| won.iter().flatten().filter(|won| won.style == style).count();
-            let mut shares: Vec<(usize, &str)> =
-                of.entries.iter().map(|entry| (cells(entry.style), entry.name.as_str())).collect();
-            shares.retain(|(cells, _)| *cells > 0);
-            shares.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
+            let shared =
+                of.entries.iter().map(|entry| (cells(entry.style), entry.name.as_str(), entry.style));
+            let mut shares: Vec<(usize, &str, usize)> = shared.collect();
+            shares.retain(|(cells, ..)| *cells > 0);
+            shares.sort_by_key(|(cells, ..)| std::cmp::Reverse(*cells));
             let known = map.known();
-            let ((cells, first), others) = shares.split_first()?;
+            let place = |style: usize| match shares.len() {
+                1 => String::new(),
+                _ => mostly(map, won, style),
+            };
+            let ((cells, first, style), others) = shares.split_first()?;
             let share = |cells: usize| share(cells, known);
-            let others = others.iter().map(|(cells, name)| format!(", in {} {name}", share(*cells)));
+            let others = others
+                .iter()
+                .map(|(cells, name, style)| format!(", in {} {name}{}", share(*cells), place(*style)));
             let others: String = others.collect();
-            format!("In {} {first} has the least {}{others}", share(*cells), map.z.label)
+            format!("In {} {first} has the least {}{}{others}", share(*cells), map.z.label, place(*style))
         }
     };
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")

@@ -2,10 +2,10 @@
 
 use crate::chart::Limit;
 use crate::quantity::list::listed;
-use crate::quantity::number::significant;
+use crate::quantity::number::{percent, significant};
 use crate::table::{Column, grouped};
 use crate::view::report::agreement::capitalised;
-use crate::view::verdict::{Answer as Judged, Outcome, places};
+use crate::view::verdict::{Answer as Judged, Outcome, Window, places};
 
 /// The verb for one curve and for several.
 const STAY: [&str; 2] = ["stays", "stay"];
@@ -19,6 +19,7 @@ const MOST_EACH: usize = 4;
 /// The relation of the curves to their limit as a sentence: how many stay within it everywhere and how many nowhere,
 /// and of those that exceed it which one does so last and which first. `None` without curves.
 pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
+    let value = limit.value;
     let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
     let is_within = |one: &&Judged| one.outcome == Outcome::WithinUpTo && one.first.is_empty();
     let (within, others): (Vec<&Judged>, Vec<&Judged>) = answers.iter().partition(is_within);
@@ -55,8 +56,15 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         1 => return Some(capitalised(&told(&answers[0], limit)) + "."),
         _ if always.len() == all => {
             // The one with the least margin is the last.
-            let worst =
-                always.last().map(|one| format!("; the largest is {} ({})", most(one.most), one.name()));
+            let left = |one: &Judged| percent(1.0 - one.most / value);
+            let worst = always.last().map(|one| {
+                format!(
+                    "; the largest is {} ({}), which leaves {} of the limit",
+                    most(one.most),
+                    one.name(),
+                    left(one)
+                )
+            });
             let whole = if all == 2 { "Both".to_owned() } else { format!("All {all}") };
             return Some(format!("{whole} curves stay within {limit}{}.", worst.unwrap_or_default()));
         }
@@ -90,7 +98,7 @@ const LEAVE: [Outcome; 3] = [Outcome::Passes, Outcome::LastWithin, Outcome::With
 fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
     // A curve without values at first, or within the limit once more, cannot be ordered.
-    let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
+    let is_plain = |answer: &Judged| answer.again.is_empty() && answer.first.is_empty();
     let all_are = |outcomes: &[Outcome]| {
         curves.iter().all(|answer| is_plain(answer) && outcomes.contains(&answer.outcome))
     };
@@ -154,12 +162,14 @@ fn place(one: &Judged) -> String {
 }
 
 /// A curve as a sentence that names places on the axis alone.
-fn told(one: &Judged, limit: &str) -> String {
-    fn axis<'t>(at: &[(&'t Column, f64)]) -> Vec<(&'t Column, f64)> {
+fn told<'t>(one: &Judged<'t>, limit: &str) -> String {
+    fn axis<'c>(at: &[(&'c Column, f64)]) -> Vec<(&'c Column, f64)> {
         at.iter().take(1).copied().collect()
     }
     let [at, until, first] = [&one.at, &one.until, &one.first].map(|at| axis(at));
-    let sentence = Judged { at, until, first, ..one.clone() }.sentence(limit);
+    let window = |one: &Window<'t>| Window { from: axis(&one.from), until: axis(&one.until) };
+    let again = one.again.iter().map(window).collect();
+    let sentence = Judged { at, until, first, again, ..one.clone() }.sentence(limit);
     match (one.series.is_empty(), sentence.split_once(": ")) {
         (true, Some((_, outcome))) => outcome.to_owned(),
         _ => sentence,
@@ -174,7 +184,10 @@ fn between(curves: &[&Judged]) -> Option<String> {
         Some((column, from, one.until.first()?.1))
     }
     let is_plain = |one: &&Judged| {
-        one.outcome == Outcome::WithinBetween && !one.again && one.first.is_empty() && range(one).is_some()
+        one.outcome == Outcome::WithinBetween
+            && one.again.is_empty()
+            && one.first.is_empty()
+            && range(one).is_some()
     };
     ((2..=MOST_EACH).contains(&curves.len()) && curves.iter().all(is_plain)).then_some(())?;
     let mut curves = curves.to_vec();
@@ -190,7 +203,8 @@ fn between(curves: &[&Judged]) -> Option<String> {
 }
 
 /// The places of curves that differ in two columns, of which the second has numbers: one part for each value of the first,
-/// such as `const up to frequency 9, 6 and 4 Hz (n = 1, 2 and 3)`. `None` for other curves, or too many.
+/// such as `const up to frequency 9, 6 and 4 Hz (Δt·ν = 0.045,
+/// 0.03 and 0.02; n = 1, 2 and 3)`. `None` for other curves, or too many.
 fn by_first(curves: &[&Judged], how: &str) -> Option<String> {
     let is_numbered = |one: &&Judged| one.series.len() == 2 && second(one).is_some() && !one.at.is_empty();
     ((2..=MOST_GROUPED).contains(&curves.len()) && curves.iter().all(is_numbered)).then_some(())?;
@@ -204,8 +218,14 @@ fn by_first(curves: &[&Judged], how: &str) -> Option<String> {
         let (number, _) = second(group[0])?;
         let (place, _) = group[0].at[0];
         let places = place.valued(&and(group.iter().map(|one| one.at[0].1).collect()));
-        let numbers = and(group.iter().filter_map(|one| Some(second(one)?.1)).collect());
-        Some(format!("{name} {how} {places} ({})", number.valued(&numbers)))
+        let numbers = number.valued(&and(group.iter().filter_map(|one| Some(second(one)?.1)).collect()));
+        // The same place on the other axis, as Δt·ν beside the frequency.
+        let others: Vec<f64> = group.iter().filter_map(|one| Some(one.at.get(1)?.1)).collect();
+        let beside = match group[0].at.get(1) {
+            Some((other, _)) if others.len() == group.len() => format!("{}; ", other.valued(&and(others))),
+            _ => String::new(),
+        };
+        Some(format!("{name} {how} {places} ({beside}{numbers})"))
     });
     Some(told.collect::<Option<Vec<String>>>()?.join("; "))
 }
@@ -272,7 +292,7 @@ mod tests {
         let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
         assert_eq!(
             judged(&[good, ("fine", [1.0; 3])]),
-            "Both curves stay within 10 arcsec; the largest is 3 arcsec (good)."
+            "Both curves stay within 10 arcsec; the largest is 3 arcsec (good), which leaves 70 % of the limit."
         );
         assert_eq!(
             judged(&[good]),

@@ -60,10 +60,19 @@ pub struct Answer<'t> {
     pub open: bool,
     /// For [`Outcome::WithinBetween`], the place where it rises above the limit again.
     pub until: Vec<(&'t Column, f64)>,
-    /// Whether it is within the limit once more further on.
-    pub again: bool,
+    /// Where it is within the limit once more further on.
+    pub again: Vec<Window<'t>>,
     /// The place of its first value, if points before it have none; else empty.
     pub first: Vec<(&'t Column, f64)>,
+}
+
+/// A stretch of a curve that is within the limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window<'t> {
+    /// Where it falls to the limit.
+    pub from: Vec<(&'t Column, f64)>,
+    /// Where it rises above it; empty where it stays within.
+    pub until: Vec<(&'t Column, f64)>,
 }
 
 /// The relation of a curve to the limit.
@@ -117,15 +126,16 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         // The rows between which one stretch ends and the next begins.
         let after =
             |stretch: usize| (stretches[stretch][stretches[stretch].len() - 1], stretches[stretch + 1][0]);
-        let (outcome, at, until, again) = match (is_above(rows[0]), stretches.len()) {
-            (false, 1) => (Outcome::WithinUpTo, (last, last), None, false),
-            (false, count) => match after(0) {
-                (a, b) if counts_between(table, a, b) => (Outcome::LastWithin, (a, a), None, count > 2),
-                between => (Outcome::Passes, between, None, count > 2),
+        // So many stretches are told by the outcome; the others are windows further on.
+        let (outcome, at, until, told) = match (is_above(rows[0]), stretches.len()) {
+            (false, 1) => (Outcome::WithinUpTo, (last, last), None, 1),
+            (false, _) => match after(0) {
+                (a, b) if counts_between(table, a, b) => (Outcome::LastWithin, (a, a), None, 1),
+                between => (Outcome::Passes, between, None, 1),
             },
-            (true, 1) => (Outcome::AboveFrom, (rows[0], rows[0]), None, false),
-            (true, count) if count % 2 == 0 => (Outcome::WithinFrom, after(count - 2), None, false),
-            (true, count) => (Outcome::WithinBetween, after(0), Some(after(1)), count > 3),
+            (true, 1) => (Outcome::AboveFrom, (rows[0], rows[0]), None, 1),
+            (true, count) if count % 2 == 0 => (Outcome::WithinFrom, after(count - 2), None, count),
+            (true, _) => (Outcome::WithinBetween, after(0), Some(after(1)), 2),
         };
         let crossing = |(before, after): (usize, usize)| {
             let part = fraction(y.value(before), y.value(after), question.limit);
@@ -135,6 +145,19 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
                 .collect::<Vec<_>>()
         };
         let (at, until) = (crossing(at), until.map_or(vec![], crossing));
+        let within = (told..stretches.len()).filter(|&stretch| !is_above(stretches[stretch][0]));
+        let window = |stretch: usize| {
+            let (before, from) = after(stretch - 1);
+            let to = (stretch + 1 < stretches.len()).then(|| after(stretch));
+            match counts_between(table, before, from) {
+                true => Window {
+                    from: crossing((from, from)),
+                    until: to.map_or(vec![], |(to, _)| crossing((to, to))),
+                },
+                false => Window { from: crossing((before, from)), until: to.map_or(vec![], crossing) },
+            }
+        };
+        let again = within.map(window).collect();
         let named: Vec<(&Column, &Cell)> =
             series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
         let open = blank.iter().any(|&row| x.value(row) > x.value(last));
@@ -223,13 +246,23 @@ impl Answer<'_> {
             }
             Outcome::WithinUpTo => format!("within {limit} up to the last point, {at}"),
         };
-        let again = if self.again { ", and again further on" } else { "" };
+        let again: String = self.again.iter().map(Window::told).collect();
         let first = match (self.outcome, &self.first[..]) {
             (_, []) => String::new(),
             (Outcome::AboveFrom, _) => ", without one before".to_owned(),
             (_, first) => format!(", without a value before {}", places(first)),
         };
         format!("{series}: {outcome}{again}{first}")
+    }
+}
+
+impl Window<'_> {
+    /// The window as a further part of a sentence.
+    fn told(&self) -> String {
+        match &self.until[..] {
+            [] => format!(", and again from {} on", places(&self.from)),
+            until => format!(", and again from {} to {}", places(&self.from), places(until)),
+        }
     }
 }
 

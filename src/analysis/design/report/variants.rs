@@ -35,8 +35,12 @@ pub(crate) fn name_in(sheet: &mut Sheet, found: &Design) {
     sheet.equal = good.iter().map(name).collect();
     // Another estimate than the minimised one has values that the design does not know.
     let next = worse.first().filter(|_| sheet.label == found.measure.label());
-    sheet.next =
-        next.map(|next| Next { option: name(next), value: next.1.best().drift.value, met: sheet.met[0] });
+    sheet.next = next.map(|next| Next {
+        option: name(next),
+        value: next.1.best().drift.value,
+        met: sheet.met[0],
+        is_alike: false,
+    });
 }
 
 /// A value with its unit.

@@ -4,14 +4,14 @@ pub(crate) mod proven;
 pub(crate) mod stop;
 
 use crate::chart::law::Law;
+use crate::filler::Filler;
 use crate::filler::keys::Error;
-use crate::filler::{Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Row, columns};
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};
+use crate::kinds::gap_fill::tuning::{Tuning, tuned};
 use crate::kinds::plan::{Launched, PointsPlan, Tabulated};
 use crate::kinds::table::{appended, table};
-use crate::motion::Frequency;
 use crate::sampling::batches::estimates;
 use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
@@ -44,25 +44,16 @@ const TABULATED_AT_ONCE: usize = 1024;
 impl Plan<'_> {
     /// A note that fillers have different weights at each point, which firmware cannot have.
     fn designed_anew(&self) -> Option<String> {
-        let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
-        let free: Vec<&str> =
-            self.subject.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
-        let design = |key: &str| key.starts_with("motion.") || key.starts_with("gyro.");
-        let sweeps = &self.study.sweeps;
-        let varies = sweeps.iter().any(|sweep| sweep.values.len() > 1 && design(sweep.key.name));
-        let tones = &self.subject.inputs.motion.tones;
-        let is_tuned = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
-        let how = match (varies, is_tuned) {
-            (true, _) => {
+        let (tuning, names) = tuned(self.study, self.subject)?;
+        let how = match tuning {
+            Tuning::Points => {
                 "separately for the motion and noise of each point, which is the best possible; firmware has one set of weights"
             }
-            (false, true) => {
+            Tuning::Frequency => {
                 "for exactly this frequency, which firmware does not know: it has one set of weights"
             }
-            (false, false) => return None,
         };
-        (!free.is_empty())
-            .then(|| format!("{} without a band: designed {how}, designed for a band", free.join(", ")))
+        Some(format!("{} without a band: designed {how}, designed for a band", names.join(", ")))
     }
 
     /// Notes on requested errors that a filler does not have, each a sentence.
