@@ -169,6 +169,7 @@ impl Figure {
         let with = if *histogram { "with histogram" } else { "without histogram" };
         let (unit, digits) = (rates.unit, if rates.unit == "runs" { 3 } else { 1 });
         let estimates = match unit {
+            "samples" | "steps" if *estimates == 0 => "all sums of a record".to_owned(),
             "samples" | "steps" => format!("{estimates} sums of a record"),
             _ => format!("{estimates} estimates, {with:17}"),
         };

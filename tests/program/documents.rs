@@ -99,6 +99,7 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
         &format!("{deviations} --bootstrap 0"),
         "--bootstrap 200",
         "--bootstrap 0 --dynamic 30min",
+        "--bootstrap 0 --navigate 1h",
         "--bootstrap 0 --limit N=0.001deg/sqrt(h) --limit B=0.1deg/h --limit floor=1deg/sqrt(h)",
     ] {
         check(&allan, &desk.done(&format!("allan {log} {read} {more}")).stdout, more);

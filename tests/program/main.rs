@@ -25,6 +25,7 @@ mod allan;
 mod allan_bootstrap;
 mod allan_dynamic;
 mod allan_files;
+mod allan_navigators;
 mod answers;
 mod bad_logs;
 mod bad_motions;

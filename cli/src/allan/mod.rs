@@ -2,6 +2,7 @@
 
 mod axes;
 pub mod dynamic;
+mod navigation;
 pub mod options;
 pub mod report;
 mod temperature;
@@ -64,12 +65,16 @@ fn of_log(
     let with_spectra = spectrum::Analysis::of(analysis, densities);
     let analysis = &with_spectra.noise;
     let decision = with_spectra.decision(&options.limit);
+    let navigation = navigation::Navigation::of(options, analysis);
     let figures = figures::figures(analysis);
     save(analysis, &figures, folder)?;
     temperature::save(thermal.as_ref(), analysis, folder)?;
     dynamic::save(dynamic.as_ref(), folder)?;
+    navigation::save(navigation.as_ref(), folder)?;
     let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
-    let further = of_temperature.chain(dynamic.as_ref().map(page::of_dynamic)).collect();
+    let over_time = dynamic.as_ref().map(page::of_dynamic);
+    let of_navigators = navigation.as_ref().map(|found| page::of_navigators(&found.columns));
+    let further = of_temperature.chain(over_time).chain(of_navigators).collect();
     write_page(folder, &page::of_log(&log, &with_spectra, &decision, without.as_ref(), further))?;
     let mut notes = notes::notes(analysis);
     notes.extend(thermal.iter().flat_map(Thermal::notes).chain(noise_file::notes(analysis)));
@@ -83,6 +88,7 @@ fn of_log(
             document["temperature"] = thermal.document(analysis);
         }
         dynamic.iter().for_each(|dynamic| dynamic::add(dynamic, &mut document));
+        navigation.iter().for_each(|navigation| navigation.add(&mut document));
         return Ok(Some(document));
     }
     if !options.output.quiet {
@@ -92,7 +98,8 @@ fn of_log(
         }
         let of_temperature = thermal.map_or_else(String::new, |thermal| thermal.report(analysis));
         let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
-        print(&(report::report(analysis) + &of_temperature + &over_time))?;
+        let of_navigators = navigation.map_or_else(String::new, |navigation| navigation.report());
+        print(&(report::report(analysis) + &of_temperature + &over_time + &of_navigators))?;
         print_decision(&decision)?;
         say!("{}", whereabouts(folder));
         if let Some(path) = &options.kalibr {
@@ -131,18 +138,24 @@ fn save(analysis: &Analysis, figures: &[(String, Option<Figure>)], folder: &Path
     write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
     write_table(&folder.join("events.csv"), &events::table(analysis))?;
     let noise = noise_file::files(analysis);
-    remove_others(folder, &noise)?;
+    remove_others(folder, "noise", &noise, noise_file::is_ours)?;
     noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;
     write_figures(folder, figures)
 }
 
-/// Removes files that an earlier run wrote and this one did not.
-fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Failure> {
+/// Removes the files of a name, or of that name for a column, that an earlier run wrote and this one did not.
+fn remove_others(
+    folder: &Path,
+    stem: &str,
+    written: &[(String, String)],
+    is_ours: fn(&str) -> bool,
+) -> Result<(), Failure> {
     for entry in std::fs::read_dir(folder).map_err(unwritten(folder))? {
         let entry = entry.map_err(unwritten(folder))?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        let is_named = name == "noise.toml" || name.starts_with("noise_") && name.ends_with(".toml");
-        let is_ours = || read_text(&entry.path(), MOST_TOML).is_ok_and(|text| noise_file::is_ours(&text));
+        let of_column = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".toml"));
+        let is_named = of_column.is_some_and(|column| column.is_empty() || column.starts_with('_'));
+        let is_ours = || read_text(&entry.path(), MOST_TOML).is_ok_and(|text| is_ours(&text));
         if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
             remove(&entry.path())?;
         }

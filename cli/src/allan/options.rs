@@ -28,6 +28,7 @@ Examples:
   sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --dynamic \"10 s\"
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --navigate \"1 h\"
   sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp
   sagnac allan imu.mcap --data rate
   sagnac allan imu.csv --data rate --time time --column gx,gy,gz,ax,ay,az \\
@@ -71,6 +72,10 @@ pub struct Options {
     /// noise changes [default of WINDOW: a sixteenth of the record]
     #[arg(long, value_name = "WINDOW", num_args = 0..=1, value_parser = seconds)]
     pub dynamic: Option<Option<f64>>,
+    /// Also give the position error that 95 % of navigators with three such gyros stay within after this time, as in "1 h": aligned
+    /// and calibrated for 10 min at a latitude of 60°, then at rest. Writes navigation.toml, the study behind it
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    pub navigate: Option<f64>,
     /// Column of a temperature, by name or number: also fits the dependence of the rate on it
     #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
     temperature: Option<String>,
@@ -126,6 +131,9 @@ impl Options {
     /// The results do not fit into one file for Kalibr, or a limit does not fit the fit.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         limits::agree(&self.limit, &self.reading)?;
+        if self.navigate.is_some() && self.reading.fitting().is_none() {
+            return Err(Failure::Usage("--navigate needs coefficients\nleave out --fit none".to_owned()));
+        }
         let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
         match &self.kalibr {
             None => Ok(()),

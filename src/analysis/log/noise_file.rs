@@ -39,7 +39,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 }
 
 /// `noise.toml`, or with several columns `noise_<column>.toml`.
-fn names(columns: &[Column]) -> Vec<String> {
+pub(super) fn names(columns: &[Column]) -> Vec<String> {
     if let [_] = columns {
         return vec!["noise.toml".to_owned()];
     }
@@ -82,7 +82,7 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
 }
 
 /// A value with its unit, in the form that studies read.
-fn quantity(term: Term, value: f64) -> String {
+pub(super) fn quantity(term: Term, value: f64) -> String {
     let (factor, unit, _) = term.row().unit;
     format!("{} {unit}", significant(factor * value, 6))
 }
@@ -108,7 +108,7 @@ fn bound(coefficient: &Coefficient) -> String {
 }
 
 /// The line of an identified coefficient.
-fn entry(coefficient: &Coefficient) -> Option<String> {
+pub(super) fn entry(coefficient: &Coefficient) -> Option<String> {
     let value = quantity(coefficient.term, coefficient.value?);
     if coefficient.term == Term::BandLimit {
         return Some(format!("# Band limit of the sensor, which no study has: {value}"));

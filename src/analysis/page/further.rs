@@ -2,6 +2,7 @@
 
 use crate::analysis::dynamic::{self, Dynamic, words};
 use crate::analysis::log::Analysis;
+use crate::analysis::log::navigators::Navigators;
 use crate::analysis::page::answer::interval;
 use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
@@ -29,6 +30,15 @@ pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) 
     let grid = (!grid.rows.is_empty()).then_some(Block::Grid(grid));
     let notes = notes(found).into_iter().map(Block::Note);
     Section { id: "temperature", heading: "Temperature", blocks: charts.chain(grid).chain(notes).collect() }
+}
+
+/// The section on navigators with the gyros of a log.
+pub fn of_navigators(found: &[Result<Navigators, String>]) -> Section {
+    let said = found.iter().map(|one| match one {
+        Ok(found) => Block::Text(format!("{}: {}", found.column, found.sentence())),
+        Err(why) => Block::Note(why.clone()),
+    });
+    Section { id: "navigators", heading: "Navigators", blocks: said.collect() }
 }
 
 /// The section on the noise of a log over time.

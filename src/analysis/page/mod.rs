@@ -29,7 +29,7 @@ pub use crate::analysis::page::answer::of_noise;
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::filler::of_filler;
-pub use crate::analysis::page::further::{of_dynamic, of_temperature};
+pub use crate::analysis::page::further::{of_dynamic, of_navigators, of_temperature};
 pub use crate::analysis::page::lot::of_lot;
 pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;

@@ -1,0 +1,56 @@
+//! Navigators with the gyros of a log, with `--navigate`.
+
+use std::path::Path;
+
+use sagnac::analysis::log::Analysis;
+use sagnac::analysis::log::navigators::{Navigators, is_ours, names, navigators};
+use serde_json::Value;
+
+use crate::allan::options::Options;
+use crate::allan::remove_others;
+use crate::failure::Failure;
+use crate::output::write;
+
+/// What is found for each column of a log.
+pub struct Navigation {
+    pub columns: Vec<Result<Navigators, String>>,
+    /// Name of the file of each study.
+    names: Vec<String>,
+}
+
+impl Navigation {
+    /// The navigators of all columns, if they are asked for.
+    pub fn of(options: &Options, analysis: &Analysis) -> Option<Navigation> {
+        let columns = navigators(analysis, options.navigate?);
+        Some(Navigation { columns, names: names(analysis) })
+    }
+
+    /// A line for each column.
+    pub fn report(&self) -> String {
+        let line = |found: &Result<Navigators, String>| match found {
+            Ok(found) => format!("{}: {}\n", found.column, found.sentence()),
+            Err(why) => format!("{why}\n"),
+        };
+        self.columns.iter().map(line).collect()
+    }
+
+    /// Adds the navigators to the columns of a document.
+    pub fn add(&self, document: &mut Value) {
+        for (place, found) in self.columns.iter().enumerate() {
+            document["columns"][place]["navigation"] =
+                found.as_ref().map_or_else(|why| Value::String(why.clone()), Navigators::json);
+        }
+    }
+}
+
+/// Writes the study of each column, and removes those of an earlier run.
+///
+/// # Errors
+/// The disk fails.
+pub fn save(navigation: Option<&Navigation>, folder: &Path) -> Result<(), Failure> {
+    let found = navigation.iter().flat_map(|found| found.names.iter().zip(&found.columns));
+    let written: Vec<(String, String)> =
+        found.filter_map(|(name, found)| Some((name.clone(), found.as_ref().ok()?.study.clone()))).collect();
+    remove_others(folder, "navigation", &written, is_ours)?;
+    written.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
+}

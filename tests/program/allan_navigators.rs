@@ -1,0 +1,75 @@
+//! `sagnac allan --navigate`: from a log to the position error of navigators with its gyro, in one command.
+
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
+use serde_json::Value;
+
+use crate::desk::Desk;
+use crate::logs::desk_with;
+
+/// N = 0.0288 ″/√s.
+const WHITE: [Part; 1] = [Part::angle_random_walk(0.0288)];
+
+const READ: &str = "allan gyro.csv --data rate --rate 1Hz --bootstrap 0 --out out";
+
+/// Nine hours of rates in °/h at 1 Hz, with a column of accelerations beside them.
+fn desk() -> Desk {
+    let process = Process { sample_s: 1.0, parts: WHITE.to_vec() };
+    let angles = crate::noise::record(&process, 32_400, &mut StdRng::seed_from_u64(5));
+    let rows = angles
+        .windows(2)
+        .map(|pair| format!("{},{}\n", pair[1] - pair[0], 9.81 + 1e-4 * (pair[1] - pair[0])));
+    desk_with("gyro.csv", format!("gz [deg/h],az [m/s2]\n{}", rows.collect::<String>()))
+}
+
+fn json(desk: &Desk, time: &str) -> Value {
+    serde_json::from_str(&desk.done(&format!("{READ} --column gz --navigate {time} --json")).stdout).unwrap()
+}
+
+fn within(document: &Value) -> f64 {
+    document["columns"][0]["navigation"]["within95"]["value"].as_f64().unwrap()
+}
+
+#[test]
+fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_same() {
+    let desk = desk();
+    let ended = desk.done(&format!("{READ} --column gz --navigate 1h"));
+    assert!(
+        ended.stdout.contains("gz: After 1 h, 95 % of navigators with three such gyros are within 0."),
+        "{}",
+        ended.stdout
+    );
+    assert!(ended.stdout.contains(" The record does not show "), "{}", ended.stdout);
+    assert!(desk.read("out/report.html").contains("of navigators with three such gyros are within"));
+    let document = json(&desk, "1h");
+    let navigation = &document["columns"][0]["navigation"];
+    assert_eq!(navigation["unit"], "nmi");
+    assert!(navigation["within95_at_upper_ends"].as_f64().unwrap() > within(&document), "{navigation}");
+    // The study that was written gives the same value.
+    desk.done("run out/navigation.toml --device cpu --out study");
+    let row = desk.table("study/points.csv").remove(0);
+    let value: f64 = row["position_q95_nmi"].parse().unwrap();
+    assert!((value - within(&document)).abs() < 1e-8, "{value} against {navigation}");
+    // A longer time is worse; the oscillation of 84 min leaves less than the power 3/2 of white noise.
+    let longer = json(&desk, "4h");
+    let ratio = within(&longer) / within(&document);
+    assert!((2.0..8.0).contains(&ratio), "{ratio}");
+    // Without the option the study of an earlier run is not left beside other results.
+    desk.done(&format!("{READ} --column gz"));
+    assert!(!desk.names("out").contains(&"navigation.toml".to_owned()));
+}
+
+#[test]
+fn columns_that_are_no_gyros_say_so_and_a_fit_is_needed() {
+    let desk = desk();
+    let ended = desk.done(&format!("{READ} --column gz,az --unit deg/h,m/s^2 --navigate 1h"));
+    assert!(ended.stdout.contains("az: no navigator: it is not a gyro"), "{}", ended.stdout);
+    assert!(desk.names("out").contains(&"navigation_gz.toml".to_owned()), "{:?}", desk.names("out"));
+    desk.fails(
+        &format!("{READ} --column gz --fit none --navigate 1h"),
+        2,
+        &["--navigate needs coefficients"],
+    );
+}
