@@ -156,11 +156,11 @@ pub(crate) fn coefficient_values(noise: &Noise) -> Vec<(&'static Key, Quantity)>
     Term::EVERY.into_iter().filter_map(coefficient).collect()
 }
 
-/// The values of a noise that a decision may change: the coefficients and those of mode switches, by the keys that set them.
+/// The values of a noise that a decision may change: the coefficients and those of mode switches, by the keys that set them. What a
+/// change of the interval does depends on whether an even number of intervals fits into the times of a study, so that it is none.
 pub(crate) fn values(noise: &Noise) -> Vec<(&'static Key, Quantity)> {
     let switching = noise.switching.iter().flat_map(|switching| {
         [
-            (&INTERVAL, switching.interval_s, Dimension::Time),
             (&MAGNETIC, switching.magnetic, Dimension::DriftRate),
             (&SWITCHING_WARM_UP, switching.warm_up_s.unwrap_or(0.0), Dimension::Time),
             (&INITIAL_MAGNETIC, switching.initial_magnetic, Dimension::DriftRate),

@@ -11,6 +11,7 @@ use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gyro::TICK;
+use crate::kinds::relock::inputs::BIAS;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::study::Study;
@@ -35,8 +36,8 @@ const LEAST_GAIN: f64 = 0.01;
 /// Most conditions under which a lever is tried.
 const MOST_CONDITIONS: usize = 1000;
 
-/// Prefixes of keys that are the question itself.
-const ASKED: [&str; 2] = ["run.", "navigation."];
+/// Prefixes of keys that are the question itself, or on which the gyro stands: without its bias it locks in.
+const ASKED: [&str; 3] = ["run.", "navigation.", BIAS.name];
 
 /// The input whose change gains most.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +118,7 @@ pub(crate) fn lever(
             Ok(None) | Err(DecisionError::Study(_)) => continue,
             Err(error) => return Err(error),
         };
-        let gain: Figure = found[1].with(&found[0], |new, old| 1.0 - new.abs() / old.abs()).into();
+        let mut gain: Figure = found[1].with(&found[0], |new, old| 1.0 - new.abs() / old.abs()).into();
         if gain.interval.map_or(gain.value, |(low, _)| low) <= 0.0 {
             continue;
         }
@@ -125,8 +126,16 @@ pub(crate) fn lever(
         let needed =
             limit.and_then(|limit| at.needed(&input, factor < 1.0, limit.value, tried, judged, evaluator));
         let meets = matches!(needed, Some(Needed::Value(_)));
-        if !meets && gain.value < LEAST_GAIN || !at.gains_everywhere(&input, to, judged, evaluator)? {
+        if !meets && gain.value < LEAST_GAIN {
             continue;
+        }
+        match at.gain_everywhere(&input, to, judged, evaluator)? {
+            Some(largest) if largest < LEAST_GAIN => continue,
+            // Another condition becomes the worst.
+            Some(value) if gain.interval.map_or(gain.value, |(low, _)| low) > value => {
+                gain = Figure { value, interval: None };
+            }
+            _ => {}
         }
         let (key, label) = (input.key.name, input.key.label);
         let remark = remark(study, table, choice, &input, factor < 1.0);
@@ -277,16 +286,16 @@ impl<'a> Place<'a> {
         evaluator.one(&study, points.len(), column, effort)
     }
 
-    /// Whether a change of an input lowers the largest value under all conditions, too: it may do so only where the present
-    /// value is the largest, and raise another one, as a zone of lock-in that moves.
-    fn gains_everywhere(
+    /// The fraction by which a change of an input lowers the largest value under all conditions: it may do so only where the
+    /// present value is the largest, and raise another one, as a zone of lock-in that moves. `None` where that is unknown.
+    fn gain_everywhere(
         &self,
         input: &Input,
         to: Quantity,
         column: &str,
         evaluator: &mut Evaluator,
-    ) -> Result<bool, DecisionError> {
-        let Some(first) = self.everywhere.first() else { return Ok(true) };
+    ) -> Result<Option<f64>, DecisionError> {
+        let Some(first) = self.everywhere.first() else { return Ok(None) };
         let others = |swept: &[(&'static Key, Swept)]| {
             swept.iter().filter(|(key, _)| !std::ptr::eq(*key, input.key)).cloned().collect::<Vec<_>>()
         };
@@ -302,9 +311,9 @@ impl<'a> Place<'a> {
             Ok(found.map(|found| found.iter().map(|found| found.value.abs()).fold(0.0, f64::max)))
         };
         match (largest(input.value), largest(to)) {
-            (Ok(Some(present)), Ok(Some(changed))) => Ok(changed < (1.0 - LEAST_GAIN) * present),
+            (Ok(Some(present)), Ok(Some(changed))) => Ok(Some(1.0 - changed / present)),
             // Not every change is a valid study under all conditions, nor is every condition cheap enough to sample.
-            (Ok(_) | Err(DecisionError::Study(_)), Ok(_) | Err(DecisionError::Study(_))) => Ok(true),
+            (Ok(_) | Err(DecisionError::Study(_)), Ok(_) | Err(DecisionError::Study(_))) => Ok(None),
             (Err(error), _) | (_, Err(error)) => Err(error),
         }
     }

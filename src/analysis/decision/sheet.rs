@@ -192,19 +192,22 @@ impl Sheet {
                 let other = if self.options == 2 { "the other one," } else { "next is" };
                 format!(", within the limit under {met} of {all} conditions; {other} {option}, under {less}")
             }
-            Some(Next { option, value, is_alike, .. }) => {
-                let alike = match is_alike {
-                    true => ", a difference that the 95 % intervals do not show",
-                    false => "",
-                };
-                match self.options {
-                    2 => format!("; the other one, {option}, has {}{alike}", self.shown(*value)),
-                    all => format!(", of {all} options; next is {option} with {}{alike}", self.shown(*value)),
-                }
+            Some(Next { option, value, is_alike: true, .. }) => format!(
+                ", of {} options; but {option} has {}, and the 95 % intervals show no difference",
+                self.options,
+                self.shown(*value)
+            ),
+            Some(Next { option, value, .. }) if self.options == 2 => {
+                format!("; the other one, {option}, has {}", self.shown(*value))
+            }
+            Some(Next { option, value, .. }) => {
+                format!(", of {} options; next is {option} with {}", self.options, self.shown(*value))
             }
             None => format!(", of {} options", self.options),
         };
-        format!("{}{equal}{next}.{left_out}", self.option)
+        let is_alike = self.next.as_ref().is_some_and(|next| next.is_alike && next.met == met);
+        let open = if is_alike { "None is shown to be the best: least is " } else { "" };
+        format!("{open}{}{equal}{next}.{left_out}", self.option)
     }
 
     fn margin_told(&self) -> String {

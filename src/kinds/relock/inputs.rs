@@ -140,7 +140,7 @@ keys! {
     /// Time constant τ_L of the closed loop: "12 ms".
     LOOP_TIME = "relock.loop_time", "time constant of the loop", TIMES, r#"loop_time = "12 ms""#, required;
     /// Frequency f0 of the bias at zero detuning: "80 kHz".
-    BIAS = "relock.bias_frequency", "frequency of the bias", BIASES, r#"bias_frequency = "80 kHz""#, required;
+    pub(crate) BIAS = "relock.bias_frequency", "frequency of the bias", BIASES, r#"bias_frequency = "80 kHz""#, required;
     /// Angle of a period of the beat: "2.6 arcsec".
     PULSE = "relock.pulse_weight", "pulse weight", PULSES, r#"pulse_weight = "2.6 arcsec""#, required;
     /// Curvature χ in f = f0 (1 − χΔλ²), Z(2): 40.

@@ -204,6 +204,14 @@ impl Figure {
         self.dashes.entries.retain(|entry| dashes.contains(&entry.style));
     }
 
+    /// The values of y at which a line shows the limit: it limits the magnitude, so that below 0 there is a second one.
+    pub(crate) fn limits(&self) -> Vec<f64> {
+        let Some(limit) = &self.limit else { return vec![] };
+        let is_signed = self.all_points().any(|point| point.y < 0.0);
+        let sides = [Some(limit.value), is_signed.then_some(-limit.value)].into_iter().flatten();
+        sides.filter(|value| self.y.scale.shows(*value)).collect()
+    }
+
     /// Gives fractions in percent, as limits of them are.
     pub(crate) fn in_percent(&mut self) {
         "%".clone_into(&mut self.y.unit);

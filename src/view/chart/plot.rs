@@ -41,8 +41,7 @@ pub(crate) fn y_range(figure: &Figure) -> Range {
     let laws = laws.filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
     let (low, high) = reach(scale, &points);
     let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
-    let limit = figure.limit.iter().map(|limit| limit.value);
-    figure.y.around(points.iter().copied().chain(beside).chain(limit))
+    figure.y.around(points.iter().copied().chain(beside).chain(figure.limits()))
 }
 
 /// Distance by which the axis may extend beyond the points for other items: one decade, or the span of the points.
@@ -81,8 +80,8 @@ impl Plot<'_> {
                 });
             }
             self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
-            if let Some(limit) = limit {
-                let y = self.area.down(limit.value);
+            for limit in self.figure.limits() {
+                let y = self.area.down(limit);
                 canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
             }
         });

@@ -96,10 +96,12 @@ impl Answer {
                     of_verdict(&verdict.answers, verdict.limit)
                 });
                 let further: Vec<String> = further.collect();
-                told.map(|told| [&[told], &further[..]].concat().join(" "))
+                let told = told.map(|told| [&[told], &further[..]].concat().join(" "));
+                if further.is_empty() { resolved.with_conditions(told) } else { told }
             }
             (None, Some(resolved)) if !resolved.shown.is_supplied(resolved.chart) => {
-                resolved.of_picture().map_err(|error| refuse(resolved.chart, error))?
+                let told = resolved.of_picture().map_err(|error| refuse(resolved.chart, error))?;
+                resolved.with_conditions(told)
             }
             _ => undrawn(study, points),
         };
@@ -167,6 +169,33 @@ impl<'a> Resolved<'a> {
         is_alike && swept(self).zip(swept(other)).is_some_and(|(one, two)| one != two)
     }
 
+    /// A headline with the values of swept keys under which the chart shows it.
+    fn with_conditions(&self, told: Option<String>) -> Option<String> {
+        let of_row = |(name, value): (String, String)| {
+            let swept = self.study.sweeps.iter().find(|sweep| sweep.key.name.ends_with(&name))?;
+            let column = self.shown.table.column(swept.key.name).ok()?;
+            let value = value.parse::<f64>().map_or(value, |number| significant(number, 6));
+            Some(column.valued(&value))
+                .filter(|valued| told.as_ref().is_some_and(|told| !told.contains(valued)))
+        };
+        let under: Vec<String> = self.chart.filter().into_iter().filter_map(of_row).collect();
+        match under.is_empty() {
+            true => told,
+            false => told.map(|told| format!("{told} That is for {}.", listed(&under))),
+        }
+    }
+
+    /// A remark that the least value is at an end of the range of a chosen abscissa.
+    fn at_end(&self, by: &[&Column]) -> &'static str {
+        let is_chosen = self.has_curves() && !is_given(self.x) && self.x.usual.is_none();
+        let row = best(&self.shown.table, self.estimate, &self.rows, by).and_then(|best| best.row);
+        let x = row.and_then(|row| self.x.cells[row].number());
+        let all = || self.rows.iter().filter_map(|&row| self.x.cells[row].number());
+        let ends = [all().reduce(f64::min), all().reduce(f64::max)];
+        let is_end = is_chosen && x.is_some() && ends[0] < ends[1] && ends.contains(&x);
+        if is_end { " It is the end of the range." } else { "" }
+    }
+
     fn has_curves(&self) -> bool {
         matches!(self.drawn.picture, Picture::Curves(_))
     }
@@ -229,7 +258,8 @@ impl<'a> Resolved<'a> {
             return Ok(self.with_caveat(Some(told), false));
         }
         let leading = leading(self.study, table, self.estimate, &self.rows, &by);
-        Ok(leading.map(|leading| format!("{leading}{}", self.beside_names().unwrap_or_default())))
+        let end = self.at_end(&by);
+        Ok(leading.map(|leading| format!("{leading}{end}{}", self.beside_names().unwrap_or_default())))
     }
 
     /// The course of curves of which no single value is the answer.

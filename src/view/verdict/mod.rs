@@ -233,6 +233,8 @@ impl Answer<'_> {
         let outcome = match self.outcome {
             Outcome::AboveFrom if at.is_empty() => format!("above {limit}"),
             _ if at.is_empty() => format!("within {limit}"),
+            // Before a further window, what was left is not the news.
+            Outcome::Passes if !self.again.is_empty() => format!("within {limit} up to {at}"),
             Outcome::Passes => format!("rises above {limit} at {at}"),
             Outcome::AboveFrom if self.first.is_empty() => {
                 format!("above {limit} from the first point on, {at}")

@@ -126,7 +126,7 @@ fn values_that_are_missing_at_first_and_a_second_time_within_are_told() {
         "a: rises above 10 arcsec at frequency 2.83 Hz, without a value before frequency 2 Hz"
     );
     let said = answers[1].sentence("10 arcsec");
-    assert_eq!(said, "b: rises above 10 arcsec at frequency 1.75 Hz, and again from frequency 2.36 Hz on");
+    assert_eq!(said, "b: within 10 arcsec up to frequency 1.75 Hz, and again from frequency 2.36 Hz on");
     let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
     let said = "a: above 1 arcsec from its first value on, frequency 2 Hz, without one before";
     assert_eq!(answers[0].sentence("1 arcsec"), said);

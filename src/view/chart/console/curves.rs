@@ -20,9 +20,8 @@ pub(crate) fn text(figure: &Figure, look: Look) -> String {
     for law in &figure.laws {
         law.lines.iter().for_each(|line| joined(&mut page, &frame, &line.points, 4, None));
     }
-    let limit = figure.limit.as_ref().filter(|limit| figure.y.scale.shows(limit.value));
-    if let Some(limit) = limit {
-        let (_, height) = frame.place((0.0, limit.value));
+    for limit in figure.limits() {
+        let (_, height) = frame.place((0.0, limit));
         let columns = page.columns;
         let places = (0..columns).map(|column| (column as f64 + 0.5) / columns as f64);
         places.for_each(|across| page.sign((across, height), look.either('─', '-'), None));
