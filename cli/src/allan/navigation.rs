@@ -11,8 +11,9 @@ use crate::allan::remove_others;
 use crate::failure::Failure;
 use crate::output::write;
 
-/// What is found for each column of a log.
+/// The navigators with the gyros of a log.
 pub struct Navigation {
+    /// The navigators of each column, or why it has none.
     pub columns: Vec<Result<Navigators, String>>,
     /// Name of the file of each study.
     names: Vec<String>,

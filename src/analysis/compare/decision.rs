@@ -4,15 +4,14 @@ use crate::analysis::compare::Length;
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, times};
-use crate::analysis::decision::sheet::{LEVEL, at_level, margin_in_words};
+use crate::analysis::decision::words::{LEVEL, at_level, margin_in_words};
 use crate::analysis::decision::{Figure, Lines};
 use crate::analysis::requirement::{
     Decision, Judgement, LimitError, Limited, Standing, is_fitted, met, named, twice,
 };
 use crate::fit::Term;
 use crate::quantity::list::listed;
-use crate::quantity::number::percent;
-use crate::quantity::number::significant;
+use crate::quantity::number::{percent, significant};
 use crate::view::report::agreement::capitalised;
 
 /// A requirement on two logs: how many times the coefficient of A that of B may be at most.

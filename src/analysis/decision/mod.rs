@@ -15,8 +15,10 @@ pub(crate) mod choice;
 pub(crate) mod evaluate;
 pub(crate) mod lever;
 pub(crate) mod lines;
+mod place;
 pub(crate) mod sheet;
 pub(crate) mod shown;
+pub(crate) mod words;
 
 pub use crate::analysis::decision::budget::Part;
 pub use crate::analysis::decision::choice::Next;

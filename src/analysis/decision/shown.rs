@@ -2,7 +2,7 @@
 
 use crate::analysis::decision::DecisionError;
 use crate::analysis::decision::evaluate::Evaluator;
-use crate::analysis::decision::sheet::short;
+use crate::analysis::decision::words::short;
 use crate::device::Device;
 use crate::key::setting::Swept;
 use crate::kinds::allan::columns::is_absent;

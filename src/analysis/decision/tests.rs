@@ -166,6 +166,29 @@ fn a_study_of_what_records_show_says_from_where_on_and_what_a_longer_record_show
 }
 
 #[test]
+fn what_meets_the_limit_does_so_under_all_conditions() {
+    // The worst of these frequencies is the first with ticks of 5 ms, and the second where the tick alone is so short that the first
+    // is within the limit.
+    let sweep =
+        "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"35 Hz\", \"60 Hz\", \"75 Hz\", \"90 Hz\"]\n";
+    let text = PULSES
+        .replace("readout_lsb = \"4 arcsec\"\n", "")
+        .replace("tick = \"1 ms\"", "tick = \"5 ms\"")
+        .replace("gap_ticks = 4", "gap_ticks = 3")
+        .replace("[\"const\", \"quadratic\"]", "[\"const\"]")
+        .replace("limit = \"5 arcsec\"", "limit = \"20 arcsec\"");
+    let text = format!("{text}{sweep}");
+    let sheet = decided(&text);
+    assert!(sheet.condition.contains("35 Hz") && sheet.met == [3, 4], "{:?}", sheet.lines());
+    let lever = sheet.lever.clone().unwrap();
+    assert_eq!(lever.key, "gyro.tick");
+    let Some(Needed::Value(tick)) = lever.needed else { panic!("{lever:?}") };
+    let applied = decided(&text.replace("tick = \"5 ms\"", &format!("tick = \"{} s\"", tick.value)));
+    assert!(!applied.condition.contains("35 Hz"), "{:?}", applied.lines());
+    assert!((19.5..=20.2).contains(&applied.value.value), "{tick}: {:?}", applied.lines());
+}
+
+#[test]
 fn of_records_that_meet_the_limit_the_shortest_is_the_best() {
     let text = "title = \"t\"\nkind = \"allan\"\ntrials = 200\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[noise]\n\
                 angle_random_walk = \"0.003 deg/sqrt(h)\"\n[allan]\nfit = [\"N\"]\n\
@@ -186,15 +209,13 @@ fn of_records_that_meet_the_limit_the_shortest_is_the_best() {
 
 #[test]
 fn an_interval_is_no_lever_where_the_end_of_a_run_is_exact() {
-    let run = |end: &str| {
-        format!(
-            "title = \"t\"\nkind = \"switched-run\"\ntrials = 2000\n[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\n\
-             residual_max = \"1 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"600 s\"\nend = \"{end}\"\n"
-        )
-    };
-    let lever = |end: &str| decided(&run(end)).lever.map(|lever| lever.key);
-    assert!(lever("any").is_some());
-    assert_ne!(lever("exact"), Some("switching.interval"));
+    // With 50 s instead of 40 s an even number of intervals would fit into the run, which gains most.
+    let sheet = decided(
+        "title = \"t\"\nkind = \"switched-run\"\ntrials = 2000\n[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\n\
+         non_magnetic = \"0.05 arcsec/s\"\nresidual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\n\
+         duration = \"600 s\"\nend = \"exact\"\n",
+    );
+    assert_eq!(sheet.lever.map(|lever| lever.key), Some("drift.magnetic"));
 }
 
 /// A navigator whose gyros switch modes, with a magnetic drift that a sweep varies, and a coefficient that is drawn.

@@ -2,8 +2,7 @@
 
 use crate::analysis::decision::Lines;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
-use crate::quantity::number::percent;
-use crate::quantity::number::significant;
+use crate::quantity::number::{percent, significant};
 
 impl Firmware {
     /// The decision: that of the search where there is one, else which filler leaves least. `None` where no motion and no

@@ -7,7 +7,7 @@ use serde_json::{Value as Json, json};
 
 use crate::allan::Unit;
 use crate::analysis::decision::Figure;
-use crate::analysis::decision::sheet::{LEVEL, with_interval};
+use crate::analysis::decision::words::{LEVEL, with_interval};
 use crate::analysis::log::noise_file::{self, quantity};
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};

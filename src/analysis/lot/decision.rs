@@ -1,7 +1,7 @@
 //! The decision to which a lot leads.
 
 use crate::analysis::decision::Figure;
-use crate::analysis::decision::sheet::with_interval;
+use crate::analysis::decision::words::with_interval;
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Lot};
 use crate::analysis::requirement::{Decision, Judgement, Limit, Standing, Subject, decide};

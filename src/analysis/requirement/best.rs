@@ -3,7 +3,7 @@
 use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::decision::Figure;
-use crate::analysis::decision::sheet::with_interval;
+use crate::analysis::decision::words::with_interval;
 use crate::analysis::requirement::judged::Judged;
 use crate::analysis::requirement::limit::Limited;
 use crate::analysis::requirement::subject::Subject;

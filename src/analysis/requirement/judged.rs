@@ -3,7 +3,7 @@
 use serde_json::{Value as Json, json};
 
 use crate::analysis::decision::Figure;
-use crate::analysis::decision::sheet::{at_level, margin_in_words};
+use crate::analysis::decision::words::{at_level, margin_in_words};
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::{Gap, Subject};
 use crate::quantity::number::percent;

@@ -2,7 +2,7 @@
 
 use crate::allan::{Spread, Unit};
 use crate::analysis::data_sheet::{DataSheet, Row};
-use crate::analysis::decision::sheet::LEVEL;
+use crate::analysis::decision::words::LEVEL;
 use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::Limited;

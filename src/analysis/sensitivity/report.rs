@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::analysis::decision::sheet::with_interval;
+use crate::analysis::decision::words::with_interval;
 use crate::analysis::decision::{Figure, Lines};
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};

@@ -34,7 +34,7 @@ struct Growth {
 impl Growth {
     /// The power in words, such as `in proportion to n (power 0.98)`.
     fn law(&self, x: &str) -> String {
-        let near = |power: f64| (self.power - power).abs() < NEAR * power;
+        let near = |power: f64| self.follows && (self.power - power).abs() < NEAR * power;
         let how = match self.power {
             _ if near(0.5) => format!("as the square root of {x}"),
             _ if near(1.0) => format!("in proportion to {x}"),

@@ -20,6 +20,7 @@ pub(crate) mod curves;
 pub(crate) mod data;
 pub mod gallery;
 mod growth;
+mod headline;
 pub(crate) mod page;
 pub mod sections;
 pub(crate) mod sentences;

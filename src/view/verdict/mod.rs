@@ -60,7 +60,7 @@ pub struct Answer<'t> {
     pub open: bool,
     /// For [`Outcome::WithinBetween`], the place where it rises above the limit again.
     pub until: Vec<(&'t Column, f64)>,
-    /// Where it is within the limit once more further on.
+    /// The further stretches of the curve that are within the limit.
     pub again: Vec<Window<'t>>,
     /// The place of its first value, if points before it have none; else empty.
     pub first: Vec<(&'t Column, f64)>,
@@ -69,9 +69,9 @@ pub struct Answer<'t> {
 /// A stretch of a curve that is within the limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window<'t> {
-    /// Where it falls to the limit.
+    /// The place at which the curve falls to the limit.
     pub from: Vec<(&'t Column, f64)>,
-    /// Where it rises above it; empty where it stays within.
+    /// The place at which the curve rises above the limit; empty if it stays within.
     pub until: Vec<(&'t Column, f64)>,
 }
 

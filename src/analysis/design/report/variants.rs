@@ -1,7 +1,8 @@
 //! The variants of a design in words and as a table.
 
+use crate::analysis::decision::Sheet;
 use crate::analysis::decision::choice::Next;
-use crate::analysis::decision::sheet::{Sheet, short};
+use crate::analysis::decision::words::short;
 use crate::analysis::design::constraints::milliseconds;
 use crate::analysis::design::report::{called, duration, four_digits, range, three_digits};
 use crate::analysis::design::{Design, Filler, Variant};

@@ -1,0 +1,323 @@
+//! The chosen point of a study, at which inputs are changed one by one.
+
+use crate::analysis::decision::DecisionError;
+use crate::analysis::decision::choice::Choice;
+use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
+use crate::analysis::decision::lever::Needed;
+use crate::drift::schedule::{End, INTERVAL};
+use crate::key::row::Key;
+use crate::key::setting::Swept;
+use crate::key::sweep::Sweep;
+use crate::kinds::relock::inputs::BIAS;
+use crate::kinds::switched_run::SwitchedRun;
+use crate::quantity::units::{Dimension, Quantity};
+use crate::study::Study;
+use crate::table::Table;
+use crate::view::report::answer::is_given;
+
+/// Factor by which each input is tried.
+const TRIED: f64 = 1.25;
+
+/// Factors by which an input may change at most, the largest first, as a large change may not be a valid study.
+const MOST: [f64; 4] = [64.0, 16.0, 4.0, 2.0];
+
+/// Number of bisections for the needed value, which is then exact to 64^(1/1024), 0.4 %.
+const BISECTIONS: usize = 10;
+
+/// Evaluations for a needed value under one condition.
+pub(super) const EVALUATIONS: usize = MOST.len() + BISECTIONS + 1;
+
+/// Most conditions under which a lever is tried.
+const MOST_CONDITIONS: usize = 1000;
+
+/// Prefixes of keys that are the question itself, or on which the gyro stands: without its bias it locks in.
+const ASKED: [&str; 3] = ["run.", "navigation.", BIAS.name];
+
+/// Most conditions under which the needed value is searched one after the other.
+const CONDITIONS_SEARCHED: usize = 3;
+
+/// An input with its value at the chosen point.
+#[derive(Clone, Copy)]
+pub(super) struct Input {
+    pub(super) key: &'static Key,
+    pub(super) value: Quantity,
+}
+
+/// An input with a change that lowers the mean square.
+pub(super) struct Tried {
+    pub(super) input: Input,
+    /// Factor by which it changes.
+    pub(super) factor: f64,
+    /// Logarithm of the mean square that is left, for a change by the factor e.
+    left: f64,
+}
+
+/// A change of an input.
+pub(super) struct Change {
+    pub(super) input: Input,
+    /// The value that is tried.
+    pub(super) to: Quantity,
+    pub(super) is_down: bool,
+}
+
+/// The chosen point: the values of its swept keys.
+pub(super) struct Place<'a> {
+    study: &'a Study,
+    pub(super) swept: Vec<(&'static Key, Swept)>,
+    /// Names of the swept keys that are conditions.
+    conditions: Vec<&'static str>,
+    /// The swept values under each condition; empty where a lever is not tried under all of them.
+    everywhere: Vec<Vec<(&'static Key, Swept)>>,
+    /// Place of the chosen point among them.
+    at: Option<usize>,
+    point: usize,
+}
+
+impl<'a> Place<'a> {
+    pub(super) fn of(study: &'a Study, table: &Table, choice: &Choice) -> Place<'a> {
+        let swept = |row: usize| {
+            let value = |sweep: &Sweep| {
+                let shown = &table.column(sweep.key.name).ok()?.cells[row];
+                let value = sweep.values.iter().find(|value| value.cell() == *shown)?;
+                Some((sweep.key, value.clone()))
+            };
+            study.sweeps.iter().filter_map(value).collect::<Vec<_>>()
+        };
+        let varied = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.key.name);
+        let conditions = varied.filter(|name| table.column(name).is_ok_and(is_given)).collect();
+        // The least value of a curve is in another row for each condition.
+        let has_rows = !choice.is_minimum && (2..=MOST_CONDITIONS).contains(&choice.rows.len());
+        let rows = choice.rows.iter().filter(|_| has_rows);
+        let everywhere = rows.map(|&row| swept(row)).collect();
+        let at = choice.rows.iter().position(|&row| row == choice.row);
+        Place { study, swept: swept(choice.row), conditions, everywhere, at, point: choice.point }
+    }
+
+    /// The changes that lower the mean square, the most effective first; `None` where it cannot be evaluated.
+    pub(super) fn tried(&self, square: &str, evaluator: &mut Evaluator) -> Option<Vec<Tried>> {
+        let inputs = self.inputs();
+        evaluator.expect(1 + 2 * inputs.len());
+        let mut screened = |input: &Input, value: Quantity| {
+            // Not every change is a valid study.
+            let found =
+                self.values(&self.swept, input, &[value], square, evaluator, Effort::Screening).ok()??;
+            Some(found.first()?.value.abs())
+        };
+        let present = inputs.first().and_then(|input| screened(input, input.value))?;
+        let mut tried: Vec<Tried> = Vec::new();
+        for input in inputs {
+            for factor in [1.0 / TRIED, TRIED] {
+                let to = changed(&input, factor);
+                let Some(value) = screened(&input, to) else { continue };
+                let left = libm::log(value / present) / libm::log(to.value / input.value.value).abs();
+                if left < 0.0 {
+                    tried.push(Tried { input, factor, left });
+                }
+            }
+        }
+        tried.sort_by(|a, b| a.left.total_cmp(&b.left));
+        Some(tried)
+    }
+
+    /// The inputs that can change: those swept and those written, without what the question asks for and the conditions
+    /// over which the results are given anyway.
+    fn inputs(&self) -> Vec<Input> {
+        let swept = self.swept.iter().filter_map(|(key, value)| Some((*key, value.quantity()?)));
+        let of_files = self.study.subject.values(self.point);
+        let written = self.study.values.iter().copied().chain(of_files);
+        let mut inputs: Vec<Input> = Vec::new();
+        for (key, value) in swept.chain(written) {
+            // Where a run ends exactly, its drift depends on how far the last interval has come.
+            let is_parity = std::ptr::eq(key, &INTERVAL) && ends_exactly(self.study, self.point);
+            let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
+            let is_asked =
+                ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
+            if is_new && value.value != 0.0 && !is_asked && !is_parity {
+                inputs.push(Input { key, value });
+            }
+        }
+        inputs
+    }
+
+    /// The judged estimate under one condition with some values of one input.
+    pub(super) fn values(
+        &self,
+        swept: &[(&'static Key, Swept)],
+        input: &Input,
+        values: &[Quantity],
+        column: &str,
+        evaluator: &mut Evaluator,
+        effort: Effort,
+    ) -> Result<Option<Vec<Value>>, DecisionError> {
+        let keys: Vec<&'static Key> = others(swept, input).map(|(key, _)| *key).chain([input.key]).collect();
+        let points: Vec<Vec<Swept>> = values.iter().map(|value| moved(swept, input, *value)).collect();
+        let study = self.study.at_points(&keys, &points)?;
+        evaluator.one(&study, points.len(), column, effort)
+    }
+
+    /// The fraction by which a change of an input lowers the largest value under all conditions: it may do so only where the
+    /// present value is the largest, and raise another one, as a zone of lock-in that moves. `None` where that is unknown.
+    pub(super) fn gain_everywhere(
+        &self,
+        input: &Input,
+        to: Quantity,
+        column: &str,
+        evaluator: &mut Evaluator,
+    ) -> Result<Option<f64>, DecisionError> {
+        let present = self.worst(input, input.value, column, evaluator)?;
+        let changed = self.worst(input, to, column, evaluator)?;
+        Ok(present.zip(changed).map(|((_, present), (_, changed))| 1.0 - changed / present))
+    }
+
+    /// The condition with the largest value, and that value, with a value of an input; `None` where a lever is not tried under
+    /// all conditions, where the value is not valid under all of them, and where they cost too much to sample.
+    fn worst(
+        &self,
+        input: &Input,
+        value: Quantity,
+        column: &str,
+        evaluator: &mut Evaluator,
+    ) -> Result<Option<(usize, f64)>, DecisionError> {
+        let Some(first) = self.everywhere.first() else { return Ok(None) };
+        let keys: Vec<&'static Key> = others(first, input).map(|(key, _)| *key).chain([input.key]).collect();
+        let points: Vec<Vec<Swept>> =
+            self.everywhere.iter().map(|swept| moved(swept, input, value)).collect();
+        let found = self
+            .study
+            .at_points(&keys, &points)
+            .map_err(DecisionError::from)
+            .and_then(|study| evaluator.one(&study, points.len(), column, Effort::Screening));
+        match found {
+            Ok(found) => {
+                let sizes = found.into_iter().flatten().map(|found| found.value.abs()).enumerate();
+                Ok(sizes.max_by(|a, b| a.1.total_cmp(&b.1)))
+            }
+            Err(DecisionError::Study(_)) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Whether and where a change of an input meets the limit under all conditions. Where another condition becomes the worst,
+    /// the search goes on under that one.
+    pub(super) fn needed(
+        &self,
+        change: &Change,
+        limit: f64,
+        column: &str,
+        evaluator: &mut Evaluator,
+    ) -> Result<Option<Needed>, DecisionError> {
+        let (mut swept, mut searched, mut found, mut least) = (&self.swept, self.at, None, 0.0);
+        for _ in 0..CONDITIONS_SEARCHED {
+            found = self.needed_at(swept, change, least, limit, column, evaluator).or(found);
+            let Some(Needed::Value(value)) = found else { return Ok(found) };
+            let worst = self.worst(&change.input, value, column, evaluator)?;
+            // Under the condition that was searched only the scatter of fewer trials is left.
+            let Some((worst, left)) = worst.filter(|&(at, left)| left > limit && Some(at) != searched) else {
+                return Ok(found);
+            };
+            found = Some(Needed::NotEven(value, left));
+            (swept, searched) = (&self.everywhere[worst], Some(worst));
+            least = libm::log(value.value / change.input.value.value).abs();
+        }
+        Ok(found)
+    }
+
+    /// Whether and where a change of an input meets the limit under one condition with its whole interval, to three digits on the
+    /// safe side. The change is `least` or larger, as a logarithm.
+    fn needed_at(
+        &self,
+        swept: &[(&'static Key, Swept)],
+        change: &Change,
+        least: f64,
+        limit: f64,
+        column: &str,
+        evaluator: &mut Evaluator,
+    ) -> Option<Needed> {
+        let Change { input, to, is_down } = change;
+        let mut at = |factor: f64| {
+            let value = beyond(input, if *is_down { 1.0 / factor } else { factor });
+            let found = self.values(swept, input, &[value], column, evaluator, Effort::Parts).ok()??;
+            Some((value, found.first()?.upper()))
+        };
+        let mut ends = MOST.into_iter().filter_map(|most| Some((most, at(most)?)));
+        let mut best = ends.next()?;
+        let rest: Vec<(f64, (Quantity, f64))> = if best.1.1 > limit { ends.collect() } else { vec![] };
+        // The largest change may lie beyond an optimum.
+        best = rest.into_iter().chain([best]).min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let (most, (end, left)) = best;
+        if left > limit {
+            let tried = self.values(swept, input, &[*to], column, evaluator, Effort::Parts).ok()??;
+            let tried = tried.first()?.upper();
+            return Some(if tried < left { Needed::NotEven(*to, tried) } else { Needed::NotEven(end, left) });
+        }
+        let (mut low, mut high, mut met) = (least, libm::log(most), end);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            match at(libm::exp(middle)) {
+                Some((value, found)) if found <= limit => (high, met) = (middle, value),
+                _ => low = middle,
+            }
+        }
+        Some(Needed::Value(met))
+    }
+}
+
+/// The swept values without that of an input.
+fn others<'s>(
+    swept: &'s [(&'static Key, Swept)],
+    input: &'s Input,
+) -> impl Iterator<Item = &'s (&'static Key, Swept)> {
+    swept.iter().filter(|(key, _)| !std::ptr::eq(*key, input.key))
+}
+
+/// The swept values of a point with a value of an input, which comes last.
+fn moved(swept: &[(&'static Key, Swept)], input: &Input, value: Quantity) -> Vec<Swept> {
+    others(swept, input).map(|(_, value)| value.clone()).chain([Swept::Quantity(value)]).collect()
+}
+
+/// Whether a point is of runs with an exact end.
+fn ends_exactly(study: &Study, point: usize) -> bool {
+    let runs = study.asked::<SwitchedRun>().map(|runs| &runs.points);
+    runs.and_then(|points| points.get(point)).is_some_and(|point| point.schedule.end == End::Exact)
+}
+
+/// The value of an input that is tried: multiplied by a factor, or the next whole number.
+pub(super) fn changed(input: &Input, factor: f64) -> Quantity {
+    match input.key.is_whole() {
+        true => Quantity::new(input.value.value + libm::copysign(1.0, factor - 1.0), Dimension::Count),
+        false => scaled(input, factor),
+    }
+}
+
+/// The value of an input multiplied by a factor.
+fn scaled(input: &Input, factor: f64) -> Quantity {
+    Quantity::new(input.value.value * factor, input.value.dimension)
+}
+
+/// The next value with three digits in the unit of tables, or the next whole number, that an input has when it changes
+/// at least by a factor. It is never the present one.
+fn beyond(input: &Input, factor: f64) -> Quantity {
+    let exact = scaled(input, factor);
+    let size = exact.shown().abs();
+    let last = if input.key.is_whole() { 1.0 } else { libm::pow(10.0, libm::floor(libm::log10(size)) - 2.0) };
+    let steps = if factor < 1.0 { libm::floor(size / last) } else { libm::ceil(size / last) };
+    Quantity::new(exact.value * (steps * last / size), exact.dimension)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filler::keys::GAP_TICKS;
+    use crate::kinds::gap_fill::keys::READOUT_LSB;
+
+    #[test]
+    fn needed_values_lie_beyond_the_change_with_three_digits_and_are_never_the_present_ones() {
+        let needed = |key: &'static Key, value: f64, dimension: Dimension, factor: f64| {
+            beyond(&Input { key, value: Quantity::new(value, dimension) }, factor).value
+        };
+        let pulse = |factor| needed(&READOUT_LSB, 3.2, Dimension::Angle, factor);
+        assert_eq!([0.35, 0.3499, 1.00001, 0.99999].map(pulse), [1.12, 1.11, 3.21, 3.19]);
+        let ticks = |factor| needed(&GAP_TICKS, 5.0, Dimension::Count, factor);
+        assert_eq!([0.99, 0.79, 1.01, 1.21].map(ticks), [4.0, 3.0, 6.0, 7.0]);
+    }
+}
