@@ -53,7 +53,11 @@ fn chunk(first: u32) {
 
 // The angle of a sample.
 fn reading() -> u32 {
-    let angle = bits_from(gyro.angle, p.lsb);
+    var exact = gyro.angle;
+    //#if ENDS
+    exact = add_wide(exact, mul_wide(end(), 1u));
+    //#end
+    let angle = bits_from(exact, p.lsb);
     //#if DITHERED
     var amplitude = gyro.amplitude;
     //#if DEMODULATED
@@ -66,6 +70,14 @@ fn reading() -> u32 {
     return angle;
     //#end
 }
+
+//#if ENDS
+// What the integral up to a zero crossing has beyond the sum of steps that ends there.
+fn end() -> u32 {
+    let phase = bits_from(gyro.angle, p.fine) + gyro.start + high_word(gyro.input);
+    return high_word(mul_wide(sine(phase + QUARTER_TURN), p.end));
+}
+//#end
 
 // A phase within the half-cycle with its noise; `sin` is its sine, 2^-31.
 fn with_noise(turn: u32, sin: u32) -> u32 {

@@ -191,6 +191,9 @@ fn half_and_twice_the_steps_move_no_estimate_by_its_standard_error() {
             64,
         ),
         ("phase noise", with(180.0, 37.0, |dither| dither.phase_noise = 7200.0), 64),
+        ("between zones", with(180.0, 523.0, |_| ()), 64),
+        ("weak noise between zones", with(180.0, 400.0, |dither| dither.amplitude_noise = 0.007), 64),
+        ("hardly any noise", with(180.0, 523.0, |dither| dither.amplitude_noise = 0.001), 64),
         (
             "walk",
             with(180.0, 37.0, |dither| (dither.amplitude_noise, dither.amplitude_walk) = (0.005, 0.002)),

@@ -7,7 +7,8 @@
 //! (`docs/numerics.md`).
 //!
 //! A half-cycle of the dither lies between two zero crossings of its angle, with the reversal in the middle. Each has its own
-//! amplitude, and the angle stays continuous.
+//! amplitude, and the angle stays continuous. At zero crossings from below an angle has what the integral has beyond the sum of steps
+//! there.
 
 pub mod recipe;
 
@@ -18,7 +19,7 @@ use crate::normal::normal;
 use crate::philox::{Address, Purpose, schedule};
 use crate::recipe::CHUNK;
 use crate::shader::constants;
-use crate::sine::sine;
+use crate::sine::{QUARTER_TURN, sine};
 use crate::word::{Scalar, Wide, Word};
 
 constants!(ROUND, LOCK_IN_STATE, OTHER_VALUES);
@@ -28,7 +29,7 @@ constants!(ROUND, LOCK_IN_STATE, OTHER_VALUES);
 pub const FORM: Form = Form::Records;
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Steps of a round, within which the lock-in adds less than half a unit of its word.
 pub const ROUND: usize = 16;
@@ -119,7 +120,11 @@ impl<W: Word> State<W> {
     /// The angle of a sample.
     #[inline(always)]
     fn reading(&self, p: &LockIn) -> W {
-        let angle = self.angle.bits_from(p.lsb);
+        let mut angle = self.angle;
+        if p.end > 0 {
+            angle = angle + self.end(p).mul_wide(W::splat(1));
+        }
+        let angle = angle.bits_from(p.lsb);
         if p.readout == Readout::Stripped {
             return angle;
         }
@@ -130,6 +135,14 @@ impl<W: Word> State<W> {
         let turn = W::splat((self.sample_phase >> 32) as u32 & (u32::MAX >> 1));
         let dither = amplitude.mul_wide(sine(self.with_noise(p, turn, sine(turn) << 1))) + W::Wide::half();
         angle + dither.high_word().sar(p.dither_lsb)
+    }
+
+    /// What the integral up to a zero crossing has beyond the sum of steps that ends there.
+    #[inline(always)]
+    fn end(&self, p: &LockIn) -> W {
+        let phase = self.angle.bits_from(p.fine) + self.start + W::splat((self.input >> 32) as u32);
+        let cosine = sine(phase + W::splat(QUARTER_TURN));
+        cosine.mul_wide(W::splat(p.end)).high_word()
     }
 
     /// A phase within the half-cycle with its noise, which vanishes at both ends; `sin` is its sine, 2^−31.

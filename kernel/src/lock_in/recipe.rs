@@ -36,6 +36,9 @@ pub struct LockIn {
     pub kick: [u32; KICKS],
     /// Bits of the lock-in beyond 2^−32 turns; below 32.
     pub fine: u32,
+    /// What the integral has beyond the sum of steps at a sample, where the cosine of the phase is 1, in quarters of a unit of the
+    /// lock-in and below 2^31; 0 where samples are not at zero crossings of the dither from below.
+    pub end: u32,
     /// Input of a step at the start, 2^−64 turns.
     pub rate: u64,
     /// Change of the input of a step from half-cycle to half-cycle, 2^−64 turns.
@@ -82,6 +85,7 @@ impl LockIn {
         let sound = self.interval[1] > 0
             && self.half > 0
             && self.fine < 32
+            && self.end < 1 << 31
             && self.lsb < 32
             && self.dither_lsb < 32
             && (2..=32).contains(&self.amplitude_bits)
@@ -118,7 +122,7 @@ impl LockIn {
     }
 
     /// Words of a dispatch that precede the levels, by their names in the shader.
-    fn fixed(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> [(&'static str, u32); 33] {
+    fn fixed(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> [(&'static str, u32); 34] {
         let halves = |x: u64| [x as u32, (x >> 32) as u32];
         let ([rate_low, rate_high], [ramp_low, ramp_high]) = (halves(self.rate), halves(self.ramp));
         let [phase_low, phase_high] = halves(self.sample_phase);
@@ -134,6 +138,7 @@ impl LockIn {
             ("kick_2", self.kick[2]),
             ("kick_3", self.kick[3]),
             ("fine", self.fine),
+            ("end", self.end),
             ("rate_low", rate_low),
             ("rate_high", rate_high),
             ("ramp_low", ramp_low),
@@ -216,6 +221,7 @@ impl Recorded for LockIn {
                 ("PHASE_NOISE", self.phase_noise > 0),
                 ("BEAM", self.beam > 0),
                 ("MOTION", self.motion),
+                ("ENDS", self.end > 0),
                 ("DITHERED", self.readout != Readout::Stripped),
                 ("DEMODULATED", self.readout == Readout::Demodulated),
                 ("THIRD_ORDER", self.order == 3),

@@ -25,6 +25,10 @@ const MOST_ANGLE: f64 = 268_435_456.0; // 2^28
 /// Most bits of the lock-in beyond a word, and least units of it in a step.
 const MOST_FINE: f64 = 31.0;
 const LEAST_KICK: f64 = 1024.0;
+/// Largest phase of a step at a zero crossing, rad, with which the end of a sum of steps is known.
+const MOST_TURN: f64 = 1.9 * PI;
+/// Quarters of a unit.
+const END_UNITS: f64 = 4.0;
 /// Fewest units of a standard deviation that is not 0.
 const LEAST_SIGMA: f64 = 50.0;
 /// Coarsest LSB, in pulses.
@@ -128,6 +132,7 @@ impl Fixed {
     pub(crate) fn recipe(
         &self,
         inputs: &Inputs,
+        times: &Times,
         key: [u32; 2],
         samples: u64,
         order: u32,
@@ -174,6 +179,7 @@ impl Fixed {
             half: steps.half as u32,
             kick: kick_words(self.kick * unit),
             fine,
+            end: if times.periods > 0 { self.end(unit) } else { 0 },
             rate: libm::round(per_step(inputs.rate + 0.5 * change)) as i128 as u64,
             ramp: libm::round(per_step(change)) as i128 as u64,
             amplitude: libm::round(self.amplitude * of_amplitude) as u32,
@@ -191,6 +197,17 @@ impl Fixed {
             order,
             levels,
         })
+    }
+
+    /// What the integral of the lock-in up to a zero crossing has beyond the sum of steps, in quarters of these units: a sum of
+    /// steps of v radians ends with 1/(2 sin ½v), its integral with 1/v.
+    fn end(&self, unit: f64) -> u32 {
+        let turn = TAU * PI * self.amplitude / (self.steps.half as f64 * ROUND as f64);
+        if turn <= 0.0 || turn > MOST_TURN {
+            return 0;
+        }
+        let beyond = 0.5 / libm::sin(0.5 * turn) - 1.0 / turn;
+        libm::round(END_UNITS * self.kick * unit * beyond) as u32
     }
 
     /// Adds the motion of the base to a recipe; returns its mean rate between the middles of the first and the last third of the

@@ -63,7 +63,7 @@ impl Gyros {
             Difference::Third => 3,
         };
         let fixed = Fixed::new(inputs, times, steps)?;
-        let mut recipe = fixed.recipe(inputs, key, samples, order, levels)?;
+        let mut recipe = fixed.recipe(inputs, times, key, samples, order, levels)?;
         let mut input_rate = inputs.rate + 0.5 * inputs.ramp * times.length_s();
         if let Some(motion) = &inputs.motion {
             input_rate += fixed.add_motion(motion, inputs.scale_factor, &mut recipe)?;
