@@ -250,7 +250,11 @@ pub fn psd<'py>(
         let tables = vec![("psd.csv", spectrum::tables::table(&analysis))];
         let decision = analysis.decision(&limits);
         let document = spectrum::tables::document(&analysis, &decision);
-        Ok(Found { page: page::of_log(&log, &analysis, &decision, None, vec![]), document, tables })
+        Ok(Found {
+            page: page::of_log(&log, &analysis, decision.lines.headed(), None, vec![]),
+            document,
+            tables,
+        })
     })?;
     found.into_python(py)
 }

@@ -42,11 +42,23 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
         ended.stdout
     );
     assert!(ended.stdout.contains(" The record does not show "), "{}", ended.stdout);
+    // The decision is that of the navigators, not of the coefficients.
+    assert!(
+        ended.stdout.contains("Requirement  None is given: the level of position error that 95 % of"),
+        "{}",
+        ended.stdout
+    );
     assert!(desk.read("out/report.html").contains("of navigators with three such gyros are within"));
     let document = json(&desk, "1h");
     let navigation = &document["columns"][0]["navigation"];
     assert_eq!(navigation["unit"], "nmi");
+    assert_eq!(navigation["class"], "navigation");
+    assert!(ended.stdout.contains(" (CEP), which is the class navigation."), "{}", ended.stdout);
+    // Of a circle 2.4 times, of errors in one direction 2.9 times.
+    let ratio = within(&document) / navigation["within50"].as_f64().unwrap();
+    assert!((1.9..3.2).contains(&ratio), "{ratio}");
     assert!(navigation["within95_at_upper_ends"].as_f64().unwrap() > within(&document), "{navigation}");
+    assert_eq!(navigation["decision"]["met"], Value::Null);
     // The study that was written gives the same value.
     desk.done("run out/navigation.toml --device cpu --out study");
     let row = desk.table("study/points.csv").remove(0);
@@ -56,6 +68,16 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     let longer = json(&desk, "4h");
     let ratio = within(&longer) / within(&document);
     assert!((2.0..8.0).contains(&ratio), "{ratio}");
+    let judged = |limit: &str| {
+        let asked = format!("{READ} --column gz --navigate 1h --position-limit {limit} --json");
+        let document: Value = serde_json::from_str(&desk.done(&asked).stdout).unwrap();
+        document["columns"][0]["navigation"]["decision"]["met"].clone()
+    };
+    assert_eq!([judged("1nmi"), judged("0.05nmi")], [Value::Bool(true), Value::Bool(false)]);
+    assert!(desk.read("out/navigation.toml").contains("limit = \"0.05 nmi\""));
+    // A limit on a coefficient asks for its decision.
+    let both = desk.done(&format!("{READ} --column gz --navigate 1h --limit N=1deg/sqrt(h)"));
+    assert!(both.stdout.contains("Met: N is"), "{}", both.stdout);
     // Without the option the study of an earlier run is not left beside other results.
     desk.done(&format!("{READ} --column gz"));
     assert!(!desk.names("out").contains(&"navigation.toml".to_owned()));
@@ -71,5 +93,10 @@ fn columns_that_are_no_gyros_say_so_and_a_fit_is_needed() {
         &format!("{READ} --column gz --fit none --navigate 1h"),
         2,
         &["--navigate needs coefficients"],
+    );
+    desk.fails(
+        &format!("{READ} --column gz --navigate 1h --position-limit 5deg"),
+        2,
+        &["--position-limit", "a distance"],
     );
 }

@@ -20,6 +20,7 @@ use sagnac::spectrum::Welch;
 use sagnac::view::chart::figure::Figure;
 use serde_json::Value;
 
+use crate::allan::navigation::Navigation;
 pub use crate::allan::options::Options;
 use crate::allan::temperature::Thermal;
 use crate::charts::{plotted, write_figures};
@@ -28,7 +29,7 @@ use crate::limits;
 use crate::output::{
     print, print_documents, print_drawn, remove, unwritten, whereabouts, write, write_page, write_table,
 };
-use crate::results::print_decision;
+use crate::results::sheet_text;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -65,7 +66,7 @@ fn of_log(
     let with_spectra = spectrum::Analysis::of(analysis, densities);
     let analysis = &with_spectra.noise;
     let decision = with_spectra.decision(&options.limit);
-    let navigation = navigation::Navigation::of(options, analysis);
+    let navigation = Navigation::of(options, analysis);
     let figures = figures::figures(analysis);
     save(analysis, &figures, folder)?;
     temperature::save(thermal.as_ref(), analysis, folder)?;
@@ -75,7 +76,14 @@ fn of_log(
     let over_time = dynamic.as_ref().map(page::of_dynamic);
     let of_navigators = navigation.as_ref().map(|found| page::of_navigators(&found.columns));
     let further = of_temperature.chain(over_time).chain(of_navigators).collect();
-    write_page(folder, &page::of_log(&log, &with_spectra, &decision, without.as_ref(), further))?;
+    // Navigators are what is asked for, unless coefficients have limits.
+    let of_navigators = navigation.as_ref().filter(|_| options.limit.is_empty());
+    let sheet = of_navigators.and_then(Navigation::sheet).unwrap_or_else(|| decision.lines.headed());
+    let mut page = page::of_log(&log, &with_spectra, sheet.clone(), without.as_ref(), further);
+    if let Some(told) = navigation.as_ref().and_then(Navigation::answer) {
+        page.sentences.insert(0, std::mem::replace(&mut page.headline, told));
+    }
+    write_page(folder, &page)?;
     let mut notes = notes::notes(analysis);
     notes.extend(thermal.iter().flat_map(Thermal::notes).chain(noise_file::notes(analysis)));
     if let Some(path) = &options.kalibr {
@@ -100,7 +108,7 @@ fn of_log(
         let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
         let of_navigators = navigation.map_or_else(String::new, |navigation| navigation.report());
         print(&(report::report(analysis) + &of_temperature + &over_time + &of_navigators))?;
-        print_decision(&decision)?;
+        print(&format!("\n{}", sheet_text(&sheet)))?;
         say!("{}", whereabouts(folder));
         if let Some(path) = &options.kalibr {
             say!("the Kalibr file is {}", path.display());

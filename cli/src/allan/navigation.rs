@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sagnac::analysis::log::Analysis;
-use sagnac::analysis::log::navigators::{Navigators, is_ours, names, navigators};
+use sagnac::analysis::log::navigators::{Asked, Navigators, is_ours, names, navigators, worst};
 use serde_json::Value;
 
 use crate::allan::options::Options;
@@ -22,7 +22,8 @@ pub struct Navigation {
 impl Navigation {
     /// The navigators of all columns, if they are asked for.
     pub fn of(options: &Options, analysis: &Analysis) -> Option<Navigation> {
-        let columns = navigators(analysis, options.navigate?);
+        let asked = Asked { duration_s: options.navigate?, limit: options.position_limit };
+        let columns = navigators(analysis, &asked);
         Some(Navigation { columns, names: names(analysis) })
     }
 
@@ -33,6 +34,23 @@ impl Navigation {
             Err(why) => format!("{why}\n"),
         };
         self.columns.iter().map(line).collect()
+    }
+
+    /// The answer of the column that is worst, if a column has navigators.
+    pub fn answer(&self) -> Option<String> {
+        worst(&self.columns).map(|worst| format!("{}: {}", worst.column, worst.sentence()))
+    }
+
+    /// The lines of the decision sheet of the column that is worst, if a column has navigators.
+    pub fn sheet(&self) -> Option<Vec<(&'static str, String)>> {
+        let worst = worst(&self.columns)?;
+        let mut lines = worst.sheet.lines();
+        if self.columns.len() > 1
+            && let Some((_, sentence)) = lines.first_mut()
+        {
+            *sentence = format!("Worst with three gyros like {}. {sentence}", worst.column);
+        }
+        Some(lines)
     }
 
     /// Adds the navigators to the columns of a document.

@@ -12,6 +12,7 @@ use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::temperature::effect::Effect;
 use sagnac::analysis::temperature::model::Effects;
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
+use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::read::Request;
 use sagnac::record::log::temperature::Thermometer;
 
@@ -28,7 +29,8 @@ Examples:
   sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --dynamic \"10 s\"
-  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --navigate \"1 h\"
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
+    --navigate \"1 h\" --position-limit \"0.5 nmi\"
   sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp
   sagnac allan imu.mcap --data rate
   sagnac allan imu.csv --data rate --time time --column gx,gy,gz,ax,ay,az \\
@@ -76,6 +78,9 @@ pub struct Options {
     /// and calibrated for 10 min at a latitude of 60°, then at rest. Writes navigation.toml, the study behind it
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub navigate: Option<f64>,
+    /// Largest accepted position error of these navigators, which the decision is held against, as in "0.5 nmi"
+    #[arg(long, value_name = "DISTANCE", requires = "navigate", value_parser = distance)]
+    pub position_limit: Option<Quantity>,
     /// Column of a temperature, by name or number: also fits the dependence of the rate on it
     #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
     temperature: Option<String>,
@@ -163,6 +168,11 @@ pub(crate) fn simulated(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| {
         format!("give 0, or at least {LEAST_REALISATIONS}: fewer do not resolve the 2.5 % quantiles")
     })
+}
+
+fn distance(text: &str) -> Result<Quantity, String> {
+    let found = parse(text, &[Dimension::Distance]).map_err(|error| error.to_string())?;
+    if found.value > 0.0 { Ok(found) } else { Err("the distance is not positive".to_owned()) }
 }
 
 fn effects(text: &str) -> Result<Effects, String> {

@@ -87,7 +87,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
     write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
     write_figures(&folder, &figures)?;
-    write_page(&folder, &of_log(&log, &analysis, &decision, None, vec![]))?;
+    write_page(&folder, &of_log(&log, &analysis, decision.lines.headed(), None, vec![]))?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
     }

@@ -1,13 +1,13 @@
 //! The position error of navigators with the gyro of a log, as a study with the coefficients of the fit and their intervals.
 //!
 //! The coefficients that the record does not show count as 0 in the study. What they may cost is the error with each of them
-//! at the upper end of its interval.
+//! at the upper end of its interval. The decision sheet is that of the study.
 
 use serde_json::{Value as Json, json};
 
 use crate::allan::Unit;
-use crate::analysis::decision::Figure;
 use crate::analysis::decision::words::{LEVEL, with_interval};
+use crate::analysis::decision::{Figure, Sheet, decide};
 use crate::analysis::log::noise_file::{self, quantity};
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};
@@ -18,7 +18,8 @@ use crate::kernel::width::Width;
 use crate::progress::Silent;
 use crate::quantity::list::listed;
 use crate::quantity::number::{significant, with_unit};
-use crate::run::Plan;
+use crate::quantity::units::Quantity;
+use crate::run::{Plan, Tables};
 use crate::store::Store;
 use crate::study::Study;
 use crate::table::Usual;
@@ -50,23 +51,38 @@ pub struct Navigators {
     pub within: Figure,
     /// Unit of the radius.
     pub unit: &'static str,
+    /// Radius that half of them stay within (CEP), in the same unit.
+    pub half: f64,
+    /// The class of such navigators by the growth of that radius; `none` for a worse one than all classes.
+    pub class: String,
     /// The coefficients that the record does not show, with the radius where all are at the upper ends of their intervals.
     pub at_bounds: Option<(Vec<String>, f64)>,
+    /// The decision sheet of the study.
+    pub sheet: Sheet,
 }
 
-/// The navigators of every column of rotation with coefficients, after a time; for a column without them, why.
+/// What is asked of navigators.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// Time after the start, s.
+    pub duration_s: f64,
+    /// The largest accepted distance from their place, for 95 % of them.
+    pub limit: Option<Quantity>,
+}
+
+/// The navigators of every column of rotation with coefficients; for a column without them, why.
 ///
 /// Each navigator has three such gyros and ideal accelerometers, aligns at rest at a latitude of 60°, which also calibrates the
 /// gyros, and stays there.
-pub fn navigators(analysis: &Analysis, duration_s: f64) -> Vec<Result<Navigators, String>> {
+pub fn navigators(analysis: &Analysis, asked: &Asked) -> Vec<Result<Navigators, String>> {
     let of = |column: &Column| {
-        let found = of_column(analysis, column, duration_s);
+        let found = of_column(analysis, column, asked);
         found.map_err(|why| format!("{}: no navigator: {why}", column.name))
     };
     analysis.columns.iter().map(of).collect()
 }
 
-fn of_column(analysis: &Analysis, column: &Column, duration_s: f64) -> Result<Navigators, String> {
+fn of_column(analysis: &Analysis, column: &Column, asked: &Asked) -> Result<Navigators, String> {
     if column.unit != Unit::Angular {
         return Err("it is not a gyro".to_owned());
     }
@@ -79,8 +95,12 @@ fn of_column(analysis: &Analysis, column: &Column, duration_s: f64) -> Result<Na
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     let about = format!("{START}{} of {}", one_line(&column.name), one_line(&file));
     let spreads: Vec<String> = coefficients.iter().filter_map(spread).collect();
-    let study = text(&about, duration_s, &lines, &spreads);
-    let (within, unit) = radius(&study)?;
+    let study = text(&about, asked, &lines, &spreads);
+    let (parsed, tables) = tables(&study)?;
+    let (within, unit) = radius(&tables)?;
+    let (half, class) = circular(&tables).ok_or("no navigator has a circular error")?;
+    let sheet = decide(&parsed, &tables, &Silent).map_err(|error| error.to_string())?;
+    let sheet = sheet.ok_or("the study judges nothing")?;
     let bounds: Vec<(&Coefficient, String)> =
         coefficients.iter().filter_map(|one| Some((one, bound(one)?))).collect();
     let at_bounds = match bounds.is_empty() {
@@ -89,10 +109,12 @@ fn of_column(analysis: &Analysis, column: &Column, duration_s: f64) -> Result<Na
             let all: Vec<String> =
                 lines.iter().cloned().chain(bounds.iter().map(|one| one.1.clone())).collect();
             let names = bounds.iter().map(|(one, _)| one.term.symbol().to_owned()).collect();
-            Some((names, radius(&text(&about, duration_s, &all, &spreads))?.0.value))
+            let (_, tables) = self::tables(&text(&about, asked, &all, &spreads))?;
+            Some((names, radius(&tables)?.0.value))
         }
     };
-    Ok(Navigators { column: column.name.clone(), study, duration_s, within, unit, at_bounds })
+    let (column, duration_s) = (column.name.clone(), asked.duration_s);
+    Ok(Navigators { column, study, duration_s, within, unit, half, class, at_bounds, sheet })
 }
 
 /// The line of a coefficient with a value that a study has.
@@ -125,32 +147,46 @@ fn spread(coefficient: &Coefficient) -> Option<String> {
     })
 }
 
-fn text(about: &str, duration_s: f64, noise: &[String], spreads: &[String]) -> String {
+fn text(about: &str, asked: &Asked, noise: &[String], spreads: &[String]) -> String {
+    let duration_s = asked.duration_s;
     let draws = if spreads.is_empty() { String::new() } else { format!("draws = {DRAWS}\n") };
+    let limit = asked.limit.map_or_else(String::new, |limit| format!("limit = \"{limit}\"\n"));
     let (after, duration, noise) = (spoken(duration_s), significant(duration_s, 12), noise.join("\n"));
     format!(
         "{about}{END}\n\
          title = \"Position error with the noise of a record and its uncertainty\"\n\
          question = \"Within how many nautical miles are 95 % of navigators after {after}?\"\n\
-         kind = \"navigation\"\ntrials = {TRIALS}\n\n\
+         kind = \"navigation\"\ntrials = {TRIALS}\n{limit}\n\
          [navigation]\nduration = \"{duration} s\"\nalignment = \"{ALIGNMENT}\"\ncalibration = true\nlatitude = \"{LATITUDE}\"\n{draws}\n\
          [noise]\n{noise}\n{}",
         spreads.concat()
     )
 }
 
-/// Runs a study with a single point, and returns its usual answer with the unit.
-fn radius(text: &str) -> Result<(Figure, &'static str), String> {
+/// Runs a study with a single point.
+fn tables(text: &str) -> Result<(Study, Tables), String> {
     let study = Study::parse("navigation.toml", text).map_err(|error| error.to_string())?;
     let plan = Plan::new(&study).map_err(|error| error.to_string())?;
     let mut store = Store::in_memory(&plan.identity());
     let mut device = Device::Cpu(Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?);
     plan.run(&mut store, &mut device, Share::WHOLE, &Silent).map_err(|error| error.to_string())?;
     let tables = plan.tables(&store, &Silent).map_err(|error| error.to_string())?;
+    drop(plan);
+    Ok((study, tables))
+}
+
+/// The usual answer of a table with a single row, with its unit.
+fn radius(tables: &Tables) -> Result<(Figure, &'static str), String> {
     let answer = [Usual::Answer, Usual::Estimate].into_iter().find_map(|usual| tables.points.usual(usual));
     let column = answer.ok_or("the study has no answer")?;
     let value = column.cells.get(0).and_then(|cell| cell.number()).ok_or("no navigator has a value")?;
     Ok((Figure { value, interval: column.interval(0) }, column.unit.symbol))
+}
+
+/// The circular error and the class of navigators in a table with a single row.
+fn circular(tables: &Tables) -> Option<(f64, String)> {
+    let cell = |name: &str| Some(tables.points.column(name).ok()?.cells.get(0)?.clone());
+    Some((cell("position_cep")?.number()?, cell("grade")?.text()))
 }
 
 /// A time in hours, minutes or seconds, whichever is the longest unit that is not longer than it.
@@ -168,9 +204,11 @@ impl Navigators {
     pub fn sentence(&self) -> String {
         let shown = |value: f64| with_unit(value, 3, self.unit);
         let told = format!(
-            "After {}, 95 % of navigators with three such gyros are within {} of their place.",
+            "After {}, 95 % of navigators with three such gyros are within {} of their place, and half within {} (CEP), {}.",
             spoken(self.duration_s),
-            with_interval(self.within, shown)
+            with_interval(self.within, shown),
+            shown(self.half),
+            self.class_told()
         );
         match &self.at_bounds {
             Some((names, value)) => {
@@ -185,6 +223,14 @@ impl Navigators {
         }
     }
 
+    /// The class as the end of a sentence.
+    fn class_told(&self) -> String {
+        match self.class.as_str() {
+            "none" => "which is worse than the class tactical".to_owned(),
+            class => format!("which is the class {class}"),
+        }
+    }
+
     /// The answer as JSON.
     pub fn json(&self) -> Json {
         let bounds = self.at_bounds.as_ref();
@@ -192,11 +238,20 @@ impl Navigators {
             "duration_s": self.duration_s,
             "unit": self.unit,
             "within95": { "value": self.within.value, "interval95": self.within.interval },
+            "within50": self.half,
+            "class": self.class,
             "not_shown": bounds.map(|(names, _)| names),
             "within95_at_upper_ends": bounds.map(|(_, value)| value),
             "sentence": self.sentence(),
+            "decision": self.sheet.json(),
         })
     }
+}
+
+/// The navigators that are off by most.
+pub fn worst<'a>(found: &'a [Result<Navigators, String>]) -> Option<&'a Navigators> {
+    let all = found.iter().flatten();
+    all.max_by(|a, b| a.within.value.total_cmp(&b.within.value))
 }
 
 /// Whether a text is such a study, as it was written.
@@ -225,7 +280,9 @@ mod tests {
             "angle_random_walk = \"0.00048 deg/sqrt(h)\"".to_owned(),
             "bias_instability = \"0.00164 deg/h\"".to_owned(),
         ];
-        let (found, unit) = radius(&text("# A gyro", 3600.0, &lines, &[])).unwrap();
+        let asked = Asked { duration_s: 3600.0, limit: None };
+        let (_, tables) = tables(&text("# A gyro", &asked, &lines, &[])).unwrap();
+        let (found, unit) = radius(&tables).unwrap();
         // LGV-1 without its Q, which changes the third digit: 0.3675 nmi.
         assert!((found.value - 0.3675).abs() < 0.03 * 0.3675, "{found:?}");
         assert_eq!(unit, "nmi");

@@ -36,7 +36,6 @@ pub use crate::analysis::page::sensitivity::of_sensitivity;
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
 use crate::analysis::page::answer::range;
-use crate::analysis::requirement::Decision;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
 use crate::record::log::channel::Log;
 use crate::study::Study;
@@ -45,12 +44,12 @@ use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Page, Section};
 
-/// The page of a log from its analysis and the decision to which it leads, with the sections of `further` analyses. If it has
+/// The page of a log from its analysis and the lines of the decision to which it leads, with the sections of `further` analyses. If it has
 /// no spectra, `without` says why.
 pub fn of_log(
     log: &Log,
     analysis: &Analysis,
-    decision: &Decision,
+    sheet: Vec<(&'static str, String)>,
     without: Option<&NoSpectrum>,
     further: Vec<Section>,
 ) -> Page {
@@ -73,7 +72,7 @@ pub fn of_log(
         title: format!("Noise of {file}"),
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         headline: answer::headline(noise),
-        sheet: decision.lines.headed(),
+        sheet,
         sentences: answer::sentences(analysis),
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),
