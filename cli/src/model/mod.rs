@@ -56,7 +56,8 @@ pub struct Options {
     /// Shortest averaging time that the model covers, as in "1 s" [default: the shortest of the log]
     #[arg(help_heading = "Model", long, value_name = "TIME", value_parser = seconds)]
     from: Option<f64>,
-    /// Longest averaging time that the model covers, as in "10000 s" [default: a tenth of the log]
+    /// Longest averaging time that the model covers, as in "10000 s" [default: a tenth of the log,
+    /// or the next averaging time of its curve]
     #[arg(help_heading = "Model", long, value_name = "TIME", value_parser = seconds)]
     to: Option<f64>,
     /// Lie nowhere below the upper end of the band, instead of within it: of this record (band, also without a value), or of 95 % of
@@ -148,6 +149,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
         print(&report::report(&analysis))?;
         print_lines(&words::decision(&analysis))?;
         say!("{}", whereabouts(&folder));
+        say!("F, Q, R and the initial variances are on the page and in --json");
         if !written.is_empty() {
             say!("files for tools: {}", written.join(", "));
         }

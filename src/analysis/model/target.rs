@@ -10,9 +10,9 @@ use crate::fit::Term;
 use crate::quantity::number::significant;
 
 /// Inverse of the longest τ relative to a record, where none is given.
-const LONGEST: f64 = 10.0;
+pub(crate) const LONGEST: f64 = 10.0;
 /// Relative error of a τ that is on the grid of the curve.
-const NEAR: f64 = 1e-9;
+pub(crate) const NEAR: f64 = 1e-9;
 
 /// What was modelled.
 #[derive(Debug, Clone, PartialEq)]

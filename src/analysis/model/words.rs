@@ -4,6 +4,7 @@ use crate::allan::{Deviation, Unit};
 use crate::analysis::decision::Lines;
 use crate::analysis::model::search::{MOST_STATES, Tried};
 use crate::analysis::model::tables::{figures, parts};
+use crate::analysis::model::target::{LONGEST, NEAR};
 use crate::analysis::model::{Aim, Analysis, Column};
 use crate::quantity::number::significant;
 use crate::view::report::agreement::capitalised;
@@ -190,7 +191,25 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
             significant(factor * upper, 3)
         ))
     });
-    analysis.source.notes.iter().cloned().chain(quantised).collect()
+    let widened = analysis.columns.iter().filter_map(|column| widened(column, analysis));
+    analysis.source.notes.iter().cloned().chain(widened).chain(quantised).collect()
+}
+
+/// That a model covers longer averaging times than were asked for, because the curve has none there.
+fn widened(column: &Column, analysis: &Analysis) -> Option<String> {
+    let usual_s = column.target.length_s.map(|length_s| length_s / LONGEST);
+    let [_, to_s] = column.target.taus();
+    let (asked_s, why) = match analysis.asked.to_s {
+        Some(asked_s) => (asked_s, "which was asked for"),
+        None => (usual_s?, "a tenth of the record"),
+    };
+    (to_s > asked_s * (1.0 + NEAR)).then(|| {
+        let [to_s, asked_s] = [to_s, asked_s].map(|tau_s| significant(tau_s, 4));
+        format!(
+            "{}: the model covers averaging times up to {to_s} s, because the curve has no point at {asked_s} s, {why}",
+            column.target.name
+        )
+    })
 }
 
 /// The answer in a sentence.
