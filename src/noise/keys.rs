@@ -76,7 +76,7 @@ keys! {
     /// Mode switches, the first one interval after the start of the record, and their effects on the angle.
     pub(crate) SWITCHING = "noise.switching", "", Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
     /// Time from one switch to the next: "40 s". It is rounded to a whole number of samples.
-    INTERVAL = "noise.switching.interval", "interval between switches", TIMES, r#"interval = "40 s""#, required;
+    pub(crate) INTERVAL = "noise.switching.interval", "interval between switches", TIMES, r#"interval = "40 s""#, required;
     /// Magnetic drift A of a warm gyro, whose sign every switch reverses: "14 arcsec/s".
     pub(crate) MAGNETIC = "noise.switching.magnetic", "magnetic drift A", SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
     /// Time constant with which A builds up from the start: "50 min". If absent, A is present from the start.

@@ -1,13 +1,19 @@
 //! The best option of a study, and the condition under which it is worst.
 
-use crate::chart::{Chart, Limit, Source};
+use crate::chart::{Chart, Limit, Shows, Source};
 use crate::kinds::allan::keys::LENGTH;
 use crate::run::Tables;
 use crate::study::Study;
-use crate::table::{Cell, Column, ColumnError, Table, Usual, grouped};
+use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use crate::view::report::answer::{apart, is_given};
 use crate::view::report::bandless::Bandless;
-use crate::view::report::sentences::{names, naming};
+use crate::view::report::sentences::{measured, names, naming};
+
+/// Prefixes of conditions that are the gyro's own, and not what surrounds it.
+const OF_GYRO: [&str; 6] = ["drift.", "noise.", "gyro.", "relock.", "lock_in.", "switching."];
+
+/// The least gain that is worth a sentence.
+const LEAST_GAIN: f64 = 0.01;
 
 /// The option after the best one.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +26,17 @@ pub struct Next {
     pub met: usize,
     /// Whether the 95 % intervals of both options overlap.
     pub is_alike: bool,
+}
+
+/// A change of a condition that the study varies, all others kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// The condition with the value that gains most.
+    pub to: String,
+    /// Its present value.
+    pub from: String,
+    /// The fraction by which the judged estimate falls.
+    pub gain: f64,
 }
 
 /// An option with its worst row.
@@ -66,6 +83,10 @@ pub(crate) struct Choice<'t> {
     pub(crate) next: Option<Next>,
     /// Whether the best option is the shortest record that meets the limit as often.
     pub(crate) is_shortest: bool,
+    /// The value of a swept condition of the gyro itself that gains most, with its present value and the gain.
+    pub(crate) varied: Option<Varied>,
+    /// Whether a map shows where each option is the best.
+    pub(crate) is_mapped: bool,
     /// Names of fillers that do not count as options, because firmware cannot have them.
     pub(crate) left_out: Vec<String>,
 }
@@ -148,6 +169,20 @@ impl<'t> Choice<'t> {
             met: next.met,
             is_alike: column.is_alike(row, next.row),
         });
+        let of_gyro = given.iter().filter(|by| OF_GYRO.iter().any(|key| by.name.starts_with(key)));
+        let varied = of_gyro.filter_map(|by| {
+            let is_kept = |other: usize| {
+                given
+                    .iter()
+                    .all(|column| std::ptr::eq(column, by) || column.cells[other] == column.cells[row])
+            };
+            let others = rows.iter().copied().filter(|&other| other != row && is_kept(other));
+            let to = others.min_by(|a, b| value(*a).total_cmp(&value(*b)))?;
+            let from = by.cells[row].number().map_or_else(|| by.cells[row].text(), |x| measured(by, x));
+            let gain = 1.0 - value(to) / value(row);
+            (gain >= LEAST_GAIN).then(|| Varied { to: names(&[*by], to), from, gain })
+        });
+        let varied = varied.max_by(|a, b| a.gain.total_cmp(&b.gain));
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
@@ -175,6 +210,8 @@ impl<'t> Choice<'t> {
             equal,
             next,
             is_shortest,
+            varied,
+            is_mapped: study.charts.iter().any(|chart| matches!(chart.shows, Shows::WinnerMap { .. })),
             left_out,
         }))
     }
@@ -207,7 +244,7 @@ struct Judged<'t> {
 }
 
 /// The judged estimate: that of the requirement, else of the first chart of an error with a limit, else of the first chart
-/// of an error, else the default one.
+/// of an error, else the default one where the study has no charts of its own.
 fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, ColumnError> {
     let of = |source: Source, name: &str, limit, filter: Option<Vec<(String, String)>>| {
         let table = tables.of(source);
@@ -220,17 +257,28 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
     if let Some(required) = study.requirement {
         return of(required.source, required.column, Some(required.limit), None).map(Some);
     }
+    // A supplied chart of names side by side shows more than what is judged.
+    let is_own = |chart: &&Chart| {
+        let has_x =
+            !chart.x.span.is_empty() || study.sweeps.iter().any(|sweep| sweep.key.name == chart.x.name);
+        has_x && chart.source != Source::Trajectories
+    };
     let judges = |chart: &&Chart| {
         let column = tables.of(chart.source).column(&chart.estimate().name);
-        // A supplied chart of names side by side shows more than what is judged.
-        let is_own =
-            !chart.x.span.is_empty() || study.sweeps.iter().any(|sweep| sweep.key.name == chart.x.name);
-        let judges = column.is_ok_and(|column| column.role.less_is_better() || chart.limit.is_some());
-        judges && is_own && chart.source != Source::Trajectories
+        column.is_ok_and(|column| column.role.less_is_better() || chart.limit.is_some())
     };
-    let charts = || study.charts.iter().filter(judges);
+    let own = || study.charts.iter().filter(is_own);
+    let charts = || own().filter(judges);
     if let Some(chart) = charts().find(|chart| chart.limit.is_some()).or_else(|| charts().next()) {
         return of(chart.source, &chart.estimate().name, chart.limit, Some(chart.filter())).map(Some);
+    }
+    // A study whose first chart asks for something else is not judged by an error that it has besides.
+    let asks = |chart: &Chart| {
+        let column = tables.of(chart.source).column(&chart.estimate().name);
+        !chart.x.span.is_empty() && column.is_ok_and(|column| column.role == Role::Estimate)
+    };
+    if own().next().is_some_and(asks) {
+        return Ok(None);
     }
     let mut usual =
         [Usual::Answer, Usual::Estimate].into_iter().filter_map(|usual| tables.points.usual(usual));

@@ -36,8 +36,21 @@ pub struct Lever {
     pub needed: Option<Needed>,
     /// What else a change of it does, as a sentence; empty for nothing.
     pub remark: String,
-    /// Other inputs that meet the limit by themselves, each with its key, its label and the value that does.
-    pub also: Vec<(&'static str, &'static str, Quantity)>,
+    /// Other inputs that meet the limit by themselves.
+    pub also: Vec<Also>,
+}
+
+/// An input that meets the limit by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Also {
+    /// Its key.
+    pub key: &'static str,
+    /// Its label.
+    pub label: &'static str,
+    /// Its present value.
+    pub from: Quantity,
+    /// The value that meets the limit.
+    pub to: Quantity,
 }
 
 /// Whether a change of the lever alone meets the limit.
@@ -141,10 +154,11 @@ fn remark(study: &Study, table: &Table, choice: &Choice, input: &Input, is_down:
 }
 
 impl Lever {
-    /// Its key, its label and the value that meets the limit by itself, if any does.
-    fn meets(self) -> Option<(&'static str, &'static str, Quantity)> {
-        match self.needed {
-            Some(Needed::Value(value)) => Some((self.key, self.label, value)),
+    /// The input with the value that meets the limit by itself, if any does.
+    fn meets(self) -> Option<Also> {
+        let Lever { key, label, from, needed, .. } = self;
+        match needed {
+            Some(Needed::Value(to)) => Some(Also { key, label, from, to }),
             _ => None,
         }
     }

@@ -8,7 +8,7 @@ use crate::analysis::decision::Sheet;
 const HEADINGS: [&str; 5] = ["Requirement", "Best option", "Margin", "What limits", "Next lever"];
 
 /// The single sentence of a study without an estimate of which less is better.
-const UNJUDGED: &str = "None is given: the study describes, and no estimate of it is an error. There is no best option, and neither \
+const UNJUDGED: &str = "None is given: the study describes, and its charts judge no error. There is no best option, and neither \
                         margin nor lever, until a limit says what is wanted.";
 
 /// The decision to which an analysis leads, in a sentence for each heading: whether the requirement is met, the best

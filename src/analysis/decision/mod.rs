@@ -21,8 +21,8 @@ pub(crate) mod shown;
 pub(crate) mod words;
 
 pub use crate::analysis::decision::budget::Part;
-pub use crate::analysis::decision::choice::Next;
-pub use crate::analysis::decision::lever::{Lever, Needed};
+pub use crate::analysis::decision::choice::{Next, Varied};
+pub use crate::analysis::decision::lever::{Also, Lever, Needed};
 pub use crate::analysis::decision::lines::Lines;
 pub use crate::analysis::decision::sheet::Sheet;
 

@@ -4,8 +4,8 @@ use serde_json::{Value as Json, json};
 
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
-use crate::analysis::decision::choice::{Choice, Next};
-use crate::analysis::decision::lever::{Lever, Needed, Search};
+use crate::analysis::decision::choice::{Choice, Next, Varied};
+use crate::analysis::decision::lever::{Also, Lever, Needed, Search};
 use crate::analysis::decision::lines::Lines;
 use crate::analysis::decision::words::{LEVEL, margin_in_words, rounded, short, with_interval};
 use crate::chart::Limit;
@@ -17,6 +17,9 @@ use crate::view::report::agreement::capitalised;
 
 /// Parts below this fraction of the mean square are not worth a line.
 const LEAST_SHARE: f64 = 0.005;
+
+/// The gain below which a lever is not worth much, so that what the study varies is told beside it.
+const LITTLE: f64 = 0.05;
 
 /// The decision sheet of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +56,10 @@ pub struct Sheet {
     pub is_searched: bool,
     /// Whether the best option is the shortest record that meets the limit as often.
     pub is_shortest: bool,
+    /// Whether a map shows where each option is the best.
+    pub is_mapped: bool,
+    /// The change of a swept condition of the gyro itself that gains most.
+    pub varied: Option<Varied>,
     /// Labels of the swept keys that are conditions, which no lever is, and of all swept keys.
     pub swept: [Vec<String>; 2],
     /// The sentences of a study that asks which coefficients records show, instead of those on the estimate.
@@ -79,6 +86,8 @@ impl Sheet {
             next: choice.next.clone(),
             left_out: choice.left_out.clone(),
             is_shortest: choice.is_shortest,
+            varied: choice.varied.clone(),
+            is_mapped: choice.is_mapped,
             budget,
             lever,
             is_searched,
@@ -205,7 +214,11 @@ impl Sheet {
         };
         let is_alike = self.next.as_ref().is_some_and(|next| next.is_alike && next.met == met);
         let open = if is_alike { "None is shown to be the best: least is " } else { "" };
-        format!("{open}{}{equal}{next}.{left_out}", self.option)
+        let mapped = match self.is_mapped {
+            true => "Which is the best depends on the place in the map; over all conditions it is ",
+            false => "",
+        };
+        format!("{open}{mapped}{}{equal}{next}.{left_out}", self.option)
     }
 
     fn margin_told(&self) -> String {
@@ -287,15 +300,28 @@ impl Sheet {
             None => format!("{name}: {tried}."),
         };
         let equals = |value: &Quantity| if value.dimension == Dimension::Count { " =" } else { "" };
-        let other =
-            |(_, label, value): &(_, &str, Quantity)| format!("{label}{} {}", equals(value), short(*value));
+        let other = |Also { label, from, to, .. }: &Also| {
+            format!("{label}{} {} instead of {}", equals(to), short(*to), short(*from))
+        };
         let others: Vec<String> = also.iter().map(other).collect();
         let also = match &others[..] {
             [] => String::new(),
             [one] => format!("By itself, {one} would meet it too."),
             more => format!("Each by itself, {} would meet it too.", listed(more)),
         };
-        [told, remark.clone(), also].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
+        let is_small = lever.gain.value < LITTLE && self.is_met() != Some(true);
+        let varied = if is_small { self.varied_told() } else { None };
+        [told, remark.clone(), also, varied.unwrap_or_default()]
+            .into_iter()
+            .filter(|text| !text.is_empty())
+            .collect::<Vec<_>>()
+            .join(" ")
+    }
+
+    /// The change of a condition that gains most.
+    fn varied_told(&self) -> Option<String> {
+        let Varied { to, from, gain } = self.varied.as_ref()?;
+        Some(format!("Of what the study varies, {to} instead of {from} gains {}.", percent(*gain)))
     }
 
     /// Why there is no lever, with what the study itself varies.
@@ -304,10 +330,19 @@ impl Sheet {
             return "None is needed, as the limit is met.".to_owned();
         }
         let [conditions, all] = &self.swept;
+        let at = self.at();
+        if let Some(told) = self.varied_told() {
+            let none =
+                if self.is_searched { format!("No single input gains 1 %{at}. ") } else { String::new() };
+            return none + &told;
+        }
         match (self.is_searched, &conditions[..], &all[..]) {
-            (true, [], _) => "No single input gains 1 %.".to_owned(),
+            (true, [], _) => format!("No single input gains 1 %{at}."),
             (true, conditions, _) => {
-                format!("No single input gains 1 %, besides what the study varies: {}.", listed(conditions))
+                format!(
+                    "No single input gains 1 %{at}, besides what the study varies: {}.",
+                    listed(conditions)
+                )
             }
             (false, _, []) => "None is searched for this estimate.".to_owned(),
             (false, _, all) => {
@@ -335,7 +370,7 @@ impl Sheet {
                 "meets_limit": meets,
                 "not_even": not_even,
                 "remark": lever.remark,
-                "also_meet": lever.also.iter().map(|(key, _, value)| json!({ "key": key, "value": value.to_string() })).collect::<Vec<_>>(),
+                "also_meet": lever.also.iter().map(|also| json!({ "key": also.key, "value": also.to.to_string() })).collect::<Vec<_>>(),
             })
         };
         json!({

@@ -144,8 +144,10 @@ fn every_input_that_meets_the_limit_by_itself_is_named_and_a_tick_says_what_it_k
     assert!(matches!(lever.needed, Some(Needed::Value(_))), "{lever:?}");
     assert!(!lever.also.is_empty(), "{:?}", sheet.lines());
     let line = &sheet.lines()[4].1;
-    for (_, label, _) in &lever.also {
-        assert!(line.contains(label) && line.contains("would meet it too."), "{line}");
+    for also in &lever.also {
+        let from = format!(" instead of {}", crate::analysis::decision::words::short(also.from));
+        assert!(line.contains(also.label) && line.contains(&from), "{line}");
+        assert!(line.contains("would meet it too."), "{line}");
     }
     assert_eq!(lever.key == "gyro.tick", line.contains("The number of lost ticks stays"), "{line}");
 }

@@ -3,7 +3,7 @@
 use crate::chart::Source;
 use crate::kinds::navigation::keys::{ALIGNMENT, FILTER};
 use crate::motion::keys::GYRO as SUSPENDED_GYRO;
-use crate::noise::keys::FILE as NOISE_FILE;
+use crate::noise::keys::{FILE as NOISE_FILE, INTERVAL};
 use crate::quantity::number::short;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
@@ -34,8 +34,9 @@ const GIVEN: [&str; 14] = [
     "switching.gap_ticks",
 ];
 
-/// Keys of these between which a designer chooses: those that tell gyros or filters apart, and the time of alignment.
-const CHOSEN: [&str; 4] = [SUSPENDED_GYRO.name, NOISE_FILE.name, FILTER.name, ALIGNMENT.name];
+/// Keys of these between which a designer chooses: those that tell gyros or filters apart, the time of alignment, and the interval
+/// between switches.
+const CHOSEN: [&str; 5] = [SUSPENDED_GYRO.name, NOISE_FILE.name, FILTER.name, ALIGNMENT.name, INTERVAL.name];
 
 /// Whether a column is a condition or a requirement instead of a choice.
 pub(crate) fn is_given(column: &Column) -> bool {

@@ -102,6 +102,8 @@ impl Curves<'_> {
     pub(crate) fn ranges(&self) -> Option<String> {
         self.named()?;
         (self.curves.len() > 1).then_some(())?;
+        let rows = || self.curves.iter().flat_map(|(_, rows)| rows).map(|&row| self.x.value(row));
+        let (from, to) = (rows().reduce(f64::min)?, rows().reduce(f64::max)?);
         let of_curve = |(name, rows): &(String, Vec<usize>)| {
             let values = || rows.iter().map(|&row| self.y.value(row));
             let (low, high) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
@@ -111,16 +113,31 @@ impl Curves<'_> {
                 true => high,
                 false if pairs().all(|[a, b]| a <= b) => format!("{low} rising to {high}"),
                 false if pairs().all(|[a, b]| a >= b) => format!("{high} falling to {low}"),
-                false => format!("{low} to {high}"),
+                false => self.through_an_extreme(rows).unwrap_or_else(|| format!("{low} to {high}")),
             };
-            Some(self.told(name, format!("{range} {}", self.y.unit.symbol).trim_end().to_owned()))
+            let last = rows.iter().map(|&row| self.x.value(row)).reduce(f64::max)?;
+            let end = if last < to { format!(" up to {}", self.at(last)) } else { String::new() };
+            let range = format!("{range} {}", self.y.unit.symbol);
+            Some(self.told(name, format!("{}{end}", range.trim_end())))
         };
         let told: Vec<String> = self.curves.iter().map(of_curve).collect::<Option<_>>()?;
-        let rows = || self.curves.iter().flat_map(|(_, rows)| rows).map(|&row| self.x.value(row));
-        let (from, to) = (rows().reduce(f64::min)?, rows().reduce(f64::max)?);
         let told = told.join(", ").replace('-', "−");
         let from = self.x.valued(&significant(from, 3));
         Some(format!("The {} is {told}, between {from} and {}.", self.y.label, self.at(to)))
+    }
+
+    /// The course of a curve with a single extreme between its ends: `37 falling to 22 (at run time 3600 s) and rising to 57`.
+    fn through_an_extreme(&self, rows: &[usize]) -> Option<String> {
+        let values: Vec<f64> = rows.iter().map(|&row| self.y.value(row)).collect();
+        let rises = |from: usize, to: usize| values[from..=to].is_sorted();
+        let falls = |from: usize, to: usize| values[from..=to].iter().rev().is_sorted();
+        let last = values.len() - 1;
+        let at =
+            (1..last).find(|&at| (falls(0, at) && rises(at, last)) || (rises(0, at) && falls(at, last)))?;
+        let [begin, extreme, end] = [values[0], values[at], values[last]].map(|value| significant(value, 3));
+        let (there, back) =
+            if values[at] < values[0] { ("falling", "rising") } else { ("rising", "falling") };
+        Some(format!("{begin} {there} to {extreme} (at {}) and {back} to {end}", self.at_place(rows[at])))
     }
 
     /// The least value of each curve with its place, as a sentence. Of more than [`MOST_LISTED`] curves it names the range for each value
@@ -141,7 +158,7 @@ impl Curves<'_> {
             let told: Vec<String> = all.iter().map(told).collect();
             return Some(format!("The least {} is {}.", worded(&self.y.label), listed(&told)));
         }
-        if let Some(told) = by.iter().find_map(|by| self.decided(&all, by)) {
+        if let Some(told) = by.iter().find_map(|one| self.decided(&all, one, by)) {
             return Some(format!("The least {} is {told}.", worded(&self.y.label)));
         }
         let [least, most] = [*low, *high].map(|row| measured(self.y, self.y.value(row)));
@@ -157,9 +174,9 @@ impl Curves<'_> {
         ))
     }
 
-    /// The least values of curves as a range for each value of a column, if the ranges do not overlap. `all` is sorted by these
-    /// values.
-    fn decided(&self, all: &[(String, usize)], by: &Column) -> Option<String> {
+    /// The least values of curves as a range for each value of a column, if the ranges do not overlap, with what of `all_by` else
+    /// tells its ends apart. `all` is sorted by these values.
+    fn decided(&self, all: &[(String, usize)], by: &Column, all_by: &[&Column]) -> Option<String> {
         let groups = grouped(all.iter().map(|(_, row)| *row), |row| by.cells[row].text());
         let is_apart = groups.windows(2).all(|pair| {
             let ends = (pair[0].1.last(), pair[1].1.first());
@@ -169,7 +186,18 @@ impl Curves<'_> {
         (many && is_apart).then(|| {
             let told = groups.iter().map(|(_, rows)| {
                 let [low, high] = [rows[0], rows[rows.len() - 1]].map(|row| self.y.value(row));
-                let range = format!("{} to {}", significant(low, 3), measured(self.y, high));
+                // What else tells the lowest and the highest apart.
+                let others: Vec<&Column> =
+                    all_by.iter().copied().filter(|other| !std::ptr::eq(*other, by)).collect();
+                let [of_low, of_high] = [rows[0], rows[rows.len() - 1]].map(|row| names(&others, row));
+                let of = |name: &str| if name.is_empty() { String::new() } else { format!(" with {name}") };
+                let range = format!(
+                    "{}{} to {}{}",
+                    significant(low, 3),
+                    of(&of_low),
+                    measured(self.y, high),
+                    of(&of_high)
+                );
                 self.told(&names(&[by], rows[0]), range)
             });
             listed(&told.collect::<Vec<_>>())
@@ -226,7 +254,8 @@ mod tests {
         let mut deciding = filler.clone();
         deciding.cells =
             rows.iter().map(|&row| Cell::Text(if row < 9 { "without" } else { "with" }.to_owned())).collect();
-        let expected = "The least rms is 1 to 3 arcsec (without) and 7 to 8 arcsec (with).";
+        let expected =
+            "The least rms is 1 with a to 3 arcsec with c (without) and 7 with d to 8 arcsec with e (with).";
         assert_eq!(curves.minima(&[filler, &deciding]).as_deref(), Some(expected));
     }
 
@@ -238,12 +267,14 @@ mod tests {
         let ranges = said(&curves, |curves| curves.ranges());
         assert_eq!(
             ranges.as_deref(),
-            Some("The rms is 1 to 3 arcsec (a), 2 to 5 arcsec (b), between frequency 1 Hz and 4 Hz.")
+            Some(
+                "The rms is 1 rising to 3 (at frequency 2 Hz) and falling to 2 arcsec (a), 2 rising to 5 (at frequency 2 Hz) and falling \
+                 to 2 arcsec (b), between frequency 1 Hz and 4 Hz."
+            )
         );
         assert_eq!(said(&[("a", [1.0, 2.0, 3.0])], |curves| curves.peaks()), None);
         let rising = said(&[("a", [1.0, 2.0, 3.0]), ("b", [3.0, 1.0, 2.0])], |curves| curves.ranges());
-        let expected =
-            "The rms is 1 rising to 3 arcsec (a), 1 to 3 arcsec (b), between frequency 1 Hz and 4 Hz.";
+        let expected = "The rms is 1 rising to 3 arcsec (a), 3 falling to 1 (at frequency 2 Hz) and rising to 2 arcsec (b), between frequency 1 Hz and 4 Hz.";
         assert_eq!(rising.as_deref(), Some(expected));
     }
 }

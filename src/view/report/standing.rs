@@ -40,6 +40,10 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         let named = curves.iter().map(|one| format!("{}, at most {}", one.name(), most(one.most)));
         first_of(curves.len(), named, "; ")
     };
+    let with_least = |curves: &[&Judged]| {
+        let named = curves.iter().map(|one| format!("{}, at least {}", one.name(), most(one.least)));
+        first_of(curves.len(), named, "; ")
+    };
     let parts = match all {
         0 => return None,
         1 if answers[0].at.is_empty() => {
@@ -58,11 +62,14 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
             // The one with the least margin is the last.
             let left = |one: &Judged| percent(1.0 - one.most / value);
             let worst = always.last().map(|one| {
+                let upper = one.most_upper.filter(|upper| *upper > value);
+                let open = upper.map(|upper| format!(", but its 95 % interval reaches {}", most(upper)));
                 format!(
-                    "; the largest is {} ({}), which leaves {} of the limit",
+                    "; the largest is {} ({}), which leaves {} of the limit{}",
                     most(one.most),
                     one.name(),
-                    left(one)
+                    left(one),
+                    open.unwrap_or_default()
                 )
             });
             let whole = if all == 2 { "Both".to_owned() } else { format!("All {all}") };
@@ -82,7 +89,7 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
             counted(&always, STAY, &format!("within {limit}"), with_most(&always)),
             counted(&open, STAY, &format!("within {limit} as far as there are values"), with_most(&open)),
             order(&partly, limit, partly.len() + never.len() < all),
-            counted(&never, ["is", "are"], &format!("nowhere within {limit}"), names(&never)),
+            counted(&never, ["is", "are"], &format!("nowhere within {limit}"), with_least(&never)),
         ],
     };
     let said: Vec<String> = parts.into_iter().flatten().collect();
@@ -300,7 +307,7 @@ mod tests {
         );
         assert_eq!(
             judged(&[good, bad]),
-            "1 of 2 curves stays within 10 arcsec (good, at most 3 arcsec); 1 of 2 curves is nowhere within 10 arcsec (bad)."
+            "1 of 2 curves stays within 10 arcsec (good, at most 3 arcsec); 1 of 2 curves is nowhere within 10 arcsec (bad, at least 20 arcsec)."
         );
         assert_eq!(
             judged(&[bad, ("worse", [30.0; 3])]),
@@ -322,7 +329,7 @@ mod tests {
         );
         assert_eq!(
             judged(&[between, ("bad", [20.0; 3])]),
-            "Between: within 10 arcsec from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 arcsec (bad)."
+            "Between: within 10 arcsec from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 arcsec (bad, at least 20 arcsec)."
         );
     }
 

@@ -54,6 +54,8 @@ pub struct Answer<'t> {
     pub at: Vec<(&'t Column, f64)>,
     /// Largest magnitude of the curve, in the unit of y.
     pub most: f64,
+    /// Upper end of the 95 % interval of that value; absent for closed forms and few trials.
+    pub most_upper: Option<f64>,
     /// Least magnitude of the curve, in the unit of y.
     pub least: f64,
     /// Whether points after the last value of the curve have none, as in an incomplete run.
@@ -165,7 +167,10 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let first = if late { crossing((rows[0], rows[0])) } else { vec![] };
         let sizes = || rows.iter().map(|&row| y.value(row).abs());
         let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
-        Answer { series: named, outcome, at, most, least, open, until, again, first }
+        let at_most = rows.iter().copied().max_by(|&a, &b| y.value(a).abs().total_cmp(&y.value(b).abs()));
+        let interval = at_most.and_then(|row| y.interval(row));
+        let most_upper = interval.map(|(low, high)| high.abs().max(low.abs()));
+        Answer { series: named, outcome, at, most, most_upper, least, open, until, again, first }
     };
     Ok(curves.into_iter().map(answer).collect())
 }
