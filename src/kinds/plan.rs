@@ -37,7 +37,7 @@ pub(crate) fn identity(kind: &str, seed: u64, streams: Streams, inputs: &str) ->
 pub(crate) type Lacking<'a> = &'a dyn Fn(&[Address], u64) -> Result<Vec<Block>, StoreError>;
 
 /// A lowered point, which launches sample.
-pub(crate) trait Launched: fmt::Debug + Send {
+pub(crate) trait Launched: fmt::Debug + Send + Sync {
     /// The identity of the point.
     fn id(&self) -> Id;
 
@@ -107,7 +107,7 @@ pub(crate) struct PointsPlan<'a, S, L> {
     pub(crate) points: Vec<L>,
 }
 
-/// Number of points that are lowered before their order is looked at.
+/// Number of points that are lowered, or looked up, before their order is looked at.
 const LOWERED_AT_ONCE: usize = 1024;
 
 /// log2 of the number of trials after which the stop rule first decides.
@@ -163,20 +163,36 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     }
 
     /// The work that the store lacks of a share of the wanted trials.
-    fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work<'_>>, StoreError> {
+    fn missing<'p>(
+        &'p self,
+        store: &Store,
+        wanted: &[u64],
+        share: Share,
+    ) -> Result<Vec<Work<'p>>, StoreError> {
         let index = store.index()?;
-        let mut all = Vec::new();
-        for (turn, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
+        let (asked, decides) = (self.study.trials, self.decides(share));
+        let of_point = |(turn, (point, &trials)): (usize, (&'p L, &u64))| {
             let trials = share.trials(trials, turn);
-            let most = point.trials(self.study.trials);
+            let most = point.trials(asked);
             let lacking = |addresses: &[Address], steps: u64| {
                 // The stop rule evaluates only the first trials, and so needs rows that end with them.
-                let log2 = if self.decides(share) { base_log2(most) } else { row_log2(most, steps) };
+                let log2 = if decides { base_log2(most) } else { row_log2(most, steps) };
                 lacking(&index, addresses, trials.clone(), log2)
             };
-            all.extend(point.work(&lacking)?.into_iter().filter(|work| !work.blocks.is_empty()));
+            let mut work = point.work(&lacking)?;
+            work.retain(|work| !work.blocks.is_empty());
+            Ok(work)
+        };
+        let mut missing = Vec::new();
+        let all: Vec<(usize, (&L, &u64))> = self.points.iter().zip(wanted).enumerate().collect();
+        // Some at a time, as most points of a resumed run lack nothing, and then keep nothing.
+        for some in all.chunks(LOWERED_AT_ONCE) {
+            let work: Vec<Result<Vec<Work>, StoreError>> = some.par_iter().copied().map(of_point).collect();
+            for work in work {
+                missing.append(&mut work?);
+            }
         }
-        Ok(all)
+        Ok(missing)
     }
 
     /// Total trials of all launches of a share of the wanted trials.

@@ -12,7 +12,7 @@ use crate::table::{Cells, Column, ColumnOf, Role, Table};
 pub(crate) type Values = [(&'static str, Swept)];
 
 /// A table of these rows; `swept` gives the values of the swept keys in each row.
-pub(crate) fn table<R>(
+pub(crate) fn table<R: Sync>(
     sweeps: &[Sweep],
     columns: &[ColumnOf<R>],
     rows: &[R],
@@ -26,28 +26,29 @@ pub(crate) fn table<R>(
     Table { columns: keys.chain(columns_of(columns, rows)).collect() }
 }
 
-/// The rows of all tables, which have the same columns, one table below the other. Each table is made when its rows are
-/// needed, so that only the cells of all rows are in memory, and not what they are made from.
-///
-/// # Errors
-/// Those of a table.
-pub(crate) fn appended<E>(tables: impl Iterator<Item = Result<Table, E>>) -> Result<Table, E> {
-    let mut all: Vec<(Column, Growing)> = Vec::new();
-    let mut rows = 0;
-    for table in tables {
-        let table = table?;
-        if all.is_empty() {
+/// Tables with the same columns, one below the other. Each table is made when its rows are needed, so that only the cells
+/// of all rows are in memory, and not what they are made from.
+#[derive(Default)]
+pub(crate) struct Appended {
+    columns: Vec<(Column, Growing)>,
+    rows: usize,
+}
+
+impl Appended {
+    /// Adds the rows of a table.
+    pub(crate) fn push(&mut self, table: Table) {
+        if self.columns.is_empty() {
             let bare = |column: &Column| Column {
                 cells: Cells::default(),
                 band: column.band.as_ref().map(|_| vec![]),
                 ..column.clone()
             };
-            all = table.columns.iter().map(|column| (bare(column), Growing::default())).collect();
+            self.columns = table.columns.iter().map(|column| (bare(column), Growing::default())).collect();
         }
-        let more = table.rows();
+        let (rows, more) = (self.rows, table.rows());
         // Looking up which cells of a long column are known takes as long as making them.
-        all.par_iter_mut().zip(table.columns).for_each(|((whole, cells), column)| {
-            cells.extend(column.cells.iter().cloned());
+        self.columns.par_iter_mut().zip(table.columns).for_each(|((whole, cells), column)| {
+            cells.append(column.cells);
             if let Some((band, own)) = whole.band.as_mut().zip(column.band)
                 && (!band.is_empty() || own.iter().any(Option::is_some))
             {
@@ -55,10 +56,14 @@ pub(crate) fn appended<E>(tables: impl Iterator<Item = Result<Table, E>>) -> Res
                 band.extend(own);
             }
         });
-        rows += more;
+        self.rows += more;
     }
-    let columns = all.into_iter().map(|(column, cells)| Column { cells: cells.into_cells(), ..column });
-    Ok(Table { columns: columns.collect() })
+
+    /// All rows.
+    pub(crate) fn into_table(self) -> Table {
+        let whole = |(column, cells): (Column, Growing)| Column { cells: cells.into_cells(), ..column };
+        Table { columns: self.columns.into_iter().map(whole).collect() }
+    }
 }
 
 /// The column of a swept key, without its cells.

@@ -1,12 +1,17 @@
 //! Numbers formatted for the user.
 
+use std::fmt::Write as _;
+
 /// `x` with `digits` significant digits, without trailing zeros; with an exponent below 10^-5, and from 10^6 (or the
 /// largest number that `digits` digits can write out) on.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
-    let mut scientific = format!("{:.*e}", digits - 1, x);
+    // With room for sign, point and exponent, and for the zeros of a number below 1.
+    let mut scientific = String::with_capacity(digits + 8);
+    // Writing to memory does not fail.
+    let _ = write!(scientific, "{:.*e}", digits - 1, x);
     // Neither infinity nor NaN has an exponent.
     let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
     let exponent: i32 = exponent.parse().unwrap_or(0);

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -19,27 +20,26 @@ use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Address, Provenance, Row, Store};
 use crate::tally::block::{Block, cover, fold, missing};
-use crate::tally::stats::Estimates;
 
-/// A launch with its missing blocks.
+/// A launch, with the addresses of the tallies of its estimates.
+pub(crate) type Addressed = (Launch, Vec<Address>);
+
+/// The missing blocks of a launch.
 pub(crate) struct Work<'a> {
     /// Makes the launch for the batches that need it, because those of a hundred thousand points take much memory.
-    launch: Box<dyn Fn() -> Result<Launch, Refusal> + Sync + 'a>,
+    launch: Box<dyn Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a>,
     /// Steps of one trial.
     steps: u64,
-    /// Addresses of the tallies of its estimates.
-    addresses: Vec<Address>,
     pub(crate) blocks: Vec<Block>,
 }
 
 impl<'a> Work<'a> {
     pub(crate) fn new(
         steps: u64,
-        launch: impl Fn() -> Result<Launch, Refusal> + Sync + 'a,
-        addresses: Vec<Address>,
+        launch: impl Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a,
         blocks: Vec<Block>,
     ) -> Work<'a> {
-        Work { steps, launch: Box::new(launch), addresses, blocks }
+        Work { steps, launch: Box::new(launch), blocks }
     }
 
     /// Number of missing trials.
@@ -102,7 +102,7 @@ pub(crate) fn estimates<T: Sync>(
     let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
     store.of_totals(&addresses, |at, tally| {
         let (_, bin_base, unit) = of(&rows[at]);
-        Found { trials: tally.count, estimates: Estimates::of(tally, bin_base, unit) }
+        Found::of(tally, bin_base, unit)
     })
 }
 
@@ -126,21 +126,30 @@ pub(crate) fn sample(
         .collect();
     interleave(&mut rest);
     rest.reverse();
-    let (mut batch_steps, mut sampled) = (worker.first_batch(), 0);
+    let (mut steps, mut sampled) = (worker.first_batch(), 0);
     let mut launches = Launches::default();
     while_storing(store, |stored| {
-        while !rest.is_empty() && !progress.stops() {
+        let mut next = (take_batch(&mut rest, steps), steps);
+        let mut made = launches.of(&next.0);
+        while !next.0.is_empty() && !progress.stops() {
             let batch_started = Instant::now();
-            let batch = take_batch(&mut rest, batch_steps);
-            launches.make(&batch)?;
-            let job = |&(work, block): &Piece<'_>| Job { launch: &launches.made[&place(work)], block };
-            let jobs: Vec<Job> = batch.iter().map(job).collect();
-            let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
+            let of_batch = made?;
+            let (batch, batch_steps) = std::mem::replace(&mut next, (take_batch(&mut rest, steps), steps));
+            made = Ok(vec![]);
+            // While the device samples a batch, the points of the next one are lowered.
+            let results = rayon::in_place_scope(|scope| {
+                scope.spawn(|_| made = launches.of(&next.0));
+                let pieces = batch.iter().zip(&of_batch);
+                let jobs: Vec<Job> =
+                    pieces.map(|(&(_, block), made)| Job { launch: &made.0, block }).collect();
+                worker.tally(&jobs, &|trials| progress.advance(trials))
+            })?;
             let rows: Vec<Row<Moments>> = batch
                 .iter()
+                .zip(&of_batch)
                 .zip(results)
-                .flat_map(|(&(work, block), tallies)| {
-                    let addressed = work.addresses.iter().zip(tallies);
+                .flat_map(|((&(_, block), made), tallies)| {
+                    let addressed = made.1.iter().zip(tallies);
                     addressed.map(move |(&address, tally)| Row { address, block, tally })
                 })
                 .collect();
@@ -150,7 +159,7 @@ pub(crate) fn sample(
                 break;
             }
             let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
-            batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
+            steps = ((batch_steps as f64 * factor) as u64).max(1);
         }
         Ok(sampled)
     })
@@ -167,15 +176,15 @@ fn place(work: &Work) -> usize {
 /// The launches of the last batches by the places of their work, at most as many as a batch has jobs.
 #[derive(Default)]
 struct Launches {
-    made: HashMap<usize, Launch>,
+    made: HashMap<usize, Arc<Addressed>>,
 }
 
 impl Launches {
-    /// Makes those launches of a batch that the batches before did not need.
+    /// The launch of each piece of a batch. Those that the batches before did not need are made.
     ///
     /// # Errors
     /// A point is refused, which a run has proven to fit.
-    fn make(&mut self, batch: &[Piece]) -> Result<(), Refusal> {
+    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Refusal> {
         let mut missing = HashSet::new();
         let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
         let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
@@ -183,9 +192,9 @@ impl Launches {
             let needed: HashSet<usize> = batch.iter().map(|(work, _)| place(work)).collect();
             self.made.retain(|work, _| needed.contains(work));
         }
-        let launch = |work: &&Work| Ok((place(work), (work.launch)()?));
+        let launch = |work: &&Work| Ok((place(work), Arc::new((work.launch)()?)));
         self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Refusal>>()?);
-        Ok(())
+        Ok(batch.iter().map(|(work, _)| self.made[&place(work)].clone()).collect())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The estimates for a row of a table.
 
+use crate::kernel::moments::Moments;
 use crate::table::Cell;
 use crate::table::column::Band;
 use crate::tally::stats::{Estimates, NORMAL_95, Quantile, z_score};
@@ -21,6 +22,11 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// What a tally gives whose histogram starts at level `bin_base`, with `unit` as the size of one unit of it.
+    pub(crate) fn of(tally: &Moments, bin_base: u32, unit: f64) -> Found {
+        Found { trials: tally.count, estimates: Estimates::of(tally, bin_base, unit) }
+    }
+
     pub(crate) fn value(&self, of: fn(&Estimates) -> f64) -> Option<f64> {
         self.estimates.as_ref().map(of)
     }

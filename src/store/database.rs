@@ -35,6 +35,9 @@ static SESSIONS: AtomicU64 = AtomicU64::new(0);
 /// tens of megabytes; a database of a stranger may claim gigabytes of zeros.
 const MOST_BYTES: i32 = 256 << 20;
 
+/// Most KiB of pages that stay in memory.
+const MOST_CACHED_KIB: u32 = 64 << 10;
+
 /// Prefix of a share among the keys of the study.
 const SHARE: &str = "share ";
 
@@ -116,6 +119,8 @@ impl Database {
     /// The database belongs to another program or version, or is damaged.
     pub(crate) fn sound(&self) -> Result<(), StoreError> {
         self.claimed()?;
+        // Pages are read by both checks, for the index and for the tables, and stay in memory as far as they fit.
+        self.execute_batch(&format!("PRAGMA cache_size = -{MOST_CACHED_KIB};"))?;
         self.structure("quick_check")?;
         self.all_sound()?;
         self.sessions().map(drop)
@@ -220,15 +225,30 @@ impl Keep for Database {
 
     fn rows(&self, addresses: &[Address]) -> Result<Vec<Vec<Raw>>, StoreError> {
         let failed = |error| self.failed(error);
-        let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
-        // Without it, SQLite would begin and end a transaction for each address.
+        let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate BETWEEN ?2 AND ?3");
+        // Without it, SQLite would begin and end a transaction for each query.
         let _reading = self.connection.unchecked_transaction().map_err(failed)?;
         // The statement is looked up once, as a study may have hundreds of thousands of tallies.
         let mut statement = self.connection.prepare_cached(&sql).map_err(failed)?;
-        let mut of = |address: &Address| -> Result<Vec<Raw>, rusqlite::Error> {
-            statement.query_map(params![address.point.0, address.estimate.0], Raw::read)?.collect()
-        };
-        addresses.iter().map(|address| of(address).map_err(failed)).collect()
+        let mut all = vec![Vec::new(); addresses.len()];
+        let mut rest = &mut all[..];
+        // The rows of a point are next to each other, and looking up a place costs more than reading on.
+        for group in addresses.chunk_by(|one, next| one.point == next.point) {
+            let of_group;
+            (of_group, rest) = rest.split_at_mut(group.len());
+            let estimates = || group.iter().map(|address| address.estimate.0);
+            let ends = params![group[0].point.0, estimates().min(), estimates().max()];
+            for raw in statement.query_map(ends, Raw::read).map_err(failed)? {
+                let raw = raw.map_err(failed)?;
+                let is_of = |place: &usize| group[*place].estimate == raw.address.estimate;
+                let mut places = (0..group.len()).filter(is_of);
+                // Between two estimates there may be one that is not asked for, and one may be asked for twice.
+                let Some(first) = places.next() else { continue };
+                places.for_each(|place| of_group[place].push(raw.clone()));
+                of_group[first].push(raw);
+            }
+        }
+        Ok(all)
     }
 
     fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {

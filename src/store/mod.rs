@@ -286,22 +286,41 @@ impl Store {
         of: impl Fn(usize, &Moments) -> T + Sync,
     ) -> Result<Vec<T>, StoreError> {
         let mut all = Vec::with_capacity(addresses.len());
-        let mut read: Vec<Vec<Raw>> = Vec::new();
-        let path = self.path.as_path();
-        // The empty chunk at the end lets the last tallies be added up when nothing is left to read.
-        for addresses in addresses.chunks(READ_AT_ONCE).chain([&[][..]]) {
-            let (first, mut made) = (all.len(), Ok(vec![]));
-            let next = rayon::in_place_scope(|scope| {
-                scope.spawn(|_| {
-                    let one = |(at, rows): (usize, &Vec<Raw>)| Ok(of(first + at, &added_up(rows, path)?));
-                    made = read.par_iter().enumerate().map(one).collect();
-                });
-                self.held(addresses, u64::MAX)
-            });
-            all.append(&mut made?);
-            read = next?;
-        }
+        self.in_parts(addresses.chunks(READ_AT_ONCE), <[Address]>::to_vec, |_, held| {
+            let first = all.len();
+            all.append(&mut held.totals(|at, tally| of(first + at, tally))?);
+            Ok::<(), StoreError>(())
+        })?;
         Ok(all)
+    }
+
+    /// Reads the tallies of each part, whose addresses `addresses` gives, and passes them on to `make`, part by part. While
+    /// it works, the next part is read.
+    ///
+    /// # Errors
+    /// It fails where [`Store::total`] and `make` do.
+    pub(crate) fn in_parts<P: Copy + Sync + Send, E: From<StoreError> + Send>(
+        &self,
+        parts: impl Iterator<Item = P>,
+        addresses: impl Fn(P) -> Vec<Address>,
+        mut make: impl FnMut(P, Held) -> Result<(), E> + Send,
+    ) -> Result<(), E> {
+        let path = self.path.as_path();
+        let mut read: Option<(P, Vec<Vec<Raw>>)> = None;
+        // After the last part nothing is left to read.
+        for next in parts.map(Some).chain([None]) {
+            let (before, mut made) = (read.take(), Ok(()));
+            let (outcome, make) = (&mut made, &mut make);
+            let found = rayon::in_place_scope(|scope| {
+                if let Some((part, rows)) = before {
+                    scope.spawn(move |_| *outcome = make(part, Held { rows, path }));
+                }
+                next.map(|part| Ok((part, self.held(&addresses(part), u64::MAX)?))).transpose()
+            });
+            made?;
+            read = found?;
+        }
+        Ok(())
     }
 
     /// The rows of all trials held, `width` integers each, in order.
@@ -344,6 +363,27 @@ impl Store {
     /// The database cannot be read.
     pub fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
         self.keep.provenance()
+    }
+}
+
+/// The rows of some tallies.
+pub(crate) struct Held<'a> {
+    /// Those of each tally.
+    rows: Vec<Vec<Raw>>,
+    path: &'a Path,
+}
+
+impl Held<'_> {
+    /// Applies `of` to each tally, given with its index, in parallel.
+    ///
+    /// # Errors
+    /// A row is damaged.
+    pub(crate) fn totals<T: Send>(
+        &self,
+        of: impl Fn(usize, &Moments) -> T + Sync,
+    ) -> Result<Vec<T>, StoreError> {
+        let one = |(at, rows): (usize, &Vec<Raw>)| Ok(of(at, &added_up(rows, self.path)?));
+        self.rows.par_iter().enumerate().map(one).collect()
     }
 }
 

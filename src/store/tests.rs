@@ -67,6 +67,26 @@ fn totals_of_many_come_in_the_order_asked_for() {
 }
 
 #[test]
+fn tallies_of_a_point_are_found_whichever_of_them_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &identity()).unwrap();
+    let of = |point: &str, i: u32| {
+        let (point, estimate) = (Id::of(point), Id::of(&format!("estimate {i}")));
+        Address { point, estimate, ..address() }
+    };
+    let rows: Vec<_> = ["a", "b"]
+        .into_iter()
+        .flat_map(|point| (0..20).map(move |i| Row { address: of(point, i), ..row(0, i) }))
+        .collect();
+    store.insert(&rows, None).unwrap();
+    // Twice the same, some left out, one that is not held, and a point twice.
+    let asked = [("a", 3), ("a", 17), ("a", 3), ("a", 5), ("b", 9), ("b", 30), ("b", 2), ("a", 4), ("c", 1)];
+    let addresses: Vec<Address> = asked.iter().map(|&(point, i)| of(point, i)).collect();
+    let found = store.of_totals(&addresses, |_, tally| tally.count).unwrap();
+    assert_eq!(found, [1 << 3, 1 << 17, 1 << 3, 1 << 5, 1 << 9, 0, 1 << 2, 1 << 4, 0]);
+}
+
+#[test]
 fn a_larger_block_counts_in_place_of_its_parts() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();

@@ -162,6 +162,16 @@ struct Places {
 }
 
 impl Places {
+    /// The place of a cell among the values, to which it is added if it is new; `None` where they are full.
+    fn of(&mut self, cell: &Cell, values: &mut Vec<Cell>) -> Option<u16> {
+        self.get(cell).or_else(|| {
+            let new = u16::try_from(values.len()).ok().filter(|_| values.len() < MOST_VALUES)?;
+            self.insert(cell, new);
+            values.push(cell.clone());
+            Some(new)
+        })
+    }
+
     fn get(&self, cell: &Cell) -> Option<u16> {
         match cell {
             Cell::Text(text) => self.texts.get(text).copied(),
@@ -200,6 +210,24 @@ impl Growing {
         self.cells
     }
 
+    /// Adds the rows of another column. Where both are stored by their values, each value is looked up once.
+    pub(crate) fn append(&mut self, cells: Cells) {
+        let (values, more) = match cells.0 {
+            Held::Each(cells) => return self.extend(cells),
+            Held::Coded { values, codes } => (values, codes),
+        };
+        if self.cells.is_empty() {
+            self.cells.0 = Held::Coded { values: vec![], codes: vec![] };
+        }
+        if let Held::Coded { values: own, codes } = &mut self.cells.0 {
+            let places = values.iter().map(|value| self.places.of(value, own));
+            if let Some(places) = places.collect::<Option<Vec<u16>>>() {
+                return codes.extend(more.iter().map(|&code| places[usize::from(code)]));
+            }
+        }
+        self.extend(more.iter().map(|&code| values[usize::from(code)].clone()));
+    }
+
     fn push(&mut self, cell: Cell) {
         match &mut self.cells.0 {
             Held::Each(cells) => {
@@ -211,13 +239,7 @@ impl Growing {
             Held::Coded { values, codes } => {
                 // Neighbouring rows often share a cell.
                 let last = codes.last().copied().filter(|&last| is_same(&values[usize::from(last)], &cell));
-                let place = last.or_else(|| self.places.get(&cell)).or_else(|| {
-                    let new = u16::try_from(values.len()).ok().filter(|_| values.len() < MOST_VALUES)?;
-                    self.places.insert(&cell, new);
-                    values.push(cell.clone());
-                    Some(new)
-                });
-                match place {
+                match last.or_else(|| self.places.of(&cell, values)) {
                     Some(place) => codes.push(place),
                     None => {
                         let mut cells: Vec<Cell> = self.cells.iter().cloned().collect();
@@ -283,7 +305,15 @@ mod tests {
                 (a, b) => a == b,
             };
             assert!((0..rows).all(is_same), "0 and -0 differ");
-            assert_eq!(cells, Cells::from(all));
+            assert_eq!(cells, Cells::from(all.clone()));
+            // In parts of which some are coded and some are not.
+            for part in [FEW_ROWS / 3, FEW_ROWS, FEW_ROWS + 1, 2 * FEW_ROWS] {
+                let mut growing = Growing::default();
+                all.chunks(part).for_each(|part| growing.append(Cells::from(part.to_vec())));
+                let appended = growing.into_cells();
+                assert_eq!(held(&appended), expected, "{rows} rows of {values} values in parts of {part}");
+                assert_eq!(format!("{appended:?}"), format!("{cells:?}"));
+            }
             assert!(
                 cells.any(|cell| *cell == Cell::Integer(1)) && !cells.any(|cell| *cell == Cell::Integer(2))
             );

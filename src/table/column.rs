@@ -1,5 +1,6 @@
 //! Declared columns, each of which is one row with all its properties and the function that makes its cells.
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::quantity::unit::{Unit, bare};
@@ -197,13 +198,18 @@ impl<R> ColumnOf<R> {
     }
 }
 
+/// Number of rows from which on the columns of a table are made in parallel.
+const FEW_ROWS: usize = 256;
+
 /// The columns of the given rows.
-pub(crate) fn columns_of<R>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
+pub(crate) fn columns_of<R: Sync>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
     let of = |column: &ColumnOf<R>| Column {
         band: column.band.map(|band| rows.iter().map(band).collect()),
         ..column.about.with(rows.iter().map(column.cell).collect())
     };
-    columns.iter().map(of).collect()
+    // Short columns are made on one thread.
+    let together = if rows.len() < FEW_ROWS { columns.len() } else { 1 };
+    columns.par_iter().with_min_len(together).map(of).collect()
 }
 
 /// A row as a JSON object: its cells by the headers of their columns, except those of the `omitted` names.

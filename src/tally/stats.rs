@@ -169,32 +169,33 @@ fn histogram_mean(n: u64, filled: &[Filled], edges: Edges, of: impl Fn(f64, f64,
 /// A bin that is not empty, and its count.
 type Filled = (usize, u64);
 
-/// The bins that are not empty, listed once because most are: the histogram is read several times.
+/// The bins that are not empty, listed once because many are: the histogram is read several times.
 fn filled(tally: &Moments) -> Vec<Filled> {
-    tally.bins.iter().copied().enumerate().filter(|&(_, count)| count > 0).collect()
+    let mut filled = vec![(0, 0); tally.bins.len()];
+    let mut length = 0;
+    // Each bin is written and an empty one is overwritten: which are empty is random where trials are few, and a branch
+    // that cannot be predicted takes longer.
+    for (bin, &count) in tally.bins.iter().enumerate() {
+        filled[length] = (bin, count);
+        length += usize::from(count > 0);
+    }
+    filled.truncate(length);
+    filled
 }
 
 /// The quantile at [`LEVEL`]; `None` without a histogram.
 fn quantile(n: u64, filled: &[Filled], edges: Edges) -> Option<Quantile> {
-    let value = {
-        let rank = LEVEL * n as f64;
-        let (bin, within) = bin_of_rank(filled, rank)?;
-        if is_open(bin, edges) {
-            return None;
-        }
-        let (a, b) = edges.of(bin);
-        a + (b - a) * within
-    };
     // Of n trials about n (1 − level) lie above the quantile; in 95 % of all cases their number is between these two.
     let (fewest, most) = central_interval(n, 1.0 - LEVEL);
-    let low = bin_of_rank(filled, n.saturating_sub(most) as f64)
-        .filter(|_| most < n)
-        .map(|(bin, _)| edges.of(bin).0);
-    let high = (fewest > 0)
-        .then(|| bin_of_rank(filled, (n - fewest + 1) as f64))
-        .flatten()
-        .map(|(bin, _)| edges.of(bin).1);
-    Some(Quantile { value, low, high })
+    let ranks = [LEVEL * n as f64, n.saturating_sub(most) as f64, (n - fewest + 1) as f64];
+    let [value, low, high] = bins_of_ranks(filled, ranks);
+    let (bin, within) = value.filter(|&(bin, _)| !is_open(bin, edges))?;
+    let (a, b) = edges.of(bin);
+    Some(Quantile {
+        value: a + (b - a) * within,
+        low: low.filter(|_| most < n).map(|(bin, _)| edges.of(bin).0),
+        high: high.filter(|_| fewest > 0).map(|(bin, _)| edges.of(bin).1),
+    })
 }
 
 /// Whether the bin is the open last one and reaches so far that the values in it are unknown.
@@ -203,17 +204,20 @@ fn is_open(bin: usize, edges: Edges) -> bool {
     bin == BINS - 1 && high > low * (1.0 + 1.0 / f64::from(1 << BIN_BITS))
 }
 
-/// The bin that holds the `rank`-th smallest |error|, and the relative position of that error in the bin.
-fn bin_of_rank(filled: &[Filled], rank: f64) -> Option<(usize, f64)> {
+/// For each rank the bin that holds the `rank`-th smallest |error|, and the relative position of that error in the bin.
+fn bins_of_ranks<const N: usize>(filled: &[Filled], ranks: [f64; N]) -> [Option<(usize, f64)>; N] {
+    let mut found = [None; N];
     let mut below = 0.0;
     for &(bin, count) in filled {
         let count = count as f64;
-        if below + count >= rank {
-            return Some((bin, ((rank - below) / count).clamp(0.0, 1.0)));
+        for (found, rank) in found.iter_mut().zip(ranks) {
+            if found.is_none() && below + count >= rank {
+                *found = Some((bin, ((rank - below) / count).clamp(0.0, 1.0)));
+            }
         }
         below += count;
     }
-    None
+    found
 }
 
 /// Deviation of an estimate from its closed form in standard errors; `proven` bounds the additional error of rounding.

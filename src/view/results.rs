@@ -44,13 +44,23 @@ impl<'a> Results<'a> {
         lacking: u64,
         degraded: &[String],
     ) -> Result<Results<'a>, E> {
-        let (charts, curves) = (pictures(study, tables, lacking)?, shown(study, tables)?);
-        let index = store.index()?;
-        let held = plan.held(&index)?;
-        let uneven = if study.precision.is_some() { None } else { uneven(&tables.points) };
-        let notes = incomplete(lacking).into_iter().chain(degraded.iter().cloned());
-        let notes = notes.chain(plan.notes(store, &index, held)?).chain(uneven).collect();
-        let source = Source::of(study, plan, store, held, lacking)?;
+        let of_store = || {
+            let index = store.index()?;
+            let held = plan.held(&index)?;
+            let uneven = if study.precision.is_some() { None } else { uneven(&tables.points) };
+            let notes = incomplete(lacking).into_iter().chain(degraded.iter().cloned());
+            let notes = notes.chain(plan.notes(store, &index, held)?).chain(uneven).collect();
+            Ok::<(Vec<String>, Source), StoreError>((notes, Source::of(study, plan, store, held, lacking)?))
+        };
+        // Both take long for a long table.
+        let (mut charts, mut curves) = (Ok(vec![]), Ok(vec![]));
+        let found = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| charts = pictures(study, tables, lacking));
+            scope.spawn(|_| curves = shown(study, tables));
+            of_store()
+        });
+        let (charts, curves) = (charts?, curves?);
+        let (notes, source) = found?;
         Ok(Results { study, tables, lacking, charts, curves, notes, source })
     }
 

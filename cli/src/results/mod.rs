@@ -2,8 +2,10 @@
 
 pub mod summary;
 
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::mpsc::{self, Receiver};
+use std::thread;
 
 use sagnac::analysis::decision::{Lines, Sheet, decide};
 use sagnac::analysis::requirement::Decision;
@@ -126,10 +128,11 @@ impl Ran<'_> {
     pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
         let Ran { plan, folder, .. } = self;
         let tables = plan.tables(store, progress)?;
-        // Long tables take as long to write as everything else that is made of them.
+        // Long tables take as long to write as everything else that is made of them. It has a thread of its own, because the
+        // others wait for what they share among threads.
         let (sender, written) = mpsc::channel();
-        rayon::in_place_scope(|scope| {
-            scope.spawn(|_| {
+        thread::scope(|scope| {
+            scope.spawn(|| {
                 // Nobody listens any more where something else failed.
                 let _ = sender.send(write_tables(folder, &tables));
             });
@@ -149,7 +152,6 @@ impl Ran<'_> {
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         let results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
         write(&folder.join(RESOLVED), results.resolved().as_bytes())?;
-        let mut drawn = Ok(());
         let page = || {
             let verdicts = results.verdicts()?;
             let mut answer = results.answer(&verdicts)?;
@@ -162,9 +164,10 @@ impl Ran<'_> {
             Ok::<_, Failure>((verdicts, sheet, headline, lines))
         };
         // The picture of a chart of 10,000 points takes as long as the page.
-        let made = rayon::in_place_scope(|scope| {
-            scope.spawn(|_| drawn = draw(&results.charts, folder));
-            page()
+        let (drawn, made) = thread::scope(|scope| {
+            let drawn = scope.spawn(|| draw(&results.charts, folder));
+            let made = page();
+            (drawn.join().unwrap_or_else(|panic| resume_unwind(panic)), made)
         });
         drawn?;
         let (verdicts, sheet, headline, lines) = made?;

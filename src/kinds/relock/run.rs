@@ -35,7 +35,7 @@ impl Launched for LoweredRelock {
             let addresses: Vec<Address> = estimates.iter().map(|estimate| estimate.address).collect();
             let steps = launch.steps();
             let blocks = lacking(&addresses, steps)?;
-            Ok(Work::new(steps, move || Ok(launch.clone()), addresses, blocks))
+            Ok(Work::new(steps, move || Ok((launch.clone(), addresses.clone())), blocks))
         };
         Compensation::ALL.into_iter().flat_map(|compensation| self.launched(compensation)).map(work).collect()
     }

@@ -1,5 +1,7 @@
 //! The unit of angle of a point, which depends on its physical inputs only and not on the fillers.
 
+use std::sync::Arc;
+
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
 use crate::key::refusal::{Refusal, shown};
@@ -7,7 +9,8 @@ use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::quantity::number::significant;
-use crate::theory::gap::polynomial_weights;
+use crate::theory::gap::{Weights, polynomial_weights};
+use crate::theory::memo::Memo;
 
 /// Fewest units of 2^−4 LSB of σ, which is then rounded by at most 1 %.
 const LEAST_SIGMA: f64 = 50.0;
@@ -24,6 +27,18 @@ const FINEST: i32 = 24;
 
 /// Ticks on either side that the default fillers reach.
 pub(crate) const DEFAULT_SIDES: usize = 4;
+
+/// The weights of the three polynomials on their default ticks. They take long to compute, and points share them.
+fn polynomials(gap_ticks: u32) -> Arc<[Weights]> {
+    static KNOWN: Memo<u32, Arc<[Weights]>> = Memo::new(64);
+    let n = gap_ticks as i32;
+    let on_ticks = move |order| {
+        let ticks = [[-1, 0, n + 1, n + 2], [-3, -2, -1, 0]].into_iter();
+        // Four ticks always determine a quadratic.
+        ticks.filter_map(move |ticks| polynomial_weights(&ticks, order, gap_ticks))
+    };
+    KNOWN.get(gap_ticks, || (0..3).flat_map(on_ticks).collect())
+}
 
 /// The unit of angle, ″, at which the worst error of the three polynomials on their default ticks leaves a factor
 /// [`RESERVE`] to the limit. It is a power of two, or with whole pulses a pulse divided by a power of two.
@@ -42,19 +57,12 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
         // A provisional unit, in which all words certainly fit.
         let provisional = worst / libm::exp2(26.0);
         let fixed = Fixed::new(physical, provisional, DEFAULT_SIDES);
-        for order in 0..3 {
-            for ticks in [[-1, 0, n + 1, n + 2], [-3, -2, -1, 0]] {
-                // Four ticks always determine a quadratic.
-                let Some(weights) = polynomial_weights(&ticks, order, physical.gap_ticks) else { continue };
-                let functional = Functional {
-                    ticks: &ticks,
-                    weights: &weights.numerators,
-                    scale: weights.denominator,
-                    gap: n,
-                };
-                let noise = (REACH * physical.sigma_arcsec + physical.readout_lsb) * functional.gain();
-                worst = worst.max(fixed.response(&functional).bound * provisional + noise);
-            }
+        for Weights { ticks, numerators: weights, denominator: scale } in
+            polynomials(physical.gap_ticks).iter()
+        {
+            let functional = Functional { ticks, weights, scale: *scale, gap: n };
+            let noise = (REACH * physical.sigma_arcsec + physical.readout_lsb) * functional.gain();
+            worst = worst.max(fixed.response(&functional).bound * provisional + noise);
         }
     }
     let bits = libm::floor(libm::log2(LIMIT as f64 / (RESERVE * worst)));

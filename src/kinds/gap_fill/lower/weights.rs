@@ -29,9 +29,9 @@ pub struct Rows {
     pub exact: bool,
 }
 
-/// What exact weights depend on: the identity of the filler, the length of the gap, whether there is a row for each number
-/// of its first ticks, and the ticks that are read.
-type Asked = (&'static str, u32, bool, Vec<i32>);
+/// What exact weights depend on: the length of the gap, the ticks that are read, the identity of the filler, and whether
+/// there is a row for each number of the first ticks of the gap.
+type Asked = (u32, Vec<i32>, &'static str, bool);
 
 /// Exact weights; none where the ticks do not determine them.
 static EXACT: Memo<Asked, Option<Arc<Rows>>> = Memo::new(128);
@@ -75,7 +75,8 @@ impl Rows {
     ) -> Result<Option<Arc<Rows>>, Refusal> {
         let compute = || Rows::of(filler, error, ticks, statistics).map(|rows| rows.map(Arc::new));
         let Method::Closed(closed) = &filler.method else { return compute() };
-        let key = (closed.identity, statistics.inputs.gap_ticks, error == Error::InGap, ticks.to_vec());
+        // What differs most comes first, as it is compared with that of all known ones.
+        let key = (statistics.inputs.gap_ticks, ticks.to_vec(), closed.identity, error == Error::InGap);
         match EXACT.get(key, || compute().ok().flatten()) {
             // The refusal names the filler.
             None => compute(),

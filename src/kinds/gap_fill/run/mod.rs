@@ -6,19 +6,19 @@ pub(crate) mod stop;
 use crate::chart::law::Law;
 use crate::filler::Filler;
 use crate::filler::keys::Error;
+use crate::kernel::moments::Moments;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Row, columns};
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};
 use crate::kinds::gap_fill::tuning::{Tuning, tuned};
 use crate::kinds::plan::{Launched, PointsPlan, Tabulated};
-use crate::kinds::table::{appended, table};
-use crate::sampling::batches::estimates;
+use crate::kinds::table::{Appended, table};
 use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
 use crate::sampling::tables::Tables;
 use crate::source::diagnose::StudyError;
-use crate::store::Store;
 use crate::store::error::StoreError;
+use crate::store::{Held, Store};
 use crate::table::Table;
 
 /// The plan of a gap-fill study.
@@ -38,8 +38,8 @@ pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
     Err(study.error_at(study.place_of("motion.profile"), message, help))
 }
 
-/// Number of points whose rows are made together.
-const TABULATED_AT_ONCE: usize = 1024;
+/// About how many rows are made together, while the tallies of as many are read. A tally may have fifty rows of 2 KiB.
+const TABULATED_AT_ONCE: usize = 512;
 
 impl Plan<'_> {
     /// A note that fillers have different weights at each point, which firmware cannot have.
@@ -77,25 +77,24 @@ impl Plan<'_> {
 }
 
 impl Plan<'_> {
-    /// The rows of some points.
-    fn part(&self, points: &[Proven], store: Option<&Store>) -> Result<Table, RunError> {
+    /// The rows of some points, with what is held of their tallies.
+    fn part(&self, points: &[Proven], held: Option<&Held>) -> Result<Table, StoreError> {
         let blank = Found::default();
         let mut rows = Vec::new();
         for proven in points {
             let row = |estimate| Row { proven, filler: self.filler(estimate), estimate, found: &blank };
             rows.extend(proven.estimates.iter().map(row));
         }
-        let of = |row: &Row| {
-            let Row { proven, estimate, .. } = row;
-            (proven.address(estimate), estimate.bin_base, estimate.unit_arcsec)
-        };
-        let mut found = store.map_or(Ok(vec![]), |store| estimates(Some(store), &rows, of))?;
-        for (row, found) in rows.iter().zip(&mut found) {
-            let known = row.estimate.oracle.noise_of_square.zip(found.estimates.as_mut());
+        let found = |at: usize, tally: &Moments| {
+            let Proof { bin_base, unit_arcsec, oracle, .. } = *rows[at].estimate;
+            let mut found = Found::of(tally, bin_base, unit_arcsec);
+            let known = oracle.noise_of_square.zip(found.estimates.as_mut());
             if let Some((noise, estimates)) = known.filter(|(_, estimates)| estimates.rms > 0.0) {
                 estimates.rms_se = Some(noise / libm::sqrt(found.trials as f64) / (2.0 * estimates.rms));
             }
-        }
+            found
+        };
+        let found = held.map_or(Ok(vec![]), |held| held.totals(found))?;
         rows.iter_mut().zip(&found).for_each(|(row, found)| row.found = found);
         let mut table = table(&self.study.sweeps, &columns(), &rows, |row| &row.proven.point.swept);
         let of_law = |law: Law| law.about().with(rows.iter().map(|row| row.law(law).into()).collect());
@@ -112,8 +111,16 @@ impl Plan<'_> {
 impl Tabulated for Plan<'_> {
     /// The table has a row for each point, filler and error, and a column for each law that a chart draws.
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
-        let parts = self.points.chunks(TABULATED_AT_ONCE).map(|points| self.part(points, store));
-        Ok(Tables::of_points(appended(parts)?))
+        let rows_of_point = self.points.first().map_or(1, |point| point.estimates.len().max(1));
+        let mut parts = self.points.chunks(TABULATED_AT_ONCE.div_ceil(rows_of_point));
+        let addresses = |points: &[Proven]| points.iter().flat_map(Launched::addresses).collect();
+        let mut all = Appended::default();
+        let mut add = |points, held: Option<&Held>| self.part(points, held).map(|part| all.push(part));
+        match store {
+            Some(store) => store.in_parts(parts, addresses, |points, held| add(points, Some(&held)))?,
+            None => parts.try_for_each(|points| add(points, None))?,
+        }
+        Ok(Tables::of_points(all.into_table()))
     }
 
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {

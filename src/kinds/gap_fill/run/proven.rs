@@ -157,8 +157,7 @@ impl Launched for Proven<'_> {
         }
         let groups = self.grouped(lacks).into_iter().filter(|(blocks, _)| !blocks.is_empty());
         let work = |(blocks, fillers): (Vec<Block>, Vec<usize>)| {
-            let addresses = self.launched(&fillers);
-            Work::new(STEPS, move || self.launch(&fillers), addresses, blocks)
+            Work::new(STEPS, move || Ok((self.launch(&fillers)?, self.launched(&fillers))), blocks)
         };
         Ok(groups.map(work).collect())
     }

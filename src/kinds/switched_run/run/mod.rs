@@ -43,7 +43,7 @@ impl Launched for LoweredRun {
                 let addresses: Vec<_> = places.iter().map(|&place| filled.estimates[place].address).collect();
                 let steps = launch.steps();
                 let blocks = lacking(&addresses, steps)?;
-                all.push(Work::new(steps, move || Ok(launch.clone()), addresses, blocks));
+                all.push(Work::new(steps, move || Ok((launch.clone(), addresses.clone())), blocks));
             }
         }
         Ok(all)
