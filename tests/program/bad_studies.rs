@@ -287,3 +287,29 @@ fn what_is_no_toml_or_no_file_is_told() {
     desk.fails("run latin1.toml --device cpu", 3, &["cannot read the study latin1.toml", "UTF-8"]);
     assert_eq!(desk.names("."), ["folder", "latin1.toml", "study.toml"]);
 }
+
+#[test]
+fn a_last_point_that_does_not_fit_is_refused_before_anything_is_written() {
+    let study = |last: &str| {
+        let amplitudes =
+            (1000..4000).map(|amplitude| format!("\"{amplitude} arcsec/s\"")).collect::<Vec<_>>();
+        let sweep =
+            format!("[[sweep]]\nkey = \"motion.amplitude\"\nlist = [{}, \"{last}\"]", amplitudes.join(", "));
+        with(&sweep).replace("\"1 arcsec\"", "\"0.05 arcsec\"")
+    };
+    let desk = Desk::with(&study("9e8 arcsec/s"));
+    let refused =
+        ["gyro.tick_noise: 0.05 arcsec of noise", "motion.amplitude = 900000000 arcsec/s", "study.toml:5:22"];
+    desk.fails("run study.toml --device cpu --trials 64 --out out", 3, &refused);
+    assert_eq!(desk.names(""), ["study.toml"]);
+    // The results of the points that fit stay as they are.
+    desk.write("fits.toml", &study("4000 arcsec/s"));
+    desk.done("run fits.toml --device cpu --trials 64 --quiet --out out");
+    let contents = || {
+        let names = desk.names("out").into_iter();
+        names.map(|name| (std::fs::read(desk.path("out").join(&name)).unwrap(), name)).collect::<Vec<_>>()
+    };
+    let before = contents();
+    desk.fails("run study.toml --device cpu --trials 64 --out out", 3, &refused);
+    assert!(contents() == before, "a file changed");
+}

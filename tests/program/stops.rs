@@ -174,6 +174,27 @@ fn a_run_that_stops_at_a_precision_goes_on_from_what_it_said_is_kept() {
     assert!(!reached.starts_with("0 of") && stopped.contains(reached), "{stopped}\n{begins}");
 }
 
+#[test]
+fn a_run_that_ends_while_the_points_of_later_batches_are_lowered_goes_on_to_the_same_table() {
+    // A batch has the launches of a thousand points at most.
+    let desk = Desk::with(&with(
+        "[[sweep]]\nkey = \"motion.frequency\"\nlog = { from = \"2 Hz\", to = \"40 Hz\", points = 200 }\n\
+         [[sweep]]\nkey = \"motion.amplitude\"\nlog = { from = \"1e3 arcsec/s\", to = \"2e4 arcsec/s\", points = 40 }",
+    ));
+    let run = "run study.toml --device cpu --threads 1 --trials 5000 --out";
+    let child = start(&desk, &format!("{run} cut"));
+    begun(&desk.path("cut"));
+    send(&child, "TERM");
+    let (code, said) = ended(child);
+    assert_eq!(code, Some(143), "{said}");
+    let kept = kept(&said);
+    assert!(kept > 0.0 && kept < 4e7 && !desk.path("cut/points.csv").exists(), "{said}");
+    assert_eq!(desk.sagnac("check cut").code, 4, "points are missing");
+    desk.done(&format!("{run} cut"));
+    desk.done(&format!("{run} whole"));
+    assert!(desk.read("cut/points.csv") == desk.read("whole/points.csv"), "the tables differ");
+}
+
 /// A study whose points take milliseconds each to plan, because no two share their motion.
 const SLOW_TO_PLAN: &str = "title = \"Slow to plan\"\nkind = \"gap-fill\"\ntrials = 64\n[gyro]\ntick = \"1 ms\"\n\
     tick_noise = { std = \"0.1 arcsec\" }\n[motion.suspension]\ngyro = \"LGK-400\"\nalias = true\n\
