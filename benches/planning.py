@@ -1,10 +1,13 @@
-"""Time and memory until a study is planned: python3 benches/planning.py PROGRAM…
+"""Time and memory until a study is planned, and of its resumption: python3 benches/planning.py PROGRAM…
 
 It starts each program on studies of many points, and reads its processor time and its largest memory when it says that
-sampling begins, then ends it. Programs are compared in one sitting, study by study.
+sampling begins, and the time until the first rows are in the journal of the database; then it ends it. Of the first study
+all is sampled, and it is resumed five times. Programs are compared in one sitting, study by study.
 """
 
+import os
 import pathlib
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -55,14 +58,21 @@ STUDIES = {
 }
 
 
+# What the journal has before any rows: the tables and the owner of the folder.
+OWNER = 64 << 10
+
+
+def words(program, path, folder):
+    return [program, "run", str(path), "--out", str(folder), "--device", "cpu", "--progress", "plain"]
+
+
 def planned(program, study):
-    """Seconds, processor seconds and MiB until sampling begins."""
+    """Seconds, processor seconds and MiB until sampling begins, and seconds until rows are in the database."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "study.toml"
         path.write_text(study)
         started = time.time()
-        words = [program, "run", str(path), "--out", folder + "/out", "--device", "cpu", "--progress", "plain"]
-        run = subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        run = subprocess.Popen(words(program, path, folder + "/out"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         said = []
         for line in run.stderr:
             said.append(line)
@@ -75,12 +85,37 @@ def planned(program, study):
         processor = int(process.joinpath("stat").read_text().rsplit(")", 1)[1].split()[11]) / 100
         lines = process.joinpath("status").read_text().splitlines()
         memory = next(int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))
+        journal = pathlib.Path(folder) / "out" / "tallies.sqlite-wal"
+        while run.poll() is None and journal.stat().st_size <= OWNER:
+            time.sleep(0.002)
+        first = time.time() - started
         run.kill()
         run.wait()
-        return seconds, processor, memory
+        return seconds, processor, memory, first
 
 
-for name, study in STUDIES.items():
+def resumed(program, study, times=5):
+    """Median seconds and processor seconds of complete runs that are resumed, and MiB."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "study.toml"
+        path.write_text(study)
+        found = []
+        for _ in range(1 + times):
+            started = time.time()
+            run = subprocess.Popen(words(program, path, folder + "/out") + ["--quiet"])
+            _, status, used = os.wait4(run.pid, 0)
+            if status != 0:
+                raise SystemExit(f"{program} failed")
+            found.append((time.time() - started, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024))
+        # The first one samples.
+        return [statistics.median(figures) for figures in zip(*found[1:])]
+
+
+for at, (name, study) in enumerate(STUDIES.items()):
     for program in sys.argv[1:]:
-        seconds, processor, memory = planned(program, study)
-        print(f"{name}: {program}: {seconds:.2f} s, processor {processor:.2f} s, {memory:.0f} MiB", flush=True)
+        seconds, processor, memory, first = planned(program, study)
+        figures = f"{seconds:.2f} s, processor {processor:.2f} s, {memory:.0f} MiB; first rows after {first:.2f} s"
+        print(f"{name}: {program}: {figures}", flush=True)
+    for program in sys.argv[1:] if at == 0 else []:
+        seconds, processor, memory = resumed(program, study)
+        print(f"{name}, resumed: {program}: {seconds:.2f} s, processor {processor:.2f} s, {memory:.0f} MiB", flush=True)
