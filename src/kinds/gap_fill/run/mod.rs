@@ -9,7 +9,7 @@ use crate::filler::keys::Error;
 use crate::kernel::moments::Moments;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::columns::{Row, columns};
-use crate::kinds::gap_fill::run::proven::{Proof, Proven};
+use crate::kinds::gap_fill::run::proven::{Proof, Proven, STEPS};
 use crate::kinds::gap_fill::tuning::{Tuning, tuned};
 use crate::kinds::plan::{Launched, PointsPlan, Tabulated};
 use crate::kinds::table::{Appended, table};
@@ -20,6 +20,7 @@ use crate::source::diagnose::StudyError;
 use crate::store::error::StoreError;
 use crate::store::{Held, Store};
 use crate::table::Table;
+use crate::tally::block::row_log2;
 
 /// The plan of a gap-fill study.
 pub(crate) type Plan<'a> = PointsPlan<'a, GapFill, Proven<'a>>;
@@ -38,8 +39,8 @@ pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
     Err(study.error_at(study.place_of("motion.profile"), message, help))
 }
 
-/// About how many rows are made together, while the tallies of as many are read. A tally may have fifty rows of 2 KiB.
-const TABULATED_AT_ONCE: usize = 512;
+/// About how many rows of the store, of 2 KiB at most, are read together, while a table is made of as many.
+const READ_AT_ONCE: usize = 4096;
 
 impl Plan<'_> {
     /// A note that fillers have different weights at each point, which firmware cannot have.
@@ -111,8 +112,10 @@ impl Plan<'_> {
 impl Tabulated for Plan<'_> {
     /// The table has a row for each point, filler and error, and a column for each law that a chart draws.
     fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
-        let rows_of_point = self.points.first().map_or(1, |point| point.estimates.len().max(1));
-        let mut parts = self.points.chunks(TABULATED_AT_ONCE.div_ceil(rows_of_point));
+        let trials = self.study.trials;
+        let rows_of_tally = trials.div_ceil(1 << row_log2(trials, STEPS)) as usize;
+        let rows_of_point = self.points.first().map_or(0, |point| point.estimates.len()) * rows_of_tally;
+        let mut parts = self.points.chunks((READ_AT_ONCE / rows_of_point.max(1)).max(1));
         let addresses = |points: &[Proven]| points.iter().flat_map(Launched::addresses).collect();
         let mut all = Appended::default();
         let mut add = |points, held: Option<&Held>| self.part(points, held).map(|part| all.push(part));

@@ -46,7 +46,7 @@ pub(crate) struct Proof {
 }
 
 /// Steps of a trial, which is a single switch.
-const STEPS: u64 = 1;
+pub(crate) const STEPS: u64 = 1;
 
 impl Proof {
     fn of(filler: usize, estimate: &Estimate) -> Proof {
