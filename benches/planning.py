@@ -102,7 +102,7 @@ def resumed(program, study, times=5):
         found = []
         for _ in range(1 + times):
             started = time.time()
-            run = subprocess.Popen(words(program, path, folder + "/out") + ["--quiet"])
+            run = subprocess.Popen(words(program, path, folder + "/out") + ["--quiet"], stderr=subprocess.DEVNULL)
             _, status, used = os.wait4(run.pid, 0)
             if status != 0:
                 raise SystemExit(f"{program} failed")
