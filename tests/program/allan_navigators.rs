@@ -44,7 +44,7 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     assert!(ended.stdout.contains(" The record does not show "), "{}", ended.stdout);
     // The decision is that of the navigators, not of the coefficients.
     assert!(
-        ended.stdout.contains("Requirement  None is given: the level of position error that 95 % of"),
+        ended.stdout.contains("Requirement  None is given; the error of the position, 95 % is 0."),
         "{}",
         ended.stdout
     );

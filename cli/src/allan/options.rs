@@ -171,7 +171,8 @@ pub(crate) fn simulated(text: &str) -> Result<usize, String> {
 }
 
 fn distance(text: &str) -> Result<Quantity, String> {
-    let found = parse(text, &[Dimension::Distance]).map_err(|error| error.to_string())?;
+    let found = parse(text, &[Dimension::Distance])
+        .map_err(|error| format!("{error}; write a distance, as in \"0.5 nmi\""))?;
     if found.value > 0.0 { Ok(found) } else { Err("the distance is not positive".to_owned()) }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::chart::{Chart, Limit, Shows, Source};
 use crate::kinds::allan::keys::LENGTH;
+use crate::quantity::number::percent;
 use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
@@ -37,6 +38,14 @@ pub struct Varied {
     pub from: String,
     /// The fraction by which the judged estimate falls.
     pub gain: f64,
+}
+
+impl Varied {
+    /// The change as a sentence.
+    pub(crate) fn told(&self) -> String {
+        let Varied { to, from, gain } = self;
+        format!("Of what the study varies, {to} instead of {from} gains {}.", percent(*gain))
+    }
 }
 
 /// An option with its worst row.

@@ -18,9 +18,6 @@ use crate::view::report::agreement::capitalised;
 /// Parts below this fraction of the mean square are not worth a line.
 const LEAST_SHARE: f64 = 0.005;
 
-/// The gain below which a lever is not worth much, so that what the study varies is told beside it.
-const LITTLE: f64 = 0.05;
-
 /// The decision sheet of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
@@ -309,19 +306,13 @@ impl Sheet {
             [one] => format!("By itself, {one} would meet it too."),
             more => format!("Each by itself, {} would meet it too.", listed(more)),
         };
-        let is_small = lever.gain.value < LITTLE && self.is_met() != Some(true);
-        let varied = if is_small { self.varied_told() } else { None };
+        let gains_more = |varied: &Varied| varied.gain > lever.gain.value && self.is_met() != Some(true);
+        let varied = self.varied.as_ref().filter(|varied| gains_more(varied)).map(Varied::told);
         [told, remark.clone(), also, varied.unwrap_or_default()]
             .into_iter()
             .filter(|text| !text.is_empty())
             .collect::<Vec<_>>()
             .join(" ")
-    }
-
-    /// The change of a condition that gains most.
-    fn varied_told(&self) -> Option<String> {
-        let Varied { to, from, gain } = self.varied.as_ref()?;
-        Some(format!("Of what the study varies, {to} instead of {from} gains {}.", percent(*gain)))
     }
 
     /// Why there is no lever, with what the study itself varies.
@@ -331,7 +322,7 @@ impl Sheet {
         }
         let [conditions, all] = &self.swept;
         let at = self.at();
-        if let Some(told) = self.varied_told() {
+        if let Some(told) = self.varied.as_ref().map(Varied::told) {
             let none =
                 if self.is_searched { format!("No single input gains 1 %{at}. ") } else { String::new() };
             return none + &told;

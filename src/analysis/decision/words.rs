@@ -45,7 +45,10 @@ pub(crate) fn at_level(figure: Figure, level: &str, shown: impl Fn(f64) -> Strin
 
 /// A quantity with six digits; a time below a tenth of a second in milliseconds.
 pub(crate) fn short(quantity: Quantity) -> String {
-    let value = significant(quantity.value, 6).parse().unwrap_or(quantity.value);
+    // In the unit of tables, which is shown.
+    let shown = quantity.shown();
+    let part = significant(shown, 6).parse().map_or(1.0, |rounded: f64| rounded / shown);
+    let value = if shown == 0.0 { 0.0 } else { quantity.value * part };
     match quantity.dimension {
         Dimension::Time if value.abs() < 0.1 => format!("{} ms", significant(1000.0 * value, 6)),
         _ => Quantity { value, ..quantity }.to_string(),
