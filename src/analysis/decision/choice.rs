@@ -186,6 +186,7 @@ impl<'t> Choice<'t> {
                     .all(|column| std::ptr::eq(column, by) || column.cells[other] == column.cells[row])
             };
             let others = rows.iter().copied().filter(|&other| other != row && is_kept(other));
+            value(row).is_finite().then_some(())?;
             let to = others.min_by(|a, b| value(*a).total_cmp(&value(*b)))?;
             let from = by.cells[row].number().map_or_else(|| by.cells[row].text(), |x| measured(by, x));
             let gain = 1.0 - value(to) / value(row);

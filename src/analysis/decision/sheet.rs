@@ -321,19 +321,17 @@ impl Sheet {
             return "None is needed, as the limit is met.".to_owned();
         }
         let [conditions, all] = &self.swept;
-        let at = self.at();
+        let none = match self.met[1] {
+            1 => "No single input gains 1 %".to_owned(),
+            all => format!("No single input lowers the largest under all {all} conditions by 1 %"),
+        };
         if let Some(told) = self.varied.as_ref().map(Varied::told) {
-            let none =
-                if self.is_searched { format!("No single input gains 1 %{at}. ") } else { String::new() };
-            return none + &told;
+            return if self.is_searched { format!("{none}. {told}") } else { told };
         }
         match (self.is_searched, &conditions[..], &all[..]) {
-            (true, [], _) => format!("No single input gains 1 %{at}."),
+            (true, [], _) => format!("{none}."),
             (true, conditions, _) => {
-                format!(
-                    "No single input gains 1 %{at}, besides what the study varies: {}.",
-                    listed(conditions)
-                )
+                format!("{none}, besides what the study varies: {}.", listed(conditions))
             }
             (false, _, []) => "None is searched for this estimate.".to_owned(),
             (false, _, all) => {

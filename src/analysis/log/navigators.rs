@@ -249,7 +249,7 @@ impl Navigators {
 }
 
 /// The navigators that are off by most.
-pub fn worst<'a>(found: &'a [Result<Navigators, String>]) -> Option<&'a Navigators> {
+pub fn worst(found: &[Result<Navigators, String>]) -> Option<&Navigators> {
     let all = found.iter().flatten();
     all.max_by(|a, b| a.within.value.total_cmp(&b.within.value))
 }

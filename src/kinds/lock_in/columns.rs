@@ -33,12 +33,13 @@ impl Row<'_> {
     }
 
     /// N, from σ² = N²/τ.
+    /// N; none where the gyro is locked, whose output does not follow the input.
     fn walk(&self) -> Option<f64> {
-        self.variance.map(|(variance, _)| libm::sqrt(variance * self.tau_s()))
+        self.variance.filter(|_| !self.is_locked()).map(|(variance, _)| libm::sqrt(variance * self.tau_s()))
     }
 
     fn walk_se(&self) -> Option<f64> {
-        let (variance, se) = self.variance?;
+        let (variance, se) = self.variance.filter(|_| !self.is_locked())?;
         Some(0.5 * se? * libm::sqrt(self.tau_s() / variance)).filter(|se| se.is_finite())
     }
 
@@ -95,7 +96,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("trials", Unit::NONE, "gyros", |row| row.trials.into())
             .is(Role::Trials, "Number of gyros behind the estimates of the row."),
         Of::new("angle_random_walk", Unit::ARCSEC_PER_RT_S, "angle random walk N", |row| row.walk().into())
-            .is(Role::Error, "Angle random walk N = σ√τ, ″/√s, from the variance of the increments of the angle over τ.")
+            .is(Role::Error, "Angle random walk N = σ√τ, ″/√s, from the variance of the increments of the angle over τ; blank where the gyro is locked.")
             .usual(Usual::Estimate)
             .within(Row::walk_interval),
         Of::new("angle_random_walk_se", Unit::ARCSEC_PER_RT_S, "standard error of N", |row| row.walk_se().into())
