@@ -66,7 +66,7 @@ fn of_log(
     let with_spectra = spectrum::Analysis::of(analysis, densities);
     let analysis = &with_spectra.noise;
     let decision = with_spectra.decision(&options.limit);
-    let navigation = Navigation::of(options, analysis);
+    let navigation = Navigation::of(options, analysis, &progress);
     let figures = figures::figures(analysis);
     save(analysis, &figures, folder)?;
     temperature::save(thermal.as_ref(), analysis, folder)?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use sagnac::analysis::log::Analysis;
 use sagnac::analysis::log::navigators::{Asked, Navigators, is_ours, names, navigators, worst};
+use sagnac::progress::Progress;
 use serde_json::Value;
 
 use crate::allan::options::Options;
@@ -21,9 +22,9 @@ pub struct Navigation {
 
 impl Navigation {
     /// The navigators of all columns, if they are asked for.
-    pub fn of(options: &Options, analysis: &Analysis) -> Option<Navigation> {
+    pub fn of(options: &Options, analysis: &Analysis, progress: &dyn Progress) -> Option<Navigation> {
         let asked = Asked { duration_s: options.navigate?, limit: options.position_limit };
-        let columns = navigators(analysis, &asked);
+        let columns = navigators(analysis, &asked, progress);
         Some(Navigation { columns, names: names(analysis) })
     }
 

@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::device::cpu::Cpu;
 use crate::fit::Coefficient;
 use crate::kernel::width::Width;
-use crate::progress::Silent;
+use crate::progress::{Progress, Silent};
 use crate::quantity::list::listed;
 use crate::quantity::number::{significant, with_unit};
 use crate::quantity::units::Quantity;
@@ -29,6 +29,8 @@ use crate::theory::allan::Term;
 /// Navigators of a study, and sets of coefficients that are drawn from the intervals.
 const TRIALS: u64 = 3200;
 const DRAWS: u64 = 32;
+/// Sets of coefficients with which the parts of the error and the levers are compared: every change is lowered for each set.
+const DRAWS_COMPARED: u64 = 8;
 
 /// Beginning and end of the first line, which identify our files.
 const START: &str = "# Navigators with three gyros like ";
@@ -70,19 +72,29 @@ pub struct Asked {
     pub limit: Option<Quantity>,
 }
 
-/// The navigators of every column of rotation with coefficients; for a column without them, why.
+/// The navigators of every column of rotation with coefficients; for a column without them, why. `progress` receives the
+/// evaluations of the decision.
 ///
 /// Each navigator has three such gyros and ideal accelerometers, aligns at rest at a latitude of 60°, which also calibrates the
 /// gyros, and stays there.
-pub fn navigators(analysis: &Analysis, asked: &Asked) -> Vec<Result<Navigators, String>> {
+pub fn navigators(
+    analysis: &Analysis,
+    asked: &Asked,
+    progress: &dyn Progress,
+) -> Vec<Result<Navigators, String>> {
     let of = |column: &Column| {
-        let found = of_column(analysis, column, asked);
+        let found = of_column(analysis, column, asked, progress);
         found.map_err(|why| format!("{}: no navigator: {why}", column.name))
     };
     analysis.columns.iter().map(of).collect()
 }
 
-fn of_column(analysis: &Analysis, column: &Column, asked: &Asked) -> Result<Navigators, String> {
+fn of_column(
+    analysis: &Analysis,
+    column: &Column,
+    asked: &Asked,
+    progress: &dyn Progress,
+) -> Result<Navigators, String> {
     if column.unit != Unit::Angular {
         return Err("it is not a gyro".to_owned());
     }
@@ -95,11 +107,12 @@ fn of_column(analysis: &Analysis, column: &Column, asked: &Asked) -> Result<Navi
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     let about = format!("{START}{} of {}", one_line(&column.name), one_line(&file));
     let spreads: Vec<String> = coefficients.iter().filter_map(spread).collect();
-    let study = text(&about, asked, &lines, &spreads);
-    let (parsed, tables) = tables(&study)?;
+    let study = text(&about, asked, DRAWS, &lines, &spreads);
+    let tables = tables(&study)?;
     let (within, unit) = radius(&tables)?;
     let (half, class) = circular(&tables).ok_or("no navigator has a circular error")?;
-    let sheet = decide(&parsed, &tables, &Silent).map_err(|error| error.to_string())?;
+    let compared = parsed(&text(&about, asked, DRAWS_COMPARED, &lines, &spreads))?;
+    let sheet = decide(&compared, &tables, progress).map_err(|error| error.to_string())?;
     let sheet = sheet.ok_or("the study judges nothing")?;
     let bounds: Vec<(&Coefficient, String)> =
         coefficients.iter().filter_map(|one| Some((one, bound(one)?))).collect();
@@ -109,7 +122,7 @@ fn of_column(analysis: &Analysis, column: &Column, asked: &Asked) -> Result<Navi
             let all: Vec<String> =
                 lines.iter().cloned().chain(bounds.iter().map(|one| one.1.clone())).collect();
             let names = bounds.iter().map(|(one, _)| one.term.symbol().to_owned()).collect();
-            let (_, tables) = self::tables(&text(&about, asked, &all, &spreads))?;
+            let tables = self::tables(&text(&about, asked, DRAWS, &all, &spreads))?;
             Some((names, radius(&tables)?.0.value))
         }
     };
@@ -147,9 +160,9 @@ fn spread(coefficient: &Coefficient) -> Option<String> {
     })
 }
 
-fn text(about: &str, asked: &Asked, noise: &[String], spreads: &[String]) -> String {
+fn text(about: &str, asked: &Asked, draws: u64, noise: &[String], spreads: &[String]) -> String {
     let duration_s = asked.duration_s;
-    let draws = if spreads.is_empty() { String::new() } else { format!("draws = {DRAWS}\n") };
+    let draws = if spreads.is_empty() { String::new() } else { format!("draws = {draws}\n") };
     let limit = asked.limit.map_or_else(String::new, |limit| format!("limit = \"{limit}\"\n"));
     let (after, duration, noise) = (spoken(duration_s), significant(duration_s, 12), noise.join("\n"));
     format!(
@@ -163,16 +176,18 @@ fn text(about: &str, asked: &Asked, noise: &[String], spreads: &[String]) -> Str
     )
 }
 
+fn parsed(text: &str) -> Result<Study, String> {
+    Study::parse("navigation.toml", text).map_err(|error| error.to_string())
+}
+
 /// Runs a study with a single point.
-fn tables(text: &str) -> Result<(Study, Tables), String> {
-    let study = Study::parse("navigation.toml", text).map_err(|error| error.to_string())?;
+fn tables(text: &str) -> Result<Tables, String> {
+    let study = parsed(text)?;
     let plan = Plan::new(&study).map_err(|error| error.to_string())?;
     let mut store = Store::in_memory(&plan.identity());
     let mut device = Device::Cpu(Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?);
     plan.run(&mut store, &mut device, Share::WHOLE, &Silent).map_err(|error| error.to_string())?;
-    let tables = plan.tables(&store, &Silent).map_err(|error| error.to_string())?;
-    drop(plan);
-    Ok((study, tables))
+    plan.tables(&store, &Silent).map_err(|error| error.to_string())
 }
 
 /// The usual answer of a table with a single row, with its unit.
@@ -281,7 +296,7 @@ mod tests {
             "bias_instability = \"0.00164 deg/h\"".to_owned(),
         ];
         let asked = Asked { duration_s: 3600.0, limit: None };
-        let (_, tables) = tables(&text("# A gyro", &asked, &lines, &[])).unwrap();
+        let tables = tables(&text("# A gyro", &asked, DRAWS, &lines, &[])).unwrap();
         let (found, unit) = radius(&tables).unwrap();
         // LGV-1 without its Q, which changes the third digit: 0.3675 nmi.
         assert!((found.value - 0.3675).abs() < 0.03 * 0.3675, "{found:?}");

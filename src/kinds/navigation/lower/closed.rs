@@ -3,6 +3,8 @@
 //! All parts are normal except sines and the part D sin φ of fill residuals. Mean and covariance hold for these too, and
 //! their sum over many switches is nearly normal.
 
+use rayon::prelude::*;
+
 use crate::kinds::allan::lower::fixed::Fixed;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro, ROUNDINGS};
 use crate::theory::navigation::covariance::{Noise, of_angles};
@@ -56,7 +58,7 @@ impl Lowered {
             }
             Radial { mean, covariance }
         };
-        self.gyros.chunks(self.of_set).map(of_set).collect()
+        self.gyros.par_chunks(self.of_set).map(of_set).collect()
     }
 
     /// Bound of the deviation of an error due to rounding in the kernel, in its unit.
