@@ -78,6 +78,10 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     // A limit on a coefficient asks for its decision.
     let both = desk.done(&format!("{READ} --column gz --navigate 1h --limit N=1deg/sqrt(h)"));
     assert!(both.stdout.contains("Met: N is"), "{}", both.stdout);
+    // With a limit on the position too, it is that of the position.
+    let limits = "--limit N=1deg/sqrt(h) --position-limit 1nmi";
+    let both = desk.done(&format!("{READ} --column gz --navigate 1h {limits}"));
+    assert!(both.stdout.contains("Met: the error of the position, 95 % is"), "{}", both.stdout);
     // Without the option the study of an earlier run is not left beside other results.
     desk.done(&format!("{READ} --column gz"));
     assert!(!desk.names("out").contains(&"navigation.toml".to_owned()));

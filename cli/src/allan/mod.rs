@@ -76,8 +76,9 @@ fn of_log(
     let over_time = dynamic.as_ref().map(page::of_dynamic);
     let of_navigators = navigation.as_ref().map(|found| page::of_navigators(&found.columns));
     let further = of_temperature.chain(over_time).chain(of_navigators).collect();
-    // Navigators are what is asked for, unless coefficients have limits.
-    let of_navigators = navigation.as_ref().filter(|_| options.limit.is_empty());
+    // Navigators are what is asked for, unless only coefficients have limits.
+    let is_asked = options.limit.is_empty() || options.position_limit.is_some();
+    let of_navigators = navigation.as_ref().filter(|_| is_asked);
     let sheet = of_navigators.and_then(Navigation::sheet).unwrap_or_else(|| decision.lines.headed());
     let mut page = page::of_log(&log, &with_spectra, sheet.clone(), without.as_ref(), further);
     if let Some(told) = navigation.as_ref().and_then(Navigation::answer) {

@@ -46,7 +46,7 @@ impl Navigation {
     pub fn sheet(&self) -> Option<Vec<(&'static str, String)>> {
         let worst = worst(&self.columns)?;
         let mut lines = worst.sheet.lines();
-        if self.columns.len() > 1
+        if self.columns.iter().flatten().count() > 1
             && let Some((_, sentence)) = lines.first_mut()
         {
             *sentence = format!("Worst with three gyros like {}. {sentence}", worst.column);

@@ -210,12 +210,15 @@ impl Sheet {
             None => format!(", of {} options", self.options),
         };
         let is_alike = self.next.as_ref().is_some_and(|next| next.is_alike && next.met == met);
-        let open = if is_alike { "None is shown to be the best: least is " } else { "" };
-        let mapped = match self.is_mapped {
-            true => "Which is the best depends on the place in the map; over all conditions it is ",
-            false => "",
+        let begin = match (self.is_mapped, is_alike) {
+            (false, false) => "",
+            (false, true) => "None is shown to be the best: least is ",
+            (true, false) => "Which is the best depends on the place in the map; over all conditions it is ",
+            (true, true) => {
+                "Which is the best depends on the place in the map; over all conditions none is shown to be the best, and least is "
+            }
         };
-        format!("{open}{mapped}{}{equal}{next}.{left_out}", self.option)
+        format!("{begin}{}{equal}{next}.{left_out}", self.option)
     }
 
     fn margin_told(&self) -> String {

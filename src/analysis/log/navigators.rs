@@ -1,7 +1,8 @@
 //! The position error of navigators with the gyro of a log, as a study with the coefficients of the fit and their intervals.
 //!
 //! The coefficients that the record does not show count as 0 in the study. What they may cost is the error with each of them
-//! at the upper end of its interval. The decision sheet is that of the study.
+//! at the upper end of its interval. The decision sheet is that of the study, whose parts and levers are compared with the first
+//! sets of coefficients only, so that another value may meet the limit by the third digit.
 
 use serde_json::{Value as Json, json};
 

@@ -44,8 +44,8 @@ use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Page, Section};
 
-/// The page of a log from its analysis and the lines of the decision to which it leads, with the sections of `further` analyses. If it has
-/// no spectra, `without` says why.
+/// The page of a log from its analysis and the lines of the decision to which it leads, with the sections of `further`
+/// analyses. If it has no spectra, `without` says why.
 pub fn of_log(
     log: &Log,
     analysis: &Analysis,

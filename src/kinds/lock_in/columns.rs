@@ -31,9 +31,7 @@ impl Row<'_> {
     fn tau_s(&self) -> f64 {
         self.point.times.sample_s * self.m as f64
     }
-
-    /// N, from σ² = N²/τ.
-    /// N; none where the gyro is locked, whose output does not follow the input.
+    /// N, from σ² = N²/τ; none where the gyro is locked, whose output does not follow the input.
     fn walk(&self) -> Option<f64> {
         self.variance.filter(|_| !self.is_locked()).map(|(variance, _)| libm::sqrt(variance * self.tau_s()))
     }

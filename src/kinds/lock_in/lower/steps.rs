@@ -1,11 +1,12 @@
 //! The steps of the integration, from bounds of their error.
 //!
-//! The midpoint rule with n steps in a period of the dither replaces the lock-in of zone k, J_k(Θ), by Σ J_{k+mn}(Θ) over all whole m,
-//! because the samples of an angle that turns n times more look the same. J_ν(Θ) falls faster than any exponential once ν exceeds Θ:
-//! it is below 10^−9 for ν = Θ + 8 Θ^{1/3}. The steps of a period tell the largest amplitude from its alias by that bound, and half of
-//! them that of nearly every half-cycle, so that an integration with half the steps shows the error of this one. Where the amplitude
-//! changes, at the zero crossings, a sum of samples differs from the integral by up to its next term, which n ≥ 2.2 Θ keeps below
-//! 10^−4 of a jump at a reversal. Where a sample ends the sum, the kernel adds that term. The explicit step of the lock-in itself errs by π²c² of c. `docs/numerics.md` has the derivations.
+//! The midpoint rule with n steps in a period of the dither replaces the lock-in of zone k, J_k(Θ), by Σ J_{k+mn}(Θ) over all
+//! whole m, because the samples of an angle that turns n times more look the same. J_ν(Θ) falls faster than any exponential
+//! once ν exceeds Θ: it is below 10^−9 for ν = Θ + 8 Θ^{1/3}. The steps of a period tell the largest amplitude from its alias
+//! by that bound, and half of them that of nearly every half-cycle, so that an integration with half the steps shows the error
+//! of this one. Where the amplitude changes, at the zero crossings, a sum of samples differs from the integral by up to its
+//! next term, which n ≥ 2.2 Θ keeps below 10^−4 of a jump at a reversal. Where a sample ends the sum, the kernel adds that
+//! term. The explicit step of the lock-in itself errs by π²c² of c. `docs/numerics.md` has the derivations.
 
 use core::f64::consts::{PI, TAU};
 
