@@ -368,7 +368,7 @@ impl Store {
 
 /// The rows of some tallies.
 pub(crate) struct Held<'a> {
-    /// Those of each tally.
+    /// The rows of each tally, in the order of the addresses.
     rows: Vec<Vec<Raw>>,
     path: &'a Path,
 }

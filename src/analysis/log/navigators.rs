@@ -64,7 +64,7 @@ pub struct Navigators {
     pub sheet: Sheet,
 }
 
-/// What is asked of navigators.
+/// The time after which navigators are asked for their place, and the limit on their distance from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asked {
     /// Time after the start, s.
