@@ -133,6 +133,72 @@ fn white_noise_has_the_variances_of_theory() {
     assert!((found - 32.0).abs() < 0.5, "LGV-1, 10 min, 60°: {found}");
 }
 
+/// Mean squares, m², of the error of the fix of an aircraft, along its track and across it, whose gyros alone give its
+/// place because the vertical is known; the drift of each gyro is a Markov process.
+///
+/// These are the premises of arXiv:2202.09360 (Wheeler, Chamoun, Dangui, Digonnet) as its abstract states them. The gyro
+/// across the track moves the fix along it by R per unit of angle; a rate error of the other two turns with the aircraft by
+/// ω = V/R on the way to the fix, so that the fix moves across the track by R cos ωu or R sin ωu, u later.
+fn fix_of_known_vertical(sigma: f64, correlation_s: f64, speed: f64, t: f64) -> [f64; 2] {
+    let scale = 2.0 * (RADIUS * sigma * ARCSEC).powi(2);
+    // ∫∫ cos ω(s − s′) e^(−|s − s′|/τ) is twice the real part of t/a − (1 − e^(−at))/a² with a = 1/τ − iω.
+    [0.0, speed / RADIUS].map(|omega| {
+        let (re, im) = (1.0 / correlation_s, -omega);
+        let size = re * re + im * im;
+        let decay = (-re * t).exp();
+        let (one_re, one_im) = (1.0 - decay * (im * t).cos(), decay * (im * t).sin());
+        let (square_re, square_im) = (re * re - im * im, 2.0 * re * im);
+        let quotient = (one_re * square_re + one_im * square_im) / (size * size);
+        scale * (t * re / size - quotient)
+    })
+}
+
+/// A Schuler-tuned navigator swings about the fix of one that knows the vertical. Over whole Schuler periods the swings of a
+/// drift that outlives them cancel, and those of white noise add half of its variance.
+#[test]
+fn long_flights_have_the_fix_of_gyros_that_know_the_vertical() {
+    const SAMPLE: f64 = 10.0;
+    const SPEED: f64 = 250.0;
+    // 0.01 deg/h and 0.001 deg/√h, in ″/s and ″/√s.
+    let (drift, white) = (0.01, 0.06);
+    let schuler = 2.0 * PI * (RADIUS / GRAVITY).sqrt();
+    // A great circle: east along the equator of an Earth that does not turn.
+    let leg = Leg { earth_rate: 0.0, latitude: 0.0, velocity: [0.0, SPEED] };
+    for (periods, correlation_s) in [(7, 36_000.0), (7, 360_000.0), (10, 72_000.0)] {
+        let duration = (f64::from(periods) * schuler / SAMPLE).round() as usize;
+        let t = duration as f64 * SAMPLE;
+        let times = Times { sample_s: SAMPLE, alignment: 0, duration, calibrates: false };
+        let gyros = weights(&Task::Inertial(leg), &times);
+        let variance = |noise: &covariance::Noise, error: usize| {
+            let of = |gyro: &Vec<f64>| noise.covariance(gyro, gyro);
+            gyros.iter().map(|gyro| of(&gyro.of_errors[error])).sum::<f64>()
+        };
+        let markov = Some([drift * SAMPLE, SAMPLE / correlation_s]);
+        let markov = covariance::Noise { markov, ..covariance::Noise::default() };
+        let noise = covariance::Noise { white: white * SAMPLE.sqrt(), ..covariance::Noise::default() };
+        let expected = fix_of_known_vertical(drift, correlation_s, SPEED, t);
+        let of_white = (RADIUS * white * ARCSEC).powi(2) * t;
+        // Along the track, to the east, and across it, to the north.
+        for (error, expected) in [6, 5].into_iter().zip(expected) {
+            let ratio = (variance(&markov, error) / expected).sqrt();
+            assert!((ratio - 1.0).abs() < 3e-3, "drift, {t} s, error {error}: {ratio} of the closed form");
+            let ratio = variance(&noise, error) / of_white;
+            assert!((ratio - 1.5).abs() < 5e-3, "white noise, {t} s, error {error}: {ratio}, not 3/2");
+        }
+        // The angle about the axis across the track needs no vertical, so there is nothing to swing.
+        let angle = &weights(&Task::Heading, &times)[0].of_errors[0];
+        let metres = (RADIUS * ARCSEC).powi(2);
+        let ratio = metres * markov.covariance(angle, angle) / expected[0];
+        assert!((ratio - 1.0).abs() < 1e-6, "angle, {t} s: {ratio} of the closed form");
+        assert!((metres * noise.covariance(angle, angle) / of_white - 1.0).abs() < 1e-12);
+    }
+    // The drift that is often cited for RNP 10, 10 nmi in 95 % of the flights, reaches that in 10 h: 1.96·60.04 nmi/deg·
+    // 0.01 deg/h·10 h·√(2/e) along the track.
+    let [along, across] =
+        fix_of_known_vertical(drift, 36_000.0, SPEED, 36_000.0).map(|square| 1.96 * square.sqrt() / 1852.0);
+    assert!((along - 10.09).abs() < 0.01 && (across - 9.47).abs() < 0.01, "{along} and {across} nmi");
+}
+
 /// Mean and root mean square of each error over some sampled navigators, with their standard errors.
 fn sampled(lowered: &Lowered, trials: usize) -> Vec<[f64; 4]> {
     let cpu = Cpu::new(Width::widest(), 0).unwrap();
