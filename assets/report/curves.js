@@ -52,7 +52,8 @@ class Curves {
     const shows = (x, y) => Range.shows(xLog, x) && Range.shows(yLog, y);
     const points = this.series().flatMap((series) => series.points).filter(({ x, y }) => shows(x, y));
     const lines = this.laws().flatMap(({ line }) => line.points).filter(([x, y]) => shows(x, y));
-    const x = Range.around(xLog, [...points.map((point) => point.x), ...lines.map((place) => place[0])]);
+    const across = [...points.map((point) => point.x), ...lines.map((place) => place[0])];
+    const x = figure.x.whole && !xLog ? Range.counting(across) : Range.around(xLog, across);
     let [low, high] = [Infinity, -Infinity];
     for (const point of points) [low, high] = [Math.min(low, point.y), Math.max(high, point.y)];
     const room = Math.max(high - low, 0.5 * Math.max(Math.abs(low), Math.abs(high)));
@@ -66,7 +67,7 @@ class Curves {
       for (const series of this.series()) for (const place of series.law) beside.push(place[1]);
     }
     const near = beside.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
-    const limit = figure.limit && this.on("limit") ? [figure.limit.value] : [];
+    const limit = figure.limit && this.on("limit") ? this.limits() : [];
     const whole = function* () {
       for (const point of points) yield point.y;
       yield* near;
@@ -155,13 +156,21 @@ class Curves {
     if (bars) group.append(shape("path", { class: `bar ${colour}`, d: bars }));
   }
 
+  /** The values at which a line shows the limit: it limits the magnitude, so that below 0 there is a second one. */
+  limits() {
+    const { value } = this.figure.limit;
+    const signed = this.figure.series.some((series) => series.points.some((point) => point.y < 0));
+    return signed ? [value, -value] : [value];
+  }
+
   limit(plot, under, over) {
     const { value, label } = this.figure.limit;
-    if (!Range.shows(plot.log.y, value)) return;
     const { left, right } = plot.frame;
+    for (const side of this.limits()) {
+      if (Range.shows(plot.log.y, side)) under.append(shape("path", { class: "limit", d: `M${left},${plot.down(side)}H${right}` }));
+    }
     const y = plot.down(value);
-    under.append(shape("path", { class: "limit", d: `M${left},${y}H${right}` }));
-    if (!plot.inFrame([left, y])) return;
+    if (!Range.shows(plot.log.y, value) || !plot.inFrame([left, y])) return;
     const [width, height] = [textWidth(label, plot.small ? 11 : 13), plot.small ? 11 : 13];
     // Below the line, or above it, at the place along it where the label covers least of the curves.
     const { top, bottom } = plot.frame;

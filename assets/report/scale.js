@@ -32,6 +32,14 @@ class Range {
     return new Range(false, low - 0.05 * span, high + 0.05 * span);
   }
 
+  /** A range with counts, which does not extend to 0 merely because 0 is near. */
+  static counting(values) {
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    if (!(low > 0 && low < high)) return Range.around(false, values);
+    const margin = 0.05 * (high - low);
+    return new Range(false, Math.max(low - margin, 0), high + margin);
+  }
+
   coordinate(value) {
     return this.log ? Math.log10(value) : value;
   }

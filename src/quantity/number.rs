@@ -75,9 +75,50 @@ pub fn short(number: f64) -> String {
     format!("{}{unit}", significant(number / scale, 3))
 }
 
+/// The side to which a number is rounded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Down,
+    Up,
+    Nearest,
+}
+
+/// Relative difference below which a number is taken for its rounded one, as after a logarithm and back.
+const ROUNDING: f64 = 1e-9;
+
+/// A number above 0 with `digits` significant digits, rounded to one side.
+pub(crate) fn rounded_to(side: Side, x: f64, digits: usize) -> String {
+    let nearest = significant(x, digits);
+    let Ok(found) = nearest.parse::<f64>() else { return nearest };
+    let is_beyond = match side {
+        Side::Down => found > x * (1.0 + ROUNDING),
+        Side::Up => found < x * (1.0 - ROUNDING),
+        Side::Nearest => false,
+    };
+    if !is_beyond || x <= 0.0 || !x.is_finite() {
+        return nearest;
+    }
+    let last = libm::pow(10.0, libm::floor(libm::log10(x)) + 1.0 - digits as f64);
+    significant(if side == Side::Up { found + last } else { found - last }, digits)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_rounded_to_a_side_unless_they_have_so_few_digits() {
+        let shown = [Side::Down, Side::Nearest, Side::Up].map(|side| rounded_to(side, 1.4142, 3));
+        assert_eq!(shown, ["1.41", "1.41", "1.42"]);
+        let shown = [Side::Down, Side::Up]
+            .map(|side| [382.4, 0.019_97, 9.996, 99_960.0].map(|x| rounded_to(side, x, 3)));
+        assert_eq!(shown, [["382", "0.0199", "9.99", "99900"], ["383", "0.02", "10", "100000"]]);
+        assert_eq!(
+            [Side::Down, Side::Up].map(|side| rounded_to(side, 40.0 * (1.0 - 1e-12), 3)),
+            ["40", "40"]
+        );
+        assert_eq!([0.0, f64::INFINITY].map(|x| rounded_to(Side::Down, x, 3)), ["0", "inf"]);
+    }
 
     #[test]
     fn numbers_between_a_thousandth_and_a_million_have_no_exponent() {

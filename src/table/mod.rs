@@ -40,6 +40,8 @@ pub struct Column {
     pub cells: Cells,
     /// Lower and upper ends of the 95 % interval of each cell, where there is one; empty where no cell has one.
     pub band: Option<Vec<Option<(f64, f64)>>>,
+    /// The same of the mean behind each cell, where `band` is that of single records.
+    pub means: Option<Vec<Option<(f64, f64)>>>,
 }
 
 impl Column {
@@ -72,9 +74,11 @@ impl Column {
         self.band.as_ref()?.get(row).copied().flatten()
     }
 
-    /// Whether the intervals of two rows, if there are any, have values in common.
+    /// Whether the intervals of two rows, those of means where there are such, have values in common.
     pub(crate) fn is_alike(&self, one: usize, other: usize) -> bool {
-        let intervals = self.interval(one).zip(self.interval(other));
+        let of_mean = |row: usize| self.means.as_ref()?.get(row).copied().flatten();
+        let interval = |row: usize| of_mean(row).or_else(|| self.interval(row));
+        let intervals = interval(one).zip(interval(other));
         intervals.is_some_and(|((low, high), (least, most))| low <= most && least <= high)
     }
 

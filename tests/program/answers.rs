@@ -68,7 +68,7 @@ fn an_interval_is_answered_by_the_best_one_before_the_limit() {
     assert!(said.contains(" s with mv") && said.contains(" (run time 1200 s: "), "{said}");
     assert!(
         said.ends_with(
-            "Without a band mv is designed for exactly this frequency, which firmware does not know."
+            "Without a band mv is designed for exactly this motion, which firmware does not know."
         ),
         "{said}"
     );

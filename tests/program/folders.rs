@@ -170,7 +170,7 @@ fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
     let said = headline(&Desk::with(&fillers(own)));
     assert!(
         said.contains(
-            "Fillers that are designed for exactly this frequency, which firmware does not know, are left out"
+            "Fillers that are designed for exactly this motion, which firmware does not know, are left out"
         ),
         "{said}"
     );
@@ -238,9 +238,7 @@ fn a_filler_that_is_designed_for_the_band_of_the_motion_is_one_that_firmware_can
     let drawn = of(band, "");
     assert!(drawn.contains(": mv") && !drawn.contains("designed"), "{drawn}");
     assert_eq!(drawn, of(band, &format!(", band = {band}")));
-    assert!(
-        of("\"20 Hz\"", "").contains("designed for exactly this frequency, which firmware does not know")
-    );
+    assert!(of("\"20 Hz\"", "").contains("designed for exactly this motion, which firmware does not know"));
 }
 
 /// Two gyros at rest, of files in a folder beside the study.

@@ -11,7 +11,10 @@ use crate::view::report::bandless::Bandless;
 use crate::view::report::sentences::{measured, names, naming};
 
 /// Prefixes of conditions that are the gyro's own, and not what surrounds it.
-const OF_GYRO: [&str; 6] = ["drift.", "noise.", "gyro.", "relock.", "lock_in.", "switching."];
+const OF_GYRO: [&str; 7] = ["dither.", "drift.", "noise.", "gyro.", "relock.", "lock_in.", "switching."];
+
+/// Most values of a key that the judged chart fixes of which each is compared.
+const MOST_FIXED: usize = 100;
 
 /// The least gain that is worth a sentence.
 const LEAST_GAIN: f64 = 0.01;
@@ -155,7 +158,7 @@ impl<'t> Choice<'t> {
             let met = conditions.iter().filter(|row| is_met(**row)).count();
             Some(Rated { name, row: worst, met, rows: conditions })
         };
-        let mut options: Vec<Rated> = grouped(rows, option_of).into_iter().filter_map(option).collect();
+        let mut options: Vec<Rated> = grouped(rows, &option_of).into_iter().filter_map(option).collect();
         // Of records that meet the limit equally often, the shortest is the best: a longer one costs time.
         let length = match chosen[..] {
             [column] if column.name == LENGTH.name && limit.is_some() => Some(column),
@@ -192,13 +195,32 @@ impl<'t> Choice<'t> {
             let gain = 1.0 - value(to) / value(row);
             (gain >= LEAST_GAIN).then(|| Varied { to: names(&[*by], to), from, gain })
         });
-        let varied = varied.max_by(|a, b| a.gain.total_cmp(&b.gain));
+        // A swept key of which the chart shows one value: the best option at each of its other values.
+        let several = || study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
+        let fixed = several().filter_map(|sweep| {
+            let place = filter.iter().position(|(name, _)| name == sweep.key.name)?;
+            let is_own = OF_GYRO.iter().any(|key| sweep.key.name.starts_with(key));
+            let by = table.column(sweep.key.name).ok().filter(|_| is_own)?;
+            let largest = |cell: Cell| {
+                let mut filter = filter.clone();
+                filter[place].1 = cell.text();
+                let mut rows = table.rows_where(&filter).ok()?;
+                rows.retain(|&row| has_value(row) && option_of(row) == name);
+                let conditions = grouped(rows, &condition_of).into_iter().filter_map(|(_, rows)| least(rows));
+                conditions.max_by(|a, b| value(*a).total_cmp(&value(*b)))
+            };
+            let others = sweep.values.iter().take(MOST_FIXED).filter_map(|other| largest(other.cell()));
+            let to = others.min_by(|a, b| value(*a).total_cmp(&value(*b)))?;
+            let from = by.cells[row].number().map_or_else(|| by.cells[row].text(), |x| measured(by, x));
+            let gain = 1.0 - value(to) / value(row);
+            (gain >= LEAST_GAIN).then(|| Varied { to: names(&[by], to), from, gain })
+        });
+        let varied = varied.chain(fixed).max_by(|a, b| a.gain.total_cmp(&b.gain));
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, rows.len()];
-        let several = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
-        let swept: Vec<&Column> = several.filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
+        let swept: Vec<&Column> = several().filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
         let labels = |of: fn(&Column) -> bool| {
             swept.iter().filter(|column| of(column)).map(|column| column.label.clone()).collect()
         };
@@ -226,14 +248,19 @@ impl<'t> Choice<'t> {
         }))
     }
 
-    /// The value of the best option.
+    /// The magnitude of the best option.
     pub(crate) fn value(&self) -> f64 {
         self.column.cells[self.row].number().map_or(f64::INFINITY, f64::abs)
     }
 
-    /// Its 95 % interval.
+    /// The 95 % interval of that magnitude.
     pub(crate) fn interval(&self) -> Option<(f64, f64)> {
-        self.column.interval(self.row)
+        let (low, high) = self.column.interval(self.row)?;
+        Some(match (low < 0.0, high < 0.0) {
+            (false, _) => (low, high),
+            (true, true) => (-high, -low),
+            (true, false) => (0.0, high.max(-low)),
+        })
     }
 }
 

@@ -170,11 +170,18 @@ impl Sheet {
             names => format!(" {} would need a motion that firmware does not know.", listed(names)),
         };
         if self.options < 2 {
-            let none = match &self.swept[0][..] {
-                [] => "There is only one option.".to_owned(),
-                conditions => {
+            let [conditions, all] = &self.swept;
+            let fixed: Vec<&String> = all.iter().filter(|label| !conditions.contains(label)).collect();
+            let none = match (&conditions[..], &fixed[..]) {
+                ([], _) => "There is only one option.".to_owned(),
+                (conditions, []) => {
                     format!("None is compared: the study varies conditions only ({}).", listed(conditions))
                 }
+                (conditions, fixed) => format!(
+                    "None is compared: what is judged has one {}, and varies conditions only ({}).",
+                    listed(fixed),
+                    listed(conditions)
+                ),
             };
             return format!("{none}{left_out}");
         }

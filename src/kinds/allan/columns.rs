@@ -8,7 +8,7 @@ use crate::kinds::allan::run::curves::Scatter;
 use crate::kinds::table::Values;
 use crate::table::column::Band;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit, Usual};
-use crate::tally::stats::z_score;
+use crate::tally::stats::{NORMAL_95, z_score};
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {
@@ -27,6 +27,12 @@ impl Row<'_> {
         let Scatter { mean, error, band } = &self.scatter;
         // The standard error of a few records scatters too much itself.
         band.and_then(|_| z_score((*mean)?, self.oracle?, (*error)?, self.rounding))
+    }
+
+    /// The root of the 95 % interval of the mean variance.
+    fn of_mean(&self) -> Band {
+        let (mean, half) = (self.scatter.mean?, NORMAL_95 * self.scatter.error?);
+        Some((libm::sqrt((mean - half).max(0.0)), libm::sqrt(mean + half)))
     }
 
     fn deviations(&self) -> Band {
@@ -66,7 +72,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.scatter.mean.map(libm::sqrt).into())
             .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
             .usual(Usual::Estimate)
-            .within(Row::deviations),
+            .within(Row::deviations)
+            .compared_within(Row::of_mean),
         Of::new("adev_lo", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (lower)", |row| row.deviations().map(|ends| ends.0).into())
             .is_of("adev", Role::Lower, "95 % of single records have a deviation above this and below `adev_hi`, °/h."),
         Of::new("adev_hi", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (upper)", |row| row.deviations().map(|ends| ends.1).into())

@@ -2,6 +2,7 @@
 
 use crate::kinds::lock_in::Point;
 use crate::kinds::lock_in::lower::oracle::Zone;
+use crate::table::column::Band;
 use crate::table::{ColumnOf, Role, Unit, Usual};
 use crate::tally::stats::{NORMAL_95, z_score};
 
@@ -47,6 +48,12 @@ impl Row<'_> {
         let closed = libm::hypot(inputs.gyro()?.angle_random_walk(), inputs.beam_noise);
         let ends = self.walk_interval().map(|(low, high)| (low / closed, high / closed));
         Some((self.walk()? / closed, ends))
+    }
+
+    /// The 95 % interval of the mean output rate less a rate without error, ″/s.
+    fn rate_less(&self, rate: f64) -> Band {
+        let (mean, half) = (self.rate?.0 - rate, NORMAL_95 * self.rate?.1?);
+        Some((mean - half, mean + half))
     }
 
     fn walk_interval(&self) -> Option<(f64, f64)> {
@@ -105,10 +112,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("angle_random_walk", Role::Z, "Deviation of `angle_random_walk` from its closed form in standard errors; beyond ±5 something is wrong."),
         Of::new("mean_rate", Unit::ARCSEC_PER_S, "mean output rate", |row| row.rate.map(|rate| rate.0).into())
             .is(Role::Estimate, "Mean output rate over the gyros, ″/s.")
-            .within(|row| {
-                let (rate, se) = row.rate?;
-                Some((rate - NORMAL_95 * se?, rate + NORMAL_95 * se?))
-            }),
+            .within(|row| row.rate_less(0.0)),
         Of::new("mean_rate_se", Unit::ARCSEC_PER_S, "standard error of the mean output rate", |row| row.rate.and_then(|rate| rate.1).into())
             .is_of("mean_rate", Role::StandardError, "Standard error (1 σ) of `mean_rate` over the gyros, ″/s."),
         Of::new("oracle_mean_rate", Unit::ARCSEC_PER_S, "mean output rate (closed form)", |row| row.oracle_rate.into())
@@ -116,7 +120,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rate_error", Unit::ARCSEC_PER_S, "error of the mean output rate", |row| {
             row.rate.map(|rate| rate.0 - row.input_rate).into()
         })
-            .is(Role::Error, "Mean output rate minus mean input rate, ″/s."),
+            .is(Role::Error, "Mean output rate minus mean input rate, ″/s.")
+            .within(|row| row.rate_less(row.input_rate)),
         Of::new("zone", Unit::NONE, "nearest zone k", |row| row.zone.map(|zone| f64::from(zone.number)).into())
             .is(Role::Count, "Number k of the nearest zone of dynamic lock-in; blank without dither."),
         Of::new("zone_centre", Unit::ARCSEC_PER_S, "centre of the zone", |row| row.zone.map(|zone| zone.centre).into())

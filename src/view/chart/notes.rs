@@ -68,7 +68,10 @@ impl MapNotes {
 
 /// A count with its noun; `None` for 0.
 fn counted(count: usize, what: &str) -> Option<String> {
-    (count > 0).then(|| format!("{count} {what}"))
+    (count > 0).then(|| match count {
+        1 => format!("1 {}", what.replacen(" have ", " has ", 1)),
+        count => format!("{count} {what}"),
+    })
 }
 
 /// The parts as one sentence; `None` without parts.

@@ -268,7 +268,7 @@ pub(crate) fn raised_signs() -> impl Iterator<Item = (char, char)> {
 }
 
 /// An exponent in superscript digits.
-fn superscript(exponent: i32) -> String {
+pub(crate) fn superscript(exponent: i32) -> String {
     let raised = |figure| raised_signs().find(|(_, plain)| *plain == figure).map(|(raised, _)| raised);
     exponent.to_string().chars().filter_map(raised).collect()
 }

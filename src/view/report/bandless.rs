@@ -24,7 +24,7 @@ impl<'a> Bandless<'a> {
         let (tuning, names) = tuned(study, fill)?;
         let why = match tuning {
             Tuning::Points => "the very motion of each point",
-            Tuning::Frequency => "exactly this frequency",
+            Tuning::Frequency => "exactly this motion",
         };
         Some(Bandless { column, names, why })
     }

@@ -13,6 +13,14 @@ const MOST_CURVES: usize = 9;
 /// Most peaks of a curve that are named.
 const MOST_PEAKS: usize = 4;
 
+/// The part of both values beside it below which a single value is a notch if these are no steps of a slope, and that below
+/// which it is one in any case: slopes of σ(τ) are ±1 at most.
+const NOTCH: f64 = 0.5;
+const DEEP: f64 = 0.25;
+
+/// Fewest values of a curve whose course a notch interrupts.
+const FEWEST: usize = 5;
+
 /// Most curves of which each minimum is named.
 const MOST_LISTED: usize = 4;
 
@@ -145,9 +153,14 @@ impl Curves<'_> {
     pub(crate) fn minima(&self, by: &[&Column]) -> Option<String> {
         self.named()?;
         let least = |(name, rows): &(String, Vec<usize>)| {
-            let row = *rows.iter().min_by(|&&a, &&b| self.y.value(a).total_cmp(&self.y.value(b)))?;
-            Some((name.clone(), row))
+            let is_course = |&at: &usize| !self.is_notch(rows, at);
+            let value = |at: &usize| self.y.value(rows[*at]);
+            let at = (0..rows.len()).filter(is_course).min_by(|a, b| value(a).total_cmp(&value(b)))?;
+            Some((name.clone(), rows[at]))
         };
+        let are_notched =
+            self.curves.iter().any(|(_, rows)| (0..rows.len()).any(|at| self.is_notch(rows, at)));
+        let besides = if are_notched { ", besides single notches," } else { "" };
         let mut all: Vec<(String, usize)> = self.curves.iter().filter_map(least).collect();
         all.sort_by(|a, b| self.y.value(a.1).total_cmp(&self.y.value(b.1)));
         let [(low_name, low), between @ .., (high_name, high)] = &all[..] else { return None };
@@ -156,10 +169,21 @@ impl Curves<'_> {
                 format!("{} at {} ({name})", measured(self.y, self.y.value(*row)), self.at_place(*row))
             };
             let told: Vec<String> = all.iter().map(told).collect();
-            return Some(format!("The least {} is {}.", worded(&self.y.label), listed(&told)));
+            return Some(format!("The least {}{besides} is {}.", worded(&self.y.label), listed(&told)));
         }
         if let Some(told) = by.iter().find_map(|one| self.decided(&all, one, by)) {
-            return Some(format!("The least {} is {told}.", worded(&self.y.label)));
+            let x = |(_, row): &(String, usize)| self.x.value(*row);
+            let is_same = all.iter().all(|one| x(one) == x(&all[0]));
+            let last =
+                self.curves.iter().flat_map(|(_, rows)| rows).map(|&row| self.x.value(row)).reduce(f64::max);
+            let place = match is_same {
+                true if Some(x(&all[0])) == last => {
+                    format!(", each at the end of the range, {}", self.at_place(*low))
+                }
+                true => format!(", each at {}", self.at_place(*low)),
+                false => String::new(),
+            };
+            return Some(format!("The least {}{besides} is {told}{place}.", worded(&self.y.label)));
         }
         let [least, most] = [*low, *high].map(|row| measured(self.y, self.y.value(row)));
         let [at_least, at_most] = [*low, *high].map(|row| self.at_place(row));
@@ -202,6 +226,19 @@ impl Curves<'_> {
             });
             listed(&told.collect::<Vec<_>>())
         })
+    }
+
+    /// Whether a single value lies far below both beside it, or below half of them where they are no steps of a slope: as
+    /// where τ is an even multiple of the period of a sine. It says nothing of the course of the curve.
+    fn is_notch(&self, rows: &[usize], at: usize) -> bool {
+        let is_below = |part: f64, at: usize, beside: usize| match (rows.get(at), rows.get(beside)) {
+            (Some(&row), Some(&beside)) => self.y.value(row) < part * self.y.value(beside),
+            _ => false,
+        };
+        let are_below = |part: f64| is_below(part, at, at.wrapping_sub(1)) && is_below(part, at, at + 1);
+        let is_step = |beside: usize, beyond: usize| is_below(NOTCH, beside, beyond);
+        let are_steps = || is_step(at.wrapping_sub(1), at.wrapping_sub(2)) || is_step(at + 1, at + 2);
+        rows.len() >= FEWEST && (are_below(DEEP) || are_below(NOTCH) && !are_steps())
     }
 
     fn at_place(&self, row: usize) -> String {
@@ -254,9 +291,23 @@ mod tests {
         let mut deciding = filler.clone();
         deciding.cells =
             rows.iter().map(|&row| Cell::Text(if row < 9 { "without" } else { "with" }.to_owned())).collect();
-        let expected =
-            "The least rms is 1 with a to 3 arcsec with c (without) and 7 with d to 8 arcsec with e (with).";
+        let expected = "The least rms is 1 with a to 3 arcsec with c (without) and 7 with d to 8 arcsec with e (with), each at frequency 2 Hz.";
         assert_eq!(curves.minima(&[filler, &deciding]).as_deref(), Some(expected));
+    }
+
+    #[test]
+    fn a_notch_is_no_minimum_and_a_deep_valley_is_one() {
+        let said = |values: [[f64; 7]; 2]| {
+            let table = table("rms", &[("a", values[0]), ("b", values[1])]);
+            let rows: Vec<usize> = (0..table.rows()).collect();
+            let [filler, x, y] = [0, 1, 2].map(|at| &table.columns[at]);
+            Curves::of(x, y, &rows, &[filler]).minima(&[])
+        };
+        let valley = [27.0, 9.0, 3.0, 1.0, 3.0, 9.0, 27.0];
+        let expected = "The least rms, besides single notches, is 1 arcsec at frequency 8 Hz (b) and 4 arcsec at frequency 32 Hz (a).";
+        assert_eq!(said([[9.0, 8.0, 7.0, 0.1, 5.0, 4.0, 4.5], valley]).as_deref(), Some(expected));
+        let expected = "The least rms is 1 arcsec at frequency 8 Hz (a) and 1 arcsec at frequency 8 Hz (b).";
+        assert_eq!(said([valley, valley]).as_deref(), Some(expected));
     }
 
     #[test]

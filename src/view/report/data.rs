@@ -16,6 +16,7 @@ use crate::table::{Cell, Column, Role, Table, titled};
 use crate::view::chart::map::words::Words;
 use crate::view::chart::palette::Looks;
 use crate::view::chart::picture::Picture;
+use crate::view::chart::ticks::superscript;
 use crate::view::picture::Drawn;
 use crate::view::report::axes::Axes;
 
@@ -24,6 +25,12 @@ const DIGITS: usize = 9;
 
 /// Most cells of a table in a page, which keep it below 1.5 MB and fast to draw.
 const MOST_CELLS: usize = 80_000;
+
+/// Most columns of a table that paper has room for.
+const MOST_PRINTED: usize = 28;
+
+/// Most whole numbers that a number of floating point tells apart.
+const MOST_WHOLE: f64 = 1e15;
 
 /// Most points of all curves of a page.
 const MOST_POINTS: usize = 20_000;
@@ -69,6 +76,8 @@ struct Listing<'t> {
     text: bool,
     /// Whether it distinguishes rows.
     tells: bool,
+    /// Whether paper, which has no room for all columns, leaves it out.
+    aside: bool,
     /// Cells; a single one if all are equal.
     cells: Box<RawValue>,
     /// The first cells as people read them.
@@ -77,21 +86,35 @@ struct Listing<'t> {
 }
 
 impl Listed<'_> {
-    /// The headings of the columns, and whether they hold text.
-    pub(crate) fn headings(&self) -> impl Iterator<Item = (&str, bool)> {
-        self.columns.iter().map(|column| (column.title.as_str(), column.text))
+    /// The headings of the columns, and their classes.
+    pub(crate) fn headings(&self) -> impl Iterator<Item = (&str, &'static str)> {
+        self.columns.iter().map(|column| (column.title.as_str(), column.class()))
     }
 
-    /// The first rows, each cell with whether it is text.
-    pub(crate) fn first_rows(&self) -> impl Iterator<Item = Vec<(&str, bool)>> {
+    /// The first rows, each cell with its class.
+    pub(crate) fn first_rows(&self) -> impl Iterator<Item = Vec<(&str, &'static str)>> {
         let rows = self.columns.first().map_or(0, |column| column.first.len());
-        (0..rows).map(|row| self.columns.iter().map(|column| (&*column.first[row], column.text)).collect())
+        (0..rows).map(|row| self.columns.iter().map(|column| (&*column.first[row], column.class())).collect())
+    }
+
+    /// Number of columns on paper.
+    pub(crate) fn printed(&self) -> usize {
+        self.columns.iter().filter(|column| !column.aside).count()
+    }
+
+    /// What paper leaves out, if anything.
+    pub(crate) fn unprinted(&self) -> Option<String> {
+        let (printed, all) = (self.printed(), self.columns.len());
+        (printed < all).then(|| {
+            format!("Printed are the {printed} columns that charts show, of {all}; all are in {}.", self.file)
+        })
     }
 
     /// How many of the rows the page shows at first.
     pub(crate) fn counted(&self) -> String {
         match self.shown {
             shown if shown > FIRST_ROWS => format!("{FIRST_ROWS} of {shown} rows"),
+            1 => "1 row".to_owned(),
             shown => format!("{shown} rows"),
         }
     }
@@ -105,6 +128,17 @@ impl Listed<'_> {
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         let part = parts.join(" and ");
         (!part.is_empty()).then(|| format!("The page has {part}; all are in {}.", self.file))
+    }
+}
+
+impl Listing<'_> {
+    fn class(&self) -> &'static str {
+        match (self.text, self.aside) {
+            (false, false) => "",
+            (true, false) => "text",
+            (false, true) => "aside",
+            (true, true) => "text aside",
+        }
     }
 }
 
@@ -178,8 +212,9 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
             about: &column.meaning,
             text: column.cells.any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
+            aside: columns.len() > MOST_PRINTED && !is_charted(column, table, charts),
             cells: json(if one { &cells[..1] } else { &cells[..] }),
-            first: cells.iter().take(FIRST_ROWS).map(|cell| cell.rounded(5).replace('-', "−")).collect(),
+            first: cells.iter().take(FIRST_ROWS).map(|cell| read(cell)).collect(),
         }
     };
     Listed {
@@ -188,6 +223,22 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
         all_columns: all.len(),
         shown: rows,
         columns: columns.iter().map(listing).collect(),
+    }
+}
+
+/// A cell as people read it: a name as it is, a whole number in full, and others with five digits.
+fn read(cell: &Cell) -> String {
+    let Some(number) = cell.number() else { return cell.text() };
+    if number.fract() == 0.0 && number.abs() < MOST_WHOLE {
+        return format!("{number:.0}").replace('-', "−");
+    }
+    let text = significant(number, 5);
+    match text.split_once('e') {
+        Some((figures, exponent)) => {
+            let exponent = exponent.parse().map_or_else(|_| exponent.to_owned(), superscript);
+            format!("{}·10{exponent}", figures.replace('-', "−"))
+        }
+        None => text.replace('-', "−"),
     }
 }
 

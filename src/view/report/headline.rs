@@ -1,6 +1,7 @@
 //! A chart of a study with its answer.
 
 use crate::chart::Chart;
+use crate::chart::ground::Text;
 use crate::drift::schedule::INTERVAL;
 use crate::filler::FILLERS;
 use crate::kinds::allan::columns::is_absent;
@@ -78,7 +79,24 @@ impl<'a> Resolved<'a> {
         };
         let mut under: Vec<String> = self.conditions().into_iter().map(valued).collect();
         under.retain(|valued| !told.contains(valued));
-        Some(if under.is_empty() { told } else { format!("{told} That is for {}.", listed(&under)) })
+        let under = (!under.is_empty()).then(|| format!("for {}", listed(&under)));
+        let parts: Vec<String> = self.moment().map(str::to_owned).into_iter().chain(under).collect();
+        Some(if parts.is_empty() { told } else { format!("{told} That is {}.", parts.join(", ")) })
+    }
+
+    /// When its estimates hold, where another chart of the study shows those of another time.
+    fn moment(&self) -> Option<&'static str> {
+        let filter = self.chart.filter();
+        let ground = self.study.ground(self.chart.source)?;
+        let of_text = |text: &Text| {
+            let of = |filter: &[(String, String)]| {
+                filter.iter().find(|(name, _)| name == text.name).map(|(_, value)| value.clone())
+            };
+            let own = of(&filter)?;
+            let differs = |other: &Chart| of(&other.filter()).is_some_and(|value| value != own);
+            self.study.charts.iter().any(differs).then(|| (text.when)(&own)).flatten()
+        };
+        ground.texts.iter().find_map(of_text)
     }
 
     /// A remark that the least value is at an end of the range of a chosen abscissa.

@@ -2,7 +2,7 @@
 
 use crate::kinds::allan::columns::COEFFICIENT;
 use crate::quantity::list::listed;
-use crate::quantity::number::significant;
+use crate::quantity::number::{Side, significant};
 use crate::table::{Cell, Column, Role, Table, Unit, worded};
 use crate::theory::allan::terms::in_words;
 use crate::view::chart::map::{Cells, Map, Won, share};
@@ -127,7 +127,7 @@ fn named(column: &Column, cell: &Cell) -> Option<String> {
         Cell::Text(text) if text.parse::<f64>().is_ok() => Some(column.valued(text)),
         Cell::Text(text) => Some(text.clone()),
         cell => cell.number().map(|x| match x >= LONG_S && column.unit == Unit::S {
-            true => places(&[(column, x)]),
+            true => places(&[(column, x)], Side::Nearest),
             false => column.valued(&significant(x, 4)),
         }),
     }

@@ -127,17 +127,18 @@ pub(crate) fn listings(tables: &[Listed]) -> Markup {
                 div.table data-table=(at) {
                     h3 { (table.file) }
                     @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
+                    @if let Some(sentence) = table.unprinted() { p.note.paper { (sentence) } }
                     // Stays where no script makes a table to sort of it, and on paper.
                     div.listing {
                         p.hint.said { (table.counted()) }
                         div.scroll tabindex="0" role="region" aria-label=(table.file) {
-                            table style=(format!("--columns: {}", table.headings().count())) {
+                            table style=(format!("--columns: {}", table.printed())) {
                                 thead {
-                                    tr { @for (title, text) in table.headings() { th.text[text] scope="col" { span { (title) } } } }
+                                    tr { @for (title, class) in table.headings() { th class=[Some(class).filter(|class| !class.is_empty())] scope="col" { span { (title) } } } }
                                 }
                                 tbody {
                                     @for row in table.first_rows() {
-                                        tr { @for (cell, text) in row { td.text[text] { (cell) } } }
+                                        tr { @for (cell, class) in row { td class=[Some(class).filter(|class| !class.is_empty())] { (cell) } } }
                                     }
                                 }
                             }

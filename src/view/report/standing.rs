@@ -2,7 +2,7 @@
 
 use crate::chart::Limit;
 use crate::quantity::list::listed;
-use crate::quantity::number::{percent, significant};
+use crate::quantity::number::{Side, percent, rounded_to, significant};
 use crate::table::{Column, grouped};
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome, Window, places};
@@ -165,7 +165,7 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
 
 /// The place of an outcome on the axis alone, without what varies with it.
 fn place(one: &Judged) -> String {
-    places(one.at.get(..1).unwrap_or_default())
+    places(one.at.get(..1).unwrap_or_default(), one.outcome.side())
 }
 
 /// A curve as a sentence that names places on the axis alone.
@@ -203,7 +203,8 @@ fn between(curves: &[&Judged]) -> Option<String> {
     let told = curves.iter().enumerate().map(|(number, one)| {
         let (column, from, to) = range(one)?;
         let label = if number == 0 { format!("{} ", column.label) } else { String::new() };
-        let ends = format!("{} to {} {}", significant(from, 3), significant(to, 3), column.unit.symbol);
+        let [from, to] = [rounded_to(Side::Up, from, 3), rounded_to(Side::Down, to, 3)];
+        let ends = format!("{from} to {to} {}", column.unit.symbol);
         Some(format!("{} from {label}{}", one.name(), ends.trim_end()))
     });
     Some(told.collect::<Option<Vec<String>>>()?.join("; "))
@@ -216,20 +217,23 @@ fn by_first(curves: &[&Judged], how: &str) -> Option<String> {
     let is_numbered = |one: &&Judged| one.series.len() == 2 && second(one).is_some() && !one.at.is_empty();
     ((2..=MOST_GROUPED).contains(&curves.len()) && curves.iter().all(is_numbered)).then_some(())?;
     let groups = grouped(0..curves.len(), |at| curves[at].series[0].1.text());
-    let and = |values: Vec<f64>| {
-        let texts: Vec<String> = values.into_iter().map(|value| significant(value, 3)).collect();
+    let listed_to = |side: Side, values: Vec<f64>| {
+        let texts: Vec<String> = values.into_iter().map(|value| rounded_to(side, value, 3)).collect();
         listed(&texts)
     };
     let told = groups.iter().map(|(name, places)| {
         let group: Vec<&Judged> = places.iter().map(|&at| curves[at]).collect();
         let (number, _) = second(group[0])?;
-        let (place, _) = group[0].at[0];
-        let places = place.valued(&and(group.iter().map(|one| one.at[0].1).collect()));
-        let numbers = number.valued(&and(group.iter().filter_map(|one| Some(second(one)?.1)).collect()));
+        let ((place, _), side) = (group[0].at[0], group[0].outcome.side());
+        let places = place.valued(&listed_to(side, group.iter().map(|one| one.at[0].1).collect()));
+        let numbers = group.iter().filter_map(|one| Some(second(one)?.1)).collect();
+        let numbers = number.valued(&listed_to(Side::Nearest, numbers));
         // The same place on the other axis, as Δt·ν beside the frequency.
         let others: Vec<f64> = group.iter().filter_map(|one| Some(one.at.get(1)?.1)).collect();
         let beside = match group[0].at.get(1) {
-            Some((other, _)) if others.len() == group.len() => format!("{}; ", other.valued(&and(others))),
+            Some((other, _)) if others.len() == group.len() => {
+                format!("{}; ", other.valued(&listed_to(side, others)))
+            }
             _ => String::new(),
         };
         Some(format!("{name} {how} {places} ({beside}{numbers})"))
@@ -282,14 +286,14 @@ mod tests {
         let early = [("a", [5.0, 20.0, 40.0]), ("b", [5.0, 20.0, 40.0])];
         assert_eq!(
             judged(&[early[0], late, early[1]]),
-            "Late stays within 10 arcsec longest, up to frequency 2.83 Hz; a and b shortest, up to frequency 1.41 Hz."
+            "Late stays within 10 arcsec longest, up to frequency 2.82 Hz; a and b shortest, up to frequency 1.41 Hz."
         );
         assert_eq!(judged(&early), "Within 10 arcsec: a and b, up to frequency 1.41 Hz.");
         // Where there are few, those between are told in their order.
         let between = ("between", [1.0, 10.0, 40.0]);
         assert_eq!(
             judged(&[early[0], between, late]),
-            "Late stays within 10 arcsec longest, up to frequency 2.83 Hz; between, up to frequency 2 Hz; a shortest, up to \
+            "Late stays within 10 arcsec longest, up to frequency 2.82 Hz; between, up to frequency 2 Hz; a shortest, up to \
              frequency 1.41 Hz."
         );
     }
@@ -321,15 +325,15 @@ mod tests {
             (("comes", [20.0, 5.0, 2.0]), ("leaves", [2.0, 5.0, 20.0]), ("between", [20.0, 5.0, 20.0]));
         assert_eq!(
             judged(&[comes, leaves]),
-            "Comes: within 10 arcsec from frequency 1.41 Hz on; leaves: rises above 10 arcsec at frequency 2.83 Hz."
+            "Comes: within 10 arcsec from frequency 1.42 Hz on; leaves: rises above 10 arcsec at frequency 2.82 Hz."
         );
         assert_eq!(
             judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
-            "Soon is within 10 arcsec first, from frequency 1.09 Hz; comes last, from frequency 1.41 Hz."
+            "Soon is within 10 arcsec first, from frequency 1.09 Hz; comes last, from frequency 1.42 Hz."
         );
         assert_eq!(
             judged(&[between, ("bad", [20.0; 3])]),
-            "Between: within 10 arcsec from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 arcsec (bad, at least 20 arcsec)."
+            "Between: within 10 arcsec from frequency 1.42 Hz to frequency 2.82 Hz; 1 of 2 curves is nowhere within 10 arcsec (bad, at least 20 arcsec)."
         );
     }
 
@@ -338,7 +342,7 @@ mod tests {
         let curves = [("narrow", [20.0, 5.0, 20.0]), ("wide", [11.0, 5.0, 11.0])];
         assert_eq!(
             judged(&curves),
-            "Within 10 arcsec: wide from frequency 1.09 to 3.68 Hz; narrow from 1.41 to 2.83 Hz."
+            "Within 10 arcsec: wide from frequency 1.09 to 3.67 Hz; narrow from 1.42 to 2.82 Hz."
         );
     }
 

@@ -25,7 +25,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::quantity::number::significant;
+use crate::quantity::number::{Side, rounded_to, significant};
 use crate::table::{Cell, Column, ColumnError, Role, Table, grouped};
 
 /// A question about a table.
@@ -224,12 +224,12 @@ impl Answer<'_> {
 
     /// The place of its outcome as in a sentence, such as `vibration frequency 20 Hz, Δt·ν = 0.2`.
     pub fn place(&self) -> String {
-        places(&self.at)
+        places(&self.at, self.outcome.side())
     }
 
     /// The place where it rises above the limit again, in the same form.
     pub fn end(&self) -> String {
-        places(&self.until)
+        places(&self.until, Side::Down)
     }
 
     /// The answer as a sentence.
@@ -257,7 +257,7 @@ impl Answer<'_> {
         let first = match (self.outcome, &self.first[..]) {
             (_, []) => String::new(),
             (Outcome::AboveFrom, _) => ", without one before".to_owned(),
-            (_, first) => format!(", without a value before {}", places(first)),
+            (_, first) => format!(", without a value before {}", places(first, Side::Nearest)),
         };
         format!("{series}: {outcome}{again}{first}")
     }
@@ -267,31 +267,45 @@ impl Window<'_> {
     /// The window as a further part of a sentence.
     fn told(&self) -> String {
         match &self.until[..] {
-            [] => format!(", and again from {} on", places(&self.from)),
-            until => format!(", and again from {} to {}", places(&self.from), places(until)),
+            [] => format!(", and again from {} on", places(&self.from, Side::Up)),
+            until => {
+                format!(", and again from {} to {}", places(&self.from, Side::Up), places(until, Side::Down))
+            }
         }
     }
 }
 
-/// Places as in a sentence.
-pub(crate) fn places(places: &[(&Column, f64)]) -> String {
+impl Outcome {
+    /// The side to which its place is rounded, so that what is told to be within the limit is.
+    pub(crate) fn side(self) -> Side {
+        match self {
+            Outcome::Passes => Side::Down,
+            Outcome::WithinFrom | Outcome::WithinBetween => Side::Up,
+            // These are points.
+            Outcome::AboveFrom | Outcome::LastWithin | Outcome::WithinUpTo => Side::Nearest,
+        }
+    }
+}
+
+/// Places as in a sentence, rounded to a side.
+pub(crate) fn places(places: &[(&Column, f64)], side: Side) -> String {
     let each = places.iter().map(|(column, value)| {
         let named = |shown: &str| column.valued(shown);
         match (column.unit.symbol, *value) {
-            ("s", 1e5..) => format!("{} {}", column.label, spoken(*value)),
-            ("s", 600.0..) => format!("{} ({})", named(&significant(*value, 3)), spoken(*value)),
-            _ => named(&significant(*value, 3)),
+            ("s", 1e5..) => format!("{} {}", column.label, spoken(*value, side)),
+            ("s", 600.0..) => format!("{} ({})", named(&rounded_to(side, *value, 3)), spoken(*value, side)),
+            _ => named(&rounded_to(side, *value, 3)),
         }
     });
     each.collect::<Vec<_>>().join(", ")
 }
 
 /// A long time in a convenient unit, such as `52.2 min` or `20.1 h`.
-fn spoken(seconds: f64) -> String {
+fn spoken(seconds: f64, side: Side) -> String {
     let (unit_s, unit) = match seconds {
         172_800.0.. => (86_400.0, "d"),
         7200.0.. => (3600.0, "h"),
         _ => (60.0, "min"),
     };
-    format!("{} {unit}", significant(seconds / unit_s, 3))
+    format!("{} {unit}", rounded_to(side, seconds / unit_s, 3))
 }

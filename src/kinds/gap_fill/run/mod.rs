@@ -51,7 +51,7 @@ impl Plan<'_> {
                 "separately for the motion and noise of each point, which is the best possible; firmware has one set of weights"
             }
             Tuning::Frequency => {
-                "for exactly this frequency, which firmware does not know: it has one set of weights"
+                "for exactly this motion, which firmware does not know: it has one set of weights"
             }
         };
         Some(format!("{} without a band: designed {how}, designed for a band", names.join(", ")))

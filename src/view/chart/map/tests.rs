@@ -140,7 +140,7 @@ fn what_is_not_known_stays_blank_and_is_said() {
     assert_eq!((notes.blank, notes.left_out, map.known()), (1, 1, 4));
     assert!(map.canvas().svg().contains("blank: not known"));
     let sentence = notes.sentence().unwrap();
-    assert!(sentence.contains("1 of the cells have no value; 1 of the cells have a value"), "{sentence}");
+    assert!(sentence.contains("1 of the cells has no value; 1 of the cells has a value"), "{sentence}");
     let (map, notes) = Map::from_table(&table, &winners()).unwrap();
     assert_eq!((notes.blank, map.known()), (1, 5), "no winner where a competitor is not known");
     let linear = heat_of("rms", Scale::Linear);
