@@ -8,6 +8,7 @@ use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use crate::view::report::answer::{apart, is_given};
 use crate::view::report::bandless::Bandless;
+use crate::view::report::course::{has_notch, lowest};
 use crate::view::report::sentences::{measured, names, naming};
 
 /// Prefixes of conditions that are the gyro's own, and not what surrounds it.
@@ -85,6 +86,8 @@ pub(crate) struct Choice<'t> {
     pub(crate) condition: String,
     /// Whether a condition has a whole curve over the averaging time, which counts at its minimum.
     pub(crate) is_minimum: bool,
+    /// Whether notches interrupt the curves.
+    pub(crate) is_notched: bool,
     /// Number of conditions under which it is within the limit, and of all conditions.
     pub(crate) met: [usize; 2],
     /// Number of options.
@@ -147,9 +150,12 @@ impl<'t> Choice<'t> {
         };
         // A coefficient that records do not show has no error, and meets no limit.
         let value = |row: usize| column.cells[row].number().map_or(f64::INFINITY, f64::abs);
-        let least = |rows: Vec<usize>| rows.into_iter().min_by(|a, b| value(*a).total_cmp(&value(*b)));
         let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
         let (condition_of, option_of) = (naming(&given), naming(&chosen));
+        let values = |rows: &[usize]| rows.iter().map(|&row| value(row)).collect::<Vec<_>>();
+        let curves = || grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
+        let are_notched = abscissa.is_some() && curves().iter().any(|(_, rows)| has_notch(&values(rows)));
+        let least = |rows: Vec<usize>| lowest(&values(&rows), are_notched).map(|at| rows[at]);
         let option = |(name, rows): (String, Vec<usize>)| {
             // A curve over the averaging time counts at its minimum.
             let conditions: Vec<usize> =
@@ -158,7 +164,8 @@ impl<'t> Choice<'t> {
             let met = conditions.iter().filter(|row| is_met(**row)).count();
             Some(Rated { name, row: worst, met, rows: conditions })
         };
-        let mut options: Vec<Rated> = grouped(rows, &option_of).into_iter().filter_map(option).collect();
+        let mut options: Vec<Rated> =
+            grouped(rows.iter().copied(), &option_of).into_iter().filter_map(option).collect();
         // Of records that meet the limit equally often, the shortest is the best: a longer one costs time.
         let length = match chosen[..] {
             [column] if column.name == LENGTH.name && limit.is_some() => Some(column),
@@ -237,6 +244,7 @@ impl<'t> Choice<'t> {
             option,
             condition,
             is_minimum,
+            is_notched: are_notched,
             met,
             options,
             equal,

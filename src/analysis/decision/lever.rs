@@ -66,8 +66,8 @@ pub enum Needed {
 pub(crate) enum Search {
     /// They were not.
     None,
-    /// They were.
-    Done(Option<Lever>),
+    /// They were. The second is the input that gains most where the best option is worst, but then is worst elsewhere.
+    Done(Option<Lever>, Option<Lever>),
 }
 
 /// The best lever at the chosen row: of the changes that gain most, the one that meets the limit with the least relative
@@ -79,6 +79,10 @@ pub(crate) fn lever(
     choice: &Choice,
     evaluator: &mut Evaluator,
 ) -> Result<Search, DecisionError> {
+    // A change of an input may move a notch to the place that is judged.
+    if choice.is_notched {
+        return Ok(Search::None);
+    }
     let at = Place::of(study, table, choice);
     let judged = &choice.column.name;
     let limit = choice.limit.filter(|limit| choice.value() > limit.value);
@@ -87,7 +91,7 @@ pub(crate) fn lever(
     };
     let of_one = 1 + if limit.is_some() { EVALUATIONS } else { 0 };
     evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
-    let mut levers: Vec<Lever> = Vec::new();
+    let (mut levers, mut only_here) = (Vec::<Lever>::new(), None);
     for Tried { input, factor, .. } in tried {
         let to = changed(&input, factor);
         let found = match at.values(&at.swept, &input, &[input.value, to], judged, evaluator, Effort::Parts) {
@@ -108,17 +112,30 @@ pub(crate) fn lever(
         if !meets && gain.value < LEAST_GAIN {
             continue;
         }
+        let (key, label, from) = (input.key.name, input.key.label, input.value);
         match at.gain_everywhere(&input, to, judged, evaluator)? {
-            Some(largest) if largest < LEAST_GAIN => continue,
+            Some(largest) if largest < LEAST_GAIN => {
+                let remark = String::new();
+                only_here.get_or_insert(Lever {
+                    key,
+                    label,
+                    from,
+                    to,
+                    gain,
+                    needed: None,
+                    remark,
+                    also: vec![],
+                });
+                continue;
+            }
             // Another condition becomes the worst.
             Some(value) if gain.interval.map_or(gain.value, |(low, _)| low) > value => {
                 gain = Figure { value, interval: None };
             }
             _ => {}
         }
-        let (key, label) = (input.key.name, input.key.label);
         let remark = remark(study, table, choice, &input, factor < 1.0);
-        levers.push(Lever { key, label, from: input.value, to, gain, needed, remark, also: vec![] });
+        levers.push(Lever { key, label, from, to, gain, needed, remark, also: vec![] });
         if levers.len() == if limit.is_some() { COMPARED } else { 1 } {
             break;
         }
@@ -126,10 +143,11 @@ pub(crate) fn lever(
     // The order of equal changes, such as those that do not meet the limit, is that of their gains.
     levers.sort_by(|a, b| a.change().total_cmp(&b.change()));
     let mut levers = levers.into_iter();
-    Ok(Search::Done(levers.next().map(|mut first| {
+    let first = levers.next().map(|mut first| {
         first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
         first
-    })))
+    });
+    Ok(Search::Done(first, only_here))
 }
 
 /// What a change of an input does besides what its name says: a tick that changes keeps the number of lost ticks, and fillers

@@ -49,6 +49,8 @@ pub struct Sheet {
     pub budget: Vec<Part>,
     /// The next lever.
     pub lever: Option<Lever>,
+    /// The input that gains most where the best option is worst, if another condition is then as bad.
+    pub only_here: Option<Lever>,
     /// Whether inputs were searched for it.
     pub is_searched: bool,
     /// Whether the best option is the shortest record that meets the limit as often.
@@ -65,9 +67,9 @@ pub struct Sheet {
 
 impl Sheet {
     pub(crate) fn new(choice: &Choice, budget: Vec<Part>, search: Search) -> Sheet {
-        let (lever, is_searched) = match search {
-            Search::Done(lever) => (lever, true),
-            Search::None => (None, false),
+        let (lever, only_here, is_searched) = match search {
+            Search::Done(lever, only_here) => (lever, only_here, true),
+            Search::None => (None, None, false),
         };
         Sheet {
             label: choice.column.label.clone(),
@@ -87,6 +89,7 @@ impl Sheet {
             is_mapped: choice.is_mapped,
             budget,
             lever,
+            only_here,
             is_searched,
             swept: choice.swept.clone(),
             shown: None,
@@ -334,6 +337,16 @@ impl Sheet {
         let none = match self.met[1] {
             1 => "No single input gains 1 %".to_owned(),
             all => format!("No single input lowers the largest under all {all} conditions by 1 %"),
+        };
+        let none = match &self.only_here {
+            Some(Lever { label, from, to, gain, .. }) => format!(
+                "{none}; {label} {} instead of {} gains {}{}, but then another condition is the worst",
+                short(*to),
+                short(*from),
+                with_interval(*gain, percent),
+                self.at()
+            ),
+            None => none,
         };
         if let Some(told) = self.varied.as_ref().map(Varied::told) {
             return if self.is_searched { format!("{none}. {told}") } else { told };

@@ -24,6 +24,33 @@ const FEWEST: usize = 5;
 /// Most curves of which each minimum is named.
 const MOST_LISTED: usize = 4;
 
+/// Whether a value lies far below both beside it, or below half of them where they are no steps of a slope: as where τ is an
+/// even multiple of the period of a sine.
+pub(crate) fn has_notch(values: &[f64]) -> bool {
+    let is_below = |part: f64, at: usize, beside: usize| match (values.get(at), values.get(beside)) {
+        (Some(value), Some(beside)) => *value < part * beside,
+        _ => false,
+    };
+    let is_notch = |at: usize| {
+        let are_below = |part: f64| is_below(part, at, at - 1) && is_below(part, at, at + 1);
+        let is_step = |beside: usize, beyond: usize| is_below(NOTCH, beside, beyond);
+        let are_steps = || is_step(at - 1, at.wrapping_sub(2)) || is_step(at + 1, at + 2);
+        are_below(DEEP) || are_below(NOTCH) && !are_steps()
+    };
+    values.len() >= FEWEST && (1..values.len() - 1).any(is_notch)
+}
+
+/// The place of the least value. Among curves with notches, which say nothing of their course, that is the least value which
+/// is not exceeded by those beside it.
+pub(crate) fn lowest(values: &[f64], are_notched: bool) -> Option<usize> {
+    let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+    if !are_notched || values.len() < FEWEST {
+        return (0..values.len()).min_by(order);
+    }
+    let highest = |at: usize| (at - 1..=at + 1).max_by(order).unwrap_or(at);
+    (1..values.len() - 1).map(highest).min_by(order)
+}
+
 impl Curves<'_> {
     pub(super) fn named(&self) -> Option<()> {
         (1..=MOST_CURVES).contains(&self.curves.len()).then_some(())
@@ -152,15 +179,11 @@ impl Curves<'_> {
     /// of the column `by` that decides, if there is one, else the lowest and the highest. `None` for a single curve.
     pub(crate) fn minima(&self, by: &[&Column]) -> Option<String> {
         self.named()?;
+        let are_notched = self.are_notched();
         let least = |(name, rows): &(String, Vec<usize>)| {
-            let is_course = |&at: &usize| !self.is_notch(rows, at);
-            let value = |at: &usize| self.y.value(rows[*at]);
-            let at = (0..rows.len()).filter(is_course).min_by(|a, b| value(a).total_cmp(&value(b)))?;
-            Some((name.clone(), rows[at]))
+            Some((name.clone(), rows[lowest(&self.values(rows), are_notched)?]))
         };
-        let are_notched =
-            self.curves.iter().any(|(_, rows)| (0..rows.len()).any(|at| self.is_notch(rows, at)));
-        let besides = if are_notched { ", besides single notches," } else { "" };
+        let besides = if are_notched { ", notches left out," } else { "" };
         let mut all: Vec<(String, usize)> = self.curves.iter().filter_map(least).collect();
         all.sort_by(|a, b| self.y.value(a.1).total_cmp(&self.y.value(b.1)));
         let [(low_name, low), between @ .., (high_name, high)] = &all[..] else { return None };
@@ -228,19 +251,6 @@ impl Curves<'_> {
         })
     }
 
-    /// Whether a single value lies far below both beside it, or below half of them where they are no steps of a slope: as
-    /// where τ is an even multiple of the period of a sine. It says nothing of the course of the curve.
-    fn is_notch(&self, rows: &[usize], at: usize) -> bool {
-        let is_below = |part: f64, at: usize, beside: usize| match (rows.get(at), rows.get(beside)) {
-            (Some(&row), Some(&beside)) => self.y.value(row) < part * self.y.value(beside),
-            _ => false,
-        };
-        let are_below = |part: f64| is_below(part, at, at.wrapping_sub(1)) && is_below(part, at, at + 1);
-        let is_step = |beside: usize, beyond: usize| is_below(NOTCH, beside, beyond);
-        let are_steps = || is_step(at.wrapping_sub(1), at.wrapping_sub(2)) || is_step(at + 1, at + 2);
-        rows.len() >= FEWEST && (are_below(DEEP) || are_below(NOTCH) && !are_steps())
-    }
-
     fn at_place(&self, row: usize) -> String {
         self.x.valued(&significant(self.x.value(row), 3))
     }
@@ -304,7 +314,7 @@ mod tests {
             Curves::of(x, y, &rows, &[filler]).minima(&[])
         };
         let valley = [27.0, 9.0, 3.0, 1.0, 3.0, 9.0, 27.0];
-        let expected = "The least rms, besides single notches, is 1 arcsec at frequency 8 Hz (b) and 4 arcsec at frequency 32 Hz (a).";
+        let expected = "The least rms, notches left out, is 3 arcsec at frequency 16 Hz (b) and 5 arcsec at frequency 16 Hz (a).";
         assert_eq!(said([[9.0, 8.0, 7.0, 0.1, 5.0, 4.0, 4.5], valley]).as_deref(), Some(expected));
         let expected = "The least rms is 1 arcsec at frequency 8 Hz (a) and 1 arcsec at frequency 8 Hz (b).";
         assert_eq!(said([valley, valley]).as_deref(), Some(expected));
