@@ -34,7 +34,8 @@ class Range {
 
   /** A range with counts, which does not extend to 0 merely because 0 is near. */
   static counting(values) {
-    const [low, high] = [Math.min(...values), Math.max(...values)];
+    let [low, high] = [Infinity, -Infinity];
+    for (const value of values) [low, high] = [Math.min(low, value), Math.max(high, value)];
     if (!(low > 0 && low < high)) return Range.around(false, values);
     const margin = 0.05 * (high - low);
     return new Range(false, Math.max(low - margin, 0), high + margin);

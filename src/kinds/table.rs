@@ -41,6 +41,7 @@ impl Appended {
             let bare = |column: &Column| Column {
                 cells: Cells::default(),
                 band: column.band.as_ref().map(|_| vec![]),
+                band_of_mean: None,
                 ..column.clone()
             };
             self.columns = table.columns.iter().map(|column| (bare(column), Growing::default())).collect();

@@ -86,7 +86,21 @@ pub(crate) enum Side {
 /// Relative difference below which a number is taken for its rounded one, as after a logarithm and back.
 const ROUNDING: f64 = 1e-9;
 
-/// A number above 0 with `digits` significant digits, rounded to one side.
+/// Digits beyond which numbers of floating point do not differ.
+const MOST_DIGITS: usize = 16;
+
+/// The least number of significant digits, at least `digits`, with which a range that is rounded inwards keeps its ends in order.
+pub(crate) fn digits_within(from: f64, to: f64, digits: usize) -> usize {
+    let parsed = |side, x, digits| rounded_to(side, x, digits).parse::<f64>();
+    let is_in_order =
+        |digits: &usize| match (parsed(Side::Up, from, *digits), parsed(Side::Down, to, *digits)) {
+            (Ok(low), Ok(high)) => low <= high,
+            _ => true,
+        };
+    (digits..MOST_DIGITS).find(is_in_order).unwrap_or(MOST_DIGITS)
+}
+
+/// A number above 0 with `digits` significant digits, rounded to one side; others are rounded to the nearest.
 pub(crate) fn rounded_to(side: Side, x: f64, digits: usize) -> String {
     let nearest = significant(x, digits);
     let Ok(found) = nearest.parse::<f64>() else { return nearest };
@@ -108,8 +122,8 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_to_a_side_unless_they_have_so_few_digits() {
-        let shown = [Side::Down, Side::Nearest, Side::Up].map(|side| rounded_to(side, 1.4142, 3));
-        assert_eq!(shown, ["1.41", "1.41", "1.42"]);
+        let shown = [Side::Down, Side::Nearest, Side::Up].map(|side| rounded_to(side, 2.2361, 3));
+        assert_eq!(shown, ["2.23", "2.24", "2.24"]);
         let shown = [Side::Down, Side::Up]
             .map(|side| [382.4, 0.019_97, 9.996, 99_960.0].map(|x| rounded_to(side, x, 3)));
         assert_eq!(shown, [["382", "0.0199", "9.99", "99900"], ["383", "0.02", "10", "100000"]]);
@@ -118,6 +132,17 @@ mod tests {
             ["40", "40"]
         );
         assert_eq!([0.0, f64::INFINITY].map(|x| rounded_to(Side::Down, x, 3)), ["0", "inf"]);
+    }
+
+    #[test]
+    fn narrow_ranges_have_more_digits() {
+        let digits = [(382.4, 417.6), (400.2, 400.7), (400.21, 400.24), (7.0, 7.0)]
+            .map(|(from, to)| digits_within(from, to, 3));
+        assert_eq!(digits, [3, 4, 5, 3]);
+        assert_eq!(
+            [rounded_to(Side::Up, 400.21, 5), rounded_to(Side::Down, 400.24, 5)],
+            ["400.21", "400.24"]
+        );
     }
 
     #[test]

@@ -132,7 +132,7 @@ impl About {
             styled: self.styled,
             cells,
             band: None,
-            means: None,
+            band_of_mean: None,
         }
     }
 }
@@ -146,7 +146,7 @@ pub struct ColumnOf<R> {
     pub about: About,
     cell: fn(&R) -> Cell,
     band: Option<fn(&R) -> Band>,
-    means: Option<fn(&R) -> Band>,
+    band_of_mean: Option<fn(&R) -> Band>,
 }
 
 impl<R> ColumnOf<R> {
@@ -158,7 +158,7 @@ impl<R> ColumnOf<R> {
         cell: fn(&R) -> Cell,
     ) -> ColumnOf<R> {
         let about = About { unit, label, ..About::named(name) };
-        ColumnOf { about, cell, band: None, means: None }
+        ColumnOf { about, cell, band: None, band_of_mean: None }
     }
 
     /// Sets the role and the meaning.
@@ -199,9 +199,10 @@ impl<R> ColumnOf<R> {
         ColumnOf { band: Some(band), ..self }
     }
 
-    /// Sets the function that computes the 95 % interval of the mean behind each cell, by which rows are compared.
-    pub(crate) const fn compared_within(self, means: fn(&R) -> Band) -> ColumnOf<R> {
-        ColumnOf { means: Some(means), ..self }
+    /// Sets the function that computes the 95 % interval of the mean, where [`within`](ColumnOf::within) has that of single
+    /// records.
+    pub(crate) const fn mean_within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
+        ColumnOf { band_of_mean: Some(band), ..self }
     }
 }
 
@@ -212,7 +213,7 @@ const FEW_ROWS: usize = 256;
 pub(crate) fn columns_of<R: Sync>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
     let of = |column: &ColumnOf<R>| Column {
         band: column.band.map(|band| rows.iter().map(band).collect()),
-        means: column.means.map(|means| rows.iter().map(means).collect()),
+        band_of_mean: column.band_of_mean.map(|band| rows.iter().map(band).collect()),
         ..column.about.with(rows.iter().map(column.cell).collect())
     };
     // Short columns are made on one thread.

@@ -40,8 +40,17 @@ pub struct Column {
     pub cells: Cells,
     /// Lower and upper ends of the 95 % interval of each cell, where there is one; empty where no cell has one.
     pub band: Option<Vec<Option<(f64, f64)>>>,
-    /// The same of the mean behind each cell, where `band` is that of single records.
-    pub means: Option<Vec<Option<(f64, f64)>>>,
+    /// Where `band` holds intervals of single records: the 95 % interval of the mean of all, by which rows are compared.
+    pub band_of_mean: Option<Vec<Option<(f64, f64)>>>,
+}
+
+/// An interval of a value as one of its magnitude.
+fn of_magnitude((low, high): (f64, f64)) -> (f64, f64) {
+    match (low < 0.0, high < 0.0) {
+        (false, _) => (low, high),
+        (true, true) => (-high, -low),
+        (true, false) => (0.0, high.max(-low)),
+    }
 }
 
 impl Column {
@@ -74,10 +83,15 @@ impl Column {
         self.band.as_ref()?.get(row).copied().flatten()
     }
 
-    /// Whether the intervals of two rows, those of means where there are such, have values in common.
+    /// The 95 % interval of the magnitude of a cell.
+    pub(crate) fn interval_of_magnitude(&self, row: usize) -> Option<(f64, f64)> {
+        self.interval(row).map(of_magnitude)
+    }
+
+    /// Whether the intervals of the magnitudes of two rows, those of means where there are such, have values in common.
     pub(crate) fn is_alike(&self, one: usize, other: usize) -> bool {
-        let of_mean = |row: usize| self.means.as_ref()?.get(row).copied().flatten();
-        let interval = |row: usize| of_mean(row).or_else(|| self.interval(row));
+        let of_mean = |row: usize| self.band_of_mean.as_ref()?.get(row).copied().flatten();
+        let interval = |row: usize| of_mean(row).or_else(|| self.interval(row)).map(of_magnitude);
         let intervals = interval(one).zip(interval(other));
         intervals.is_some_and(|((low, high), (least, most))| low <= most && least <= high)
     }

@@ -94,3 +94,20 @@ fn a_value_is_said_with_label_and_unit() {
     assert_eq!(column("lost ticks n", Unit::NONE).valued("3"), "lost ticks n = 3");
     assert_eq!(column("error", Unit::ARCSEC).title(), "error, arcsec");
 }
+
+#[test]
+fn rows_are_compared_by_the_magnitudes_of_intervals_and_by_those_of_means() {
+    let band =
+        Some(vec![Some((-51.0, -49.0)), Some((50.0, 52.0)), Some((60.0, 70.0)), Some((-1.0, 2.0)), None]);
+    let column = Column { band, ..Column::default() };
+    let of: Vec<_> = (0..5).map(|row| column.interval_of_magnitude(row)).collect();
+    assert_eq!(of, [Some((49.0, 51.0)), Some((50.0, 52.0)), Some((60.0, 70.0)), Some((0.0, 2.0)), None]);
+    assert_eq!(
+        [(0, 1), (0, 2), (0, 4)].map(|(one, other)| column.is_alike(one, other)),
+        [true, false, false]
+    );
+    // Single records scatter more than the means of all.
+    let band_of_mean = Some(vec![Some((-50.1, -49.9)), Some((50.9, 51.1)), None, None, None]);
+    let column = Column { band_of_mean, ..column };
+    assert_eq!([(0, 1), (1, 2)].map(|(one, other)| column.is_alike(one, other)), [false, false]);
+}

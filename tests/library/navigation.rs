@@ -15,7 +15,7 @@ use sagnac::theory::allan::Term;
 use sagnac::theory::navigation::covariance;
 use sagnac::theory::navigation::equations::{ARCSEC, EARTH_RATE};
 use sagnac::theory::navigation::radial::Radial;
-use sagnac::theory::navigation::weights::Times;
+use sagnac::theory::navigation::weights::{Error, Times};
 use sagnac::theory::navigation::{GRAVITY, Leg, RADIUS, Task, weights};
 
 use crate::devices::{adapters, name, open, variants};
@@ -176,10 +176,11 @@ fn long_flights_have_the_fix_of_gyros_that_know_the_vertical() {
         let markov = Some([drift * SAMPLE, SAMPLE / correlation_s]);
         let markov = covariance::Noise { markov, ..covariance::Noise::default() };
         let noise = covariance::Noise { white: white * SAMPLE.sqrt(), ..covariance::Noise::default() };
-        let expected = fix_of_known_vertical(drift, correlation_s, SPEED, t);
+        let of_markov = fix_of_known_vertical(drift, correlation_s, SPEED, t);
         let of_white = (RADIUS * white * ARCSEC).powi(2) * t;
-        // Along the track, to the east, and across it, to the north.
-        for (error, expected) in [6, 5].into_iter().zip(expected) {
+        let [along, across] = [Error::PositionEast, Error::PositionNorth]
+            .map(|error| Task::Inertial(leg).errors().iter().position(|other| *other == error).unwrap());
+        for (error, expected) in [along, across].into_iter().zip(of_markov) {
             let ratio = (variance(&markov, error) / expected).sqrt();
             assert!((ratio - 1.0).abs() < 3e-3, "drift, {t} s, error {error}: {ratio} of the closed form");
             let ratio = variance(&noise, error) / of_white;
@@ -188,12 +189,12 @@ fn long_flights_have_the_fix_of_gyros_that_know_the_vertical() {
         // The angle about the axis across the track needs no vertical, so there is nothing to swing.
         let angle = &weights(&Task::Heading, &times)[0].of_errors[0];
         let metres = (RADIUS * ARCSEC).powi(2);
-        let ratio = metres * markov.covariance(angle, angle) / expected[0];
+        let ratio = metres * markov.covariance(angle, angle) / of_markov[0];
         assert!((ratio - 1.0).abs() < 1e-6, "angle, {t} s: {ratio} of the closed form");
         assert!((metres * noise.covariance(angle, angle) / of_white - 1.0).abs() < 1e-12);
     }
-    // The drift that is often cited for RNP 10, 10 nmi in 95 % of the flights, reaches that in 10 h: 1.96·60.04 nmi/deg·
-    // 0.01 deg/h·10 h·√(2/e) along the track.
+    // With the drift that is often cited for RNP 10, which allows 10 nmi, 95 % of the flights of 10 h stay within
+    // 1.96·60.04 nmi/deg·0.01 deg/h·10 h·√(2/e) along the track.
     let [along, across] =
         fix_of_known_vertical(drift, 36_000.0, SPEED, 36_000.0).map(|square| 1.96 * square.sqrt() / 1852.0);
     assert!((along - 10.09).abs() < 0.01 && (across - 9.47).abs() < 0.01, "{along} and {across} nmi");

@@ -8,14 +8,11 @@ use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use crate::view::report::answer::{apart, is_given};
 use crate::view::report::bandless::Bandless;
-use crate::view::report::course::{has_notch, lowest};
+use crate::view::report::notch::Notches;
 use crate::view::report::sentences::{measured, names, naming};
 
-/// Prefixes of conditions that are the gyro's own, and not what surrounds it.
+/// Prefixes of keys that are the gyro's own, and not what surrounds it.
 const OF_GYRO: [&str; 7] = ["dither.", "drift.", "noise.", "gyro.", "relock.", "lock_in.", "switching."];
-
-/// Most values of a key that the judged chart fixes of which each is compared.
-const MOST_FIXED: usize = 100;
 
 /// The least gain that is worth a sentence.
 const LEAST_GAIN: f64 = 0.01;
@@ -33,14 +30,14 @@ pub struct Next {
     pub is_alike: bool,
 }
 
-/// A change of a condition that the study varies, all others kept.
+/// A change of a swept key of the gyro itself: a condition, the others kept, or a key of which the judged chart has one value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Varied {
-    /// The condition with the value that gains most.
+    /// The key with the value that gains most.
     pub to: String,
     /// Its present value.
     pub from: String,
-    /// The fraction by which the judged estimate falls.
+    /// The fraction by which the judged estimate falls, that of the worst condition for a key that is none itself.
     pub gain: f64,
 }
 
@@ -98,7 +95,7 @@ pub(crate) struct Choice<'t> {
     pub(crate) next: Option<Next>,
     /// Whether the best option is the shortest record that meets the limit as often.
     pub(crate) is_shortest: bool,
-    /// The value of a swept condition of the gyro itself that gains most, with its present value and the gain.
+    /// The change of a swept key of the gyro itself that gains most.
     pub(crate) varied: Option<Varied>,
     /// Whether a map shows where each option is the best.
     pub(crate) is_mapped: bool,
@@ -152,10 +149,14 @@ impl<'t> Choice<'t> {
         let value = |row: usize| column.cells[row].number().map_or(f64::INFINITY, f64::abs);
         let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
         let (condition_of, option_of) = (naming(&given), naming(&chosen));
-        let values = |rows: &[usize]| rows.iter().map(|&row| value(row)).collect::<Vec<_>>();
-        let curves = || grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
-        let are_notched = abscissa.is_some() && curves().iter().any(|(_, rows)| has_notch(&values(rows)));
-        let least = |rows: Vec<usize>| lowest(&values(&rows), are_notched).map(|at| rows[at]);
+        let curves = grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
+        let of_curves = |abscissa| Notches::of(abscissa, column, curves.iter().map(|(_, rows)| &rows[..]));
+        let notches = abscissa.map(of_curves).unwrap_or_default();
+        let is_notch = |row: usize| abscissa.is_some_and(|x| notches.are_at(x.value(row)));
+        let least = |rows: Vec<usize>| {
+            let course = rows.into_iter().filter(|&row| !is_notch(row));
+            course.min_by(|a, b| value(*a).total_cmp(&value(*b)))
+        };
         let option = |(name, rows): (String, Vec<usize>)| {
             // A curve over the averaging time counts at its minimum.
             let conditions: Vec<usize> =
@@ -188,50 +189,58 @@ impl<'t> Choice<'t> {
             met: next.met,
             is_alike: column.is_alike(row, next.row),
         });
-        let of_gyro = given.iter().filter(|by| OF_GYRO.iter().any(|key| by.name.starts_with(key)));
-        let varied = of_gyro.filter_map(|by| {
-            let is_kept = |other: usize| {
-                given
-                    .iter()
-                    .all(|column| std::ptr::eq(column, by) || column.cells[other] == column.cells[row])
-            };
-            let others = rows.iter().copied().filter(|&other| other != row && is_kept(other));
-            value(row).is_finite().then_some(())?;
-            let to = others.min_by(|a, b| value(*a).total_cmp(&value(*b)))?;
-            let from = by.cells[row].number().map_or_else(|| by.cells[row].text(), |x| measured(by, x));
-            let gain = 1.0 - value(to) / value(row);
-            (gain >= LEAST_GAIN).then(|| Varied { to: names(&[*by], to), from, gain })
-        });
-        // A swept key of which the chart shows one value: the best option at each of its other values.
-        let several = || study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
-        let fixed = several().filter_map(|sweep| {
-            let place = filter.iter().position(|(name, _)| name == sweep.key.name)?;
-            let is_own = OF_GYRO.iter().any(|key| sweep.key.name.starts_with(key));
-            let by = table.column(sweep.key.name).ok().filter(|_| is_own)?;
-            let largest = |cell: Cell| {
-                let mut filter = filter.clone();
-                filter[place].1 = cell.text();
-                let mut rows = table.rows_where(&filter).ok()?;
-                rows.retain(|&row| has_value(row) && option_of(row) == name);
-                let conditions = grouped(rows, &condition_of).into_iter().filter_map(|(_, rows)| least(rows));
-                conditions.max_by(|a, b| value(*a).total_cmp(&value(*b)))
-            };
-            let others = sweep.values.iter().take(MOST_FIXED).filter_map(|other| largest(other.cell()));
-            let to = others.min_by(|a, b| value(*a).total_cmp(&value(*b)))?;
+        let own = |name: &str| OF_GYRO.iter().any(|key| name.starts_with(key));
+        let change = |by: &Column, to: usize| {
             let from = by.cells[row].number().map_or_else(|| by.cells[row].text(), |x| measured(by, x));
             let gain = 1.0 - value(to) / value(row);
             (gain >= LEAST_GAIN).then(|| Varied { to: names(&[by], to), from, gain })
-        });
-        let varied = varied.chain(fixed).max_by(|a, b| a.gain.total_cmp(&b.gain));
+        };
+        let least_of =
+            |rows: &mut dyn Iterator<Item = usize>| rows.min_by(|a, b| value(*a).total_cmp(&value(*b)));
+        // The rows of the best option that differ from its worst one in this condition only.
+        let beside = |by: &&Column| {
+            let is_kept = |other: usize| {
+                let kept =
+                    |column: &&Column| std::ptr::eq(*column, *by) || column.cells[other] == column.cells[row];
+                given.iter().all(kept)
+            };
+            let to = least_of(&mut rows.iter().copied().filter(|&other| other != row && is_kept(other)))?;
+            change(by, to)
+        };
+        // The worst rows of the same option at the other values of a swept key that the chart fixes, under as many conditions.
+        let several = || study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
+        let elsewhere = |by: &&Column| {
+            let others: Vec<(String, String)> =
+                filter.iter().filter(|(name, _)| *name != by.name).cloned().collect();
+            let mut all = table.rows_where(&others).ok()?;
+            all.retain(|&other| has_value(other) && option_of(other) == name);
+            let worst = |(_, of_value): (String, Vec<usize>)| {
+                let groups = grouped(of_value, &condition_of);
+                let conditions: Vec<usize> = groups.into_iter().filter_map(|(_, rows)| least(rows)).collect();
+                (conditions.len() == rows.len()).then_some(())?;
+                conditions.into_iter().max_by(|a, b| value(*a).total_cmp(&value(*b)))
+            };
+            let of_values = grouped(all, |other| by.cells[other].text());
+            change(by, least_of(&mut of_values.into_iter().filter_map(worst))?)
+        };
+        let is_fixed = |name: &str| filter.iter().any(|(fixed, _)| fixed == name);
+        let fixed: Vec<&Column> = several()
+            .filter(|sweep| is_fixed(sweep.key.name))
+            .filter_map(|sweep| table.column(sweep.key.name).ok())
+            .collect();
+        let within = given.iter().filter(|by| own(&by.name)).filter_map(beside);
+        let without = fixed.iter().filter(|by| own(&by.name)).filter_map(elsewhere);
+        let varied = within.chain(without).filter(|_| value(row).is_finite());
+        let varied = varied.max_by(|a, b| a.gain.total_cmp(&b.gain));
         let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, rows.len()];
         let swept: Vec<&Column> = several().filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
-        let labels = |of: fn(&Column) -> bool| {
-            swept.iter().filter(|column| of(column)).map(|column| column.label.clone()).collect()
-        };
-        let swept = [labels(is_given), labels(|_| true)];
+        let label = |column: &&Column| column.label.clone();
+        let is_condition = |column: &&&Column| given.iter().any(|by| std::ptr::eq(*by, **column));
+        let swept =
+            [swept.iter().filter(is_condition).map(label).collect(), swept.iter().map(label).collect()];
         Ok(Some(Choice {
             source,
             column,
@@ -244,7 +253,7 @@ impl<'t> Choice<'t> {
             option,
             condition,
             is_minimum,
-            is_notched: are_notched,
+            is_notched: notches.are_any(),
             met,
             options,
             equal,
@@ -263,12 +272,7 @@ impl<'t> Choice<'t> {
 
     /// The 95 % interval of that magnitude.
     pub(crate) fn interval(&self) -> Option<(f64, f64)> {
-        let (low, high) = self.column.interval(self.row)?;
-        Some(match (low < 0.0, high < 0.0) {
-            (false, _) => (low, high),
-            (true, true) => (-high, -low),
-            (true, false) => (0.0, high.max(-low)),
-        })
+        self.column.interval_of_magnitude(self.row)
     }
 }
 

@@ -62,12 +62,13 @@ pub enum Needed {
     NotEven(Quantity, f64),
 }
 
-/// Whether inputs were searched for a lever, and what was found.
-pub(crate) enum Search {
-    /// They were not.
-    None,
-    /// They were. The second is the input that gains most where the best option is worst, but then is worst elsewhere.
-    Done(Option<Lever>, Option<Lever>),
+/// What the search for a lever found.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    /// The lever.
+    pub(crate) lever: Option<Lever>,
+    /// Where there is no lever, the first input tried that gains under the worst condition, but makes another one as bad.
+    pub(crate) only_here: Option<Lever>,
 }
 
 /// The best lever at the chosen row: of the changes that gain most, the one that meets the limit with the least relative
@@ -78,16 +79,16 @@ pub(crate) fn lever(
     table: &Table,
     choice: &Choice,
     evaluator: &mut Evaluator,
-) -> Result<Search, DecisionError> {
+) -> Result<Option<Found>, DecisionError> {
     // A change of an input may move a notch to the place that is judged.
     if choice.is_notched {
-        return Ok(Search::None);
+        return Ok(None);
     }
     let at = Place::of(study, table, choice);
     let judged = &choice.column.name;
     let limit = choice.limit.filter(|limit| choice.value() > limit.value);
     let Some(tried) = at.tried(&mean_square(table, choice.column).name, evaluator) else {
-        return Ok(Search::None);
+        return Ok(None);
     };
     let of_one = 1 + if limit.is_some() { EVALUATIONS } else { 0 };
     evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
@@ -112,20 +113,13 @@ pub(crate) fn lever(
         if !meets && gain.value < LEAST_GAIN {
             continue;
         }
-        let (key, label, from) = (input.key.name, input.key.label, input.value);
+        let lever = |gain, needed, remark| {
+            let (key, label, from) = (input.key.name, input.key.label, input.value);
+            Lever { key, label, from, to, gain, needed, remark, also: vec![] }
+        };
         match at.gain_everywhere(&input, to, judged, evaluator)? {
             Some(largest) if largest < LEAST_GAIN => {
-                let remark = String::new();
-                only_here.get_or_insert(Lever {
-                    key,
-                    label,
-                    from,
-                    to,
-                    gain,
-                    needed: None,
-                    remark,
-                    also: vec![],
-                });
+                only_here.get_or_insert_with(|| lever(gain, None, String::new()));
                 continue;
             }
             // Another condition becomes the worst.
@@ -135,7 +129,7 @@ pub(crate) fn lever(
             _ => {}
         }
         let remark = remark(study, table, choice, &input, factor < 1.0);
-        levers.push(Lever { key, label, from, to, gain, needed, remark, also: vec![] });
+        levers.push(lever(gain, needed, remark));
         if levers.len() == if limit.is_some() { COMPARED } else { 1 } {
             break;
         }
@@ -147,7 +141,7 @@ pub(crate) fn lever(
         first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
         first
     });
-    Ok(Search::Done(first, only_here))
+    Ok(Some(Found { only_here: only_here.filter(|_| first.is_none()), lever: first }))
 }
 
 /// What a change of an input does besides what its name says: a tick that changes keeps the number of lost ticks, and fillers

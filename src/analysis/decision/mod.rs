@@ -29,7 +29,7 @@ pub use crate::analysis::decision::sheet::Sheet;
 use crate::analysis::decision::budget::budget;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Evaluator, MOST_TRIALS};
-use crate::analysis::decision::lever::{Search, lever};
+use crate::analysis::decision::lever::lever;
 use crate::chart::Source;
 use crate::device::Device;
 use crate::device::cpu::Cpu;
@@ -90,15 +90,15 @@ pub fn decide(
     let (row, count) = (choice.row_of_point, [0, 0]);
     let mut evaluator = Evaluator { device: &mut device, row, progress, count };
     if let Some(sentences) = shown::sentences(study, tables, &mut evaluator)? {
-        return Ok(Some(Sheet { shown: Some(sentences), ..Sheet::new(&choice, vec![], Search::None) }));
+        return Ok(Some(Sheet { shown: Some(sentences), ..Sheet::new(&choice, vec![], None) }));
     }
     if choice.source != Source::Points {
-        return Ok(Some(Sheet::new(&choice, vec![], Search::None)));
+        return Ok(Some(Sheet::new(&choice, vec![], None)));
     }
     evaluator.expect(1);
     let parts = budget(study, &tables.points, &choice, &mut evaluator)?;
-    let search = lever(study, &tables.points, &choice, &mut evaluator)?;
-    Ok(Some(Sheet::new(&choice, parts, search)))
+    let found = lever(study, &tables.points, &choice, &mut evaluator)?;
+    Ok(Some(Sheet::new(&choice, parts, found)))
 }
 
 /// The decision sheet of a study at a single point, which has these values of keys that a sweep may vary and is sampled on

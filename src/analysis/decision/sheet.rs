@@ -5,7 +5,7 @@ use serde_json::{Value as Json, json};
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::{Choice, Next, Varied};
-use crate::analysis::decision::lever::{Also, Lever, Needed, Search};
+use crate::analysis::decision::lever::{Also, Found, Lever, Needed};
 use crate::analysis::decision::lines::Lines;
 use crate::analysis::decision::words::{LEVEL, margin_in_words, rounded, short, with_interval};
 use crate::chart::Limit;
@@ -49,15 +49,17 @@ pub struct Sheet {
     pub budget: Vec<Part>,
     /// The next lever.
     pub lever: Option<Lever>,
-    /// The input that gains most where the best option is worst, if another condition is then as bad.
+    /// Where there is no lever, the first input tried that gains under the worst condition, but makes another one as bad.
     pub only_here: Option<Lever>,
     /// Whether inputs were searched for it.
     pub is_searched: bool,
+    /// Whether notches interrupt the judged curves.
+    pub is_notched: bool,
     /// Whether the best option is the shortest record that meets the limit as often.
     pub is_shortest: bool,
     /// Whether a map shows where each option is the best.
     pub is_mapped: bool,
-    /// The change of a swept condition of the gyro itself that gains most.
+    /// The change of a swept key of the gyro itself that gains most.
     pub varied: Option<Varied>,
     /// Labels of the swept keys that are conditions, which no lever is, and of all swept keys.
     pub swept: [Vec<String>; 2],
@@ -65,12 +67,20 @@ pub struct Sheet {
     pub shown: Option<[String; 5]>,
 }
 
+/// Why no lever is searched on curves with notches.
+const NOTCHED: &str =
+    "No single input is tried, because a change may move a notch to where the curve is judged.";
+
+/// A change of an input after its name, such as ` 4 ms instead of 5 ms` or ` = 2 instead of 3`.
+fn stepped(from: &Quantity, to: &Quantity) -> String {
+    let equals = if to.dimension == Dimension::Count { " =" } else { "" };
+    format!("{equals} {} instead of {}", short(*to), short(*from))
+}
+
 impl Sheet {
-    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, search: Search) -> Sheet {
-        let (lever, only_here, is_searched) = match search {
-            Search::Done(lever, only_here) => (lever, only_here, true),
-            Search::None => (None, None, false),
-        };
+    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, found: Option<Found>) -> Sheet {
+        let is_searched = found.is_some();
+        let Found { lever, only_here } = found.unwrap_or_default();
         Sheet {
             label: choice.column.label.clone(),
             unit: choice.column.unit,
@@ -91,6 +101,7 @@ impl Sheet {
             lever,
             only_here,
             is_searched,
+            is_notched: choice.is_notched,
             swept: choice.swept.clone(),
             shown: None,
         }
@@ -309,10 +320,7 @@ impl Sheet {
             ),
             None => format!("{name}: {tried}."),
         };
-        let equals = |value: &Quantity| if value.dimension == Dimension::Count { " =" } else { "" };
-        let other = |Also { label, from, to, .. }: &Also| {
-            format!("{label}{} {} instead of {}", equals(to), short(*to), short(*from))
-        };
+        let other = |Also { label, from, to, .. }: &Also| format!("{label}{}", stepped(from, to));
         let others: Vec<String> = also.iter().map(other).collect();
         let also = match &others[..] {
             [] => String::new(),
@@ -338,24 +346,29 @@ impl Sheet {
             1 => "No single input gains 1 %".to_owned(),
             all => format!("No single input lowers the largest under all {all} conditions by 1 %"),
         };
-        let none = match &self.only_here {
+        let here = match &self.only_here {
             Some(Lever { label, from, to, gain, .. }) => format!(
-                "{none}; {label} {} instead of {} gains {}{}, but then another condition is the worst",
-                short(*to),
-                short(*from),
+                "; {}{} gains {}{}, but then another condition is as bad",
+                label,
+                stepped(from, to),
                 with_interval(*gain, percent),
                 self.at()
             ),
-            None => none,
+            None => String::new(),
         };
         if let Some(told) = self.varied.as_ref().map(Varied::told) {
-            return if self.is_searched { format!("{none}. {told}") } else { told };
+            return match (self.is_searched, self.is_notched) {
+                (true, _) => format!("{none}{here}. {told}"),
+                (false, true) => format!("{NOTCHED} {told}"),
+                (false, false) => told,
+            };
         }
         match (self.is_searched, &conditions[..], &all[..]) {
-            (true, [], _) => format!("{none}."),
+            (true, [], _) => format!("{none}{here}."),
             (true, conditions, _) => {
-                format!("{none}, besides what the study varies: {}.", listed(conditions))
+                format!("{none}, besides what the study varies ({}){here}.", listed(conditions))
             }
+            (false, ..) if self.is_notched => NOTCHED.to_owned(),
             (false, _, []) => "None is searched for this estimate.".to_owned(),
             (false, _, all) => {
                 format!("None is searched for this estimate; the study itself varies {}.", listed(all))

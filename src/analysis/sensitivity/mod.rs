@@ -231,7 +231,7 @@ fn question(study: &Study, asked: &Request) -> Result<Question, SensitivityError
     }
     let (column, places) = chosen(&table, name, &rows, 1)?;
     let is_exact = study.kind().is_exact || column.cells[places[0]].number().is_some();
-    Ok((Column { cells: Cells::default(), band: None, ..column.clone() }, rows, is_exact))
+    Ok((Column { cells: Cells::default(), band: None, band_of_mean: None, ..column.clone() }, rows, is_exact))
 }
 
 /// The limit that the study requires of this answer, else that of the first chart that shows it and has one.

@@ -29,8 +29,10 @@ impl Row<'_> {
         band.and_then(|_| z_score((*mean)?, self.oracle?, (*error)?, self.rounding))
     }
 
-    /// The root of the 95 % interval of the mean variance.
+    /// The root of the 95 % interval of the mean variance; none for fewer records than `band` needs, whose standard error
+    /// scatters too much.
     fn of_mean(&self) -> Band {
+        self.scatter.band?;
         let (mean, half) = (self.scatter.mean?, NORMAL_95 * self.scatter.error?);
         Some((libm::sqrt((mean - half).max(0.0)), libm::sqrt(mean + half)))
     }
@@ -73,7 +75,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
             .usual(Usual::Estimate)
             .within(Row::deviations)
-            .compared_within(Row::of_mean),
+            .mean_within(Row::of_mean),
         Of::new("adev_lo", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (lower)", |row| row.deviations().map(|ends| ends.0).into())
             .is_of("adev", Role::Lower, "95 % of single records have a deviation above this and below `adev_hi`, °/h."),
         Of::new("adev_hi", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (upper)", |row| row.deviations().map(|ends| ends.1).into())

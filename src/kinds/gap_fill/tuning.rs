@@ -17,7 +17,7 @@ const DESIGN: [&str; 3] = ["motion.", "gyro.", "noise."];
 pub(crate) enum Tuning {
     /// The very motion of each point, of which there are several.
     Points,
-    /// One frequency to the last digit.
+    /// One motion, whose frequency is fixed to the last digit.
     Frequency,
 }
 

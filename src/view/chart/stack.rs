@@ -87,6 +87,7 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let repeat = |column: &Column| Column {
         cells: columns.iter().flat_map(|_| column.cells.iter().cloned()).collect(),
         band: column.band.as_ref().map(|band| band.repeat(columns.len())),
+        band_of_mean: None,
         ..column.clone()
     };
     let mut all: Vec<Column> =
@@ -99,6 +100,7 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
         label: quantity,
         cells: columns.iter().flat_map(|column| column.cells.iter().cloned()).collect(),
         band: Some(columns.iter().flat_map(|column| band(column)).collect()),
+        band_of_mean: None,
         ..(*first).clone()
     });
     if columns.iter().any(|column| law(column).is_some()) {

@@ -8,7 +8,7 @@ use crate::study::Study;
 use crate::table::{Column, Table};
 
 /// The fillers that are designed without a band, whose weights firmware cannot have: they follow the motion of each
-/// point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of the band.
+/// point, or one motion to the last digit. For a motion that is drawn from a band, they are those of the band.
 pub(crate) struct Bandless<'a> {
     /// The column of all fillers.
     pub(crate) column: &'a Column,

@@ -13,43 +13,8 @@ const MOST_CURVES: usize = 9;
 /// Most peaks of a curve that are named.
 const MOST_PEAKS: usize = 4;
 
-/// The part of both values beside it below which a single value is a notch if these are no steps of a slope, and that below
-/// which it is one in any case: slopes of σ(τ) are ±1 at most.
-const NOTCH: f64 = 0.5;
-const DEEP: f64 = 0.25;
-
-/// Fewest values of a curve whose course a notch interrupts.
-const FEWEST: usize = 5;
-
 /// Most curves of which each minimum is named.
 const MOST_LISTED: usize = 4;
-
-/// Whether a value lies far below both beside it, or below half of them where they are no steps of a slope: as where τ is an
-/// even multiple of the period of a sine.
-pub(crate) fn has_notch(values: &[f64]) -> bool {
-    let is_below = |part: f64, at: usize, beside: usize| match (values.get(at), values.get(beside)) {
-        (Some(value), Some(beside)) => *value < part * beside,
-        _ => false,
-    };
-    let is_notch = |at: usize| {
-        let are_below = |part: f64| is_below(part, at, at - 1) && is_below(part, at, at + 1);
-        let is_step = |beside: usize, beyond: usize| is_below(NOTCH, beside, beyond);
-        let are_steps = || is_step(at - 1, at.wrapping_sub(2)) || is_step(at + 1, at + 2);
-        are_below(DEEP) || are_below(NOTCH) && !are_steps()
-    };
-    values.len() >= FEWEST && (1..values.len() - 1).any(is_notch)
-}
-
-/// The place of the least value. Among curves with notches, which say nothing of their course, that is the least value which
-/// is not exceeded by those beside it.
-pub(crate) fn lowest(values: &[f64], are_notched: bool) -> Option<usize> {
-    let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
-    if !are_notched || values.len() < FEWEST {
-        return (0..values.len()).min_by(order);
-    }
-    let highest = |at: usize| (at - 1..=at + 1).max_by(order).unwrap_or(at);
-    (1..values.len() - 1).map(highest).min_by(order)
-}
 
 impl Curves<'_> {
     pub(super) fn named(&self) -> Option<()> {
@@ -179,18 +144,20 @@ impl Curves<'_> {
     /// of the column `by` that decides, if there is one, else the lowest and the highest. `None` for a single curve.
     pub(crate) fn minima(&self, by: &[&Column]) -> Option<String> {
         self.named()?;
-        let are_notched = self.are_notched();
-        let least = |(name, rows): &(String, Vec<usize>)| {
-            Some((name.clone(), rows[lowest(&self.values(rows), are_notched)?]))
-        };
-        let besides = if are_notched { ", notches left out," } else { "" };
+        let notches = self.notches();
+        let least = |(name, rows): &(String, Vec<usize>)| Some((name.clone(), self.least(rows, &notches)?));
+        let besides = if notches.are_any() { ", notches left out," } else { "" };
         let mut all: Vec<(String, usize)> = self.curves.iter().filter_map(least).collect();
         all.sort_by(|a, b| self.y.value(a.1).total_cmp(&self.y.value(b.1)));
+        let told = |(name, row): &(String, usize)| {
+            self.told(name, format!("{} at {}", measured(self.y, self.y.value(*row)), self.at_place(*row)))
+        };
+        // Without a notch, the least value of a single curve is the best row, which is told with its interval.
+        if let ([one], true) = (&all[..], notches.are_any()) {
+            return Some(format!("The least {}{besides} is {}.", worded(&self.y.label), told(one)));
+        }
         let [(low_name, low), between @ .., (high_name, high)] = &all[..] else { return None };
         if all.len() <= MOST_LISTED {
-            let told = |(name, row): &(String, usize)| {
-                format!("{} at {} ({name})", measured(self.y, self.y.value(*row)), self.at_place(*row))
-            };
             let told: Vec<String> = all.iter().map(told).collect();
             return Some(format!("The least {}{besides} is {}.", worded(&self.y.label), listed(&told)));
         }
@@ -216,7 +183,7 @@ impl Curves<'_> {
             others => format!("; the other {others} curves lie between"),
         };
         Some(format!(
-            "The {} gets down to {least} at {at_least} with {low_name}, but only to {most} at {at_most} with {high_name}{others}.",
+            "The {}{besides} gets down to {least} at {at_least} with {low_name}, but only to {most} at {at_most} with {high_name}{others}.",
             self.y.label
         ))
     }
@@ -258,7 +225,7 @@ impl Curves<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::table::Cell;
+    use crate::table::{Cell, Usual};
     use crate::view::report::curves::Curves;
     use crate::view::report::tests::table;
 
@@ -306,18 +273,22 @@ mod tests {
     }
 
     #[test]
-    fn a_notch_is_no_minimum_and_a_deep_valley_is_one() {
-        let said = |values: [[f64; 7]; 2]| {
-            let table = table("rms", &[("a", values[0]), ("b", values[1])]);
+    fn a_notch_is_no_minimum_in_any_curve() {
+        let said = |curves: &[(&str, [f64; 7])]| {
+            let mut table = table("rms", curves);
+            table.columns[1].usual = Some(Usual::Abscissa);
             let rows: Vec<usize> = (0..table.rows()).collect();
             let [filler, x, y] = [0, 1, 2].map(|at| &table.columns[at]);
             Curves::of(x, y, &rows, &[filler]).minima(&[])
         };
-        let valley = [27.0, 9.0, 3.0, 1.0, 3.0, 9.0, 27.0];
-        let expected = "The least rms, notches left out, is 3 arcsec at frequency 16 Hz (b) and 5 arcsec at frequency 16 Hz (a).";
-        assert_eq!(said([[9.0, 8.0, 7.0, 0.1, 5.0, 4.0, 4.5], valley]).as_deref(), Some(expected));
+        let (dip, valley) = ([9.0, 8.0, 7.0, 0.1, 5.0, 4.0, 3.5], [8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0]);
+        let expected = "The least rms, notches left out, is 2 arcsec at frequency 4 Hz (b) and 3.5 arcsec at frequency 64 Hz (a).";
+        assert_eq!(said(&[("a", dip), ("b", valley)]).as_deref(), Some(expected));
         let expected = "The least rms is 1 arcsec at frequency 8 Hz (a) and 1 arcsec at frequency 8 Hz (b).";
-        assert_eq!(said([valley, valley]).as_deref(), Some(expected));
+        assert_eq!(said(&[("a", valley), ("b", valley)]).as_deref(), Some(expected));
+        let expected = "The least rms, notches left out, is 3.5 arcsec at frequency 64 Hz (a).";
+        assert_eq!(said(&[("a", dip)]).as_deref(), Some(expected));
+        assert_eq!(said(&[("a", valley)]), None);
     }
 
     #[test]

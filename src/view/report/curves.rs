@@ -2,8 +2,8 @@
 
 use crate::quantity::list::listed;
 use crate::quantity::number::significant;
-use crate::table::{Column, Usual, grouped, worded};
-use crate::view::report::course::{has_notch, lowest};
+use crate::table::{Column, grouped, worded};
+use crate::view::report::notch::Notches;
 use crate::view::report::sentences::{measured, names};
 
 /// The curves of one column over another.
@@ -26,10 +26,9 @@ impl<'t> Curves<'t> {
     /// The minimum or the largest value of each curve as a sentence, such as `600 s: 0.153 °/h at switching interval
     /// 37.5 s`. One at an end of the range is marked.
     pub(crate) fn of_each(&self, is_largest: bool) -> Vec<String> {
-        let are_notched = self.x.usual == Some(Usual::Abscissa) && self.are_notched();
+        let notches = self.notches();
         let sentence = |(name, rows): &(String, Vec<usize>)| {
-            let least = || lowest(&self.values(rows), are_notched).map(|at| rows[at]);
-            let row = if is_largest { self.largest(rows) } else { least() }?;
+            let row = if is_largest { self.largest(rows) } else { self.least(rows, &notches) }?;
             let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
             let shown = measured(self.y, self.y.value(row));
             if rows.len() > 1 && rows.iter().all(|&other| self.y.value(other) == self.y.value(row)) {
@@ -40,14 +39,15 @@ impl<'t> Curves<'t> {
         self.curves.iter().filter_map(sentence).collect()
     }
 
-    /// The values of some rows.
-    pub(super) fn values(&self, rows: &[usize]) -> Vec<f64> {
-        rows.iter().map(|&row| self.y.value(row)).collect()
+    /// The notches of all curves.
+    pub(super) fn notches(&self) -> Notches {
+        Notches::of(self.x, self.y, self.curves.iter().map(|(_, rows)| &rows[..]))
     }
 
-    /// Whether notches interrupt the course of a curve.
-    pub(super) fn are_notched(&self) -> bool {
-        self.curves.iter().any(|(_, rows)| has_notch(&self.values(rows)))
+    /// The row with the least value, notches left out.
+    pub(super) fn least(&self, rows: &[usize], notches: &Notches) -> Option<usize> {
+        let rows = rows.iter().copied().filter(|&row| !notches.are_at(self.x.value(row)));
+        rows.min_by(|&a, &b| self.y.value(a).total_cmp(&self.y.value(b)))
     }
 
     /// The curve with the least largest value as a sentence, with the next one. `None` where there is no range.

@@ -29,7 +29,7 @@ const MOST_CELLS: usize = 80_000;
 /// Most columns of a table that paper has room for.
 const MOST_PRINTED: usize = 28;
 
-/// Most whole numbers that a number of floating point tells apart.
+/// Whole numbers below this are shown in full.
 const MOST_WHOLE: f64 = 1e15;
 
 /// Most points of all curves of a page.
@@ -87,12 +87,12 @@ struct Listing<'t> {
 
 impl Listed<'_> {
     /// The headings of the columns, and their classes.
-    pub(crate) fn headings(&self) -> impl Iterator<Item = (&str, &'static str)> {
+    pub(crate) fn headings(&self) -> impl Iterator<Item = (&str, Option<&'static str>)> {
         self.columns.iter().map(|column| (column.title.as_str(), column.class()))
     }
 
     /// The first rows, each cell with its class.
-    pub(crate) fn first_rows(&self) -> impl Iterator<Item = Vec<(&str, &'static str)>> {
+    pub(crate) fn first_rows(&self) -> impl Iterator<Item = Vec<(&str, Option<&'static str>)>> {
         let rows = self.columns.first().map_or(0, |column| column.first.len());
         (0..rows).map(|row| self.columns.iter().map(|column| (&*column.first[row], column.class())).collect())
     }
@@ -106,7 +106,10 @@ impl Listed<'_> {
     pub(crate) fn unprinted(&self) -> Option<String> {
         let (printed, all) = (self.printed(), self.columns.len());
         (printed < all).then(|| {
-            format!("Printed are the {printed} columns that charts show, of {all}; all are in {}.", self.file)
+            format!(
+                "Printed are the {printed} columns that charts show or that tell rows apart, of {all}; all are in {}.",
+                self.file
+            )
         })
     }
 
@@ -132,12 +135,12 @@ impl Listed<'_> {
 }
 
 impl Listing<'_> {
-    fn class(&self) -> &'static str {
+    fn class(&self) -> Option<&'static str> {
         match (self.text, self.aside) {
-            (false, false) => "",
-            (true, false) => "text",
-            (false, true) => "aside",
-            (true, true) => "text aside",
+            (false, false) => None,
+            (true, false) => Some("text"),
+            (false, true) => Some("aside"),
+            (true, true) => Some("text aside"),
         }
     }
 }
@@ -203,6 +206,9 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
     let columns: Vec<&Column> =
         all.iter().copied().filter(|column| small || is_charted(column, table, charts)).collect();
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
+    // Without an estimate that a chart shows, nothing says which columns matter.
+    let is_shown = |column: &&Column| !tells(column) && is_charted(column, table, charts);
+    let is_wide = columns.len() > MOST_PRINTED && columns.iter().any(is_shown);
     let listing = |column: &&'t Column| {
         let cells: Vec<&Cell> = column.cells.iter().take(rows).collect();
         let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
@@ -212,7 +218,7 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
             about: &column.meaning,
             text: column.cells.any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
-            aside: columns.len() > MOST_PRINTED && !is_charted(column, table, charts),
+            aside: is_wide && !is_charted(column, table, charts),
             cells: json(if one { &cells[..1] } else { &cells[..] }),
             first: cells.iter().take(FIRST_ROWS).map(|cell| read(cell)).collect(),
         }
@@ -230,7 +236,8 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
 fn read(cell: &Cell) -> String {
     let Some(number) = cell.number() else { return cell.text() };
     if number.fract() == 0.0 && number.abs() < MOST_WHOLE {
-        return format!("{number:.0}").replace('-', "−");
+        // Plus 0, because −0 has a sign.
+        return format!("{:.0}", number + 0.0).replace('-', "−");
     }
     let text = significant(number, 5);
     match text.split_once('e') {
@@ -301,7 +308,24 @@ fn packed(text: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::thin;
+    use super::*;
+
+    #[test]
+    fn tables_without_scripts_keep_names_and_whole_numbers() {
+        let cells = [
+            Cell::Text("LGK-400".to_owned()),
+            Cell::Integer(2_097_152),
+            Cell::Number(500_624.0),
+            Cell::Number(-0.0),
+            Cell::Number(-2.512_345_6),
+            Cell::Number(7.799_6e-7),
+            Cell::Blank,
+        ];
+        assert_eq!(
+            cells.each_ref().map(read),
+            ["LGK-400", "2097152", "500624", "0", "−2.5123", "7.7996·10⁻⁷", ""]
+        );
+    }
 
     #[test]
     fn thinned_curves_keep_their_ends_and_interruptions() {

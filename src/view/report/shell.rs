@@ -134,11 +134,11 @@ pub(crate) fn listings(tables: &[Listed]) -> Markup {
                         div.scroll tabindex="0" role="region" aria-label=(table.file) {
                             table style=(format!("--columns: {}", table.printed())) {
                                 thead {
-                                    tr { @for (title, class) in table.headings() { th class=[Some(class).filter(|class| !class.is_empty())] scope="col" { span { (title) } } } }
+                                    tr { @for (title, class) in table.headings() { th class=[class] scope="col" { span { (title) } } } }
                                 }
                                 tbody {
                                     @for row in table.first_rows() {
-                                        tr { @for (cell, class) in row { td class=[Some(class).filter(|class| !class.is_empty())] { (cell) } } }
+                                        tr { @for (cell, class) in row { td class=[class] { (cell) } } }
                                     }
                                 }
                             }

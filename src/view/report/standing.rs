@@ -2,7 +2,7 @@
 
 use crate::chart::Limit;
 use crate::quantity::list::listed;
-use crate::quantity::number::{Side, percent, rounded_to, significant};
+use crate::quantity::number::{Side, digits_within, percent, rounded_to, significant};
 use crate::table::{Column, grouped};
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome, Window, places};
@@ -203,7 +203,8 @@ fn between(curves: &[&Judged]) -> Option<String> {
     let told = curves.iter().enumerate().map(|(number, one)| {
         let (column, from, to) = range(one)?;
         let label = if number == 0 { format!("{} ", column.label) } else { String::new() };
-        let [from, to] = [rounded_to(Side::Up, from, 3), rounded_to(Side::Down, to, 3)];
+        let digits = digits_within(from, to, 3);
+        let [from, to] = [rounded_to(Side::Up, from, digits), rounded_to(Side::Down, to, digits)];
         let ends = format!("{from} to {to} {}", column.unit.symbol);
         Some(format!("{} from {label}{}", one.name(), ends.trim_end()))
     });
@@ -217,23 +218,24 @@ fn by_first(curves: &[&Judged], how: &str) -> Option<String> {
     let is_numbered = |one: &&Judged| one.series.len() == 2 && second(one).is_some() && !one.at.is_empty();
     ((2..=MOST_GROUPED).contains(&curves.len()) && curves.iter().all(is_numbered)).then_some(())?;
     let groups = grouped(0..curves.len(), |at| curves[at].series[0].1.text());
-    let listed_to = |side: Side, values: Vec<f64>| {
-        let texts: Vec<String> = values.into_iter().map(|value| rounded_to(side, value, 3)).collect();
+    let and = |values: &[(Side, f64)]| {
+        let texts: Vec<String> = values.iter().map(|&(side, value)| rounded_to(side, value, 3)).collect();
         listed(&texts)
     };
     let told = groups.iter().map(|(name, places)| {
         let group: Vec<&Judged> = places.iter().map(|&at| curves[at]).collect();
         let (number, _) = second(group[0])?;
-        let ((place, _), side) = (group[0].at[0], group[0].outcome.side());
-        let places = place.valued(&listed_to(side, group.iter().map(|one| one.at[0].1).collect()));
-        let numbers = group.iter().filter_map(|one| Some(second(one)?.1)).collect();
-        let numbers = number.valued(&listed_to(Side::Nearest, numbers));
+        let (place, _) = group[0].at[0];
+        let of_axis = |axis: usize| -> Vec<(Side, f64)> {
+            group.iter().filter_map(|one| Some((one.outcome.side(), one.at.get(axis)?.1))).collect()
+        };
+        let places = place.valued(&and(&of_axis(0)));
+        let numbers: Vec<_> = group.iter().filter_map(|one| Some((Side::Nearest, second(one)?.1))).collect();
+        let numbers = number.valued(&and(&numbers));
         // The same place on the other axis, as Δt·ν beside the frequency.
-        let others: Vec<f64> = group.iter().filter_map(|one| Some(one.at.get(1)?.1)).collect();
+        let others = of_axis(1);
         let beside = match group[0].at.get(1) {
-            Some((other, _)) if others.len() == group.len() => {
-                format!("{}; ", other.valued(&listed_to(side, others)))
-            }
+            Some((other, _)) if others.len() == group.len() => format!("{}; ", other.valued(&and(&others))),
             _ => String::new(),
         };
         Some(format!("{name} {how} {places} ({beside}{numbers})"))

@@ -25,7 +25,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::quantity::number::{Side, rounded_to, significant};
+use crate::quantity::number::{Side, digits_within, rounded_to, significant};
 use crate::table::{Cell, Column, ColumnError, Role, Table, grouped};
 
 /// A question about a table.
@@ -234,7 +234,11 @@ impl Answer<'_> {
 
     /// The answer as a sentence.
     pub fn sentence(&self, limit: &str) -> String {
-        let (series, at, until) = (self.name(), self.place(), self.end());
+        let series = self.name();
+        let [at, until] = match (&self.until[..], self.outcome) {
+            ([_, ..], Outcome::WithinBetween) => ends(&self.at, &self.until),
+            _ => [self.place(), self.end()],
+        };
         let outcome = match self.outcome {
             Outcome::AboveFrom if at.is_empty() => format!("above {limit}"),
             _ if at.is_empty() => format!("within {limit}"),
@@ -269,7 +273,8 @@ impl Window<'_> {
         match &self.until[..] {
             [] => format!(", and again from {} on", places(&self.from, Side::Up)),
             until => {
-                format!(", and again from {} to {}", places(&self.from, Side::Up), places(until, Side::Down))
+                let [from, until] = ends(&self.from, until);
+                format!(", and again from {from} to {until}")
             }
         }
     }
@@ -281,31 +286,47 @@ impl Outcome {
         match self {
             Outcome::Passes => Side::Down,
             Outcome::WithinFrom | Outcome::WithinBetween => Side::Up,
-            // These are points.
+            // The places of points, of which a limit says nothing beyond.
             Outcome::AboveFrom | Outcome::LastWithin | Outcome::WithinUpTo => Side::Nearest,
         }
     }
 }
 
+/// Significant digits of a place.
+const DIGITS: usize = 3;
+
 /// Places as in a sentence, rounded to a side.
 pub(crate) fn places(places: &[(&Column, f64)], side: Side) -> String {
+    with_digits(places, side, DIGITS)
+}
+
+/// The ends of a window within the limit, rounded inwards, with as many digits as keep them in order.
+fn ends(from: &[(&Column, f64)], until: &[(&Column, f64)]) -> [String; 2] {
+    let pairs = from.iter().zip(until);
+    let digits = pairs.map(|(from, until)| digits_within(from.1, until.1, DIGITS)).max().unwrap_or(DIGITS);
+    [with_digits(from, Side::Up, digits), with_digits(until, Side::Down, digits)]
+}
+
+fn with_digits(places: &[(&Column, f64)], side: Side, digits: usize) -> String {
     let each = places.iter().map(|(column, value)| {
-        let named = |shown: &str| column.valued(shown);
+        let text = rounded_to(side, *value, digits);
+        // The other unit is that of the rounded value.
+        let rounded = text.parse().unwrap_or(*value);
         match (column.unit.symbol, *value) {
-            ("s", 1e5..) => format!("{} {}", column.label, spoken(*value, side)),
-            ("s", 600.0..) => format!("{} ({})", named(&rounded_to(side, *value, 3)), spoken(*value, side)),
-            _ => named(&rounded_to(side, *value, 3)),
+            ("s", 1e5..) => format!("{} {}", column.label, spoken(rounded, digits)),
+            ("s", 600.0..) => format!("{} ({})", column.valued(&text), spoken(rounded, digits)),
+            _ => column.valued(&text),
         }
     });
     each.collect::<Vec<_>>().join(", ")
 }
 
 /// A long time in a convenient unit, such as `52.2 min` or `20.1 h`.
-fn spoken(seconds: f64, side: Side) -> String {
+fn spoken(seconds: f64, digits: usize) -> String {
     let (unit_s, unit) = match seconds {
         172_800.0.. => (86_400.0, "d"),
         7200.0.. => (3600.0, "h"),
         _ => (60.0, "min"),
     };
-    format!("{} {unit}", rounded_to(side, seconds / unit_s, 3))
+    format!("{} {unit}", significant(seconds / unit_s, digits))
 }
