@@ -343,8 +343,10 @@ impl Sheet {
         }
         let [conditions, all] = &self.swept;
         let none = match self.met[1] {
-            1 => "No single input gains 1 %".to_owned(),
-            all => format!("No single input lowers the largest under all {all} conditions by 1 %"),
+            1 => "Changed by a quarter, no single input gains 1 %".to_owned(),
+            all => format!(
+                "Changed by a quarter, no single input lowers the largest under all {all} conditions by 1 %"
+            ),
         };
         let here = match &self.only_here {
             Some(Lever { label, from, to, gain, .. }) => format!(
