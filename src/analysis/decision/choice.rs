@@ -1,21 +1,15 @@
 //! The best option of a study, and the condition under which it is worst.
 
+use crate::analysis::decision::compared::Compared;
+use crate::analysis::decision::varied::Varied;
 use crate::chart::{Chart, Limit, Shows, Source};
 use crate::kinds::allan::keys::LENGTH;
-use crate::quantity::number::percent;
 use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 use crate::view::report::answer::{apart, is_given};
 use crate::view::report::bandless::Bandless;
-use crate::view::report::notch::Notches;
-use crate::view::report::sentences::{measured, names, naming};
-
-/// Prefixes of keys that are the gyro's own, and not what surrounds it.
-const OF_GYRO: [&str; 7] = ["dither.", "drift.", "noise.", "gyro.", "relock.", "lock_in.", "switching."];
-
-/// The least gain that is worth a sentence.
-const LEAST_GAIN: f64 = 0.01;
+use crate::view::report::sentences::names;
 
 /// The option after the best one.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,25 +22,6 @@ pub struct Next {
     pub met: usize,
     /// Whether the 95 % intervals of both options overlap.
     pub is_alike: bool,
-}
-
-/// A change of a swept key of the gyro itself: a condition, the others kept, or a key of which the judged chart has one value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Varied {
-    /// The key with the value that gains most.
-    pub to: String,
-    /// Its present value.
-    pub from: String,
-    /// The fraction by which the judged estimate falls, that of the worst condition for a key that is none itself.
-    pub gain: f64,
-}
-
-impl Varied {
-    /// The change as a sentence.
-    pub(crate) fn told(&self) -> String {
-        let Varied { to, from, gain } = self;
-        format!("Of what the study varies, {to} instead of {from} gains {}.", percent(*gain))
-    }
 }
 
 /// An option with its worst row.
@@ -145,28 +120,17 @@ impl<'t> Choice<'t> {
                 names.filter(|_| all.len() > rows.len()).map(str::to_owned).collect()
             }
         };
-        // A coefficient that records do not show has no error, and meets no limit.
-        let value = |row: usize| column.cells[row].number().map_or(f64::INFINITY, f64::abs);
+        let compared = Compared::of(column, [given, chosen.clone()], abscissa, &rows);
+        let value = |row: usize| compared.value(row);
         let is_met = |row: usize| limit.is_none_or(|limit| value(row) <= limit.value);
-        let (condition_of, option_of) = (naming(&given), naming(&chosen));
-        let curves = grouped(rows.iter().copied(), |row| (option_of(row), condition_of(row)));
-        let of_curves = |abscissa| Notches::of(abscissa, column, curves.iter().map(|(_, rows)| &rows[..]));
-        let notches = abscissa.map(of_curves).unwrap_or_default();
-        let is_notch = |row: usize| abscissa.is_some_and(|x| notches.are_at(x.value(row)));
-        let least = |rows: Vec<usize>| {
-            let course = rows.into_iter().filter(|&row| !is_notch(row));
-            course.min_by(|a, b| value(*a).total_cmp(&value(*b)))
-        };
         let option = |(name, rows): (String, Vec<usize>)| {
-            // A curve over the averaging time counts at its minimum.
-            let conditions: Vec<usize> =
-                grouped(rows, &condition_of).into_iter().filter_map(|(_, rows)| least(rows)).collect();
-            let worst = conditions.iter().copied().max_by(|a, b| value(*a).total_cmp(&value(*b)))?;
-            let met = conditions.iter().filter(|row| is_met(**row)).count();
-            Some(Rated { name, row: worst, met, rows: conditions })
+            let rows = compared.conditions(rows);
+            let row = compared.worst(&rows)?;
+            let met = rows.iter().filter(|row| is_met(**row)).count();
+            Some(Rated { name, row, met, rows })
         };
-        let mut options: Vec<Rated> =
-            grouped(rows.iter().copied(), &option_of).into_iter().filter_map(option).collect();
+        let options = grouped(rows, |row| compared.option(row));
+        let mut options: Vec<Rated> = options.into_iter().filter_map(option).collect();
         // Of records that meet the limit equally often, the shortest is the best: a longer one costs time.
         let length = match chosen[..] {
             [column] if column.name == LENGTH.name && limit.is_some() => Some(column),
@@ -189,56 +153,15 @@ impl<'t> Choice<'t> {
             met: next.met,
             is_alike: column.is_alike(row, next.row),
         });
-        let own = |name: &str| OF_GYRO.iter().any(|key| name.starts_with(key));
-        let change = |by: &Column, to: usize| {
-            let from = by.cells[row].number().map_or_else(|| by.cells[row].text(), |x| measured(by, x));
-            let gain = 1.0 - value(to) / value(row);
-            (gain >= LEAST_GAIN).then(|| Varied { to: names(&[by], to), from, gain })
-        };
-        let least_of =
-            |rows: &mut dyn Iterator<Item = usize>| rows.min_by(|a, b| value(*a).total_cmp(&value(*b)));
-        // The rows of the best option that differ from its worst one in this condition only.
-        let beside = |by: &&Column| {
-            let is_kept = |other: usize| {
-                let kept =
-                    |column: &&Column| std::ptr::eq(*column, *by) || column.cells[other] == column.cells[row];
-                given.iter().all(kept)
-            };
-            let to = least_of(&mut rows.iter().copied().filter(|&other| other != row && is_kept(other)))?;
-            change(by, to)
-        };
-        // The worst rows of the same option at the other values of a swept key that the chart fixes, under as many conditions.
-        let several = || study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
-        let elsewhere = |by: &&Column| {
-            let others: Vec<(String, String)> =
-                filter.iter().filter(|(name, _)| *name != by.name).cloned().collect();
-            let mut all = table.rows_where(&others).ok()?;
-            all.retain(|&other| has_value(other) && option_of(other) == name);
-            let worst = |(_, of_value): (String, Vec<usize>)| {
-                let groups = grouped(of_value, &condition_of);
-                let conditions: Vec<usize> = groups.into_iter().filter_map(|(_, rows)| least(rows)).collect();
-                (conditions.len() == rows.len()).then_some(())?;
-                conditions.into_iter().max_by(|a, b| value(*a).total_cmp(&value(*b)))
-            };
-            let of_values = grouped(all, |other| by.cells[other].text());
-            change(by, least_of(&mut of_values.into_iter().filter_map(worst))?)
-        };
-        let is_fixed = |name: &str| filter.iter().any(|(fixed, _)| fixed == name);
-        let fixed: Vec<&Column> = several()
-            .filter(|sweep| is_fixed(sweep.key.name))
-            .filter_map(|sweep| table.column(sweep.key.name).ok())
-            .collect();
-        let within = given.iter().filter(|by| own(&by.name)).filter_map(beside);
-        let without = fixed.iter().filter(|by| own(&by.name)).filter_map(elsewhere);
-        let varied = within.chain(without).filter(|_| value(row).is_finite());
-        let varied = varied.max_by(|a, b| a.gain.total_cmp(&b.gain));
-        let at: Vec<&Column> = given.iter().copied().chain(abscissa).collect();
+        let varied = Varied::most(study, table, &filter, &compared, (row, &rows));
+        let at: Vec<&Column> = compared.given.iter().copied().chain(abscissa).collect();
         let condition = names(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, rows.len()];
-        let swept: Vec<&Column> = several().filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
+        let several = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
+        let swept: Vec<&Column> = several.filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
         let label = |column: &&Column| column.label.clone();
-        let is_condition = |column: &&&Column| given.iter().any(|by| std::ptr::eq(*by, **column));
+        let is_condition = |column: &&&Column| compared.given.iter().any(|by| std::ptr::eq(*by, **column));
         let swept =
             [swept.iter().filter(is_condition).map(label).collect(), swept.iter().map(label).collect()];
         Ok(Some(Choice {
@@ -253,7 +176,7 @@ impl<'t> Choice<'t> {
             option,
             condition,
             is_minimum,
-            is_notched: notches.are_any(),
+            is_notched: compared.notches.are_any(),
             met,
             options,
             equal,

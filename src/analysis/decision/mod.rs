@@ -12,19 +12,23 @@
 
 pub(crate) mod budget;
 pub(crate) mod choice;
+mod compared;
 pub(crate) mod evaluate;
 pub(crate) mod lever;
 pub(crate) mod lines;
+mod next_lever;
 mod place;
 pub(crate) mod sheet;
 pub(crate) mod shown;
+mod varied;
 pub(crate) mod words;
 
 pub use crate::analysis::decision::budget::Part;
-pub use crate::analysis::decision::choice::{Next, Varied};
+pub use crate::analysis::decision::choice::Next;
 pub use crate::analysis::decision::lever::{Also, Lever, Needed};
 pub use crate::analysis::decision::lines::Lines;
 pub use crate::analysis::decision::sheet::Sheet;
+pub use crate::analysis::decision::varied::Varied;
 
 use crate::analysis::decision::budget::budget;
 use crate::analysis::decision::choice::Choice;

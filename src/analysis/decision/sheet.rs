@@ -4,14 +4,14 @@ use serde_json::{Value as Json, json};
 
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
-use crate::analysis::decision::choice::{Choice, Next, Varied};
-use crate::analysis::decision::lever::{Also, Found, Lever, Needed};
+use crate::analysis::decision::choice::{Choice, Next};
+use crate::analysis::decision::lever::{Found, Lever, Needed};
 use crate::analysis::decision::lines::Lines;
-use crate::analysis::decision::words::{LEVEL, margin_in_words, rounded, short, with_interval};
+use crate::analysis::decision::varied::Varied;
+use crate::analysis::decision::words::{LEVEL, margin_in_words, rounded, with_interval};
 use crate::chart::Limit;
 use crate::quantity::list::listed;
 use crate::quantity::number::percent;
-use crate::quantity::units::{Dimension, Quantity};
 use crate::table::{Unit, titled, worded};
 use crate::view::report::agreement::capitalised;
 
@@ -65,16 +65,6 @@ pub struct Sheet {
     pub swept: [Vec<String>; 2],
     /// The sentences of a study that asks which coefficients records show, instead of those on the estimate.
     pub shown: Option<[String; 5]>,
-}
-
-/// Why no lever is searched on curves with notches.
-const NOTCHED: &str =
-    "No single input is tried, because a change may move a notch to where the curve is judged.";
-
-/// A change of an input after its name, such as ` 4 ms instead of 5 ms` or ` = 2 instead of 3`.
-fn stepped(from: &Quantity, to: &Quantity) -> String {
-    let equals = if to.dimension == Dimension::Count { " =" } else { "" };
-    format!("{equals} {} instead of {}", short(*to), short(*from))
 }
 
 impl Sheet {
@@ -136,7 +126,7 @@ impl Sheet {
         Lines { met: self.is_met(), sentences }.headed()
     }
 
-    fn shown(&self, value: f64) -> String {
+    pub(super) fn shown(&self, value: f64) -> String {
         if !value.is_finite() {
             return "unknown".to_owned();
         }
@@ -144,7 +134,7 @@ impl Sheet {
     }
 
     /// Where the best option is worst, as the end of a sentence.
-    fn at(&self) -> String {
+    pub(super) fn at(&self) -> String {
         if self.condition.is_empty() { String::new() } else { format!(" at {}", self.condition) }
     }
 
@@ -294,88 +284,6 @@ impl Sheet {
             worded(&self.label),
             without(first)
         )
-    }
-
-    fn lever_told(&self) -> String {
-        let Some(lever) = &self.lever else {
-            return self.no_lever();
-        };
-        let Lever { key, label, gain, needed, remark, also, .. } = lever;
-        let (from, to) = (short(lever.from), short(lever.to));
-        let gain = with_interval(*gain, percent);
-        let tried = format!("{to} instead of {from} gains {gain}");
-        let name = format!("{} ({key})", capitalised(label));
-        let told = match needed {
-            Some(Needed::Value(value)) if *value == lever.to => {
-                format!("{name}: {to} instead of {from} meets the limit and gains {gain}.")
-            }
-            Some(Needed::Value(value)) => format!("{name}: {} meets the limit; {tried}.", short(*value)),
-            Some(Needed::NotEven(value, _)) if *value == lever.to => {
-                format!("{name}: {tried}, but alone it does not meet the limit.")
-            }
-            Some(Needed::NotEven(value, left)) => format!(
-                "{name}: {tried}, but alone it does not meet the limit: even {} leaves {}.",
-                short(*value),
-                self.shown(*left)
-            ),
-            None => format!("{name}: {tried}."),
-        };
-        let other = |Also { label, from, to, .. }: &Also| format!("{label}{}", stepped(from, to));
-        let others: Vec<String> = also.iter().map(other).collect();
-        let also = match &others[..] {
-            [] => String::new(),
-            [one] => format!("By itself, {one} would meet it too."),
-            more => format!("Each by itself, {} would meet it too.", listed(more)),
-        };
-        let gains_more = |varied: &Varied| varied.gain > lever.gain.value && self.is_met() != Some(true);
-        let varied = self.varied.as_ref().filter(|varied| gains_more(varied)).map(Varied::told);
-        [told, remark.clone(), also, varied.unwrap_or_default()]
-            .into_iter()
-            .filter(|text| !text.is_empty())
-            .collect::<Vec<_>>()
-            .join(" ")
-    }
-
-    /// Why there is no lever, with what the study itself varies.
-    fn no_lever(&self) -> String {
-        if self.is_met() == Some(true) {
-            return "None is needed, as the limit is met.".to_owned();
-        }
-        let [conditions, all] = &self.swept;
-        let none = match self.met[1] {
-            1 => "Changed by a quarter, no single input gains 1 %".to_owned(),
-            all => format!(
-                "Changed by a quarter, no single input lowers the largest under all {all} conditions by 1 %"
-            ),
-        };
-        let here = match &self.only_here {
-            Some(Lever { label, from, to, gain, .. }) => format!(
-                "; {}{} gains {}{}, but then another condition is as bad",
-                label,
-                stepped(from, to),
-                with_interval(*gain, percent),
-                self.at()
-            ),
-            None => String::new(),
-        };
-        if let Some(told) = self.varied.as_ref().map(Varied::told) {
-            return match (self.is_searched, self.is_notched) {
-                (true, _) => format!("{none}{here}. {told}"),
-                (false, true) => format!("{NOTCHED} {told}"),
-                (false, false) => told,
-            };
-        }
-        match (self.is_searched, &conditions[..], &all[..]) {
-            (true, [], _) => format!("{none}{here}."),
-            (true, conditions, _) => {
-                format!("{none}, besides what the study varies ({}){here}.", listed(conditions))
-            }
-            (false, ..) if self.is_notched => NOTCHED.to_owned(),
-            (false, _, []) => "None is searched for this estimate.".to_owned(),
-            (false, _, all) => {
-                format!("None is searched for this estimate; the study itself varies {}.", listed(all))
-            }
-        }
     }
 
     /// The sheet as JSON; values are in the units of tables, fractions as such.
