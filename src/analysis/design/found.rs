@@ -146,7 +146,8 @@ impl Design {
             false => decide_at(&self.study, &point)?,
             true => decide_at(&self.study.with_fillers(|all| keep(all, |place| judged[place]))?, &point)?,
         };
-        if let Some(sheet) = sheet.as_mut().filter(|_| self.trades()) {
+        // Each filler at its own best interval, and not at that of the best one.
+        if let Some(sheet) = sheet.as_mut().filter(|sheet| self.trades() || sheet.options > 1) {
             variants::name_in(sheet, self);
         }
         Ok(sheet)

@@ -37,6 +37,9 @@ const DRAWS_COMPARED: u64 = 8;
 const START: &str = "# Navigators with three gyros like ";
 const END: &str = ", by sagnac allan --navigate.";
 
+/// Periods of a sine during the navigation beyond which it averages out. Samples are longer than half of one before long.
+const MANY_PERIODS: f64 = 250.0;
+
 /// Latitude of the navigators, and their time at rest before the start.
 const LATITUDE: &str = "60 deg";
 const ALIGNMENT: &str = "10 min";
@@ -58,6 +61,8 @@ pub struct Navigators {
     pub half: f64,
     /// The class of such navigators by the growth of that radius; `none` for a worse one than all classes.
     pub class: String,
+    /// Frequency of a sine that averages out and is left out, Hz.
+    pub left_out_hz: Option<f64>,
     /// The coefficients that the record does not show, with the radius where all are at the upper ends of their intervals.
     pub at_bounds: Option<(Vec<String>, f64)>,
     /// The decision sheet of the study.
@@ -100,14 +105,20 @@ fn of_column(
         return Err("it is not a gyro".to_owned());
     }
     let noise = column.noise().ok_or("its noise has no coefficients")?;
-    let coefficients = &noise.fit.coefficients;
-    let lines: Vec<String> = coefficients.iter().filter_map(entry).collect();
+    let fast_hz = |one: &Coefficient| {
+        let frequency = one.shape.filter(|_| one.term == Term::Sine && one.value.is_some())?.value;
+        (frequency * asked.duration_s > MANY_PERIODS).then_some(frequency)
+    };
+    let left_out_hz = noise.fit.coefficients.iter().find_map(fast_hz);
+    let coefficients: Vec<&Coefficient> =
+        noise.fit.coefficients.iter().filter(|one| fast_hz(one).is_none()).collect();
+    let lines: Vec<String> = coefficients.iter().copied().filter_map(entry).collect();
     if lines.is_empty() {
         return Err("its record shows no coefficient".to_owned());
     }
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     let about = format!("{START}{} of {}", one_line(&column.name), one_line(&file));
-    let spreads: Vec<String> = coefficients.iter().filter_map(spread).collect();
+    let spreads: Vec<String> = coefficients.iter().copied().filter_map(spread).collect();
     let study = text(&about, asked, DRAWS, &lines, &spreads);
     let tables = tables(&study)?;
     let (within, unit) = radius(&tables)?;
@@ -116,7 +127,7 @@ fn of_column(
     let sheet = decide(&compared, &tables, progress).map_err(|error| error.to_string())?;
     let sheet = sheet.ok_or("the study judges nothing")?;
     let bounds: Vec<(&Coefficient, String)> =
-        coefficients.iter().filter_map(|one| Some((one, bound(one)?))).collect();
+        coefficients.iter().filter_map(|one| Some((*one, bound(one)?))).collect();
     let at_bounds = match bounds.is_empty() {
         true => None,
         false => {
@@ -128,7 +139,7 @@ fn of_column(
         }
     };
     let (column, duration_s) = (column.name.clone(), asked.duration_s);
-    Ok(Navigators { column, study, duration_s, within, unit, half, class, at_bounds, sheet })
+    Ok(Navigators { column, study, duration_s, within, unit, half, class, left_out_hz, at_bounds, sheet })
 }
 
 /// The line of a coefficient with a value that a study has.
@@ -226,6 +237,12 @@ impl Navigators {
             shown(self.half),
             self.class_told()
         );
+        let told = match self.left_out_hz {
+            Some(frequency) => {
+                format!("{told} The line at {} averages out and is left out.", with_unit(frequency, 4, "Hz"))
+            }
+            None => told,
+        };
         match &self.at_bounds {
             Some((names, value)) => {
                 let [ends, interval] =

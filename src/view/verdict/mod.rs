@@ -310,11 +310,13 @@ fn ends(from: &[(&Column, f64)], until: &[(&Column, f64)]) -> [String; 2] {
 fn with_digits(places: &[(&Column, f64)], side: Side, digits: usize) -> String {
     let each = places.iter().map(|(column, value)| {
         let text = rounded_to(side, *value, digits);
-        // The other unit is that of the rounded value.
-        let rounded = text.parse().unwrap_or(*value);
         match (column.unit.symbol, *value) {
-            ("s", 1e5..) => format!("{} {}", column.label, spoken(rounded, digits)),
-            ("s", 600.0..) => format!("{} ({})", column.valued(&text), spoken(rounded, digits)),
+            ("s", 1e5..) => format!("{} {}", column.label, spoken(*value, side, digits)),
+            // Beside the rounded seconds, the other unit is theirs.
+            ("s", 600.0..) => {
+                let seconds = text.parse().unwrap_or(*value);
+                format!("{} ({})", column.valued(&text), spoken(seconds, Side::Nearest, digits))
+            }
             _ => column.valued(&text),
         }
     });
@@ -322,11 +324,11 @@ fn with_digits(places: &[(&Column, f64)], side: Side, digits: usize) -> String {
 }
 
 /// A long time in a convenient unit, such as `52.2 min` or `20.1 h`.
-fn spoken(seconds: f64, digits: usize) -> String {
+fn spoken(seconds: f64, side: Side, digits: usize) -> String {
     let (unit_s, unit) = match seconds {
         172_800.0.. => (86_400.0, "d"),
         7200.0.. => (3600.0, "h"),
         _ => (60.0, "min"),
     };
-    format!("{} {unit}", significant(seconds / unit_s, digits))
+    format!("{} {unit}", rounded_to(side, seconds / unit_s, digits))
 }
