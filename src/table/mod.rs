@@ -78,6 +78,11 @@ impl Column {
         self.cells[row].number().unwrap_or(f64::NAN)
     }
 
+    /// The magnitude of a cell; infinite where it is not a number.
+    pub(crate) fn magnitude(&self, row: usize) -> f64 {
+        self.cells[row].number().map_or(f64::INFINITY, f64::abs)
+    }
+
     /// The 95 % interval of a cell, where there is one.
     pub(crate) fn interval(&self, row: usize) -> Option<(f64, f64)> {
         self.band.as_ref()?.get(row).copied().flatten()

@@ -180,11 +180,12 @@ fn long_flights_have_the_fix_of_gyros_that_know_the_vertical() {
         let of_white = (RADIUS * white * ARCSEC).powi(2) * t;
         let [along, across] = [Error::PositionEast, Error::PositionNorth]
             .map(|error| Task::Inertial(leg).errors().iter().position(|other| *other == error).unwrap());
-        for (error, expected) in [along, across].into_iter().zip(of_markov) {
+        // Across the track the turning of the aircraft, 3 % of the Schuler frequency, adds to the swings.
+        for (error, expected, room) in [(along, of_markov[0], 1e-3), (across, of_markov[1], 5e-3)] {
             let ratio = (variance(&markov, error) / expected).sqrt();
             assert!((ratio - 1.0).abs() < 3e-3, "drift, {t} s, error {error}: {ratio} of the closed form");
             let ratio = variance(&noise, error) / of_white;
-            assert!((ratio - 1.5).abs() < 5e-3, "white noise, {t} s, error {error}: {ratio}, not 3/2");
+            assert!((ratio - 1.5).abs() < room, "white noise, {t} s, error {error}: {ratio}, not 3/2");
         }
         // The angle about the axis across the track needs no vertical, so there is nothing to swing.
         let angle = &weights(&Task::Heading, &times)[0].of_errors[0];

@@ -190,7 +190,7 @@ impl<'t> Choice<'t> {
 
     /// The magnitude of the best option.
     pub(crate) fn value(&self) -> f64 {
-        self.column.cells[self.row].number().map_or(f64::INFINITY, f64::abs)
+        self.column.magnitude(self.row)
     }
 
     /// The 95 % interval of that magnitude.

@@ -36,7 +36,7 @@ impl<'t> Compared<'t> {
 
     /// The magnitude of a row; a coefficient that records do not show has no error, and meets no limit.
     pub(crate) fn value(&self, row: usize) -> f64 {
-        self.column.cells[row].number().map_or(f64::INFINITY, f64::abs)
+        self.column.magnitude(row)
     }
 
     /// The row with the least magnitude.

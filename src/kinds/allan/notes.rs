@@ -58,7 +58,9 @@ fn switching(points: &[Point]) -> Option<String> {
         format!("fill residuals as an angle random walk of {n} °/√h at averaging times above the interval")
     });
     let drift = switched().any(|(_, switching)| switching.drifts()).then(|| {
-        "the alternating drift, highest at averaging times from half an interval to a whole one, as B and K, and at intervals of some 10 samples as N".to_owned()
+        "the alternating drift, highest at averaging times from half an interval to a whole one, as B and K, and at \
+         intervals of some 10 samples as N"
+            .to_owned()
     });
     let seen: Vec<String> = residuals.into_iter().chain(drift).collect();
     (!seen.is_empty()).then(|| {

@@ -121,8 +121,8 @@ pub(crate) fn note(points: &[Point], fillers: &[Filler]) -> Option<String> {
         .collect();
     (!judged.is_empty()).then(|| {
         format!(
-            "minimum-variance fillers designed for the motion on which they are judged, with the rms residual of vibration and noise there, and if all frequencies \
-             are {} % lower or higher: {}{}",
+            "minimum-variance fillers designed for the motion on which they are judged, with the rms residual of \
+             vibration and noise there, and if all frequencies are {} % lower or higher: {}{}",
             100.0 * SHIFT,
             judged.join(", "),
             point.place()
