@@ -10,13 +10,17 @@ pub(crate) mod vibration;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use crate::kernel::gap_fill::shape::MARGIN;
 use crate::motion::keys::{Design, Interpolation, Phase, Position};
 use crate::motion::vibration::Vibration;
 use crate::record::Record;
-use crate::theory::lags::Lags;
+use crate::theory::double::Double;
+use crate::theory::lines::{self, Line};
 use crate::theory::memo::Memo;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
+use crate::theory::quadrature::Rule;
+use crate::theory::rows::TickRows;
 use crate::theory::suspension::Suspension;
 
 /// The motion of the base, the sum of all its parts. The rate is that at the middle of the gap.
@@ -99,8 +103,15 @@ pub enum Gaussian {
     },
 }
 
-/// Covariances of Gaussian motion, of which a quadrature takes as long as the rest of a point.
-static COVARIANCES: Memo<(Gaussian, f64, Lags), Vec<f64>> = Memo::new(128);
+/// What is expensive of Gaussian motion of unit size: its rows by tick, gap and ticks on either side, and its covariance
+/// by tick and number of lags. The two come from quadratures of their own, so that one is a check of the other.
+static ROWS: Memo<(Gaussian, f64, u32, usize), Arc<TickRows>> = Memo::new(64);
+static COVARIANCES: Memo<(Gaussian, f64, usize), Arc<[Double]>> = Memo::new(128);
+
+/// The largest distance of two ticks round a gap that fillers can read, s.
+fn longest_s(tick_s: f64, gap_ticks: u32) -> f64 {
+    (2 * MARGIN + gap_ticks as usize) as f64 * tick_s
+}
 
 /// A recorded motion to be replayed.
 #[derive(Debug, Clone, PartialEq)]
@@ -188,22 +199,23 @@ impl Motion {
         libm::sqrt(square)
     }
 
-    /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1. A constant rate and acceleration are not
-    /// part of it, and a phase counts as uniformly drawn. That of a profile is of the part from which fillers are designed.
-    pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        let lags = lags.into();
-        let mut sum = vec![0.0; lags.computed];
-        let mut add = |part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    /// The ticks of its random part as rows, ″, with `sides` ticks on either side of a gap: all of it but a constant rate
+    /// and acceleration, with phases that count as uniformly drawn. Those of a profile are of the part from which
+    /// fillers are designed.
+    pub fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
+        let mut rows = TickRows::default();
         for tone in &self.tones {
-            add(&tone.covariance(tick_s, lags));
+            let lines = lines::of_ticks(&tone.lines(longest_s(tick_s, gap_ticks), Rule::Sparse), tick_s);
+            let own = TickRows::of_lines(&lines, gap_ticks, sides);
+            rows = rows.beside(if lines.len() > 1 { own.triangular() } else { own });
         }
         if let Some(gaussian) = &self.gaussian {
-            add(&gaussian.covariance(tick_s, lags));
+            rows = rows.beside(gaussian.tick_rows(tick_s, gap_ticks, sides));
         }
         if let Some(profile) = &self.profile {
-            add(&profile.covariance(tick_s, lags.computed));
+            rows = rows.beside(profile.tick_rows(tick_s, gap_ticks, sides));
         }
-        sum
+        rows
     }
 }
 
@@ -219,30 +231,48 @@ impl Gaussian {
         }
     }
 
-    /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1.
-    pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        let lags = lags.into();
-        // That of a vibration is known for all its scales together.
-        let (unscaled, scale) = match self {
+    /// Its ticks as rows, ″, with `sides` ticks on either side of a gap.
+    pub fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
+        let (unit, size) = self.unit();
+        let rows = ROWS.get((unit.clone(), tick_s, gap_ticks, sides), || {
+            let lines = lines::of_ticks(&unit.lines(longest_s(tick_s, gap_ticks), Rule::Sparse), tick_s);
+            TickRows::of_lines(&lines, gap_ticks, sides).triangular().into()
+        });
+        rows.as_ref().clone().scaled(size)
+    }
+
+    /// Covariance of the angles at the ends of ticks, ″², at distances of 0 … `lags` − 1 ticks, and the factor that
+    /// remains to be applied to it.
+    pub(crate) fn covariance(&self, tick_s: f64, lags: usize) -> (Arc<[Double]>, f64) {
+        let (unit, size) = self.unit();
+        let covariance = COVARIANCES.get((unit.clone(), tick_s, lags), || {
+            let lines = unit.lines(lags as f64 * tick_s, Rule::Panels);
+            lines::covariance(&lines::of_angles(&lines, tick_s), lags).into()
+        });
+        (covariance, size * size)
+    }
+
+    /// This motion without its size, and the factor of its angles: what a sweep of its size leaves as it is.
+    fn unit(&self) -> (Gaussian, f64) {
+        match self {
+            Gaussian::Band { rms, band } => (Gaussian::Band { rms: 1.0, band: *band }, *rms),
+            Gaussian::Psd(_) => (self.clone(), 1.0),
             Gaussian::Vibration { suspension, acceleration, scale } => {
                 let (suspension, acceleration) = (suspension.clone(), acceleration.clone());
-                (Gaussian::Vibration { suspension, acceleration, scale: 1.0 }, Some(scale))
+                (Gaussian::Vibration { suspension, acceleration, scale: 1.0 }, libm::sqrt(*scale))
             }
-            other => (other.clone(), None),
-        };
-        let compute = || match self {
-            // A sine of this rms at every frequency of the band.
-            Gaussian::Band { rms, band } => band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags),
-            Gaussian::Psd(psd) => psd.covariance(tick_s, lags),
-            Gaussian::Vibration { suspension, acceleration, .. } => {
-                suspension.covariance(acceleration, tick_s, lags)
-            }
-        };
-        let mut covariance = COVARIANCES.get((unscaled, tick_s, lags), compute);
-        if let Some(scale) = scale {
-            covariance.iter_mut().for_each(|value| *value *= scale);
         }
-        covariance
+    }
+
+    /// The lines of a motion of unit size.
+    fn lines(&self, longest_s: f64, rule: Rule) -> Vec<Line> {
+        match self {
+            Gaussian::Band { band, .. } => band.lines(longest_s, rule),
+            Gaussian::Psd(psd) => psd.lines(longest_s, rule),
+            Gaussian::Vibration { suspension, acceleration, .. } => {
+                suspension.lines(acceleration, longest_s, rule)
+            }
+        }
     }
 }
 
@@ -272,14 +302,15 @@ impl Tone {
         }
     }
 
-    fn covariance(&self, tick_s: f64, lags: Lags) -> Vec<f64> {
-        let amplitude = libm::sqrt(self.amplitude.value.mean_square());
-        let band = self.band();
-        if self.amplitude.of_angle {
-            band.covariance_of_angle(amplitude, tick_s, lags)
-        } else {
-            band.covariance(amplitude, tick_s, lags)
+    /// Its lines, with which covariances are right to rounding up to a distance of `longest_s`.
+    pub(crate) fn lines(&self, longest_s: f64, rule: Rule) -> Vec<Line> {
+        let mut lines = self.band().lines(longest_s, rule);
+        let square = 0.5 * self.amplitude.value.mean_square();
+        for line in &mut lines {
+            let factor = self.rate_factor(line.frequency_hz);
+            line.power *= square * factor * factor;
         }
+        lines
     }
 }
 

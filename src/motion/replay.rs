@@ -2,12 +2,15 @@
 
 use std::sync::{Arc, Weak};
 
+use crate::kernel::gap_fill::shape::MARGIN;
 use crate::motion::Profile;
 use crate::motion::keys::{Design, Interpolation};
 use crate::record::Record;
 use crate::tally::id::Id;
-use crate::theory::autocovariance::autocovariance;
+use crate::theory::cholesky::semidefinite;
+use crate::theory::double::Double;
 use crate::theory::memo::Memo;
+use crate::theory::rows::{Rows, TickRows, ticks};
 
 /// The ticks of a record that are replayed.
 #[derive(Debug)]
@@ -16,6 +19,14 @@ pub(crate) struct Replay {
     pub(crate) angles: Vec<f64>,
     /// Identifies the angles by their bits.
     pub(crate) content: Id,
+}
+
+/// Means over all places of the gap in a record of the ticks round it, ″, and of their products, ″²; the first tick is that
+/// farthest before the gap.
+#[derive(Debug)]
+pub(crate) struct WindowMeans {
+    pub(crate) ticks: Vec<Double>,
+    pub(crate) products: Vec<Vec<Double>>,
 }
 
 /// A record, recognised by its place in memory without being kept, with the tick, and how it is made of the samples.
@@ -36,8 +47,10 @@ impl PartialEq for Cut {
 
 /// Replays have up to 32 MB each.
 static REPLAYS: Memo<Cut, Arc<Replay>> = Memo::new(4);
-/// Covariances by lag, of the number of lags that is the second part of the key.
-static COVARIANCES: Memo<(Cut, usize), Arc<[f64]>> = Memo::new(64);
+/// Rows for a gap of some ticks with some ticks on either side.
+static ROWS: Memo<(Cut, u32, usize), Arc<TickRows>> = Memo::new(64);
+/// Means of what is replayed, for a gap of some ticks with some ticks on either side.
+static MEANS: Memo<(Cut, u32, usize), Arc<WindowMeans>> = Memo::new(16);
 static VARIANCES: Memo<Cut, f64> = Memo::new(64);
 
 impl Profile {
@@ -56,14 +69,99 @@ impl Profile {
         })
     }
 
-    /// Covariance at so many lags of the ticks from which fillers are designed, ″².
-    pub(crate) fn covariance(&self, tick_s: f64, lags: usize) -> Arc<[f64]> {
-        let compute = || autocovariance(&self.design_ticks(tick_s), lags).into();
-        COVARIANCES.get((self.cut(tick_s), lags), compute)
+    /// The ticks round a gap as rows, ″, whose products are means over all places of the gap in the part from which
+    /// fillers are designed. From them follow the weights of least squares over these places.
+    ///
+    /// The mean of all ticks is removed, which changes no filler that keeps a constant rate. Fillers that read farther
+    /// ticks do not change the places.
+    pub(crate) fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
+        let compute = || {
+            let angles = self.design_ticks(tick_s);
+            let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
+            let swings: Vec<f64> = angles.iter().map(|angle| angle - mean).collect();
+            let means = window_means(&swings, gap_ticks as usize, sides);
+            let at = |tick: i32| (tick - 1 + sides as i32) as usize;
+            let order: Vec<usize> = ticks(gap_ticks, sides).map(at).collect();
+            let matrix: Vec<Vec<f64>> = order
+                .iter()
+                .map(|&i| order.iter().map(|&j| means.products[i][j].value()).collect())
+                .collect();
+            let mut rows = Rows::default();
+            semidefinite(&matrix).iter().for_each(|row| rows.push(row, row.len(), &[]));
+            TickRows::new(gap_ticks, rows).into()
+        };
+        ROWS.get((self.cut(tick_s), gap_ticks, sides), compute).as_ref().clone()
+    }
+
+    /// Means over the places that are replayed, with `sides` ticks on either side of the gap.
+    pub(crate) fn window_means(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> Arc<WindowMeans> {
+        MEANS.get((self.cut(tick_s), gap_ticks, sides), || {
+            window_means(&self.replay(tick_s).angles, gap_ticks as usize, sides).into()
+        })
     }
 
     /// Variance of the angles of all ticks, ″².
     pub(crate) fn variance(&self, tick_s: f64) -> f64 {
-        VARIANCES.get(self.cut(tick_s), || autocovariance(&self.tick_angles(tick_s), 1)[0])
+        VARIANCES.get(self.cut(tick_s), || {
+            let angles = self.tick_angles(tick_s);
+            let count = angles.len().max(1) as f64;
+            let mean = angles.iter().sum::<f64>() / count;
+            angles.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count
+        })
+    }
+}
+
+/// Means over the places of a gap that leave the margin free on either side, whatever `sides` is, or as much of it as a
+/// short record has; 0 where there is no place.
+fn window_means(angles: &[f64], gap_ticks: usize, sides: usize) -> WindowMeans {
+    let margin = MARGIN.min(angles.len().saturating_sub(gap_ticks) / 2).saturating_sub(sides);
+    let x = &angles[margin..angles.len() - margin];
+    let width = gap_ticks + 2 * sides;
+    let mut ticks = vec![Double::default(); width];
+    let mut products = vec![vec![Double::default(); width]; width];
+    let Some(windows) = (x.len() + 1).checked_sub(width).filter(|windows| *windows > 0) else {
+        return WindowMeans { ticks, products };
+    };
+    for j in 0..width {
+        let later = &x[j..j + windows];
+        ticks[j] = later.iter().fold(Double::default(), |sum, x| sum + Double::from(*x));
+        let pairs = x[..windows].iter().zip(later);
+        products[0][j] = pairs.fold(Double::default(), |sum, (a, b)| sum + Double::product(*a, *b));
+        // Along a diagonal each window leaves its first product and takes one more.
+        for i in 1..width - j {
+            products[i][i + j] = products[i - 1][i + j - 1] - Double::product(x[i - 1], x[i + j - 1])
+                + Double::product(x[windows + i - 1], x[windows + i + j - 1]);
+        }
+    }
+    let part = Double::from(1.0 / windows as f64);
+    ticks.iter_mut().for_each(|sum| *sum = *sum * part);
+    for i in 0..width {
+        for j in i..width {
+            products[i][j] = products[i][j] * part;
+            products[j][i] = products[i][j];
+        }
+    }
+    WindowMeans { ticks, products }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_means_over_all_places_of_the_gap() {
+        let x: Vec<f64> = (0..140).map(|k| libm::sin(f64::from(k * k))).collect();
+        let (n, sides) = (3, 5);
+        let found = window_means(&x, n, sides);
+        // The gap begins after at least 64 ticks, and as many follow it.
+        let places = 64..=140 - 64 - n;
+        let count = places.clone().count() as f64;
+        for (i, j) in (0..13).flat_map(|i| (0..13).map(move |j| (i, j))) {
+            let expected = places.clone().map(|s| x[s - sides + i] * x[s - sides + j]).sum::<f64>() / count;
+            let found = found.products[i][j].value();
+            assert!((found - expected).abs() < 1e-14, "{i}, {j}: {found}, not {expected}");
+        }
+        assert_eq!(window_means(&x[..12], n, sides).products[0][0], Double::default());
+        assert_eq!(window_means(&x[..13], n, sides).products[0][0].value(), x[0] * x[0]);
     }
 }

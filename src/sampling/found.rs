@@ -14,6 +14,15 @@ pub(crate) const LEVEL_UPPER: &str =
     "Upper end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
 pub(crate) const Z: &str = "Deviation of `rms` from `oracle_rms` in standard errors; beyond ±5 something is wrong. Blank without a closed form.";
 
+pub(crate) const REPRESENTATION: &str = "Relative difference of `oracle_rms`, that of the integers that are sampled, from the closed form of the inputs, \
+     which shares no computed number with them. What exceeds the proven bound of rounding is refused. Blank without a closed form.";
+
+/// The relative difference of two closed forms: of what is sampled, and of the inputs.
+pub(crate) fn representation(sampled: Option<f64>, inputs: Option<f64>) -> Option<f64> {
+    let (sampled, inputs) = (sampled?, inputs?);
+    if sampled == inputs { Some(0.0) } else { (inputs != 0.0).then(|| sampled / inputs - 1.0) }
+}
+
 /// The trials of a row and the estimates from them, which are absent before anything is sampled.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Found {

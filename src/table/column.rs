@@ -32,8 +32,11 @@ pub enum Role {
     StandardError,
     /// Closed form of an estimate.
     Oracle,
-    /// Deviation of an estimate from its closed form, in standard errors.
+    /// Deviation of an estimate from its closed form, in standard errors: the check of sampling.
     Z,
+    /// Relative difference of the closed form of the sampled integers from that of the inputs: the check of their
+    /// representation.
+    Representation,
     /// A published law that a chart draws with the estimates.
     Law,
     /// Number of trials behind the estimates of the row.

@@ -1,26 +1,31 @@
 //! The minimum-variance gap filler: the best linear unbiased estimate of the gap for a known motion and noise.
 //!
-//! Its weights solve `[K + σ²I, 1; 1ᵀ, 0] [w; λ] = [k; n]`, where K is the covariance of the motion between the ticks
-//! that it reads and k that of each tick with the sum over the gap. The constraint Σw = n keeps a constant rate exact.
-//! Everything is computed in a fixed order with `libm`, so the weights are the same on every machine.
+//! Its weights solve `[K + R, 1; 1ᵀ, 0] [w; λ] = [k; n]`, where K is the covariance of the motion between the ticks that
+//! it reads, k that of each tick with the sum over the gap, and R that of the noise. The constraint Σw = n keeps a
+//! constant rate exact. K of a narrow band is singular in 53 bits, so the same weights are computed as those of least
+//! squares from the rows of the ticks, which keeps twice the digits. Everything is computed in a fixed order with `libm`,
+//! so the weights are the same on every machine.
 //!
 //! ```
-//! use sagnac::theory::minimum_variance::{Band, error_variance, minimum_variance_weights};
+//! use sagnac::theory::lines::of_ticks;
+//! use sagnac::theory::minimum_variance::{Band, minimum_variance_weights};
+//! use sagnac::theory::quadrature::Rule;
+//! use sagnac::theory::rows::TickRows;
 //!
 //! // 12000 ″/s at 18 to 22 Hz, σ = 1.6/3 ″ a tick, n = 3, the default ticks.
 //! let (ticks, sigma) = ([-1, 0, 4, 5], 1.6 / 3.0);
-//! let covariance = Band { low_hz: 18.0, high_hz: 22.0 }.covariance(12000.0, 0.005, 7);
-//! let weights = minimum_variance_weights(&ticks, 3, &covariance, &[sigma * sigma]).unwrap();
+//! let lines = Band { low_hz: 18.0, high_hz: 22.0 }.lines(7.0 * 0.005, Rule::Sparse);
+//! let motion = TickRows::of_lines(&of_ticks(&lines, 0.005), 3, 2).scaled(12000.0 / 2_f64.sqrt());
+//! let weights = minimum_variance_weights(&ticks, 3, &motion, &[sigma * sigma]).unwrap();
 //! assert!((weights.iter().sum::<f64>() - 3.0).abs() < 1e-12);
-//! assert!((error_variance(&ticks, &weights, 3, &covariance, sigma).sqrt() - 3.79).abs() < 0.005);
+//! let noise: f64 = weights.iter().map(|w| w * w * sigma * sigma).sum();
+//! assert!(((motion.error_variance(&ticks, &weights, 3) + noise).sqrt() - 3.79).abs() < 0.005);
 //! ```
 
-use core::f64::consts::TAU;
-
-use crate::theory::cholesky::{definite, solve};
-use crate::theory::gap::tick_amplitude;
-use crate::theory::lags::Lags;
-use crate::theory::quadrature::means;
+use crate::theory::cholesky::{definite, solve_transposed, whiten};
+use crate::theory::lines::Line;
+use crate::theory::quadrature::Rule;
+use crate::theory::rows::{Rows, TickRows, dot, triangular};
 
 /// A vibration of random phase whose frequency is uniformly distributed over a band; for a single frequency both ends
 /// are equal.
@@ -33,76 +38,69 @@ pub struct Band {
 }
 
 impl Band {
-    /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1.
-    ///
-    /// `rate_amplitude` is A_Ω in ″/s, `tick_s` is T. The result is the mean over the band of (A_Ω T sinc νT)²/2 · cos
-    /// 2πν·lag·T, by quadrature in panels of at most one turn each, accurate to 1e-12 of the variance.
-    pub fn covariance(&self, rate_amplitude: f64, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        self.by_lag(lags.into(), tick_s, |nu| rate_amplitude * tick_amplitude(tick_s, nu * tick_s))
-    }
-
-    /// The same covariance for a fixed amplitude A of the angle, ″: the peak angle of a tick is A_Ω T sinc νT with A_Ω
-    /// = 2πνA.
-    pub fn covariance_of_angle(&self, amplitude: f64, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        self.by_lag(lags.into(), tick_s, |nu| amplitude * TAU * nu * tick_amplitude(tick_s, nu * tick_s))
-    }
-
-    fn by_lag(&self, lags: Lags, tick_s: f64, peak: impl Fn(f64) -> f64) -> Vec<f64> {
-        let turns = (self.high_hz - self.low_hz) * tick_s * (lags.resolved as f64 + 1.0);
-        let panels = 1.0 + libm::ceil(turns);
-        let lags: Vec<f64> = (0..lags.computed).map(|lag| lag as f64).collect();
-        means(self.low_hz, self.high_hz, panels, lags.len(), |nu, terms| {
-            let square = 0.5 * peak(nu) * peak(nu);
-            for (term, lag) in terms.iter_mut().zip(&lags) {
-                *term = square * libm::cos(TAU * nu * tick_s * lag);
-            }
-        })
+    /// A power of 1, spread over the band, as lines with which covariances are right to rounding up to a distance of
+    /// `longest_s`.
+    pub fn lines(&self, longest_s: f64, rule: Rule) -> Vec<Line> {
+        let Band { low_hz, high_hz } = *self;
+        let width = high_hz - low_hz;
+        if width == 0.0 {
+            return vec![Line { frequency_hz: low_hz, power: 1.0 }];
+        }
+        let mut lines = Vec::new();
+        rule.integrate(low_hz, high_hz, width * longest_s, |frequency_hz, weight| {
+            lines.push(Line { frequency_hz, power: weight / width });
+        });
+        lines
     }
 }
 
-/// Weights on `ticks` with the least error over the gap 1 … n, for motion of this `covariance` by lag and for `noise`
-/// on the readings, given by lag too: `[σ²]` for independent noise. Lags that are not given have no noise.
+/// Smallest part of a tick, relative to its rms, that is not determined by other ticks; anything below is rounding.
+const LEAST_PART: f64 = 1e-12;
+
+/// Weights on `ticks` with the least error over the gap 1 … n, for this motion and for `noise` on the readings, given as
+/// its covariance by lag: `[σ²]` for independent noise. Lags that are not given have no noise.
 ///
-/// `None` where the covariance of the ticks is singular to working precision, because the noise is too small relative
-/// to the motion to determine the weights. `covariance` must cover the distances between all ticks and the gap.
+/// `None` where the ticks determine each other to working precision, because the noise is too small relative to the
+/// motion to determine the weights.
 pub fn minimum_variance_weights(
     ticks: &[i32],
     gap_ticks: u32,
-    covariance: &[f64],
+    motion: &TickRows,
     noise: &[f64],
 ) -> Option<Vec<f64>> {
-    let between = |a: i32, b: i32| covariance[a.abs_diff(b) as usize];
-    let of_noise = |a: i32, b: i32| noise.get(a.abs_diff(b) as usize).copied().unwrap_or(0.0);
     let count = ticks.len();
-    let factor = definite(count, |i, j| between(ticks[i], ticks[j]) + of_noise(ticks[i], ticks[j]))?;
-    let gap = |&tick: &i32| (1..=gap_ticks as i32).map(|j| between(tick, j)).sum();
-    let best = solve(&factor, ticks.iter().map(gap).collect());
-    let ones = solve(&factor, vec![1.0; count]);
+    let gap = motion.gap(gap_ticks);
+    let width = ticks.iter().map(|&tick| motion.tick(tick).len()).fold(gap.len(), usize::max);
+    let own = if noise.iter().any(|x| *x != 0.0) {
+        let between = |i: usize, j: usize| noise.get(ticks[i].abs_diff(ticks[j]) as usize).copied();
+        definite(count, |i, j| between(i, j).unwrap_or(0.0))?
+    } else {
+        vec![]
+    };
+    // The row of a reading: that of the motion, then that of its noise. The last row is that of the gap.
+    let mut rows = Rows::with_capacity(count + 1, width + count);
+    for (k, &tick) in ticks.iter().enumerate() {
+        rows.push(motion.tick(tick), width, own.get(k).map_or(&[], |own| own));
+    }
+    rows.push(&gap, width, &[]);
+    let triangle = triangular(&rows);
+    let is_determined =
+        |(k, row): (usize, &[f64])| row.len() == k + 1 && row[k] > LEAST_PART * libm::sqrt(dot(row, row));
+    if !triangle.iter().take(count).enumerate().all(is_determined) {
+        return None;
+    }
+    let factor: Vec<&[f64]> = triangle.iter().take(count).collect();
+    let best = solve_transposed(&factor, triangle.row(count)[..count].to_vec());
+    let ones = solve_transposed(&factor, whiten(&factor, vec![1.0; count]));
     let short = f64::from(gap_ticks) - best.iter().sum::<f64>();
     let share = short / ones.iter().sum::<f64>();
     Some(best.iter().zip(&ones).map(|(best, one)| best + share * one).collect())
 }
 
-/// Variance of the error of given weights for such a motion and noise, ″².
-pub fn error_variance(ticks: &[i32], weights: &[f64], gap_ticks: u32, covariance: &[f64], sigma: f64) -> f64 {
-    let all: Vec<(i32, f64)> = ticks
-        .iter()
-        .copied()
-        .zip(weights.iter().copied())
-        .chain((1..=gap_ticks as i32).map(|tick| (tick, -1.0)))
-        .collect();
-    let mut motion = 0.0;
-    for &(a, u) in &all {
-        for &(b, v) in &all {
-            motion += u * v * covariance[a.abs_diff(b) as usize];
-        }
-    }
-    motion + sigma * sigma * weights.iter().map(|w| w * w).sum::<f64>()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::theory::lines::{covariance, of_ticks};
 
     const TICK_S: f64 = 0.005;
     const RATE: f64 = 12000.0;
@@ -118,11 +116,20 @@ mod tests {
         }
     }
 
+    fn motion(band: Band, n: u32) -> TickRows {
+        let lines = of_ticks(&band.lines(TICK_S * 64.0, Rule::Sparse), TICK_S);
+        TickRows::of_lines(&lines, n, 20).scaled(RATE * core::f64::consts::FRAC_1_SQRT_2)
+    }
+
+    fn rms_of(ticks: &[i32], weights: &[f64], n: u32, motion: &TickRows) -> f64 {
+        let noise: f64 = weights.iter().map(|w| w * w * SIGMA * SIGMA).sum();
+        libm::sqrt(motion.error_variance(ticks, weights, n) + noise)
+    }
+
     fn design(band: Band, n: u32, name: &str) -> (Vec<f64>, f64) {
-        let ticks = fit_ticks(name, n as i32);
-        let covariance = band.covariance(RATE, TICK_S, 64);
-        let weights = minimum_variance_weights(&ticks, n, &covariance, &[SIGMA * SIGMA]).unwrap();
-        let rms = libm::sqrt(error_variance(&ticks, &weights, n, &covariance, SIGMA));
+        let (ticks, motion) = (fit_ticks(name, n as i32), motion(band, n));
+        let weights = minimum_variance_weights(&ticks, n, &motion, &[SIGMA * SIGMA]).unwrap();
+        let rms = rms_of(&ticks, &weights, n, &motion);
         (weights, rms)
     }
 
@@ -153,10 +160,10 @@ mod tests {
 
     #[test]
     fn a_filler_tuned_to_one_frequency_is_fragile() {
-        let at_19 = Band { low_hz: 19.0, high_hz: 19.0 }.covariance(RATE, TICK_S, 64);
+        let at_19 = motion(Band { low_hz: 19.0, high_hz: 19.0 }, 3);
         for (name, expected) in [("8+2", 21.6), ("4", 3.3)] {
             let (weights, _) = design(Band { low_hz: 20.0, high_hz: 20.0 }, 3, name);
-            let rms = libm::sqrt(error_variance(&fit_ticks(name, 3), &weights, 3, &at_19, SIGMA));
+            let rms = rms_of(&fit_ticks(name, 3), &weights, 3, &at_19);
             assert!((rms - expected).abs() < 0.05, "{name}: {rms}");
         }
     }
@@ -164,18 +171,17 @@ mod tests {
     #[test]
     fn no_weights_near_by_are_better() {
         let band = Band { low_hz: 18.0, high_hz: 22.0 };
-        let (ticks, covariance) = (fit_ticks("8+2", 3), band.covariance(RATE, TICK_S, 64));
-        let (weights, rms) = design(band, 3, "8+2");
-        assert!((weights.iter().sum::<f64>() - 3.0).abs() < 1e-12);
-        for i in 1..weights.len() {
-            for step in [-1e-3, 1e-3] {
-                let mut other = weights.clone();
-                other[0] -= step;
-                other[i] += step;
-                assert!(
-                    error_variance(&ticks, &other, 3, &covariance, SIGMA) > rms * rms,
-                    "weight {i}, {step}"
-                );
+        for name in ["8+2", "20+20"] {
+            let (ticks, motion) = (fit_ticks(name, 3), motion(band, 3));
+            let (weights, rms) = design(band, 3, name);
+            assert!((weights.iter().sum::<f64>() - 3.0).abs() < 1e-12);
+            for i in 1..weights.len() {
+                for step in [-1e-3, 1e-3] {
+                    let mut other = weights.clone();
+                    other[0] -= step;
+                    other[i] += step;
+                    assert!(rms_of(&ticks, &other, 3, &motion) > rms, "{name}: weight {i}, {step}");
+                }
             }
         }
     }
@@ -183,23 +189,27 @@ mod tests {
     #[test]
     fn a_band_is_the_mean_of_its_frequencies() {
         let band = Band { low_hz: 1.0, high_hz: 60.0 };
-        let found = band.covariance(RATE, TICK_S, 40);
-        let steps = 200_000;
+        let of = |band: Band, lag: usize| {
+            let lines = of_ticks(&band.lines(TICK_S * 40.0, Rule::Sparse), TICK_S);
+            covariance(&lines, 40)[lag].value()
+        };
+        let steps = 20_000;
         for lag in [0, 1, 7, 39] {
             let at = |k: usize| {
                 let nu = 1.0 + 59.0 * (k as f64 + 0.5) / steps as f64;
-                Band { low_hz: nu, high_hz: nu }.covariance(RATE, TICK_S, lag + 1)[lag]
+                of(Band { low_hz: nu, high_hz: nu }, lag)
             };
             let mean = (0..steps).map(at).sum::<f64>() / steps as f64;
-            assert!((found[lag] - mean).abs() < 1e-6 * found[0], "lag {lag}: {}, not {mean}", found[lag]);
+            let found = of(band, lag);
+            assert!((found - mean).abs() < 1e-6 * of(band, 0), "lag {lag}: {found}, not {mean}");
         }
     }
 
     #[test]
     fn motion_without_noise_on_more_ticks_than_it_has_freedoms_is_singular() {
-        let tone = Band { low_hz: 20.0, high_hz: 20.0 }.covariance(RATE, TICK_S, 64);
+        let tone = motion(Band { low_hz: 20.0, high_hz: 20.0 }, 3);
         assert_eq!(minimum_variance_weights(&fit_ticks("4", 3), 3, &tone, &[]), None);
         assert!(minimum_variance_weights(&[0, 4], 3, &tone, &[]).is_some());
-        assert_eq!(minimum_variance_weights(&[0, 4], 3, &[0.0; 64], &[]), None);
+        assert_eq!(minimum_variance_weights(&[0, 4], 3, &TickRows::default(), &[]), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Random motion with a Gaussian spectrum: its variance, and the covariance of its ticks.
+//! Random motion with a Gaussian spectrum: its variance, and its spectral lines.
 //!
 //! ```
 //! use sagnac::theory::psd::Psd;
@@ -6,15 +6,11 @@
 //! // 3 dB per octave from 1 to 10 Hz, flat to 100 Hz: 10·ln 10 and 90.
 //! let psd = Psd::new(vec![[1.0, 10.0], [10.0, 1.0], [100.0, 1.0]])?;
 //! assert!((psd.variance() - (10.0 * 10_f64.ln() + 90.0)).abs() < 1e-9);
-//! assert!(psd.covariance(0.001, 2)[1] < psd.covariance(0.001, 2)[0]);
 //! # Ok::<(), sagnac::theory::psd::PsdError>(())
 //! ```
 
-use core::f64::consts::TAU;
-
-use crate::theory::gap::tick_amplitude;
-use crate::theory::lags::Lags;
-use crate::theory::quadrature;
+use crate::theory::lines::Line;
+use crate::theory::quadrature::Rule;
 
 /// Largest binary logarithm of the ratio of densities within one panel of the quadrature, for which 16 points integrate
 /// a power law to rounding.
@@ -78,41 +74,28 @@ impl Psd {
         self.segments().map(|segment| segment.area()).sum()
     }
 
-    /// Covariance of the angles of two ticks of `tick_s`, ″², at distances 0 … `lags` − 1.
-    ///
-    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T by quadrature in panels of at most one turn, one octave and a
-    /// factor of 2^8 in density, accurate to 1e-12 of the variance. It takes `lags` · (bandwidth · `tick_s` · `lags` +
-    /// octaves) steps.
-    pub fn covariance(&self, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        let Lags { resolved, computed } = lags.into();
-        let mut covariance = vec![0.0; computed];
-        self.integrate(tick_s * (resolved as f64 + 1.0), &[], |nu, power| {
-            let angle = tick_amplitude(tick_s, nu * tick_s);
-            for (lag, sum) in covariance.iter_mut().enumerate() {
-                *sum += power * angle * angle * libm::cos(TAU * nu * tick_s * lag as f64);
-            }
-        });
-        covariance
+    /// The spectrum as lines, with which covariances are right to rounding up to a distance of `longest_s`.
+    pub fn lines(&self, longest_s: f64, rule: Rule) -> Vec<Line> {
+        let mut lines = Vec::new();
+        self.integrate(longest_s, &[], rule, |frequency_hz, power| lines.push(Line { frequency_hz, power }));
+        lines
     }
 
     /// Calls `add` with frequencies and the power at each, such that the sum of power · g(ν) is the integral of S(ν)
     /// g(ν).
     ///
-    /// The quadrature has panels of at most one turn of 2πν·`longest_s`, one octave of frequency and a factor of 2^8 in
-    /// density. It is accurate to 1e-12 of the variance for a g that turns no faster. Panels also end at the
-    /// frequencies of `edges`, which ascend, where g needs that.
-    pub(crate) fn integrate(&self, longest_s: f64, edges: &[f64], mut add: impl FnMut(f64, f64)) {
+    /// The quadrature has panels of at most one octave of frequency and a factor of 2^8 in density, and is accurate to
+    /// rounding for a g that turns no faster than 2πν·`longest_s`. Panels also end at the frequencies of `edges`, which
+    /// ascend, where g needs that.
+    pub(crate) fn integrate(&self, longest_s: f64, edges: &[f64], rule: Rule, mut add: impl FnMut(f64, f64)) {
         for segment in self.segments() {
             for (low, high) in segment.parts() {
                 let mut from = low;
                 let inner = edges.iter().copied().filter(|edge| low < *edge && *edge < high);
                 for to in inner.chain([high]) {
-                    let panels = 1.0 + libm::ceil((to - from) * longest_s);
-                    for (pair, weight) in quadrature::pairs(from, to, panels) {
-                        for nu in pair {
-                            add(nu, 0.5 * weight * (to - from) / panels * segment.density(nu));
-                        }
-                    }
+                    rule.integrate(from, to, (to - from) * longest_s, |nu, weight| {
+                        add(nu, weight * segment.density(nu));
+                    });
                     from = to;
                 }
             }
@@ -174,6 +157,8 @@ impl Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::theory::double::Double;
+    use crate::theory::lines;
     use crate::theory::minimum_variance::Band;
 
     const TICK_S: f64 = 0.005;
@@ -214,30 +199,45 @@ mod tests {
         psd.points().windows(2).map(limit).sum()
     }
 
+    fn covariance_of(psd: &Psd, tick_s: f64, lags: usize, rule: Rule) -> Vec<f64> {
+        let lines = psd.lines(tick_s * lags as f64, rule);
+        lines::covariance(&lines::of_ticks(&lines, tick_s), lags).into_iter().map(Double::value).collect()
+    }
+
     #[test]
     fn the_covariance_is_that_of_a_fine_trapezoid_sum() {
         let psd = specification();
-        let found = psd.covariance(TICK_S, 40);
-        for lag in [0, 1, 7, 39] {
-            let expected = trapezoids(&psd, |nu| {
-                let x = core::f64::consts::PI * nu * TICK_S;
-                let angle = TICK_S * libm::sin(x) / x;
-                angle * angle * libm::cos(2.0 * x * lag as f64)
-            });
-            let error = (found[lag] - expected) / found[0];
-            assert!(error.abs() < 1e-12, "lag {lag}: {}, not {expected}, {error:e}", found[lag]);
+        for rule in [Rule::Panels, Rule::Sparse] {
+            let found = covariance_of(&psd, TICK_S, 40, rule);
+            for lag in [0, 1, 7, 39] {
+                let expected = trapezoids(&psd, |nu| {
+                    let x = core::f64::consts::PI * nu * TICK_S;
+                    let angle = TICK_S * libm::sin(x) / x;
+                    angle * angle * libm::cos(2.0 * x * lag as f64)
+                });
+                let error = (found[lag] - expected) / found[0];
+                assert!(
+                    error.abs() < 1e-12,
+                    "{rule:?}, lag {lag}: {}, not {expected}, {error:e}",
+                    found[lag]
+                );
+            }
         }
     }
 
     #[test]
     fn a_flat_spectrum_is_the_band_of_the_same_variance() {
         for (low_hz, high_hz) in [(1.0, 60.0), (18.0, 22.0), (19.999, 20.001), (0.01, 990.0)] {
-            let density = 72e6 / (high_hz - low_hz);
-            let found = psd(&[[low_hz, density], [high_hz, density]]).covariance(TICK_S, 70);
-            let expected = Band { low_hz, high_hz }.covariance(12000.0, TICK_S, 70);
+            let density = 36e6 / (high_hz - low_hz);
+            let flat = psd(&[[low_hz, density], [high_hz, density]]);
+            let found = covariance_of(&flat, TICK_S, 70, Rule::Panels);
+            let band = Band { low_hz, high_hz };
+            let of_band = lines::of_ticks(&band.lines(TICK_S * 70.0, Rule::Sparse), TICK_S);
+            let expected: Vec<f64> =
+                lines::covariance(&of_band, 70).into_iter().map(|value| 36e6 * value.value()).collect();
             for (lag, (found, expected_at)) in found.iter().zip(&expected).enumerate() {
                 let error = (found - expected_at) / expected[0];
-                assert!(error.abs() < 1e-12, "{low_hz} … {high_hz} Hz, lag {lag}: {found}, {error:e}");
+                assert!(error.abs() < 1e-13, "{low_hz} … {high_hz} Hz, lag {lag}: {found}, {error:e}");
             }
         }
     }
@@ -246,7 +246,7 @@ mod tests {
     fn the_variance_is_the_limit_of_short_ticks_and_the_area() {
         let psd = specification();
         let (variance, tick_s) = (psd.variance(), 1e-9);
-        let limit = psd.covariance(tick_s, 1)[0] / (tick_s * tick_s);
+        let limit = covariance_of(&psd, tick_s, 1, Rule::Panels)[0] / (tick_s * tick_s);
         assert!((variance / limit - 1.0).abs() < 1e-12, "{variance}, not {limit}");
         let area = trapezoids(&psd, |_| 1.0);
         assert!((variance / area - 1.0).abs() < 1e-12, "{variance}, not {area}");
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn a_cliff_is_integrated_as_well_as_a_plateau() {
         let cliffs = psd(&[[10.0, 1e-6], [10.5, 1e6], [40.0, 1e6], [41.0, 1e-30]]);
-        let limit = cliffs.covariance(1e-9, 1)[0] / 1e-18;
+        let limit = covariance_of(&cliffs, 1e-9, 1, Rule::Sparse)[0] / 1e-18;
         assert!((cliffs.variance() / limit - 1.0).abs() < 1e-12, "{}, not {limit}", cliffs.variance());
     }
 

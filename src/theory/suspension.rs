@@ -11,9 +11,9 @@
 
 use core::f64::consts::TAU;
 
-use crate::theory::gap::tick_amplitude;
-use crate::theory::lags::Lags;
+use crate::theory::lines::Line;
 use crate::theory::psd::Psd;
+use crate::theory::quadrature::Rule;
 
 /// One mode of a suspension, a second-order resonance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,34 +117,25 @@ impl Suspension {
         self.modes.first().map_or(0.0, |mode| self.response(mode.frequency_hz).amplitude())
     }
 
-    /// Covariance of the angles of two ticks of `tick_s`, ″², at distances 0 … `lags` − 1, under a random acceleration
-    /// with this density in g²/Hz.
+    /// The rate under a random acceleration with this density in g²/Hz as lines, with which covariances are right to
+    /// rounding up to a distance of `longest_s`.
     ///
-    /// The integral over the whole band of |H(f)|² S(f) (T sinc fT)² cos 2πf·lag·T. Vibration above half the tick rate
-    /// appears in the ticks aliased, as it does in those of the gyro. The panels are those of a density, and also
-    /// narrow enough for the resonances: |H|² of a mode has poles beside f_i at the distance f_i/2Q, and panels grow in
-    /// proportion to their own distance from there, so that 16 points integrate each to rounding at any Q.
-    pub fn covariance(&self, acceleration: &Psd, tick_s: f64, lags: impl Into<Lags>) -> Vec<f64> {
-        let Lags { resolved, computed } = lags.into();
-        let mut covariance = vec![0.0; computed];
-        acceleration.integrate(tick_s * (resolved as f64 + 1.0), &self.edges(acceleration), |nu, power| {
-            let peak = self.response(nu).amplitude() * tick_amplitude(tick_s, nu * tick_s);
-            let square = power * peak * peak;
-            for (lag, sum) in covariance.iter_mut().enumerate() {
-                *sum += square * libm::cos(TAU * nu * tick_s * lag as f64);
-            }
+    /// Vibration above half the tick rate appears in the ticks aliased, as it does in those of the gyro. The panels of
+    /// the quadrature are those of a density, and also narrow enough for the resonances: |H|² of a mode has poles beside
+    /// f_i at the distance f_i/2Q, and panels grow in proportion to their own distance from there, so that 16 points
+    /// integrate each to rounding at any Q.
+    pub fn lines(&self, acceleration: &Psd, longest_s: f64, rule: Rule) -> Vec<Line> {
+        let mut lines = Vec::new();
+        acceleration.integrate(longest_s, &self.edges(acceleration), rule, |frequency_hz, power| {
+            let gain = self.response(frequency_hz).amplitude();
+            lines.push(Line { frequency_hz, power: power * gain * gain });
         });
-        covariance
+        lines
     }
 
     /// Variance of the rate, (″/s)², under such an acceleration.
     pub fn variance(&self, acceleration: &Psd) -> f64 {
-        let mut variance = 0.0;
-        acceleration.integrate(0.0, &self.edges(acceleration), |nu, power| {
-            let peak = self.response(nu).amplitude();
-            variance += power * peak * peak;
-        });
-        variance
+        self.lines(acceleration, 0.0, Rule::Panels).iter().fold(0.0, |sum, line| sum + line.power)
     }
 
     /// Edges of panels about the resonances: f_i, and f_i ± 2^k f_i/2Q up to the ends of the band.
@@ -169,6 +160,8 @@ impl Suspension {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::theory::double::Double;
+    use crate::theory::lines;
 
     fn one(q: f64) -> Suspension {
         Suspension::new(vec![Mode { frequency_hz: 380.0, q, response: 1000.0 }])
@@ -237,13 +230,19 @@ mod tests {
     fn covariances_resolve_resonances_and_long_lags_and_hold_what_is_aliased() {
         let psd = Psd::new(vec![[20.0, 0.001], [100.0, 0.04], [600.0, 0.04], [2000.0, 0.002]]).unwrap();
         let of = |frequency_hz, q, response| Mode { frequency_hz, q, response };
-        for (modes, tick_s) in [
-            (vec![of(380.0, 1000.0, 5000.0), of(700.3, 30.0, -2000.0)], 0.005),
-            (vec![of(50.0, 2.0, 5000.0), of(1999.0, 300.0, 3000.0), of(2600.0, 50.0, 1e4)], 0.0025),
-            (vec![of(100.0, 0.5, 800.0)], 0.000_5),
+        for (rule, modes, tick_s) in [
+            (Rule::Panels, vec![of(380.0, 1000.0, 5000.0), of(700.3, 30.0, -2000.0)], 0.005),
+            (Rule::Sparse, vec![of(380.0, 1000.0, 5000.0), of(700.3, 30.0, -2000.0)], 0.005),
+            (
+                Rule::Sparse,
+                vec![of(50.0, 2.0, 5000.0), of(1999.0, 300.0, 3000.0), of(2600.0, 50.0, 1e4)],
+                0.0025,
+            ),
+            (Rule::Panels, vec![of(100.0, 0.5, 800.0)], 0.000_5),
         ] {
             let suspension = Suspension::new(modes);
-            let found = suspension.covariance(&psd, tick_s, 200);
+            let of_ticks = lines::of_ticks(&suspension.lines(&psd, 200.0 * tick_s, rule), tick_s);
+            let found: Vec<f64> = lines::covariance(&of_ticks, 200).into_iter().map(Double::value).collect();
             for lag in [0, 1, 2, 63, 199] {
                 let expected = summed(&psd, 400_000, |nu| {
                     let x = core::f64::consts::PI * nu * tick_s;
@@ -266,11 +265,17 @@ mod tests {
     #[test]
     fn the_quadrature_does_not_depend_on_where_its_panels_lie() {
         // A step in the density at an arbitrary place moves all panels there.
-        let [plain, split] =
-            [vec![[20.0, 0.01], [2000.0, 0.01]], vec![[20.0, 0.01], [379.8, 0.01], [2000.0, 0.01]]]
-                .map(|points| one(1000.0).covariance(&Psd::new(points).unwrap(), 0.005, 200));
-        for (lag, (a, b)) in plain.iter().zip(&split).enumerate() {
-            assert!((a - b).abs() < 1e-12 * plain[0], "lag {lag}: {a}, {b}");
+        let plain = vec![[20.0, 0.01], [2000.0, 0.01]];
+        let split = vec![[20.0, 0.01], [379.8, 0.01], [2000.0, 0.01]];
+        let [plain, split, sparse] = [(&plain, Rule::Panels), (&split, Rule::Panels), (&split, Rule::Sparse)]
+            .map(|(points, rule)| {
+                let lines = one(1000.0).lines(&Psd::new(points.clone()).unwrap(), 1.0, rule);
+                lines::covariance(&lines::of_ticks(&lines, 0.005), 200)
+            });
+        for lag in 0..200 {
+            let [a, b, c] = [&plain, &split, &sparse].map(|covariance| covariance[lag].value());
+            let most = 1e-13 * plain[0].value();
+            assert!((a - b).abs() < most && (a - c).abs() < most, "lag {lag}: {a}, {b}, {c}");
         }
     }
 

@@ -160,9 +160,13 @@ fn every_role_refers_to_a_column_of_its_file() {
         for column in &file.columns {
             let found = file.columns.iter().any(|other| other.name == column.of);
             let is_right = match column.role {
-                Role::Lower | Role::Upper | Role::StandardError | Role::Oracle | Role::Z | Role::Least => {
-                    found
-                }
+                Role::Lower
+                | Role::Upper
+                | Role::StandardError
+                | Role::Oracle
+                | Role::Z
+                | Role::Representation
+                | Role::Least => found,
                 // These refer to keys of the study.
                 Role::Key | Role::Coordinate => column.of.is_empty() || explain_key(column.of).is_some(),
                 _ => column.of.is_empty(),

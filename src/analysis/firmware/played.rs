@@ -6,52 +6,56 @@ use crate::motion::keys::Phase;
 use crate::motion::{Frequency, Motion, Tone, Value};
 use crate::tally::stats::LEVEL;
 use crate::theory::level::of_sine;
-use crate::theory::minimum_variance::error_variance;
-use crate::theory::quadrature::pairs;
+use crate::theory::quadrature::Rule;
+use crate::theory::rows::TickRows;
 
-/// A motion at a speed, as the covariance of its ticks by lag, ″².
+/// A motion at a speed.
 pub(crate) struct Played<'a> {
     inputs: &'a Inputs,
-    pub(crate) covariance: Vec<f64>,
+    /// Its ticks, ″.
+    pub(crate) rows: TickRows,
     /// The sine that the motion is, at each of the frequencies from which it is drawn, with their probabilities; empty for
     /// other motions, whose errors count as normally distributed.
-    sines: Vec<(Vec<f64>, f64)>,
+    sines: Vec<(TickRows, f64)>,
 }
 
 impl<'a> Played<'a> {
-    /// The motion of `inputs` played faster by a factor.
-    pub(crate) fn new(inputs: &'a Inputs, speed: f64, lags: usize) -> Played<'a> {
+    /// The motion of `inputs` played faster by a factor, with `sides` ticks on either side of the gap.
+    pub(crate) fn new(inputs: &'a Inputs, speed: f64, sides: usize) -> Played<'a> {
         let at = |frequency_hz: f64| {
             let tone = Tone { frequency: Frequency::Fixed(frequency_hz), ..inputs.motion.tones[0] };
             let inputs = Inputs { motion: Motion::of_tone(tone), ..inputs.clone() };
-            played(&inputs, speed, lags)
+            played(&inputs, speed, sides)
         };
         let sines = match sine(&inputs.motion).map(|tone| &tone.frequency) {
             None => vec![],
             Some(Frequency::Fixed(frequency_hz)) => vec![(at(*frequency_hz), 1.0)],
-            Some(Frequency::Band(band)) => pairs(band.low_hz, band.high_hz, 1.0)
-                .flat_map(|(both, weight)| both.map(|frequency_hz| (frequency_hz, 0.5 * weight)))
-                .map(|(frequency_hz, share)| (at(frequency_hz), share))
-                .collect(),
+            Some(Frequency::Band(band)) => {
+                let mut sines = Vec::new();
+                let width = band.high_hz - band.low_hz;
+                Rule::Panels.integrate(band.low_hz, band.high_hz, 0.0, |frequency_hz, weight| {
+                    sines.push((at(frequency_hz), weight / width));
+                });
+                sines
+            }
         };
-        Played { inputs, covariance: played(inputs, speed, lags), sines }
+        Played { inputs, rows: played(inputs, speed, sides), sines }
     }
 
     /// The rms error and the level below which 99.73 % of errors stay, with noise, ″.
     pub(crate) fn errors(&self, ticks: &[i32], weights: &[f64]) -> [f64; 2] {
-        let Played { inputs, covariance, sines } = self;
-        let of = |covariance: &[f64]| rms(inputs, ticks, weights, covariance);
-        let all = of(covariance);
+        let Played { inputs, rows, sines } = self;
+        let of = |rows: &TickRows| rms(inputs, ticks, weights, rows);
+        let all = of(rows);
         if sines.is_empty() {
             return [all, of_sine(&[(0.0, 1.0)], all, LEVEL)];
         }
-        let amplitude = |(covariance, share): &(Vec<f64>, f64)| {
-            let variance = error_variance(ticks, weights, inputs.gap_ticks, covariance, 0.0);
+        let amplitude = |(rows, share): &(TickRows, f64)| {
             // A sine of uniform phase has half its squared amplitude as variance.
-            (libm::sqrt(2.0 * variance.max(0.0)), *share)
+            (libm::sqrt(2.0 * rows.error_variance(ticks, weights, inputs.gap_ticks)), *share)
         };
         let amplitudes: Vec<(f64, f64)> = sines.iter().map(amplitude).collect();
-        [all, of_sine(&amplitudes, of(&vec![0.0; covariance.len()]), LEVEL)]
+        [all, of_sine(&amplitudes, of(&TickRows::default()), LEVEL)]
     }
 }
 

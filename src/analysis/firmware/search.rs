@@ -6,8 +6,6 @@
 //! for other motions it is that of normally distributed errors. A correction comes as many ticks after the gap as the filler
 //! reads there, which is its latency.
 
-use core::f64::consts::SQRT_2;
-
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -17,6 +15,7 @@ use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::scale::Scale;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::{SHIFT, of_noise};
+use crate::motion::Gaussian;
 use crate::quantity::number::significant;
 use crate::table::column::{ColumnOf, columns_of};
 use crate::table::{Cell, Role, Table, Unit};
@@ -110,11 +109,12 @@ impl Trade {
             let ticks = libm::floor(latency_s / tick_s * (1.0 + 1e-11));
             ticks.clamp(0.0, f64::from(MOST_AFTER)) as u32
         });
-        let lags = 2 * MAX_SIDE + n as usize;
-        let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| Played::new(inputs, speed, lags));
+        let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| Played::new(inputs, speed, MAX_SIDE));
         let design = match band {
-            Some(band) => band.covariance(inputs.motion.rate_rms(tick_s) * SQRT_2, tick_s, lags),
-            None => motions[0].covariance.clone(),
+            Some(band) => {
+                Gaussian::Band { rms: inputs.motion.rate_rms(tick_s), band }.tick_rows(tick_s, n, MAX_SIDE)
+            }
+            None => motions[0].rows.clone(),
         };
         let candidate = |(after, before): (u32, u32)| {
             let after_gap = (n + 1..=n + after).map(u32::cast_signed);
@@ -249,7 +249,7 @@ pub(crate) fn entry(name: String, before: u32, after: u32) -> toml::Table {
 mod tests {
     use super::*;
     use crate::kinds::gap_fill::inputs::TickNoise;
-    use crate::motion::{Gaussian, Motion};
+    use crate::motion::Motion;
 
     fn inputs() -> Inputs {
         let band = Band { low_hz: 18.0, high_hz: 22.0 };

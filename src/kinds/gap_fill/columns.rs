@@ -3,6 +3,7 @@
 use crate::chart::law::Law;
 use crate::filler::closed::LISTED;
 use crate::filler::{FILLERS, Filler};
+use crate::kinds::gap_fill::lower::Oracle;
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};
 use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
@@ -30,7 +31,10 @@ impl Row<'_> {
     }
 
     fn z(&self) -> Option<f64> {
-        self.found.z(self.estimate.oracle.rms, self.estimate.oracle.rounding)
+        let Oracle { rms, rounding, resolution, .. } = self.estimate.oracle;
+        // A bound larger than the standard error would hide what the trials show.
+        let hides = self.found.rms_se().is_some_and(|se| rounding > se);
+        self.found.z(rms, if hides { resolution } else { rounding })
     }
 }
 
@@ -80,6 +84,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("max", Role::Oracle, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
+        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.estimate.representation.into())
+            .is_of("rms", Role::Representation, found::REPRESENTATION),
     ]
 }
 

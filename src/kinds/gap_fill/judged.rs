@@ -12,7 +12,8 @@ use crate::kinds::gap_fill::point::Point;
 use crate::motion::keys::{DESIGN, Design, Phase};
 use crate::motion::{Gaussian, Motion, Tone};
 use crate::quantity::number::significant;
-use crate::theory::minimum_variance::{Band, error_variance};
+use crate::theory::minimum_variance::Band;
+use crate::theory::rows::{TickRows, sides};
 
 /// Relative change of all frequencies of a motion, down and up.
 pub const SHIFT: f64 = 0.05;
@@ -39,38 +40,33 @@ impl Judged {
         let ticks = &fill.fit_ticks;
         let rows = Rows::of(filler, Error::Residual, ticks, &Statistics::of(inputs)).ok()??;
         let weights = rows.values().pop()?;
-        let first = ticks.iter().copied().fold(1, i32::min);
-        let last = ticks.iter().copied().fold(inputs.gap_ticks as i32, i32::max);
-        let lags = (last - first + 1) as usize;
+        let sides = sides(ticks, inputs.gap_ticks);
         let [own_rms, slower, faster] = [1.0, 1.0 - SHIFT, 1.0 + SHIFT]
-            .map(|speed| rms(inputs, ticks, &weights, &played(inputs, speed, lags)));
+            .map(|speed| rms(inputs, ticks, &weights, &played(inputs, speed, sides)));
         Some(Judged { own_rms, shifted_rms: slower.max(faster) })
     }
 }
 
-/// Covariance of ticks by lag of the motion played faster by a factor, ″².
-pub(crate) fn played(inputs: &Inputs, speed: f64, lags: usize) -> Vec<f64> {
+/// The ticks of the motion played faster by a factor, ″, with `sides` ticks on either side of the gap.
+pub(crate) fn played(inputs: &Inputs, speed: f64, sides: usize) -> TickRows {
     // A tick of the faster motion is a longer one of the slower motion, whose angles are as much larger.
-    let mut covariance = inputs.motion.covariance(inputs.tick_s * speed, lags);
-    covariance.iter_mut().for_each(|value| *value /= speed * speed);
-    covariance
+    inputs.motion.tick_rows(inputs.tick_s * speed, inputs.gap_ticks, sides).scaled(1.0 / speed)
 }
 
 /// The rms residual that some weights leave of the noise and pulses of `inputs` alone, ″.
 pub(crate) fn of_noise(inputs: &Inputs, ticks: &[i32], weights: &[f64]) -> f64 {
-    let last = ticks.iter().map(|tick| tick.unsigned_abs()).max().unwrap_or(0) + inputs.gap_ticks;
-    rms(inputs, ticks, weights, &vec![0.0; 2 * last as usize + 1])
+    rms(inputs, ticks, weights, &TickRows::default())
 }
 
-/// The rms residual that some weights leave of a motion of this covariance, with the noise and pulses of `inputs`, ″.
-pub(crate) fn rms(inputs: &Inputs, ticks: &[i32], weights: &[f64], covariance: &[f64]) -> f64 {
+/// The rms residual that some weights leave of a motion, with the noise and pulses of `inputs`, ″.
+pub(crate) fn rms(inputs: &Inputs, ticks: &[i32], weights: &[f64], motion: &TickRows) -> f64 {
     let noise = inputs.noise_covariance();
     let pairs = || ticks.iter().zip(weights);
     let shared = |(&a, u): (&i32, &f64)| {
         let of = |(&b, v): (&i32, &f64)| u * v * noise.get(a.abs_diff(b) as usize).copied().unwrap_or(0.0);
         pairs().map(of).sum::<f64>()
     };
-    let motion = error_variance(ticks, weights, inputs.gap_ticks, covariance, 0.0);
+    let motion = motion.error_variance(ticks, weights, inputs.gap_ticks);
     // Differences of equal numbers may come out below 0.
     libm::sqrt((motion + pairs().map(shared).sum::<f64>()).max(0.0))
 }
@@ -135,6 +131,7 @@ mod tests {
     use super::*;
     use crate::kinds::gap_fill::GapFill;
     use crate::study::Study;
+    use crate::theory::rows::dot;
 
     fn study(frequency: &str, more: &str) -> Study {
         let text = format!(
@@ -177,8 +174,14 @@ mod tests {
     fn a_motion_played_faster_is_that_of_a_higher_frequency() {
         let at = |frequency: &str| study(frequency, "").asked::<GapFill>().unwrap().points[0].inputs.clone();
         let (slow, fast) = (at("\"20 Hz\""), at("\"21 Hz\""));
-        for (played, own) in played(&slow, 1.05, 20).iter().zip(fast.motion.covariance(0.005, 20)) {
-            assert!((played - own).abs() < 1e-9 * fast.motion.covariance(0.005, 1)[0], "{played}, not {own}");
+        let [played, own] = [played(&slow, 1.05, 8), fast.motion.tick_rows(0.005, fast.gap_ticks, 8)];
+        for tick in -7..=8 {
+            let covariance = |rows: &TickRows| dot(rows.tick(1), rows.tick(tick));
+            let (found, expected) = (covariance(&played), covariance(&own));
+            assert!(
+                (found - expected).abs() < 1e-9 * dot(own.tick(1), own.tick(1)),
+                "{tick}: {found}, not {expected}"
+            );
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::motion::{self, Frequency, Gaussian, Tone, vibration};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::minimum_variance::Band;
+use crate::theory::rows::sides;
 
 /// Highest vibration frequency, in tick rates; above it only aliases of the vibration reach the ticks.
 const MOST_TICK_RATES: f64 = 10.0;
@@ -39,6 +40,15 @@ pub struct Point {
 }
 
 impl Point {
+    /// Most ticks on a side of the gap that a filler reads.
+    pub(crate) fn sides(&self) -> usize {
+        let ticks = |fill: &Fill| {
+            let all = [Some(&fill.fit_ticks), fill.extrapolation_ticks.as_ref()].into_iter().flatten();
+            all.map(|ticks| sides(ticks, self.inputs.gap_ticks)).max()
+        };
+        self.fills.iter().filter_map(ticks).fold(1, usize::max)
+    }
+
     /// The point at which motion between ticks matters most: that of the shortest tick, and of the longest gap.
     pub(crate) fn hardest(points: &[Point]) -> Option<&Point> {
         points.iter().min_by(|a, b| {

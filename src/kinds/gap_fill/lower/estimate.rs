@@ -8,6 +8,9 @@ use crate::kernel::gap_fill;
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
 use crate::key::refusal::Refusal;
+use crate::kinds::gap_fill::lower::fixed::{
+    ANGLE_UNITS, CONSTANT_UNITS, Fixed, PEAK_UNITS, SIGMA_UNITS, ToneMotion,
+};
 use crate::kinds::gap_fill::lower::readout::Fractions;
 use crate::kinds::gap_fill::lower::response::{Functional, Response};
 use crate::kinds::gap_fill::lower::weights::{Rows, singular_covariance};
@@ -27,6 +30,15 @@ pub struct Oracle {
     pub noise_of_square: Option<f64>,
     /// Bound of the deviation of a sampled rms from `rms` due to rounding in the kernel.
     pub rounding: f64,
+    /// Rms of that rounding: its standard deviation where noise makes it random, else its bound.
+    pub resolution: f64,
+}
+
+impl Oracle {
+    /// Whether the error is smaller than the rounding of the arithmetic, so that a sampled rms is that of the rounding.
+    pub fn is_below_resolution(&self) -> bool {
+        self.rms.is_some_and(|rms| rms < self.resolution)
+    }
 }
 
 /// One estimate of a point.
@@ -38,6 +50,8 @@ pub struct Estimate {
     pub address: Address,
     /// Its closed form for the lowered words.
     pub oracle: Oracle,
+    /// Bound of the deviation of the closed form from that of the physical inputs due to the rounding of words, ″.
+    pub representation: f64,
     /// Size of a unit of the tally, ″.
     pub unit_arcsec: f64,
     /// Level at which its histogram starts.
@@ -48,9 +62,12 @@ pub struct Estimate {
     pub(crate) shift: u32,
 }
 
-/// Largest ratio of rounding to rms for a filler designed for the least error. Beyond it, the weights cancel the motion
-/// to below the resolution of the arithmetic.
+/// Largest ratio of the resolution to the rms for a filler designed for the least error. Beyond it, the weights cancel the
+/// motion to below what the arithmetic resolves.
 const MOST_ROUNDING: f64 = 0.1;
+
+/// Bound of the relative rounding of inputs to 12 digits and of computations in `f64`, for phases by turn.
+const TWELVE_DIGITS: f64 = 1e-11;
 
 impl Estimate {
     /// Lowers an error of a filler, of the point `point` with the key `key`.
@@ -103,6 +120,13 @@ impl Estimate {
         let (shift, unit) = (shift as u32, libm::exp2(shift));
         let unit_arcsec = fixed.lsb_arcsec / scale * unit;
         let rounding = (rounding / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec;
+        // Noise of several units makes the rounding of each reading independent and uniform; that of the gap has none.
+        let resolution = if sigma > 1.0 {
+            let readings = whole.noise_gain() / libm::sqrt(12.0);
+            libm::hypot(readings / unit, 0.5 * scale / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec
+        } else {
+            rounding
+        };
 
         let noise = sigma * whole.noise_gain();
         let known = error != Error::InGap || fixed.gap_ticks == 1;
@@ -122,6 +146,7 @@ impl Estimate {
                     libm::sqrt(4.0 * square * n + 2.0 * n * n) * unit * unit
                 }),
             max: response.largest.filter(|_| known).map(|largest| largest / unit * unit_arcsec),
+            resolution,
             rounding: rounding
                 + quantised.map_or(0.0, |(variance, tail)| {
                     tail / (2.0 * rms_with(variance) * unit).max(1e-9) / unit * unit_arcsec
@@ -133,7 +158,7 @@ impl Estimate {
         // If a record has most of its motion in few places, its own level determines where bins are needed.
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
-        let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
+        let lost = oracle.rms.is_some_and(|rms| oracle.resolution > MOST_ROUNDING * rms);
         // Without motion nothing is cancelled, and an oracle of 0 is possible.
         let designed = is_designed_here && matches!(filler.method, Method::MinimumVariance(_));
         if designed && lost && response.terms > whole.gain() {
@@ -149,12 +174,51 @@ impl Estimate {
         let (definition, name, ticks) = (definition(filler), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
-        Ok(Estimate { error, address, oracle, unit_arcsec, bin_base, rows, shift })
+        let representation = fixed.representation(whole, &response) / unit * unit_arcsec;
+        Ok(Estimate { error, address, oracle, representation, unit_arcsec, bin_base, rows, shift })
     }
 
     pub(crate) fn weight(&self, row: usize, tick: i32) -> u32 {
         let place = self.rows.ticks.iter().position(|&own| own == tick);
         place.map_or(0, |k| self.rows.numerators[row][k] as u32)
+    }
+}
+
+impl Fixed {
+    /// Bound of the rms of the difference between an error of the lowered motion and noise and that of the physical ones,
+    /// LSB: each word is within half its unit of what it stands for, and deviations add up at most as their rms.
+    fn representation(&self, f: &Functional, response: &Response) -> f64 {
+        let scale = f.scale as f64;
+        // A tick, and each tick of the gap.
+        let ticks = f.gain() + scale * f64::from(f.gap);
+        let span = f.ticks.iter().map(|tick| tick.abs()).fold(f.gap, i32::max);
+        let mut sum = 0.5 / SIGMA_UNITS * f.noise_gain();
+        let mut turns = 0.0_f64;
+        for tone in &self.tones {
+            match tone.motion {
+                ToneMotion::Fixed { nu_t, .. } => {
+                    // A sine and a cosine, each rounded.
+                    sum += core::f64::consts::FRAC_1_SQRT_2 / ANGLE_UNITS * ticks;
+                    turns = turns.max(nu_t);
+                }
+                ToneMotion::Drawn { low, width, .. } => {
+                    let high = (f64::from(low) + f64::from(width)) / libm::exp2(31.0);
+                    let phase = core::f64::consts::TAU * libm::exp2(-32.0) * f64::from(2 * span + 1);
+                    sum += 2.0 * (0.5 / PEAK_UNITS * ticks + phase * response.terms);
+                    turns = turns.max(high);
+                }
+            }
+        }
+        if let Some(factor) = &self.gaussian {
+            // As many words as rows at most, with independent numbers.
+            sum += 0.5 / SIGMA_UNITS * libm::sqrt(factor.len() as f64) * ticks;
+        }
+        if self.profile.is_some() {
+            // Each end of a tick is rounded.
+            sum += f.gain() + scale;
+        }
+        let digits = TWELVE_DIGITS * (1.0 + core::f64::consts::TAU * turns * f64::from(span + 1));
+        sum + ticks / CONSTANT_UNITS + digits * (response.terms + self.sigma_lsb() * f.noise_gain())
     }
 }
 

@@ -8,13 +8,13 @@ use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, ToneKind};
 use crate::kinds::gap_fill::lower::replayed::Rounded;
 use crate::motion::Value;
 use crate::motion::keys::Phase;
-use crate::theory::cholesky::semidefinite;
 use crate::theory::gap::tick_phase;
+use crate::theory::rows::{TickRows, place, ticks};
 
 /// Units of the kernel's parameters per LSB.
 pub(crate) const ANGLE_UNITS: f64 = 4.0;
 pub(crate) const SIGMA_UNITS: f64 = 16.0;
-const PEAK_UNITS: f64 = 32.0;
+pub(crate) const PEAK_UNITS: f64 = 32.0;
 /// 2^32, as the angle that is common to all trials has units of 2^−32 LSB.
 pub(crate) const CONSTANT_UNITS: f64 = 4_294_967_296.0;
 
@@ -29,8 +29,8 @@ pub(crate) struct Fixed {
     pub(crate) gap_ticks: i32,
     pub(crate) sigma: u32,
     pub(crate) tones: Vec<FixedTone>,
-    /// Integer lower triangular factor of the Gaussian motion's covariance, in the order of [`gaussian_place`], for the
-    /// requested number of ticks on either side.
+    /// The rows of the Gaussian motion's ticks in whole numbers, in the order of [`place`], for the requested number of
+    /// ticks on either side.
     pub(crate) gaussian: Option<Vec<Vec<i32>>>,
     pub(crate) profile: Option<FixedProfile>,
     /// Constant rate, acceleration and relock, LSB per tick.
@@ -94,7 +94,10 @@ impl Fixed {
             gap_ticks: n,
             sigma,
             tones: physical.tones.iter().map(|tone| FixedTone::new(tone, lsb_arcsec)).collect(),
-            gaussian: physical.gaussian.as_ref().map(|g| factor(&g.covariance, n, sides, lsb_arcsec)),
+            gaussian: physical
+                .gaussian
+                .as_ref()
+                .map(|g| factor(&g.rows, physical.gap_ticks, sides, lsb_arcsec)),
             profile,
             rate: physical.rate_arcsec / lsb_arcsec,
             acceleration: physical.acceleration_arcsec / lsb_arcsec,
@@ -236,24 +239,20 @@ impl FixedTone {
     }
 }
 
-/// The place of a tick among the Gaussian draws: the gap first, then outward, alternately after and before it. A tick
-/// farther out comes later, so that its presence changes no nearer one.
+/// The place of a tick among the normal numbers of the Gaussian motion.
 pub(crate) fn gaussian_place(tick: i32, gap_ticks: i32) -> usize {
-    (match tick {
-        1.. if tick <= gap_ticks => tick - 1,
-        1.. => gap_ticks + 2 * (tick - gap_ticks - 1),
-        _ => gap_ticks + 2 * -tick + 1,
-    }) as usize
+    place(tick, gap_ticks as u32)
 }
 
-fn factor(covariance: &[f64], gap_ticks: i32, sides: usize, lsb_arcsec: f64) -> Vec<Vec<i32>> {
-    let mut ticks: Vec<i32> = (1..=gap_ticks).collect();
-    for k in 0..sides as i32 {
-        ticks.extend([gap_ticks + 1 + k, -k]);
-    }
-    let between = |i: usize, j: usize| covariance[ticks[i].abs_diff(ticks[j]) as usize];
+/// The rows as whole numbers: a triangle.
+fn factor(rows: &TickRows, gap_ticks: u32, sides: usize, lsb_arcsec: f64) -> Vec<Vec<i32>> {
     let word = |x: f64| libm::round(x / lsb_arcsec * SIGMA_UNITS) as i32;
-    semidefinite(ticks.len(), between).into_iter().map(|row| row.into_iter().map(word).collect()).collect()
+    let row = |(place, tick): (usize, i32)| {
+        let mut row: Vec<i32> = rows.tick(tick).iter().copied().map(word).collect();
+        row.resize(place + 1, 0);
+        row
+    };
+    ticks(gap_ticks, sides).enumerate().map(row).collect()
 }
 
 /// A word of ones where a property is set, else of zeros.
@@ -269,26 +268,29 @@ pub(crate) fn long_words(x: i64) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::Gaussian;
     use crate::theory::minimum_variance::Band;
 
     #[test]
-    fn the_factor_of_gaussian_motion_times_its_transpose_is_the_covariance() {
+    fn the_rows_of_gaussian_motion_times_each_other_are_the_covariance() {
         let lsb = libm::exp2(-16.0);
         for (band, gap_ticks, sides) in [([18.0, 22.0], 3, 8), ([1.0, 60.0], 2, 4), ([20.0, 20.0], 1, 3)] {
             let [low_hz, high_hz] = band;
-            let covariance = Band { low_hz, high_hz }.covariance(12_000.0, 0.005, 64);
-            let factor = factor(&covariance, gap_ticks, sides, lsb);
-            let mut ticks: Vec<i32> = (1 - sides as i32..=gap_ticks + sides as i32).collect();
-            ticks.sort_by_key(|&tick| gaussian_place(tick, gap_ticks));
-            assert_eq!(ticks.len(), factor.len());
+            let motion = Gaussian::Band { rms: 12_000.0, band: Band { low_hz, high_hz } };
+            let factor = factor(&motion.tick_rows(0.005, gap_ticks, sides), gap_ticks, sides, lsb);
+            let (covariance, scale) = motion.covariance(0.005, 64);
+            let all: Vec<i32> = ticks(gap_ticks, sides).collect();
             let unit = lsb / SIGMA_UNITS;
-            for (i, j) in (0..ticks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            for (i, j) in (0..all.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
                 let product: f64 =
                     factor[i].iter().zip(&factor[j]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
-                let (found, expected) =
-                    (product * unit * unit, covariance[ticks[i].abs_diff(ticks[j]) as usize]);
-                // A tick moved by 2 LSB; smaller pivots are left out.
-                let tolerance = 4.0 * lsb * libm::sqrt(covariance[0]);
+                // The covariance of differences of angles is the second difference of theirs.
+                let lag = all[i].abs_diff(all[j]) as usize;
+                let second =
+                    covariance[lag] + covariance[lag] - covariance[lag + 1] - covariance[lag.abs_diff(1)];
+                let (found, expected) = (product * unit * unit, second.value() * scale);
+                // Each word is rounded by half its unit.
+                let tolerance = unit * 60.0 * libm::sqrt((i + 1) as f64);
                 assert!((found - expected).abs() < tolerance, "{band:?}, {i}, {j}: {found}, not {expected}");
             }
         }

@@ -28,6 +28,7 @@ pub(crate) mod estimate;
 pub(crate) mod fixed;
 pub(crate) mod launch;
 pub(crate) mod physical;
+pub(crate) mod physical_oracle;
 pub(crate) mod readout;
 pub(crate) mod replayed;
 pub(crate) mod residual;
@@ -75,13 +76,7 @@ impl Lowered {
         seed: u64,
         streams: Streams,
     ) -> Result<Lowered, Refusal> {
-        let n = point.inputs.gap_ticks as i32;
-        let reach = |tick: i32| if tick > 0 { tick - n } else { 1 - tick };
-        let ticks = point
-            .fills
-            .iter()
-            .flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
-        let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
+        let sides = point.sides();
         let physical = Physical::of(&point.inputs, sides.max(DEFAULT_SIDES))?;
         let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
         let fixed = Fixed::new(&physical, unit::lsb(&physical)?, sides);

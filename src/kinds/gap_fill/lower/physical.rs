@@ -14,7 +14,7 @@ use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};
 use crate::quantity::units::round_12;
 use crate::theory::gap::tick_amplitude;
-use crate::theory::lags::Lags;
+use crate::theory::rows::TickRows;
 
 /// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
 pub(crate) const MOST_PROFILE_TICKS: usize = 1 << 22;
@@ -57,12 +57,13 @@ pub(crate) enum ToneKind {
     Drawn { arcsec: f64, of_angle: bool, nu_t: [f64; 2] },
 }
 
-/// Stationary Gaussian motion: the covariance of tick angles by lag, ″², up to the largest distance between two read ticks.
+/// Stationary Gaussian motion.
 #[derive(Debug, Clone)]
 pub(crate) struct PhysicalGaussian {
     /// The key that gives it, for refusals.
     pub(crate) key: &'static str,
-    pub(crate) covariance: Vec<f64>,
+    /// Its ticks, ″.
+    pub(crate) rows: TickRows,
 }
 
 /// A recorded profile.
@@ -75,7 +76,7 @@ pub(crate) struct PhysicalProfile {
 }
 
 impl Physical {
-    /// The canonical inputs, with the covariance of Gaussian motion for that number of ticks on either side of the gap.
+    /// The canonical inputs, with the Gaussian motion of that number of ticks on either side of the gap.
     pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Refusal> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
@@ -121,14 +122,12 @@ impl Physical {
                 PhysicalTone { key: key(index), kind, value, phase: tone.phase }
             })
             .collect();
-        let over = |sides: usize| 2 * sides + inputs.gap_ticks as usize;
-        let lags = Lags { resolved: over(MARGIN), computed: over(sides) };
         let gaussian = motion.gaussian.as_ref().map(|gaussian| PhysicalGaussian {
             key: match gaussian {
                 Gaussian::Band { .. } | Gaussian::Psd(_) => "motion.gaussian",
                 Gaussian::Vibration { .. } => "motion.suspension",
             },
-            covariance: gaussian.covariance(tick_s, lags),
+            rows: gaussian.tick_rows(tick_s, inputs.gap_ticks, sides),
         });
         let profile = motion.profile.as_ref().map(|profile| {
             let file = profile.file.clone();
@@ -182,7 +181,8 @@ impl Physical {
             sizes.push((tone.key, arcsec * reach));
         }
         if let Some(gaussian) = &self.gaussian {
-            sizes.push((gaussian.key, REACH * libm::sqrt(gaussian.covariance[0])));
+            // The first row has one number, the standard deviation of a tick.
+            sizes.push((gaussian.key, REACH * gaussian.rows.tick(1)[0]));
         }
         if let Some(profile) = &self.profile {
             sizes.push((

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
 use crate::key::refusal::{Refusal, shown};
-use crate::kinds::gap_fill::lower::fixed::Fixed;
+use crate::kinds::gap_fill::lower::fixed::{Fixed, SIGMA_UNITS};
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::quantity::number::significant;
@@ -14,6 +14,13 @@ use crate::theory::memo::Memo;
 
 /// Fewest units of 2^−4 LSB of σ, which is then rounded by at most 1 %.
 const LEAST_SIGMA: f64 = 50.0;
+
+/// Units of 2^−4 LSB of σ from which on its rounding, by 0.1 %, is far below what trials resolve. Where there are fewer, a
+/// finer unit is taken as far as ticks and their words allow it, and larger errors are shifted.
+const ENOUGH_SIGMA: f64 = 500.0;
+
+/// Bound of the angle over the gap with all that is added to it, LSB, for which every word fits.
+const MOST_ANGLE: f64 = (1_u32 << 27) as f64;
 
 /// Fewest LSB of the peak angle of a tick, whose words are then rounded by less than 0.1 %. Motion without noise has
 /// more, even where the longest gap leaves the least room.
@@ -65,7 +72,13 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
             worst = worst.max(fixed.response(&functional).bound * provisional + noise);
         }
     }
-    let bits = libm::floor(libm::log2(LIMIT as f64 / (RESERVE * worst)));
+    let mut bits = libm::floor(libm::log2(LIMIT as f64 / (RESERVE * worst)));
+    let sigma_units = physical.sigma_arcsec * SIGMA_UNITS;
+    if sigma_units > 0.0 && sigma_units * libm::exp2(bits) < ENOUGH_SIGMA {
+        let wanted = libm::ceil(libm::log2(ENOUGH_SIGMA / sigma_units));
+        let most = libm::floor(libm::log2(MOST_ANGLE / (f64::from(n + 1) * whole)));
+        bits = wanted.min(most).max(bits);
+    }
     let mut lsb = libm::exp2(-bits.clamp(-f64::from(FINEST), f64::from(FINEST)));
     if physical.readout_lsb > 0.0 {
         let steps = libm::floor(libm::log2(physical.readout_lsb / lsb));
@@ -90,9 +103,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
         ),
     };
     let sigma_arcsec = physical.sigma_arcsec;
-    if sigma_arcsec > 0.0
-        && libm::round(sigma_arcsec / lsb * crate::kinds::gap_fill::lower::fixed::SIGMA_UNITS) < LEAST_SIGMA
-    {
+    if sigma_arcsec > 0.0 && libm::round(sigma_arcsec / lsb * SIGMA_UNITS) < LEAST_SIGMA {
         let found = format!("{} arcsec of noise per tick {lost}", shown(sigma_arcsec));
         return Err(Refusal::new("gyro.tick_noise", found, "make the noise larger, or 0"));
     }

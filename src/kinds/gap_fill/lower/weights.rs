@@ -2,18 +2,19 @@
 
 use core::cell::{OnceCell, RefCell};
 use core::ops::RangeInclusive;
-use std::sync::Arc;
+use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
-use crate::kernel::gap_fill::shape::MARGIN;
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::physical_oracle::Boundaries;
 use crate::motion::Gaussian;
 use crate::theory::gap::{Weights, greatest_common_divisor};
-use crate::theory::lags::Lags;
 use crate::theory::memo::Memo;
 use crate::theory::minimum_variance::minimum_variance_weights;
+use crate::theory::rows::{TickRows, sides};
 
 /// Weights on some ticks over a common denominator: one row for the whole gap, one row for each of its ticks, or for
 /// errors in the gap one row for each number of its first ticks.
@@ -27,6 +28,8 @@ pub struct Rows {
     pub denominator: i64,
     /// Whether the fractions are the exact weights instead of the nearest ones over a power of two.
     pub exact: bool,
+    /// The sum over the ends of the ticks that the error is, made at the first use.
+    pub(crate) boundaries: OnceLock<Boundaries>,
 }
 
 /// What exact weights depend on: the length of the gap, the ticks that are read, the identity of the filler, and whether
@@ -128,11 +131,11 @@ impl Rows {
                 Ok(Some(exact(ticks, rows)))
             }
             Method::MinimumVariance(_) => {
-                let design = statistics.design(filler, ticks);
+                let motion = statistics.motion(filler, ticks);
+                let noise = statistics.inputs.noise_covariance();
                 let rows = lengths
                     .map(|length| {
-                        let weights =
-                            minimum_variance_weights(ticks, length, &design.covariance, &design.noise);
+                        let weights = minimum_variance_weights(ticks, length, &motion, &noise);
                         let singular = || singular_covariance(&filler.name, statistics.inputs.sigma_arcsec());
                         let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < LARGEST_WEIGHT);
                         Ok((length, weights.filter(bounded).ok_or_else(singular)?))
@@ -168,43 +171,31 @@ const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 #[derive(Debug)]
 pub struct Statistics<'a> {
     inputs: &'a Inputs,
-    covariance: RefCell<Vec<f64>>,
+    /// The ticks of its motion, with the number of ticks on either side.
+    motion: RefCell<(usize, Rc<TickRows>)>,
     rate_rms: OnceCell<f64>,
-}
-
-/// Covariances from which one filler is designed, ″² by lag.
-struct Design {
-    covariance: Vec<f64>,
-    noise: Vec<f64>,
 }
 
 impl<'a> Statistics<'a> {
     /// The statistics of a point with these inputs.
     pub fn of(inputs: &'a Inputs) -> Statistics<'a> {
-        Statistics { inputs, covariance: RefCell::default(), rate_rms: OnceCell::new() }
+        Statistics { inputs, motion: RefCell::default(), rate_rms: OnceCell::new() }
     }
 
-    /// The covariances from which a filler on these ticks is designed.
-    fn design(&self, filler: &Filler, ticks: &[i32]) -> Design {
+    /// The ticks of the motion from which a filler on these ticks is designed.
+    fn motion(&self, filler: &Filler, ticks: &[i32]) -> Rc<TickRows> {
         let Inputs { tick_s, motion, gap_ticks, .. } = self.inputs;
-        let first = ticks.iter().copied().fold(1, i32::min);
-        let last = ticks.iter().copied().fold(*gap_ticks as i32, i32::max);
-        let lags = Lags { resolved: 2 * MARGIN + *gap_ticks as usize, computed: (last - first + 1) as usize };
-        let covariance = match &filler.method {
-            Method::MinimumVariance(Some(band)) => {
-                // As much motion as in the study, spread over the band.
-                let rms = self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
-                Gaussian::Band { rms: *rms, band: *band }.covariance(*tick_s, lags)
-            }
-            _ => {
-                let mut known = self.covariance.borrow_mut();
-                if known.len() < lags.computed {
-                    *known = motion.covariance(*tick_s, lags);
-                }
-                known.clone()
-            }
-        };
-        Design { covariance, noise: self.inputs.noise_covariance().to_vec() }
+        let sides = sides(ticks, *gap_ticks);
+        if let Method::MinimumVariance(Some(band)) = &filler.method {
+            // As much motion as in the study, spread over the band.
+            let rms = *self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
+            return Gaussian::Band { rms, band: *band }.tick_rows(*tick_s, *gap_ticks, sides).into();
+        }
+        let mut known = self.motion.borrow_mut();
+        if known.0 < sides {
+            *known = (sides, motion.tick_rows(*tick_s, *gap_ticks, sides).into());
+        }
+        known.1.clone()
     }
 }
 
@@ -221,7 +212,13 @@ fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
         };
         let numerators = rows.iter().map(scaled).collect::<Option<Vec<_>>>()?;
         let largest = numerators.iter().flatten().map(|w| w.abs()).max().unwrap_or(0).max(denominator);
-        (largest < 1 << 30).then_some(Rows { ticks: ticks.to_vec(), numerators, denominator, exact: true })
+        (largest < 1 << 30).then_some(Rows {
+            ticks: ticks.to_vec(),
+            numerators,
+            denominator,
+            exact: true,
+            boundaries: OnceLock::new(),
+        })
     });
     numerators.unwrap_or_else(|| {
         let length = |row: &Weights| libm::round(row.values().sum()) as u32;
@@ -236,5 +233,11 @@ fn nearest(ticks: &[i32], rows: &[(u32, Vec<f64>)]) -> Rows {
     let nearest =
         |(length, row): &(u32, Vec<f64>)| Weights::nearest(ticks, row, i64::from(*length), bits).numerators;
     let numerators = rows.iter().map(nearest).collect();
-    Rows { ticks: ticks.to_vec(), numerators, denominator: 1 << bits, exact: false }
+    Rows {
+        ticks: ticks.to_vec(),
+        numerators,
+        denominator: 1 << bits,
+        exact: false,
+        boundaries: OnceLock::new(),
+    }
 }

@@ -13,6 +13,7 @@ use crate::kinds::gap_fill::run::proven::{Proof, Proven, STEPS};
 use crate::kinds::gap_fill::tuning::{Tuning, tuned};
 use crate::kinds::plan::{Launched, PointsPlan, Tabulated};
 use crate::kinds::table::{Appended, table};
+use crate::quantity::number::significant;
 use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
 use crate::sampling::tables::Tables;
@@ -57,6 +58,25 @@ impl Plan<'_> {
         Some(format!("{} without a band: designed {how}, designed for a band", names.join(", ")))
     }
 
+    /// A note on errors that are smaller than what the arithmetic resolves, whose rows are blank.
+    fn unresolved(&self, store: &Store) -> Result<Option<String>, StoreError> {
+        let (mut count, mut largest) = (0, 0.0_f64);
+        let proofs = self.points.iter().flat_map(|point| point.estimates.iter().map(move |own| (point, own)));
+        for (point, proof) in proofs.filter(|(_, proof)| proof.oracle.is_below_resolution()) {
+            if store.total(&point.address(proof))?.square > 0 {
+                count += 1;
+                largest = largest.max(proof.oracle.resolution);
+            }
+        }
+        let rows = if count == 1 { "row is" } else { "rows are" };
+        Ok((count > 0).then(|| {
+            format!(
+                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: oracle_rms is the error",
+                significant(largest, 2)
+            )
+        }))
+    }
+
     /// Notes on requested errors that a filler does not have, each a sentence.
     fn absent(&self) -> Vec<String> {
         let mut sentences = Vec::new();
@@ -89,6 +109,9 @@ impl Plan<'_> {
         let found = |at: usize, tally: &Moments| {
             let Proof { bin_base, unit_arcsec, oracle, .. } = *rows[at].estimate;
             let mut found = Found::of(tally, bin_base, unit_arcsec);
+            if oracle.is_below_resolution() && found.estimates.is_some_and(|found| found.rms > 0.0) {
+                found.estimates = None;
+            }
             let known = oracle.noise_of_square.zip(found.estimates.as_mut());
             if let Some((noise, estimates)) = known.filter(|(_, estimates)| estimates.rms > 0.0) {
                 estimates.rms_se = Some(noise / libm::sqrt(found.trials as f64) / (2.0 * estimates.rms));
@@ -129,6 +152,7 @@ impl Tabulated for Plan<'_> {
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
         let mut notes = self.absent();
         notes.extend(self.designed_anew());
+        notes.extend(self.unresolved(store)?);
         let (imprecise, fillers) = self.imprecise(store)?;
         if imprecise > 0 {
             let trials = self.study.trials;

@@ -4,13 +4,15 @@
 use crate::filler::keys::Error;
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::key::refusal::Refusal;
+use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
+use crate::kinds::gap_fill::lower::physical_oracle::PhysicalOracle;
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::plan::{Lacking, Launched};
 use crate::sampling::batches::Work;
+use crate::sampling::found;
 use crate::store::Address;
 use crate::store::error::StoreError;
 use crate::study::Study;
@@ -41,6 +43,8 @@ pub(crate) struct Proof {
     pub(crate) bin_base: u32,
     pub(crate) unit_arcsec: f64,
     pub(crate) oracle: Oracle,
+    /// Relative difference of the closed form from that of the physical inputs, where there is one.
+    pub(crate) representation: Option<f64>,
     estimate: Id,
     digest: Id,
 }
@@ -49,18 +53,42 @@ pub(crate) struct Proof {
 pub(crate) const STEPS: u64 = 1;
 
 impl Proof {
-    fn of(filler: usize, estimate: &Estimate) -> Proof {
+    /// # Errors
+    /// The closed form of the words differs from that of the inputs by more than the rounding of words explains.
+    fn of(
+        name: &str,
+        filler: usize,
+        estimate: &Estimate,
+        physical: &PhysicalOracle,
+    ) -> Result<Proof, Refusal> {
         let Estimate { error, address, oracle, unit_arcsec, bin_base, .. } = *estimate;
-        Proof {
+        let physical_rms = oracle.rms.and_then(|_| physical.rms(&estimate.rows, error));
+        if let Some((words, inputs)) = oracle.rms.zip(physical_rms) {
+            let (found, most) = ((words - inputs).abs(), estimate.representation);
+            if found > most || found.is_nan() {
+                let found = format!(
+                    "the {} of `{name}` is {} arcsec rms for the integers that would be sampled and {} arcsec rms for the inputs, \
+                     which rounding to {} arcsec does not explain",
+                    error.name(),
+                    shown(words),
+                    shown(inputs),
+                    shown(most)
+                );
+                let help = "this is a fault of the program: please report the study";
+                return Err(Refusal::new("switching.fillers", found, help));
+            }
+        }
+        Ok(Proof {
             filler: filler as u16,
             ticks: estimate.rows.ticks.len() as u16,
             error,
             bin_base,
             unit_arcsec,
             oracle,
+            representation: found::representation(oracle.rms, physical_rms),
             estimate: address.estimate,
             digest: address.digest,
-        }
+        })
     }
 }
 
@@ -76,10 +104,13 @@ impl<'a> Proven<'a> {
     ) -> Result<Proven<'a>, Refusal> {
         let lowered = lower(study, subject, point)?;
         let (id, replay) = (lowered.id, lowered.whole_replays(1));
-        let fillers = lowered.fillers.iter().enumerate();
-        let proofs =
-            fillers.flat_map(|(filler, all)| all.iter().map(move |estimate| Proof::of(filler, estimate)));
-        Ok(Proven { study, subject, point, id, replay, estimates: proofs.collect() })
+        let physical = PhysicalOracle::new(&point.inputs, point.sides());
+        let fillers = lowered.fillers.iter().zip(&subject.fillers).enumerate();
+        let proofs = fillers.flat_map(|(place, (all, filler))| {
+            let physical = &physical;
+            all.iter().map(move |estimate| Proof::of(&filler.name, place, estimate, physical))
+        });
+        Ok(Proven { study, subject, point, id, replay, estimates: proofs.collect::<Result<_, _>>()? })
     }
 
     /// The address of the tallies of one of its estimates.
