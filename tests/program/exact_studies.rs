@@ -113,6 +113,29 @@ fn a_budget_whose_end_is_averaged_is_that_of_the_closed_form() {
     }
 }
 
+/// The optimum is that of a column of the same study, found by sweeping the interval.
+#[test]
+fn the_best_interval_is_the_one_with_the_least_drift_in_the_table_whatever_the_initial_magnetic_drift() {
+    let study = "title = \"Budget\"\nkind = \"drift-budget\"\n\
+                 [drift]\nmagnetic = \"5 arcsec/s\"\nwarm_up_time = \"1800 s\"\nresidual_max = \"3 arcsec\"\n\
+                 [switching]\ninterval = \"40 s\"\n[run]\nduration = \"1 h\"\n\
+                 [[sweep]]\nkey = \"drift.initial_magnetic\"\n\
+                 list = [\"-5 arcsec/s\", \"0 arcsec/s\", \"0.3 arcsec/s\", \"2 arcsec/s\", \"5 arcsec/s\"]\n\
+                 [[sweep]]\nkey = \"switching.interval\"\nlog = { from = \"5 s\", to = \"40 s\", points = 201 }\n";
+    let table = table(study);
+    let rows: Vec<_> = rows(&table).collect();
+    for initial in [-5.0, 0.0, 0.3, 2.0, 5.0] {
+        let own = rows.iter().filter(|row| row.number("drift.initial_magnetic") == initial);
+        let least =
+            own.min_by(|a, b| a.number("rms_switching").total_cmp(&b.number("rms_switching"))).unwrap();
+        let [interval, rms, best, best_rms] =
+            ["switching.interval", "rms_switching", "optimum_true", "optimum_true_rms"]
+                .map(|name| least.number(name));
+        assert!((best / interval - 1.0).abs() < 0.02, "Ω_m0 = {initial} ″/s: {best} s, not {interval} s");
+        assert!((best_rms / rms - 1.0).abs() < 0.001, "Ω_m0 = {initial} ″/s: {best_rms} ″/s, not {rms} ″/s");
+    }
+}
+
 #[test]
 fn a_root_that_is_not_there_is_blank() {
     let table =

@@ -13,12 +13,16 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// Mean square of the angle that a magnetic drift of 1 leaves, in squares of the interval, for intervals far below τ:
-    /// after an even number of them it is half an interval, and otherwise anything up to that.
-    fn square(self) -> f64 {
+    /// Mean square of the magnetic angle at the end, for intervals far below τ, by the angles that A (1 − e^{−t/τ}) and Ω_m0
+    /// turn in half an interval at the end of the run.
+    ///
+    /// The angle is a triangle over the phase of switching, of half the height `warm_up` + `initial`. That of a drift that
+    /// is there from the start begins at 0 and returns to it after each even number of intervals, so that it has a mean,
+    /// `initial`. That of the warm-up, which begins at a rate of 0, has none, and is at its end after an even number.
+    fn square(self, warm_up: f64, initial: f64) -> f64 {
         match self {
-            Ending::Even => 1.0 / 4.0,
-            Ending::Any => 1.0 / 12.0,
+            Ending::Even => warm_up * warm_up,
+            Ending::Any => 1.0 / 3.0 * (warm_up + initial) * (warm_up + initial) + initial * initial,
         }
     }
 
@@ -77,31 +81,49 @@ impl Spread {
         [sum / n / t_s, libm::sqrt(squares / n) / t_s]
     }
 
-    /// [σ²t/(2c A²(1 − e^{−t/τ})²)]^{1/3}, s: the interval with the least rms drift at random phases of the motion, for
-    /// intervals far below τ. c is 1/12 for runs that end at any phase of switching, and 1/4 among intervals that divide
-    /// the run into an even number. Ω_nm is left out, because it does not depend on the interval.
+    /// [2σ²t/W]^{1/3}, s: the interval with the least rms drift at random phases of the motion, for intervals far below τ.
+    /// W MT²/4 is the mean square of the magnetic angle, with W = A²(1 − e^{−t/τ})² among intervals that divide the run into
+    /// an even number, and Ω_m(t)²/3 + Ω_m0² for runs that end at any phase of switching. Ω_nm is left out, because it does
+    /// not depend on the interval.
     ///
-    /// `None` where there is no warm-up to cancel, or where the interval would not fit twice into the run.
+    /// `None` where no interval is too long, as for a constant Ω_m that an even number cancels, or where the interval would
+    /// not fit twice into the run.
     pub fn best_interval(&self, t_s: f64, ending: Ending) -> Option<f64> {
-        let lost = self.magnetic.amplitude * libm::expm1(-t_s / self.magnetic.time_s);
-        let cube = self.residual_rms * self.residual_rms * t_s / (2.0 * ending.square() * lost * lost);
+        let Magnetic { amplitude, time_s, initial } = self.magnetic;
+        let square = ending.square(-amplitude * libm::expm1(-t_s / time_s), initial);
+        let cube = self.residual_rms * self.residual_rms * t_s / (0.5 * square);
         Some(libm::cbrt(cube)).filter(|interval_s| 2.0 * interval_s <= t_s && *interval_s > 0.0)
     }
 
-    /// The rms drift at that interval, ″/s: 2√c (Aτ/t) tanh(MT/2τ) (1 − e^{−t/τ}) from the warm-up, and σ√n/t from the
-    /// switches, of which there are n = t/MT − 1 in an even number of intervals and t/MT − 1/2 on average over all phases.
+    /// The rms drift at that interval, ″/s: √W MT/2t from the magnetic drift, with τ tanh(MT/2τ) in place of MT/2 for the
+    /// warm-up, and σ√n/t from the switches, of which there are n = t/MT − 1 in an even number of intervals and t/MT − 1/2 on average
+    /// over all phases.
     pub fn least_rms(&self, t_s: f64, ending: Ending) -> Option<f64> {
         let interval_s = self.best_interval(t_s, ending)?;
-        let Magnetic { amplitude, time_s, .. } = self.magnetic;
-        let half = amplitude * time_s * libm::tanh(0.5 * interval_s / time_s) * libm::expm1(-t_s / time_s);
+        let Magnetic { amplitude, time_s, initial } = self.magnetic;
+        let half = 0.5 * interval_s;
+        let warm_up = -amplitude * time_s * libm::tanh(half / time_s) * libm::expm1(-t_s / time_s);
         let added = self.residual_rms * self.residual_rms * ending.switches(interval_s, t_s);
-        Some(libm::sqrt(4.0 * ending.square() * half * half + added) / t_s)
+        Some(libm::sqrt(ending.square(warm_up, initial * half) + added) / t_s)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rms drift of runs that end at each of 64 phases of switching, as a study averages it.
+    fn at_any_phase(spread: &Spread, interval_s: f64, t_s: f64) -> f64 {
+        let part = |step: i32| f64::from(2 * step + 1) / 64.0 - 1.0;
+        let ends: Vec<f64> = (0..64).map(|step| t_s + part(step) * interval_s).collect();
+        spread.over(interval_s, t_s, &ends, libm::sqrt)[1]
+    }
+
+    /// Rms drift after an even number of intervals.
+    fn at_even_count(spread: &Spread, pairs: f64, t_s: f64) -> f64 {
+        let interval_s = 0.5 * t_s / pairs;
+        libm::hypot(spread.mean(interval_s, t_s, true), spread.deviation(interval_s, t_s))
+    }
 
     /// The paper's case, with errors at the switches of at most 10 ″ at a random phase: 7.07 ″ rms.
     const PAPER: Spread = Spread {
@@ -140,11 +162,7 @@ mod tests {
                 (paper.best_interval(t, Ending::Any).unwrap(), paper.least_rms(t, Ending::Any).unwrap());
             assert!((best - interval).abs() < 0.001, "{t} s: {best}, not {interval}");
             assert!((least / rms - 1.0).abs() < 0.003, "{t} s: {least}, not {rms}");
-            let over = |interval_s: f64| {
-                let part = |step: i32| f64::from(2 * step + 1) / 64.0 - 1.0;
-                let ends: Vec<f64> = (0..64).map(|step| t + part(step) * interval_s).collect();
-                paper.over(interval_s, t, &ends, libm::sqrt)[1]
-            };
+            let over = |interval_s: f64| at_any_phase(&paper, interval_s, t);
             assert!((over(best) / rms - 1.0).abs() < 1e-3, "{t} s: {}, not {rms}", over(best));
             let lowest = (60..160).map(|k| over(best * 0.01 * f64::from(k))).fold(f64::INFINITY, f64::min);
             assert!(over(best) / lowest < 1.001, "{t} s: {lowest} is less than {}", over(best));
@@ -176,21 +194,54 @@ mod tests {
                 (PAPER.best_interval(t, Ending::Even).unwrap(), PAPER.least_rms(t, Ending::Even).unwrap());
             assert!((found - interval).abs() <= 0.05, "{t} s: {found}, not {interval}");
             assert!((least / rms - 1.0).abs() < 0.015, "{t} s: {least}, not {rms}");
-            let of_count = |pairs: i32| {
-                let interval = t / f64::from(2 * pairs);
-                libm::hypot(PAPER.mean(interval, t, true) - 0.05, PAPER.deviation(interval, t))
-            };
+            let paper = Spread { non_magnetic: 0.0, ..PAPER };
+            let of_count = |pairs: i32| at_even_count(&paper, f64::from(pairs), t);
             let best = (1..2000).map(of_count).fold(f64::INFINITY, f64::min);
             assert!((least / best - 1.0).abs() < 0.005, "{t} s: {least}, not {best}");
         }
     }
 
     #[test]
-    fn without_a_warm_up_or_with_errors_too_large_for_two_intervals_there_is_no_best_one() {
+    fn an_initial_magnetic_drift_shortens_the_best_interval_at_any_phase_and_not_among_even_counts() {
+        for (initial, interval, rms) in
+            [(0.0, 17.33, 0.01039), (0.3, 16.50, 0.01065), (2.0, 12.32, 0.01233), (5.0, 8.44, 0.01490)]
+        {
+            let magnetic = Magnetic { amplitude: 5.0, time_s: 1800.0, initial };
+            let residual_rms = 3.0 * core::f64::consts::FRAC_1_SQRT_2;
+            let spread = Spread { magnetic, non_magnetic: 0.0, residual_rms };
+            let best = spread.best_interval(3600.0, Ending::Any).unwrap();
+            let least = spread.least_rms(3600.0, Ending::Any).unwrap();
+            assert!((best - interval).abs() < 0.005, "Ω_m0 = {initial}: {best} s, not {interval} s");
+            assert!((least - rms).abs() < 0.5e-5, "Ω_m0 = {initial}: {least} ″/s, not {rms} ″/s");
+            let at = |k: i32| best * 0.001 * f64::from(k);
+            let over = |k: i32| at_any_phase(&spread, at(k), 3600.0);
+            let lowest = (500..2000).min_by(|a, b| over(*a).total_cmp(&over(*b))).unwrap();
+            assert!(
+                (at(lowest) / best - 1.0).abs() < 0.01 && (over(lowest) / least - 1.0).abs() < 0.001,
+                "Ω_m0 = {initial}: {best} s with {least} ″/s, but {} ″/s at {} s",
+                over(lowest),
+                at(lowest)
+            );
+            let even = spread.best_interval(3600.0, Ending::Even).unwrap();
+            assert!((even - 12.0126).abs() < 5e-5, "Ω_m0 = {initial}: {even} s");
+        }
+    }
+
+    #[test]
+    fn a_drift_that_even_counts_cancel_or_errors_too_large_for_two_intervals_have_no_best_one() {
         let steady =
             Spread { magnetic: Magnetic { amplitude: 0.0, initial: 2.0, ..PAPER.magnetic }, ..PAPER };
+        assert_eq!(
+            (steady.best_interval(600.0, Ending::Even), steady.least_rms(600.0, Ending::Even)),
+            (None, None)
+        );
+        // A triangle between 0 and MT Ω_m0 has the mean square (MT Ω_m0)²/3.
+        let (found, expected) =
+            (steady.best_interval(600.0, Ending::Any).unwrap(), libm::cbrt(50.0 * 600.0 * 1.5 / 4.0));
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} s, not {expected} s");
+        let still = Spread { magnetic: Magnetic { initial: 0.0, ..steady.magnetic }, ..PAPER };
         for ending in [Ending::Even, Ending::Any] {
-            assert_eq!((steady.best_interval(600.0, ending), steady.least_rms(600.0, ending)), (None, None));
+            assert_eq!(still.best_interval(600.0, ending), None);
             assert_eq!(Spread { residual_rms: 1e6, ..PAPER }.best_interval(600.0, ending), None);
             assert_eq!(Spread { residual_rms: 0.0, ..PAPER }.best_interval(600.0, ending), None);
         }
