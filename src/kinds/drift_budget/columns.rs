@@ -115,7 +115,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Estimate, "The corrected limit for a small A or a large τ, s; blank without residuals."),
         Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s, row.ending()).into())
             .is(Role::Estimate, "The interval with the least `rms_switching`, s; if `run.end` is `exact`, among those of which an even \
-                                 number makes the run."),
+                                 number makes the run. Blank where it would be longer than half the run, or not far below τ."),
         Of::new("optimum_true_rms", RATE, "drift: least rms left by switching", |row| row.spread.least_rms(row.t_s, row.ending()).into())
             .is_of("optimum_true", Role::Least, "`rms_switching` at that interval, ″/s."),
     ]
