@@ -110,6 +110,8 @@ pub(crate) fn bisected(mut below: f64, mut above: f64, f: impl Fn(f64) -> f64) -
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
 
     /// The paper's figures 4 and 5.
     pub(crate) const PAPER: Budget = Budget {
@@ -138,6 +140,38 @@ pub(crate) mod tests {
             // rounding.
             assert!((best.interval_s / optimum - 1.0).abs() < 1e-7, "{t} s: {best:?}, not {optimum}");
             assert!((best.bound / optimum_bound - 1.0).abs() < 1e-9, "{t} s: {best:?}, not {optimum_bound}");
+        }
+    }
+
+    /// Budgets with drifts of either sign, with and without Ω_m0, and their runs from 10 s to 10^7 s.
+    pub(crate) fn random(count: usize, seed: u64) -> Vec<(Budget, f64)> {
+        let mut rng = StdRng::seed_from_u64(seed);
+        let mut power = |low: f64, high: f64| libm::exp10(rng.random_range(low..high));
+        let mut of = |case: usize| {
+            let amplitude = power(-2.0, 2.0) * [1.0, -1.0][case % 2];
+            let initial = [0.0, amplitude * power(-3.0, 3.0), -amplitude * power(-3.0, 3.0), -amplitude];
+            let magnetic = Magnetic { amplitude, time_s: power(0.0, 6.0), initial: initial[case / 2 % 4] };
+            let budget = Budget { magnetic, non_magnetic: 0.05, residual_max: power(-2.0, 3.0) };
+            (budget, power(1.0, 7.0))
+        };
+        (0..count).map(&mut of).collect()
+    }
+
+    #[test]
+    fn for_random_budgets_no_interval_within_the_run_has_a_lower_bound_than_the_optimum() {
+        for (budget, t_s) in random(200, 42) {
+            let best = budget.optimum(t_s).unwrap();
+            let bound = |interval_s: f64| budget.bound(interval_s, t_s).total();
+            assert_eq!(best.bound, bound(best.interval_s), "{t_s} s, {budget:?}");
+            assert!(best.interval_s <= t_s, "{t_s} s, {budget:?}: {best:?}");
+            let at = |k: i32| t_s * libm::exp10(-10.0 * f64::from(k) / 20_000.0);
+            let lowest = (0..=20_000).min_by(|a, b| bound(at(*a)).total_cmp(&bound(at(*b)))).unwrap();
+            assert!(
+                best.bound <= bound(at(lowest)) * (1.0 + 1e-12),
+                "{t_s} s, {budget:?}: {best:?}, but {} ″/s at {} s",
+                bound(at(lowest)),
+                at(lowest)
+            );
         }
     }
 
