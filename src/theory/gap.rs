@@ -148,6 +148,8 @@ pub fn sine_response(weights: &Weights, gap_ticks: u32, nu_t: f64) -> (f64, f64)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
 
     const ORDERS: [&str; 3] = ["const", "linear", "quadratic"];
 
@@ -222,6 +224,45 @@ mod tests {
                     let total: i64 = weights.numerators.iter().sum();
                     assert_eq!(total, i64::from(n) * weights.denominator, "n = {n}, order {order}, {error}");
                 }
+            }
+        }
+    }
+
+    /// The polynomial through random readings is moved in each coefficient; its sum over the gap is that of the weights where
+    /// the sum of squares rises equally both ways.
+    #[test]
+    fn for_random_ticks_and_readings_no_polynomial_has_a_smaller_sum_of_squares() {
+        let mut rng = StdRng::seed_from_u64(45);
+        for case in 0..100 {
+            let (n, order) = (rng.random_range(1..=20_i32), case % 3);
+            let all: Vec<i32> = (-9..=0).chain(n + 1..=n + 9).collect();
+            let ticks: Vec<i32> = all
+                .into_iter()
+                .filter(|tick| (-1..=0).contains(tick) || *tick == n + 1 || rng.random::<f64>() < 0.4)
+                .collect();
+            let weights = polynomial_weights(&ticks, order, n as u32).unwrap();
+            let readings: Vec<f64> = ticks.iter().map(|_| rng.random_range(-1.0..1.0)).collect();
+            let fill: f64 = weights.values().zip(&readings).map(|(w, reading)| w * reading).sum();
+            // The weights for a gap of a single tick, moved there, give the polynomial at any tick.
+            let at = |tick: i32| -> f64 {
+                let moved: Vec<i32> = ticks.iter().map(|own| own - tick + 1).collect();
+                let weights = polynomial_weights(&moved, order, 1).unwrap();
+                weights.values().zip(&readings).map(|(w, reading)| w * reading).sum()
+            };
+            let sum: f64 = (1..=n).map(at).sum();
+            assert!((fill - sum).abs() < 1e-9 * sum.abs().max(1.0), "case {case}: {fill}, not {sum}");
+            let left: Vec<f64> =
+                ticks.iter().zip(&readings).map(|(tick, reading)| reading - at(*tick)).collect();
+            for power in 0..=order as i32 {
+                let squares = |size: f64| -> f64 {
+                    let moved = |(tick, left): (&i32, &f64)| left - size * f64::from(*tick).powi(power);
+                    ticks.iter().zip(&left).map(moved).map(|left| left * left).sum()
+                };
+                let [down, least, up] = [-1e-3, 0.0, 1e-3].map(squares);
+                assert!(
+                    down > least && up > least && ((up - least) / (down - least) - 1.0).abs() < 1e-6,
+                    "case {case}, {ticks:?}, x^{power}: {least} becomes {down} and {up}"
+                );
             }
         }
     }

@@ -101,6 +101,8 @@ pub fn minimum_variance_weights(
 mod tests {
     use super::*;
     use crate::theory::lines::{covariance, of_ticks};
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
 
     const TICK_S: f64 = 0.005;
     const RATE: f64 = 12000.0;
@@ -118,7 +120,7 @@ mod tests {
 
     fn motion(band: Band, n: u32) -> TickRows {
         let lines = of_ticks(&band.lines(TICK_S * 64.0, Rule::Sparse), TICK_S);
-        TickRows::of_lines(&lines, n, 20).scaled(RATE * core::f64::consts::FRAC_1_SQRT_2)
+        TickRows::of_lines(&lines, n, 20).triangular().scaled(RATE * core::f64::consts::FRAC_1_SQRT_2)
     }
 
     fn rms_of(ticks: &[i32], weights: &[f64], n: u32, motion: &TickRows) -> f64 {
@@ -182,6 +184,47 @@ mod tests {
                     other[i] += step;
                     assert!(rms_of(&ticks, &other, 3, &motion) > rms, "{name}: weight {i}, {step}");
                 }
+            }
+        }
+    }
+
+    /// The variance is a quadratic form of the weights: where both ways along a line rise, its lowest point is between them.
+    #[test]
+    fn for_random_motions_ticks_and_gaps_no_weights_with_their_sum_are_better() {
+        let mut rng = StdRng::seed_from_u64(44);
+        for case in 0..100 {
+            let n = rng.random_range(1..=20_u32);
+            let after = n.cast_signed() + 1..=n.cast_signed() + 12;
+            let ticks: Vec<i32> =
+                (-12..=0).chain(after).filter(|tick| *tick == 0 || rng.random::<f64>() < 0.5).collect();
+            let low_hz = rng.random_range(0.1..90.0);
+            let band = Band { low_hz, high_hz: low_hz + rng.random_range(0.0..10.0) };
+            let rate = libm::exp10(rng.random_range(0.0..5.0));
+            let lines = of_ticks(&band.lines(TICK_S * 64.0, Rule::Sparse), TICK_S);
+            let motion = TickRows::of_lines(&lines, n, 13).triangular().scaled(rate);
+            let sigma = libm::exp10(rng.random_range(-3.0..1.0));
+            let weights = minimum_variance_weights(&ticks, n, &motion, &[sigma * sigma]).unwrap();
+            let sum: f64 = weights.iter().sum();
+            assert!((sum / f64::from(n) - 1.0).abs() < 1e-9, "case {case}: a sum of {sum} for {n} ticks");
+            let variance = |weights: &[f64]| {
+                let noise: f64 = weights.iter().map(|w| w * w * sigma * sigma).sum();
+                motion.error_variance(&ticks, weights, n) + noise
+            };
+            let least = variance(&weights);
+            for _ in 0..20 {
+                let step: Vec<f64> = ticks.iter().map(|_| rng.random_range(-1.0..1.0)).collect();
+                let mean = step.iter().sum::<f64>() / step.len() as f64;
+                let moved = [-0.1, 0.1].map(|size| {
+                    let other: Vec<f64> =
+                        weights.iter().zip(&step).map(|(w, step)| w + size * (step - mean)).collect();
+                    variance(&other)
+                });
+                // The rises are equal up to rounding of weights and variances, which motion far above the noise enlarges.
+                let [down, up] = moved.map(|moved| moved - least);
+                assert!(
+                    ticks.len() == 1 || (down > 0.0 && (up / down - 1.0).abs() < 0.04),
+                    "case {case}, {band:?}, {ticks:?}: {least} ″² rises by {down} and {up}"
+                );
             }
         }
     }
