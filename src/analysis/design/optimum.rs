@@ -195,4 +195,28 @@ mod tests {
         let rising: Vec<f64> = x.iter().map(|x| x * 3.0).collect();
         assert_eq!(least(&x, &rising), None, "at the end");
     }
+
+    #[test]
+    fn for_random_laws_no_interval_between_those_tried_is_better_than_the_one_found() {
+        let mut uniform = Normals(46);
+        let mut found = 0;
+        for case in 0..200 {
+            let mut power = |low: f64, high: f64| libm::exp10(low + (high - low) * uniform.uniform());
+            let [scale, a, b, c, d] =
+                [power(-1.0, 4.0), power(-1.0, 1.0), power(-3.0, 0.0), power(-3.0, 0.0), power(-1.0, 1.0)];
+            let law = |x: f64| {
+                let u = x / scale;
+                libm::sqrt(a * u * u + b * libm::sqrt(u) + c + d / u)
+            };
+            let x: Vec<f64> = (0..9).map(|k| scale * 0.3 * 1.35_f64.powi(k)).collect();
+            let y: Vec<f64> = x.iter().map(|x| law(*x)).collect();
+            let Some(best) = least(&x, &y) else { continue };
+            found += 1;
+            let lowest = (0..=10_000)
+                .map(|k| law(x[0] * libm::exp(libm::log(x[8] / x[0]) * f64::from(k) / 1e4)))
+                .fold(f64::INFINITY, f64::min);
+            assert!(law(best) <= lowest * (1.0 + 1e-5), "case {case}: {} at {best}, but {lowest}", law(best));
+        }
+        assert!(found > 100, "{found} of 200 laws have a minimum between the ends");
+    }
 }

@@ -295,4 +295,48 @@ mod tests {
         let least = free.candidates.iter().map(|one| one.level).fold(f64::INFINITY, f64::min);
         assert!(free.chosen.level <= 1.05 * least);
     }
+
+    #[test]
+    fn for_many_motions_and_limits_no_candidate_beats_the_choice_and_its_rows() {
+        for case in 0..10 {
+            let mut inputs = inputs();
+            let (low_hz, rms) = (5.0 + 8.0 * f64::from(case), libm::exp10(0.5 * f64::from(case % 9)));
+            let band = Band { low_hz, high_hz: low_hz + f64::from(case % 4) };
+            inputs.gap_ticks = 1 + case % 5;
+            inputs.motion = Motion { gaussian: Some(Gaussian::Band { rms, band }), ..Motion::default() };
+            let of = |limit_arcsec| {
+                Trade::new(&inputs, Asked { limit_arcsec, latency_s: Some(0.02) }, None).unwrap()
+            };
+            let free = of(None);
+            let levels = || free.candidates.iter().map(|one| one.level);
+            let (least, most) = (levels().fold(f64::INFINITY, f64::min), levels().fold(0.0, f64::max));
+            let limits = [0.9 * least, 1.01 * least, 1.2 * least, libm::sqrt(least * most), most];
+            for limit in [None].into_iter().chain(limits.map(Some)) {
+                let trade = of(limit);
+                let meets = |one: &Candidate| limit.is_some_and(|limit| one.level <= limit);
+                let chosen = trade.chosen;
+                let is_better = |one: &&Candidate| match trade.meets() {
+                    Some(true) => meets(one) && (one.after, one.before) < (chosen.after, chosen.before),
+                    _ => {
+                        let is_fewer = one.before + one.after < chosen.before + chosen.after;
+                        meets(one) || (one.level <= AS_GOOD * least && is_fewer)
+                    }
+                };
+                let better = trade.candidates.iter().find(is_better);
+                assert_eq!(better, None, "case {case}, {limit:?} ″: better than {chosen:?}");
+                for row in trade.rows() {
+                    let is_better = |one: &&Candidate| {
+                        one.after == row.after
+                            && if meets(&row) {
+                                meets(one) && one.before < row.before
+                            } else {
+                                one.level < row.level
+                            }
+                    };
+                    let better = trade.candidates.iter().find(is_better);
+                    assert_eq!(better, None, "case {case}, {limit:?} ″: better than {row:?}");
+                }
+            }
+        }
+    }
 }
