@@ -76,14 +76,14 @@ impl Rounded {
 impl FixedProfile {
     /// The angle of a tick with the gap at one of the positions, LSB.
     fn tick(&self, position: usize, tick: i32) -> i32 {
-        let end = (position + MARGIN).wrapping_add_signed(tick as isize);
-        self.rounded.angles[end].wrapping_sub(self.rounded.angles[end - 1]) as i32
+        self.angle(position, tick).wrapping_sub(self.angle(position, tick - 1))
     }
 
-    /// The angle over the first `ticks` of the gap at one of the positions, LSB.
-    fn gap(&self, position: usize, ticks: i32) -> i32 {
+    /// The angle from the start of the gap at one of the positions to the end of a tick, LSB, wrapped.
+    pub(crate) fn angle(&self, position: usize, tick: i32) -> i32 {
         let start = position + MARGIN;
-        self.rounded.angles[start + ticks as usize].wrapping_sub(self.rounded.angles[start]) as i32
+        let end = start.wrapping_add_signed(tick as isize);
+        self.rounded.angles[end].wrapping_sub(self.rounded.angles[start]) as i32
     }
 
     /// The response, with a `constant` error beside the motion.
@@ -105,7 +105,7 @@ impl FixedProfile {
         let mut sizes = Vec::with_capacity(self.positions);
         for position in 0..self.positions {
             let tick = |tick: i32| f64::from(self.tick(position, tick));
-            let gap = f64::from(self.gap(position, f.gap));
+            let gap = f64::from(self.angle(position, f.gap));
             let e = f.of(tick, gap);
             sum += e;
             square += e * e;
