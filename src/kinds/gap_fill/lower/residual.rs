@@ -59,7 +59,7 @@ impl Lowered {
             }
         }
         let sigma = fixed.sigma_lsb() * f.noise_gain();
-        let fractions = readout::about(fixed, f);
+        let fractions = readout::variance(fixed, f);
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
         // Differences of equal numbers may come out below 0.
         let normal = variance.max(0.0) + sigma * sigma + fractions;

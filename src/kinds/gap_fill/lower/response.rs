@@ -35,6 +35,27 @@ pub(crate) struct Response {
     pub(crate) terms: f64,
 }
 
+/// A tone with its drawn values.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DrawnTone {
+    /// Amplitude of the angle, LSB.
+    size: f64,
+    /// Phase at the middle of the gap.
+    phase: f64,
+    /// πνT.
+    turn: f64,
+}
+
+/// Turn of a tick that is as good as none, and keeps seven digits of the angle.
+const LEAST_TURN: f64 = 1e-9;
+
+impl DrawnTone {
+    /// The angle at a boundary of ticks, LSB, but for a constant.
+    pub(crate) fn angle(&self, boundary: i32, gap_ticks: i32) -> f64 {
+        -self.size * libm::cos(self.phase + self.turn * f64::from(2 * boundary - gap_ticks))
+    }
+}
+
 impl Functional<'_> {
     pub(crate) fn gain(&self) -> f64 {
         self.weights.iter().map(|w| w.abs() as f64).sum()
@@ -173,15 +194,30 @@ impl FixedTone {
         self.full_peak() * ratio
     }
 
-    /// The swing at that frequency over `ticks` consecutive ticks, LSB.
-    pub(crate) fn swing_at(&self, word: f64, ticks: i32) -> f64 {
-        let x = 2.0 * PI * word / libm::exp2(32.0);
-        let ratio = if libm::sin(x) == 0.0 {
-            f64::from(ticks)
-        } else {
-            libm::sin(f64::from(ticks) * x) / libm::sin(x)
+    /// The tone with one of its phases, amplitudes and frequencies, at as many coordinates between 0 and 1 as it takes.
+    pub(crate) fn drawn(&self, coordinates: &mut impl Iterator<Item = f64>) -> DrawnTone {
+        let mut next = || coordinates.next().unwrap_or(0.5);
+        let whole = libm::exp2(31.0);
+        let [low, width] = self.part.map(|word| f64::from(word) / whole);
+        let turns = match self.rayleigh || self.phase_spread != 0 {
+            true => next(),
+            false => f64::from(self.phase) / libm::exp2(32.0),
         };
-        (self.peak_at(word) * ratio).abs()
+        let part = match (self.rayleigh, self.part[1]) {
+            (true, _) => RAYLEIGH_UNIT * libm::sqrt(-2.0 * libm::log(next())),
+            (false, 0) => low,
+            (false, _) => low + width * next(),
+        };
+        let (peak, turn) = match self.motion {
+            ToneMotion::Fixed { amplitude, nu_t } => (amplitude, PI * nu_t),
+            ToneMotion::Drawn { low, width, .. } => {
+                let word = f64::from(low) + if width > 0 { f64::from(width) * next() } else { 0.0 };
+                (self.peak_at(word), 2.0 * PI * word / libm::exp2(32.0))
+            }
+        };
+        // The word of a very low frequency is 0.
+        let turn = turn.max(LEAST_TURN);
+        DrawnTone { size: part * peak / (2.0 * libm::sin(turn)), phase: 2.0 * PI * turns, turn }
     }
 
     /// The same peak where the ratio is 1.
