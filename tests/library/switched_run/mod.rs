@@ -2,5 +2,6 @@
 
 mod closed_forms;
 mod identity;
+mod pulses;
 mod sampler;
 mod texts;

@@ -18,8 +18,11 @@ pub fn study(trials: u64, drift: &str, switching: &str, run: &str, more: &str) -
     parsed("runs.toml", &text)
 }
 
-/// The rows of its points table, each a map from column to number; texts are left out.
-pub fn numbers(study: &Study) -> Vec<BTreeMap<String, f64>> {
+/// A row of a points table by column; texts are left out.
+pub type Numbers = BTreeMap<String, f64>;
+
+/// The rows of its points table.
+pub fn numbers(study: &Study) -> Vec<Numbers> {
     let table = run_afresh(study);
     let row = |row: usize| {
         let cells = table.columns.iter().map(|column| (column.name.clone(), column.cells[row].number()));
