@@ -69,17 +69,18 @@ impl Profile {
         })
     }
 
-    /// The ticks round a gap as rows, ″, whose products are means over all places of the gap in the part from which
-    /// fillers are designed. From them follow the weights of least squares over these places.
+    /// The ticks round a gap as rows, ″, whose products are means over all places of the gap, with `sides` ticks on either
+    /// side, in the part from which fillers are designed. From them follow the weights of least squares over these
+    /// places.
     ///
-    /// The mean of all ticks is removed, which changes no filler that keeps a constant rate. Fillers that read farther
-    /// ticks do not change the places.
+    /// The mean of all ticks is removed, which changes no filler that keeps a constant rate. A stationary estimate of the
+    /// covariance by lag would leave several times the error where the motion is nearly predictable.
     pub(crate) fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
         let compute = || {
             let angles = self.design_ticks(tick_s);
             let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
             let swings: Vec<f64> = angles.iter().map(|angle| angle - mean).collect();
-            let means = window_means(&swings, gap_ticks as usize, sides);
+            let means = window_means(&swings, gap_ticks as usize + 2 * sides);
             let at = |tick: i32| (tick - 1 + sides as i32) as usize;
             let order: Vec<usize> = ticks(gap_ticks, sides).map(at).collect();
             let matrix: Vec<Vec<f64>> = order
@@ -96,7 +97,10 @@ impl Profile {
     /// Means over the places that are replayed, with `sides` ticks on either side of the gap.
     pub(crate) fn window_means(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> Arc<WindowMeans> {
         MEANS.get((self.cut(tick_s), gap_ticks, sides), || {
-            window_means(&self.replay(tick_s).angles, gap_ticks as usize, sides).into()
+            let angles = &self.replay(tick_s).angles;
+            // The places of trials leave the margin free, whatever fillers read.
+            let unread = MARGIN - sides;
+            window_means(&angles[unread..angles.len() - unread], gap_ticks as usize + 2 * sides).into()
         })
     }
 
@@ -111,12 +115,8 @@ impl Profile {
     }
 }
 
-/// Means over the places of a gap that leave the margin free on either side, whatever `sides` is, or as much of it as a
-/// short record has; 0 where there is no place.
-fn window_means(angles: &[f64], gap_ticks: usize, sides: usize) -> WindowMeans {
-    let margin = MARGIN.min(angles.len().saturating_sub(gap_ticks) / 2).saturating_sub(sides);
-    let x = &angles[margin..angles.len() - margin];
-    let width = gap_ticks + 2 * sides;
+/// Means over all windows of `width` ticks; 0 where there is none.
+fn window_means(x: &[f64], width: usize) -> WindowMeans {
     let mut ticks = vec![Double::default(); width];
     let mut products = vec![vec![Double::default(); width]; width];
     let Some(windows) = (x.len() + 1).checked_sub(width).filter(|windows| *windows > 0) else {
@@ -149,19 +149,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_are_means_over_all_places_of_the_gap() {
-        let x: Vec<f64> = (0..140).map(|k| libm::sin(f64::from(k * k))).collect();
-        let (n, sides) = (3, 5);
-        let found = window_means(&x, n, sides);
-        // The gap begins after at least 64 ticks, and as many follow it.
-        let places = 64..=140 - 64 - n;
-        let count = places.clone().count() as f64;
-        for (i, j) in (0..13).flat_map(|i| (0..13).map(move |j| (i, j))) {
-            let expected = places.clone().map(|s| x[s - sides + i] * x[s - sides + j]).sum::<f64>() / count;
+    fn products_are_means_over_all_windows() {
+        let x: Vec<f64> = (0..40).map(|k| libm::sin(f64::from(k * k))).collect();
+        let found = window_means(&x, 7);
+        for (i, j) in (0..7).flat_map(|i| (0..7).map(move |j| (i, j))) {
+            let expected = (0..34).map(|s| x[s + i] * x[s + j]).sum::<f64>() / 34.0;
             let found = found.products[i][j].value();
             assert!((found - expected).abs() < 1e-14, "{i}, {j}: {found}, not {expected}");
         }
-        assert_eq!(window_means(&x[..12], n, sides).products[0][0], Double::default());
-        assert_eq!(window_means(&x[..13], n, sides).products[0][0].value(), x[0] * x[0]);
+        assert_eq!(window_means(&x[..6], 7).products[0][0], Double::default());
     }
 }

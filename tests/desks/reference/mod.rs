@@ -186,7 +186,17 @@ impl Gyro {
         Prepared { gyro: self, first, last, variance, quantiles, sums }
     }
 
-    /// Covariance of the ticks by lag, ″²; every phase counts as random.
+    /// Deviations of the ticks of a record from their mean, ″; empty without a record.
+    pub fn deviations(&self) -> Vec<f64> {
+        let Beside::Profile { rates, step_s, .. } = &self.beside else { return vec![] };
+        let sums = sums(rates, *step_s);
+        let angle = |k: usize| recorded_angle(rates, &sums, *step_s, k as f64 * TICK_S);
+        let ticks: Vec<f64> = (0..whole_ticks(rates, *step_s)).map(|k| angle(k + 1) - angle(k)).collect();
+        let mean = ticks.iter().sum::<f64>() / ticks.len() as f64;
+        ticks.iter().map(|tick| tick - mean).collect()
+    }
+
+    /// Covariance of the ticks by lag, ″², without a record; every phase counts as random.
     pub fn covariance(&self, lags: usize) -> Vec<f64> {
         let tones = |lag: f64| -> f64 {
             let of = |tone: &Tone| {
@@ -197,17 +207,6 @@ impl Gyro {
                 tone.amplitude.mean_square() * mean_over(tone.frequency, square)
             };
             self.tones.iter().map(of).sum()
-        };
-        let deviations = match &self.beside {
-            Beside::Profile { rates, step_s, .. } => {
-                let sums = sums(rates, *step_s);
-                let angle = |k: usize| recorded_angle(rates, &sums, *step_s, k as f64 * TICK_S);
-                let ticks: Vec<f64> =
-                    (0..whole_ticks(rates, *step_s)).map(|k| angle(k + 1) - angle(k)).collect();
-                let mean = ticks.iter().sum::<f64>() / ticks.len() as f64;
-                ticks.iter().map(|tick| tick - mean).collect()
-            }
-            _ => vec![],
         };
         let beside = |lag: usize| match &self.beside {
             Beside::Nothing => 0.0,
@@ -221,10 +220,7 @@ impl Gyro {
                 };
                 over_psd(psd, term) + sine.map_or(0.0, |[a, nu]| 0.5 * a * a * term(nu))
             }
-            Beside::Profile { .. } => {
-                let pairs = deviations.iter().zip(&deviations[lag..]);
-                pairs.map(|(a, b)| a * b).sum::<f64>() / deviations.len() as f64
-            }
+            Beside::Profile { .. } => unreachable!("a record has no covariance by lag"),
         };
         (0..lags).map(|lag| tones(lag as f64) + beside(lag)).collect()
     }

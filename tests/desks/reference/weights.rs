@@ -67,20 +67,31 @@ impl Filler {
     }
 }
 
-/// [K + noise, 1; 1ᵀ, 0] [w; λ] = [k; length] by elimination with pivots.
+/// [K + noise, 1; 1ᵀ, 0] [w; λ] = [k; length] by elimination with pivots. K of a record is the mean of products over all
+/// places of the gap with as many ticks on both sides as the filler reads on one.
 fn minimum_variance(gyro: &Gyro, band: Option<[f64; 2]>, ticks: &[i32], length: i32) -> Vec<f64> {
     let places = [ticks, &[1, length]].concat();
     let lags = (places.iter().max().unwrap() - places.iter().min().unwrap()) as usize + 1;
+    let record = if band.is_none() { gyro.deviations() } else { vec![] };
     let covariance: Vec<f64> = match band {
-        None => gyro.covariance(lags),
+        None if record.is_empty() => gyro.covariance(lags),
+        None => vec![],
         // As much motion as the gyro has: for tones of fixed rate amplitude the sum of their squares.
         Some(band) => {
             let square: f64 = gyro.tones.iter().map(|tone| tone.amplitude.mean_square()).sum();
             (0..lags).map(|lag| square * band_covariance(band, lag as f64)).collect()
         }
     };
+    let sides = ticks.iter().map(|&tick| if tick > 0 { tick - gyro.n } else { 1 - tick }).max().unwrap();
+    let between = |a: i32, b: i32| {
+        if record.is_empty() {
+            return covariance[a.abs_diff(b) as usize];
+        }
+        let windows = record.windows((gyro.n + 2 * sides) as usize);
+        let count = windows.len() as f64;
+        windows.map(|own| own[(a - 1 + sides) as usize] * own[(b - 1 + sides) as usize]).sum::<f64>() / count
+    };
     let noise = gyro.noise_covariance();
-    let between = |a: i32, b: i32| covariance[a.abs_diff(b) as usize];
     let count = ticks.len();
     let mut rows: Vec<Vec<f64>> = ticks
         .iter()

@@ -192,7 +192,8 @@ impl<'a> Statistics<'a> {
             return Gaussian::Band { rms, band: *band }.tick_rows(*tick_s, *gap_ticks, sides).into();
         }
         let mut known = self.motion.borrow_mut();
-        if known.0 < sides {
+        // Rows of a profile are means over more places where fillers read fewer ticks.
+        if known.0 != sides {
             *known = (sides, motion.tick_rows(*tick_s, *gap_ticks, sides).into());
         }
         known.1.clone()
