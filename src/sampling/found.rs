@@ -1,6 +1,7 @@
 //! The estimates for a row of a table.
 
 use crate::kernel::moments::Moments;
+use crate::key::refusal::{Refusal, shown};
 use crate::table::Cell;
 use crate::table::column::Band;
 use crate::tally::stats::{Estimates, NORMAL_95, Quantile, z_score};
@@ -21,6 +22,29 @@ pub(crate) const REPRESENTATION: &str = "Relative difference of `oracle_rms`, th
 pub(crate) fn representation(sampled: Option<f64>, inputs: Option<f64>) -> Option<f64> {
     let (sampled, inputs) = (sampled?, inputs?);
     if sampled == inputs { Some(0.0) } else { (inputs != 0.0).then(|| sampled / inputs - 1.0) }
+}
+
+/// Checks that closed forms of the sampled integers and of the inputs, ″, differ by no more than the rounding of words.
+///
+/// # Errors
+/// They do, which is a fault of the program; `what` is estimated, and `key` is named.
+pub(crate) fn check_representation(
+    key: &'static str,
+    what: &str,
+    [words, inputs]: [f64; 2],
+    most: f64,
+) -> Result<(), Refusal> {
+    if (words - inputs).abs() <= most {
+        return Ok(());
+    }
+    let found = format!(
+        "{what} is {} arcsec rms for the integers that would be sampled and {} arcsec rms for the inputs, more apart than \
+         the {} arcsec that rounding explains",
+        shown(words),
+        shown(inputs),
+        shown(most)
+    );
+    Err(Refusal::new(key, found, "this is a fault of the program: please report the study"))
 }
 
 /// The trials of a row and the estimates from them, which are absent before anything is sampled.

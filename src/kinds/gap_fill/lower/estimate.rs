@@ -174,7 +174,11 @@ impl Estimate {
         let (definition, name, ticks) = (definition(filler), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
-        let representation = fixed.representation(whole, &response) / unit * unit_arcsec;
+        let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);
+        // A variance that is wrong by so much; twice the rms times that of the rms is at most this.
+        let of_pulses =
+            libm::sqrt(pulses).min(pulses / (2.0 * rms_with(about) * unit).max(f64::MIN_POSITIVE));
+        let representation = (fixed.representation(whole, &response) + of_pulses) / unit * unit_arcsec;
         Ok(Estimate { error, address, oracle, representation, unit_arcsec, bin_base, rows, shift })
     }
 
@@ -219,6 +223,26 @@ impl Fixed {
         }
         let digits = TWELVE_DIGITS * (1.0 + core::f64::consts::TAU * turns * f64::from(span + 1));
         sum + ticks / CONSTANT_UNITS + digits * (response.terms + self.sigma_lsb() * f.noise_gain())
+    }
+}
+
+impl Fixed {
+    /// Bound of the same difference of the variance that whole pulses add, LSB².
+    ///
+    /// The covariance q²/12 (1 − 6y + 6y²) of two fractions, with y in pulses of q, changes by at most q/2 per unit of
+    /// the angle between them, and by at most 1.4 q per unit of the standard deviation of noise.
+    fn representation_of_pulses(&self, f: &Functional) -> f64 {
+        let Some(readout) = self.readout else { return 0.0 };
+        let pulse = libm::exp2(f64::from(readout.bits));
+        let ends = f.ticks.iter().fold([0, f.gap], |[first, last], &tick| [first.min(tick), last.max(tick)]);
+        let span = f64::from(ends[1] - ends[0] + 1);
+        let tones = self.tones.len() as f64 * core::f64::consts::FRAC_1_SQRT_2 / ANGLE_UNITS;
+        let rows = self.gaussian.as_ref().map_or(0, Vec::len) as f64;
+        let tick = tones + 0.5 / SIGMA_UNITS * libm::sqrt(rows) + 1.0 / CONSTANT_UNITS;
+        let noise = 0.5 / SIGMA_UNITS * libm::sqrt(span);
+        // Each tick has a fraction at either end.
+        let factors = 2.0 * f.gain();
+        factors * factors * pulse * (0.5 * span * tick + 1.4 * noise)
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::filler::keys::Error;
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::key::refusal::{Refusal, shown};
+use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
@@ -64,19 +64,13 @@ impl Proof {
         let Estimate { error, address, oracle, unit_arcsec, bin_base, .. } = *estimate;
         let physical_rms = oracle.rms.and_then(|_| physical.rms(&estimate.rows, error));
         if let Some((words, inputs)) = oracle.rms.zip(physical_rms) {
-            let (found, most) = ((words - inputs).abs(), estimate.representation);
-            if found > most || found.is_nan() {
-                let found = format!(
-                    "the {} of `{name}` is {} arcsec rms for the integers that would be sampled and {} arcsec rms for the inputs, \
-                     which rounding to {} arcsec does not explain",
-                    error.name(),
-                    shown(words),
-                    shown(inputs),
-                    shown(most)
-                );
-                let help = "this is a fault of the program: please report the study";
-                return Err(Refusal::new("switching.fillers", found, help));
-            }
+            let what = format!("the {} of `{name}`", error.name());
+            found::check_representation(
+                "switching.fillers",
+                &what,
+                [words, inputs],
+                estimate.representation,
+            )?;
         }
         Ok(Proof {
             filler: filler as u16,

@@ -6,6 +6,7 @@ pub(crate) mod drift;
 pub(crate) mod fixed;
 pub(crate) mod launch;
 pub(crate) mod oracle;
+pub(crate) mod physical_oracle;
 pub(crate) mod relocking;
 pub(crate) mod warm_up;
 
@@ -18,14 +19,17 @@ use crate::kernel::moments::level;
 use crate::kernel::switched_run;
 use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
+use crate::kinds::gap_fill::lower::physical_oracle::{PhysicalOracle, Switch};
 use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
 use crate::kinds::plan::identity;
 use crate::kinds::switched_run::lower::drift::Drift;
 use crate::kinds::switched_run::lower::fixed::Fixed;
+use crate::kinds::switched_run::lower::physical_oracle::PhysicalRun;
 use crate::kinds::switched_run::lower::relocking::FixedRelocking;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
+use crate::sampling::found;
 use crate::store::Address;
 use crate::tally::id::Id;
 
@@ -62,6 +66,8 @@ pub struct RunEstimate {
     pub address: Address,
     /// Closed form; absent for the largest angle, which has none.
     pub oracle: Option<RunOracle>,
+    /// Relative difference of its rms from that of the physical inputs, where there is one.
+    pub representation: Option<f64>,
     /// Size of a unit of the tally, ″.
     pub unit_arcsec: f64,
     /// Level at which its histogram starts.
@@ -133,60 +139,97 @@ impl LoweredRun {
         let exact = (study.trajectories > 0 && point.schedule.end != End::Exact)
             .then(|| RunPoint { schedule, ..point.clone() });
         let relocking = FixedRelocking::of(point)?;
-        let filled = |(definition, residual): (String, Residual)| {
-            let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
-            let exact = exact.as_ref().map(|point| {
-                Box::new(Fixed::new(&Drift::of(point, study), &residual, relock.clone(), point, study))
-            });
-            let fixed = Fixed::new(&drift, &residual, relock, point, study);
-            let of = |fixed: &Fixed, angle: String, more: Vec<u32>| {
-                let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
-                let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
-                Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
+        let physical = PhysicalRun::new(point, study);
+        let filled =
+            |Switched { definition, residual, physical: switch, representation: of_switch }: Switched| {
+                let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
+                let exact = exact.as_ref().map(|point| {
+                    Box::new(Fixed::new(&Drift::of(point, study), &residual, relock.clone(), point, study))
+                });
+                let fixed = Fixed::new(&drift, &residual, relock, point, study);
+                let of = |fixed: &Fixed, angle: String, more: Vec<u32>| {
+                    let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
+                    let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
+                    Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
+                };
+                let estimate = |(place, angle): (usize, RunAngle)| {
+                    let oracle = fixed.oracle(angle, place);
+                    let inputs = switch.as_ref().and_then(|switch| physical.rms(switch, angle));
+                    let representation = found::representation(oracle.map(|oracle| oracle.rms()), inputs);
+                    if let Some((words, inputs)) = oracle.map(|oracle| oracle.rms()).zip(inputs) {
+                        found::check_representation(
+                            "run.duration",
+                            &format!("the angle `{}` of `{definition}`", angle.name()),
+                            [words, inputs],
+                            fixed.representation(point.switches() as f64 + 1.0, of_switch),
+                        )?;
+                    }
+                    let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
+                    let more = fixed.time_words(place).into_iter().chain([bin_base]);
+                    Ok(RunEstimate {
+                        angle,
+                        address: of(&fixed, angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
+                        oracle,
+                        representation,
+                        unit_arcsec: fixed.lsb_arcsec,
+                        bin_base,
+                    })
+                };
+                let estimates = study.angles().into_iter().enumerate();
+                let estimates = estimates.map(estimate).collect::<Result<_, Refusal>>()?;
+                let shown = exact.as_deref().unwrap_or(&fixed);
+                let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
+                Ok(FilledRun { key, estimates, trajectory, fixed, exact, residual })
             };
-            let estimate = |(place, angle): (usize, RunAngle)| {
-                let oracle = fixed.oracle(angle, place);
-                let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
-                let more = fixed.time_words(place).into_iter().chain([bin_base]);
-                RunEstimate {
-                    angle,
-                    address: of(&fixed, angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
-                    oracle,
-                    unit_arcsec: fixed.lsb_arcsec,
-                    bin_base,
-                }
-            };
-            let estimates = study.angles().into_iter().enumerate().map(estimate).collect();
-            let shown = exact.as_deref().unwrap_or(&fixed);
-            let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
-            FilledRun { key, estimates, trajectory, fixed, exact, residual }
-        };
-        Ok(LoweredRun { id, fillers: residuals.into_iter().map(filled).collect() })
+        let fillers = residuals.into_iter().map(filled).collect::<Result<_, Refusal>>()?;
+        Ok(LoweredRun { id, fillers })
     }
 }
 
-/// The identity of the switch, and the residual of each filler with its definition.
+/// The switch with a filler.
+struct Switched {
+    definition: String,
+    residual: Residual,
+    /// The same residual from the physical inputs, where it has a closed form.
+    physical: Option<Switch>,
+    /// Bound of the rms of the difference of the two, ″.
+    representation: f64,
+}
+
+/// The identity of the switch, and the residual of each filler.
 fn residuals(
     point: &RunPoint,
     study: &SwitchedRun,
     seed: u64,
     streams: Streams,
-) -> Result<(String, Vec<(String, Residual)>), Refusal> {
+) -> Result<(String, Vec<Switched>), Refusal> {
     let Some(fill) = &point.fill else {
         let amplitude_arcsec = point.drift.residual_max;
         let tone = ResidualTone { amplitude_arcsec, tone: 0 };
         let tones = if amplitude_arcsec > 0.0 { vec![tone] } else { vec![] };
-        let residual = Residual { tones, ..Residual::default() };
-        let id = format!("residual_max={amplitude_arcsec:.11e}");
-        return Ok((id, vec![("none".to_owned(), residual)]));
+        let switched = Switched {
+            definition: "none".to_owned(),
+            residual: Residual { tones, ..Residual::default() },
+            physical: Some(Switch { mean: 0.0, variance: 0.0, sines: vec![(0, amplitude_arcsec)] }),
+            representation: 0.0,
+        };
+        return Ok((format!("residual_max={amplitude_arcsec:.11e}"), vec![switched]));
     };
     let lowered = Lowered::new(fill, study.fillers(), &[Error::Residual], seed, streams)?;
+    let oracle = PhysicalOracle::new(&fill.inputs, fill.sides());
     // Delivered with the ticks, in addition to its effect on the filler.
     let relock: f64 = fill.inputs.relock.iter().sum();
     let of_filler = |(place, filler): (usize, &Filler)| {
         let mut residual = lowered.residual(place).unwrap_or_default();
         residual.constant_arcsec += relock;
-        (format!("{} ticks={:?}", definition(filler), fill.fills[place].fit_ticks), residual)
+        let estimate = lowered.fillers[place].first();
+        let physical = estimate.and_then(|estimate| oracle.switch(&estimate.rows));
+        Switched {
+            definition: format!("{} ticks={:?}", definition(filler), fill.fills[place].fit_ticks),
+            residual,
+            physical: physical.map(|switch| Switch { mean: switch.mean + relock, ..switch }),
+            representation: estimate.map_or(0.0, |estimate| estimate.representation),
+        }
     };
     Ok((lowered.id.to_string(), study.fillers().iter().enumerate().map(of_filler).collect()))
 }

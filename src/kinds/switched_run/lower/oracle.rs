@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS};
 use crate::kinds::switched_run::Angle as RunAngle;
-use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow, FixedTime};
+use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow, FixedTime, FixedTone};
 
 /// Mean and standard deviation of an angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +94,26 @@ impl Fixed {
             deviation: libm::sqrt(variance + spread + drawn * drawn) * self.lsb_arcsec,
             rounding: 2.0 * self.lsb_arcsec + rounding + rounded,
         }
+    }
+
+    /// Bound of the rms of the difference between an angle of these words and that of the inputs, ″, with `of_switch` as
+    /// that of a switch: each word is within half its unit of what it stands for.
+    pub(crate) fn representation(&self, switches: f64, of_switch: f64) -> f64 {
+        // Drift and its three deviations; walk, noise and sines of each switch; their common part.
+        let once = 1.0 + 3.0 * 0.5 / SIGMA_UNITS;
+        let each = libm::sqrt(switches) * 2.0 * 0.5 / SIGMA_UNITS + switches / libm::exp2(33.0);
+        let sine = |tone: &FixedTone| {
+            let times = if tone.each { libm::sqrt(switches) } else { switches };
+            // The phase advances by up to 2^−33 turns more or less at each switch.
+            let drifted = if tone.each { 0.0 } else { PI * libm::exp2(-32.0) * switches * switches };
+            (0.5 + drifted * f64::from(tone.amplitude)) / ANGLE_UNITS * times
+        };
+        let sines: f64 = self.tones.iter().map(sine).sum();
+        let ends = self.ends.iter().chain(self.drawn.iter().map(|end| &end.row));
+        let largest = ends.map(|row| row.angle.unsigned_abs().max(row.magnetic.unsigned_abs())).max();
+        // Inputs have 12 digits.
+        let digits = 1e-11 * f64::from(largest.unwrap_or(0));
+        (once + each + sines + digits) * self.lsb_arcsec + switches * of_switch
     }
 
     /// Approximate rms of an angle, LSB; where it is unknown, the largest one at the end of any interval.
