@@ -32,6 +32,15 @@ pub fn agreements(table: &Table) -> Vec<Agreement> {
     deviations.filter_map(|column| of_column(table, column)).collect()
 }
 
+/// How nearly the integers that are sampled stand for the inputs: the number of rows of which it is known, and the largest
+/// relative difference of the two closed forms.
+pub fn representation(table: &Table) -> Option<(usize, f64)> {
+    let columns = table.columns.iter().filter(|column| column.role == Role::Representation);
+    let known: Vec<f64> = columns.flat_map(|column| column.cells.iter()).filter_map(Cell::number).collect();
+    let largest = known.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+    (!known.is_empty()).then_some((known.len(), largest))
+}
+
 fn of_column(table: &Table, column: &Column) -> Option<Agreement> {
     let known: Vec<(usize, f64)> =
         column.cells.iter().enumerate().filter_map(|(row, cell)| Some((row, cell.number()?))).collect();

@@ -8,7 +8,7 @@ use crate::store::Provenance;
 use crate::table::Table;
 use crate::view::picture::Drawn;
 use crate::view::report::Report;
-use crate::view::report::agreement::{Agreement, agreements};
+use crate::view::report::agreement::{Agreement, agreements, representation};
 use crate::view::report::data::{Packed, data};
 use crate::view::report::sections::sheet;
 use crate::view::report::shell::{READING, Shell, chart, file, listings};
@@ -88,13 +88,22 @@ fn closed_forms(table: &Table, agreements: &[Agreement]) -> Markup {
         section #closed-forms {
             h2 { "Closed forms" }
             p {
-                "Where theory has a formula, every simulated value is compared with it. The deviation z is the difference in standard errors \
-                 of the simulation."
+                "Where theory has a formula, every simulated value is compared with it. Sampling is the difference z from the formula for the \
+                 integers that are sampled, in standard errors; representation is the relative difference of that formula from the one for \
+                 the inputs."
             }
             @for agreement in agreements {
                 p.agreement .off[!agreement.holds()] {
                     span.sign aria-hidden="true" { @if agreement.holds() { "✓" } @else { "!" } }
-                    (agreement.sentence(table))
+                    strong { "Sampling. " } (agreement.sentence(table))
+                }
+            }
+            @if let Some((rows, largest)) = representation(table) {
+                p.agreement {
+                    span.sign aria-hidden="true" { "✓" }
+                    strong { "Representation. " }
+                    "At most " (significant(100.0 * largest, 2)) " % in " (rows) @if rows == 1 { " row" } @else { " rows" }
+                    ", within the bound of rounding, beyond which a point is refused."
                 }
             }
         }

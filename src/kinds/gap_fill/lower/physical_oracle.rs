@@ -319,6 +319,10 @@ fn is_uniform(tone: &Tone) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+
+    use crate::kinds::gap_fill::inputs::TickNoise;
     use crate::kinds::gap_fill::verify::{Configuration, configurations, minimum_variance};
     use crate::motion::{Gaussian, Motion};
     use crate::theory::minimum_variance::Band;
@@ -345,42 +349,92 @@ mod tests {
         assert!(compared > 100 && largest > 1e-9, "{compared}, {largest:e}");
     }
 
-    #[test]
-    fn the_rms_of_gaussian_motion_is_the_integral_over_its_spectrum() {
-        let (low_hz, high_hz, rms, n) = (30.0, 80.0, 7200.0, 3);
-        let configuration = Configuration::new("long fillers", |own| {
-            own.inputs.tick_s = 0.002;
-            own.inputs.tick_noise = crate::kinds::gap_fill::inputs::TickNoise::Std(0.0067);
-            let band = Band { low_hz, high_hz };
-            own.inputs.motion = Motion { gaussian: Some(Gaussian::Band { rms, band }), ..Motion::default() };
-            own.fillers = vec![minimum_variance()];
-            own.fit_ticks = (-31..=0).chain(4..=11).collect();
-            own.errors = vec![Error::Residual];
-        });
-        let lowered = configuration.lowered();
-        let estimate = &lowered.fillers[0][0];
-        let weights = estimate.rows.values().pop().unwrap();
-        // The mean over many frequencies of the band of the squared response of the weights.
-        let steps = 20_000;
-        let square = |step: usize| {
-            let nu = low_hz + (high_hz - low_hz) * (step as f64 + 0.5) / steps as f64;
-            let at = |tick: i32, part: fn(f64) -> f64| part(TAU * nu * 0.002 * f64::from(tick - 2));
+    /// The rms that weights leave of motion in a band and of noise: the squared response, integrated by
+    /// Simpson's rule.
+    fn integrated(inputs: &Inputs, band: Band, rms: f64, rows: &Rows) -> f64 {
+        let (weights, n) = (rows.values().pop().unwrap(), inputs.gap_ticks as i32);
+        let steps = 4000;
+        let square = |step: i32| {
+            let nu = band.low_hz + (band.high_hz - band.low_hz) * f64::from(step) / f64::from(steps);
+            let turn = TAU * nu * inputs.tick_s;
             let part = |of: fn(f64) -> f64| {
-                let filled: f64 = estimate.rows.ticks.iter().zip(&weights).map(|(&t, w)| w * at(t, of)).sum();
-                filled - (1..=n).map(|tick| at(tick, of)).sum::<f64>()
+                let at = |tick: i32| of(turn * (f64::from(tick) - 0.5 * f64::from(n + 1)));
+                let filled: f64 = rows.ticks.iter().zip(&weights).map(|(&tick, w)| w * at(tick)).sum();
+                filled - (1..=n).map(at).sum::<f64>()
             };
-            let x = 0.5 * TAU * nu * 0.002;
-            let tick = rms * 0.002 * libm::sin(x) / x;
-            let (a, b) = (part(libm::cos), part(libm::sin));
-            tick * tick * (a * a + b * b)
+            let tick = rms * inputs.tick_s * libm::sin(0.5 * turn) / (0.5 * turn);
+            tick * tick * (part(libm::cos) * part(libm::cos) + part(libm::sin) * part(libm::sin))
         };
-        let motion = (0..steps).map(square).sum::<f64>() / steps as f64;
-        let noise: f64 = weights.iter().map(|w| w * w * 0.0067 * 0.0067).sum();
-        let expected = libm::sqrt(motion + noise);
-        let point = configuration.point();
-        let found = PhysicalOracle::new(&point.inputs, point.sides()).rms(&estimate.rows, Error::Residual);
-        assert!((found.unwrap() / expected - 1.0).abs() < 1e-6, "{found:?}, not {expected}");
-        // The case that was wrong by a factor of 440 while z did not see it: 0.0348 ″, not 15.4 ″.
-        assert!((expected - 0.0348).abs() < 2e-4, "{expected}");
+        let weight = |step: i32| match step {
+            _ if step == 0 || step == steps => 1.0,
+            _ if step % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        let sum: f64 = (0..=steps).map(|step| weight(step) * square(step)).sum();
+        let motion = sum / (3.0 * f64::from(steps));
+        let sigma = inputs.sigma_arcsec();
+        libm::sqrt(motion + weights.iter().map(|w| w * w * sigma * sigma).sum::<f64>())
+    }
+
+    fn in_a_band(band: Band, rms: f64, change: impl FnOnce(&mut Configuration)) -> Configuration {
+        Configuration::new("motion in a band", |own| {
+            let gaussian = Some(Gaussian::Band { rms, band });
+            own.inputs.motion = Motion { gaussian, ..Motion::default() };
+            own.fillers = vec![minimum_variance()];
+            own.errors = vec![Error::Residual];
+            change(own);
+        })
+    }
+
+    /// The words and the inputs of the only estimate of a point, and the integral over the spectrum.
+    fn three(configuration: &Configuration, band: Band, rms: f64) -> [f64; 3] {
+        let (point, lowered) = (configuration.point(), configuration.lowered());
+        let estimate = &lowered.fillers[0][0];
+        let physical = PhysicalOracle::new(&point.inputs, point.sides());
+        let inputs = physical.rms(&estimate.rows, estimate.error).unwrap();
+        [estimate.oracle.rms.unwrap(), inputs, integrated(&point.inputs, band, rms, &estimate.rows)]
+    }
+
+    /// Their rows were wrong by up to 440 times while z did not see it.
+    #[test]
+    fn long_fillers_of_gaussian_motion_leave_what_the_spectrum_says() {
+        let (band, rms) = (Band { low_hz: 30.0, high_hz: 80.0 }, 7200.0);
+        for (before, after, expected) in
+            [(16, 8, 0.03879), (16, 16, 0.03204), (24, 8, 0.03615), (32, 3, 0.04868), (32, 8, 0.03484)]
+        {
+            let configuration = in_a_band(band, rms, |own| {
+                own.inputs.tick_s = 0.002;
+                own.inputs.tick_noise = TickNoise::AngleRandomWalk(0.15);
+                own.fit_ticks = (1 - before..=0).chain(4..=3 + after).collect();
+            });
+            for found in three(&configuration, band, rms) {
+                assert!((found / expected - 1.0).abs() < 5e-4, "{before} + {after}: {found}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn random_bands_ticks_and_noise_give_the_integral_over_the_spectrum() {
+        let mut rng = StdRng::seed_from_u64(40);
+        for case in 0..100 {
+            let tick_s = libm::exp(rng.random_range(libm::log(0.001)..libm::log(0.01)));
+            let low_hz = 0.5 / tick_s * libm::exp(rng.random_range(-6.0..-0.1));
+            let width = libm::exp(rng.random_range(-7.0..0.0));
+            let band = Band { low_hz, high_hz: low_hz + width * (0.5 / tick_s - low_hz) };
+            let rms = libm::exp(rng.random_range(6.0..10.0));
+            let configuration = in_a_band(band, rms, |own| {
+                let n = rng.random_range(1..=10);
+                own.inputs.tick_s = tick_s;
+                own.inputs.gap_ticks = n;
+                own.inputs.tick_noise =
+                    TickNoise::Std(rms * tick_s * libm::exp(rng.random_range(-11.0..-2.0)));
+                let first = n as i32 + 1;
+                let after = first..first + rng.random_range(1..=48);
+                own.fit_ticks = (1 - rng.random_range(1..=48)..=0).chain(after).collect();
+            });
+            let [words, inputs, integral] = three(&configuration, band, rms);
+            assert!((inputs / integral - 1.0).abs() < 1e-5, "case {case}: {inputs}, integral {integral}");
+            assert!((words / inputs - 1.0).abs() < 3e-3, "case {case}: {words}, inputs {inputs}");
+        }
     }
 }
