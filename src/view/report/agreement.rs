@@ -34,7 +34,7 @@ pub fn agreements(table: &Table) -> Vec<Agreement> {
 
 /// How nearly the integers that are sampled stand for the inputs: the number of rows of which it is known, and the largest
 /// relative difference of the two closed forms.
-pub fn representation(table: &Table) -> Option<(usize, f64)> {
+pub(crate) fn representation(table: &Table) -> Option<(usize, f64)> {
     let columns = table.columns.iter().filter(|column| column.role == Role::Representation);
     let known: Vec<f64> = columns.flat_map(|column| column.cells.iter()).filter_map(Cell::number).collect();
     let largest = known.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
