@@ -10,7 +10,7 @@ use sagnac::key::refusal::Refusal;
 use sagnac::kinds::relock::inputs::FirstHalf;
 use sagnac::kinds::relock::inputs::{Compensation, Relock};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
-use sagnac::kinds::relock::verify::relock;
+use sagnac::kinds::relock::verify::{named_relocks, relock};
 use sagnac::kinds::relock::{RelockInputs, RelockPoint};
 use sagnac::tally::block::cover;
 use sagnac::tally::stats::Estimates;
@@ -189,6 +189,32 @@ fn uncompensated_ticks_have_the_moments_of_the_miss() {
         }
     }
 }
+
+/// What exceeds its bound does not lower.
+#[test]
+fn words_have_the_closed_forms_of_the_inputs() {
+    let exact = clean(|relock| (relock.temperature_error, relock.first_half) = (0.003, FirstHalf::Positive));
+    let named = named_relocks().into_iter().map(|(name, _, inputs)| (name, inputs));
+    let mut largest = 0.0_f64;
+    for (name, inputs) in named.chain([("exact measurements", exact)]) {
+        let lowered = lowered(&inputs);
+        for estimate in &lowered.estimates {
+            assert_eq!(estimate.representation.is_some(), estimate.oracle.is_some(), "{name}: {estimate:?}");
+            let (Some(found), Some((_, rms))) = (estimate.representation, estimate.oracle) else { continue };
+            // Half a unit of the miss is below 2^-20 of it and half a unit of f0's error below 2^-35, and a tick's word is
+            // within an eighth of an LSB.
+            let ticks = if estimate.tick.is_some() { 1.0 } else { f64::from(inputs.relock.ticks) };
+            let most = MOST_REPRESENTATION * rms + ticks * lowered.fixed.lsb_arcsec / 8.0;
+            assert!(found.abs() * rms <= most, "{name}: {found:e}, {estimate:?}");
+            largest = largest.max(found.abs());
+        }
+    }
+    println!("largest representation {largest:.1e}");
+    assert!(largest > 0.0);
+}
+
+/// Largest relative difference of the closed form of the words from that of the inputs, apart from the words of ticks.
+const MOST_REPRESENTATION: f64 = 1e-6;
 
 #[test]
 fn exact_measurements_leave_nothing_but_rounding() {

@@ -42,13 +42,20 @@ pub fn loads() -> Vec<Load> {
     Load::of_launches(launches(), &["by-frequency", "by-detuning"])
 }
 
-/// Launches that cover every distinction made by the kernel.
 fn launches() -> Vec<(&'static str, Launch)> {
+    let of = |(name, compensation, inputs): (_, _, RelockInputs)| {
+        launches_of(&inputs, compensation).into_iter().map(move |launch| (name, launch))
+    };
+    named_relocks().into_iter().flat_map(of).collect()
+}
+
+/// Relocks that cover every distinction made by the kernel, each with the compensation to sample.
+pub fn named_relocks() -> Vec<(&'static str, Compensation, RelockInputs)> {
     let mut all = Vec::new();
     let mut add = |name, compensation, change: &dyn Fn(&mut Relock)| {
         let mut inputs = relock();
         change(&mut inputs.relock);
-        all.extend(launches_of(&inputs, compensation).into_iter().map(|launch| (name, launch)));
+        all.push((name, compensation, inputs));
     };
     add("uncompensated", Compensation::None, &|_| {});
     add("by-frequency", Compensation::Frequency, &|_| {});

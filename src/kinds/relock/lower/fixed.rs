@@ -28,6 +28,9 @@ const LEAST_COUNT: f64 = 256.0;
 const LEAST_SIGMA: f64 = 50.0;
 const LEAST_WIDTH: f64 = 50.0;
 
+/// Relative deviation of the angles of ticks in f64, of which the slowest loop leaves the difference of nearly equal halves.
+const F64_DIGITS: f64 = 1e-11;
+
 /// Slowest and fastest loop, in ticks.
 const SLOWEST: f64 = 100.0;
 const FASTEST: f64 = 0.05;
@@ -225,6 +228,31 @@ impl FixedRelock {
         let scale = sign * sum * libm::exp2(2.0 * f64::from(self.square_shift) - 64.0) * self.lsb_arcsec;
         let [second, fourth] = self.moments_of_miss();
         (scale * second, scale.abs() * libm::sqrt(fourth))
+    }
+
+    /// Bound of the deviation of mean and rms in [`FixedRelock::faked`] from those of the inputs, ″, where `rms` is that
+    /// of the words. Each word is within half its unit of what it stands for; in the norm ⟨x⁴⟩^¼, in which the rms is |C|‖Δλ0‖²,
+    /// deviations of the miss add up at most.
+    pub(crate) fn representation(&self, weights: &[f64], rms: f64) -> f64 {
+        let norm = |word: u32, norm: f64| if word > 0 { norm } else { 0.0 };
+        // A normal number has ⟨x⁴⟩ = 3, and one that is uniform over a width of 1 has 1/80.
+        let uniform = libm::pow(80.0, -0.25);
+        let of_normal = norm(self.half_wave, libm::pow(3.0, 0.25) / 16.0);
+        let of_uniform = norm(self.dac_step, uniform) + norm(self.hysteresis, uniform);
+        let off = 0.5 * (1.0 + of_normal + of_uniform);
+        let size = libm::pow(self.moments_of_miss()[1], 0.25);
+        let of_miss = off * (2.0 * size + off);
+        // The drift words of the ticks at a square of one unit.
+        let square = libm::exp2(2.0 * f64::from(self.square_shift) - 64.0) * self.lsb_arcsec;
+        let words: f64 =
+            weights.iter().zip(&self.drift).map(|(w, word)| w.abs() * (f64::from(*word) + 0.5)).sum();
+        let halves: f64 = weights.iter().map(|w| 0.5 * w.abs()).sum();
+        (words * of_miss + halves * (size + off) * (size + off)) * square + F64_DIGITS * rms
+    }
+
+    /// Bound of the deviation of [`FixedRelock::wrong`] from the input.
+    pub(crate) fn representation_of_wrong(&self) -> f64 {
+        0.5 * libm::exp2(-34.0)
     }
 
     /// Bound of the deviation of such a sum from exact arithmetic, ″: the miss is rounded by half a unit, its square

@@ -1,8 +1,9 @@
 //! Lowering of a relock: words of the kernel, and the estimates of each compensation.
 
 pub(crate) mod fixed;
+pub(crate) mod physical_oracle;
 
-use crate::key::refusal::Refusal;
+use crate::key::refusal::{Refusal, shown};
 pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
 
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::plan::identity;
 use crate::kinds::relock::RelockPoint;
 use crate::kinds::relock::inputs::Compensation;
+use crate::sampling::found;
 use crate::store::Address;
 use crate::tally::id::Id;
 
@@ -34,6 +36,8 @@ pub struct RelockEstimate {
     pub address: Address,
     /// Mean and rms in closed form for the words, ″; absent where there is none.
     pub oracle: Option<(f64, f64)>,
+    /// Relative difference of that rms from the one of the physical inputs; absent where there is none.
+    pub representation: Option<f64>,
     /// Bound of the deviation of a sampled rms from the closed form due to rounding in the kernel, ″.
     pub rounding: f64,
     /// Level at which its histogram starts.
@@ -68,15 +72,22 @@ impl LoweredRelock {
         let mut lowered = LoweredRelock { id, key, fixed, ticks, estimates: vec![] };
         for compensation in Compensation::ALL {
             let sums = (1..=ticks as u32).map(Some).chain([None]);
-            let mut estimates: Vec<RelockEstimate> =
-                sums.map(|tick| lowered.estimate(point, compensation, tick)).collect();
+            let estimates = sums.map(|tick| lowered.estimate(point, compensation, tick));
+            let mut estimates = estimates.collect::<Result<Vec<RelockEstimate>, Refusal>>()?;
             estimates.chunks_mut(MAX_ESTIMATES).for_each(|some| lowered.set_histograms(some));
             lowered.estimates.extend(estimates);
         }
         Ok(lowered)
     }
 
-    fn estimate(&self, point: &RelockPoint, compensation: Compensation, tick: Option<u32>) -> RelockEstimate {
+    /// # Errors
+    /// The closed form of the words differs from that of the inputs by more than the rounding of words explains.
+    fn estimate(
+        &self,
+        point: &RelockPoint,
+        compensation: Compensation,
+        tick: Option<u32>,
+    ) -> Result<RelockEstimate, Refusal> {
         let relock = &point.inputs.relock;
         let counts = |i: usize| tick.map_or(i < self.ticks, |tick| tick as usize == i + 1);
         let weights: [f64; MAX_TICKS] = core::array::from_fn(|i| if counts(i) { 1.0 } else { 0.0 });
@@ -92,6 +103,12 @@ impl LoweredRelock {
             }
             Compensation::Frequency | Compensation::Detuning => (None, 0.0),
         };
+        let physical = physical_oracle::left(&point.inputs, compensation, tick);
+        if let Some((words, inputs)) = oracle.zip(physical) {
+            self.check(compensation, tick, [words, inputs], &weights)?;
+        }
+        let [of_words, of_inputs] = [oracle, physical].map(|moments| moments.map(|(_, rms)| rms));
+        let representation = found::representation(of_words, of_inputs);
         let estimate = match tick {
             Some(tick) => format!("estimate\ncompensation={}\nticks={tick}\n", compensation.name()),
             None => format!("estimate\ncompensation={}\nticks=1..={}\n", compensation.name(), self.ticks),
@@ -99,7 +116,53 @@ impl LoweredRelock {
         let weights = weights.map(|weight| weight as u32 * (1 << WEIGHT_BITS));
         // The digest is filled in when the histogram is known.
         let address = Address { point: self.id, estimate: Id::of(&estimate), digest: self.id };
-        RelockEstimate { compensation, tick, address, oracle, rounding, bin_base: 0, weights }
+        Ok(RelockEstimate {
+            compensation,
+            tick,
+            address,
+            oracle,
+            representation,
+            rounding,
+            bin_base: 0,
+            weights,
+        })
+    }
+
+    /// # Errors
+    /// Mean and rms of the words differ from those of the inputs by more than the rounding of words explains.
+    fn check(
+        &self,
+        compensation: Compensation,
+        tick: Option<u32>,
+        [words, inputs]: [(f64, f64); 2],
+        weights: &[f64],
+    ) -> Result<(), Refusal> {
+        let (_, whole) = self.fixed.faked(weights);
+        let of_angle = self.fixed.representation(weights, whole);
+        let most = match compensation {
+            Compensation::Detuning => {
+                let of_wrong = self.fixed.representation_of_wrong();
+                (whole + of_angle) * of_wrong + (self.fixed.wrong() + of_wrong) * of_angle
+            }
+            Compensation::None | Compensation::Frequency => of_angle,
+        };
+        let apart = (words.0 - inputs.0).abs().max((words.1 - inputs.1).abs());
+        // A difference that is not a number is refused.
+        if apart <= most {
+            return Ok(());
+        }
+        let tick = tick.map_or("all ticks".to_owned(), |tick| format!("tick {tick}"));
+        let found = format!(
+            "the angle of {tick} with compensation = \"{}\" has a mean of {} arcsec and an rms of {} arcsec for the integers that \
+             would be sampled, and {} and {} arcsec for the inputs, which rounding to {} arcsec does not explain",
+            compensation.name(),
+            shown(words.0),
+            shown(words.1),
+            shown(inputs.0),
+            shown(inputs.1),
+            shown(most)
+        );
+        Err(Refusal::new("relock.miss", found, "this is a fault of the program: please report the study"))
     }
 
     /// Lets histograms start at a quarter of the rms of the first trials.
@@ -146,5 +209,53 @@ pub fn method(compensation: Compensation) -> Method {
         Compensation::None => Method::None,
         Compensation::Frequency => Method::Frequency,
         Compensation::Detuning => Method::Detuning,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::relock::inputs::{FirstHalf, Relock};
+    use crate::kinds::relock::{RelockInputs, verify};
+
+    /// The words are those of one point and the inputs those of another.
+    #[test]
+    fn words_that_do_not_stand_for_an_input_are_refused_by_name() {
+        let exact = Relock { adc_noise: 0.0, adc_step: 0.0, ..verify::relock().relock };
+        let point = |relock: Relock, tick_s: f64| RelockPoint {
+            swept: vec![],
+            inputs: RelockInputs { tick_s, relock },
+        };
+        let own = point(exact.clone(), 0.005);
+        let lowered = LoweredRelock::new(&own, 1, Streams::Independent).unwrap();
+        let first = |point: &RelockPoint, of| lowered.estimate(point, of, Some(1)).map(|_| ());
+        for compensation in Compensation::ALL {
+            assert_eq!(first(&own, compensation), Ok(()));
+        }
+        let changes: [(&str, fn(&mut Relock)); 9] = [
+            ("miss", |relock| relock.miss *= 1.0001),
+            ("error of U_λ/2", |relock| relock.half_wave_error *= 1.01),
+            ("step of the DAC", |relock| relock.dac_step *= 1.1),
+            ("hysteresis", |relock| relock.hysteresis *= 1.01),
+            ("time constant", |relock| relock.loop_s *= 1.0001),
+            ("f0", |relock| relock.bias_frequency_hz *= 1.0001),
+            ("pulse weight", |relock| relock.pulse_weight_arcsec *= 1.0001),
+            ("curvature", |relock| relock.curvature *= 1.0001),
+            ("first half", |relock| relock.first_half = FirstHalf::Positive),
+        ];
+        for (name, change) in changes {
+            let mut relock = exact.clone();
+            change(&mut relock);
+            let refused = first(&point(relock, 0.005), Compensation::None);
+            assert_eq!(refused.map_err(|refusal| refusal.key), Err("relock.miss"), "{name}");
+        }
+        let other_tick = first(&point(exact.clone(), 0.005_001), Compensation::Frequency);
+        assert!(other_tick.is_err(), "another tick");
+        let relock = Relock { temperature_error: 1.000_01 * exact.temperature_error, ..exact.clone() };
+        let refused = first(&point(relock, 0.005), Compensation::Detuning).unwrap_err();
+        assert!(refused.message.contains("compensation = \"detuning\""), "{refused}");
+        // All ticks together are followed for as long as the inputs say.
+        let longer = point(Relock { ticks: 5, ..exact }, 0.005);
+        assert!(lowered.estimate(&longer, Compensation::None, None).is_err());
     }
 }
