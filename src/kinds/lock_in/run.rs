@@ -93,6 +93,7 @@ impl<'a> Plan<'a> {
                 zone,
                 input_rate: gyros.input_rate,
                 step_s: Some(gyros.step_s()),
+                representation: gyros.representation,
             }
         };
         point.times.ms.iter().enumerate().map(row).collect()

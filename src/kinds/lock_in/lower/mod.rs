@@ -1,6 +1,7 @@
 //! Lowering of a gyro with lock-in: from thresholds and rates to the words of the kernel, and the proof that they fit.
 
 pub(crate) mod fixed;
+pub(crate) mod lowered_oracle;
 pub(crate) mod oracle;
 pub(crate) mod steps;
 
@@ -14,8 +15,10 @@ use crate::kinds::allan::lower::levels;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::lock_in::Point;
 use crate::kinds::lock_in::lower::fixed::Fixed;
+use crate::kinds::lock_in::lower::lowered_oracle::LoweredOracle;
 use crate::kinds::lock_in::lower::steps::Steps;
 use crate::kinds::plan::identity;
+use crate::sampling::found;
 use crate::store::Address;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator};
@@ -30,6 +33,8 @@ pub struct Gyros {
     averaged: Vec<(f64, u64, usize)>,
     /// Mean input rate between the middles of the first and the last third of the record, ″/s.
     pub(crate) input_rate: f64,
+    /// Relative difference of N in closed form for the words from that for the inputs, where there is one.
+    pub representation: Option<f64>,
     /// Address of the values of the gyros in the store.
     pub(crate) address: Address,
 }
@@ -68,6 +73,12 @@ impl Gyros {
         if let Some(motion) = &inputs.motion {
             input_rate += fixed.add_motion(motion, inputs.scale_factor, &mut recipe)?;
         }
+        let physical = oracle::angle_random_walk(point);
+        let lowered = physical.map(|_| LoweredOracle::new(&recipe, times, fixed.lsb_arcsec));
+        if let Some((lowered, physical)) = lowered.zip(physical) {
+            lowered.check(physical)?;
+        }
+        let representation = found::representation(lowered.map(|lowered| lowered.walk), physical);
         let averaged = times.ms.iter().zip(&ms).zip(places);
         let averaged = averaged.map(|((m, &of_kernel), place)| {
             (times.sample_s * *m as f64, estimator.terms(samples, of_kernel), place)
@@ -79,7 +90,7 @@ impl Gyros {
             estimate: Id::of(&format!("estimate\n{estimator:?}\nms={:?}\n", times.ms)),
             digest: Id::of_words(words),
         };
-        Ok(Gyros { recipe, fixed, estimator, averaged, input_rate, address })
+        Ok(Gyros { recipe, fixed, estimator, averaged, input_rate, representation, address })
     }
 
     /// The recipe for the kernel.
