@@ -1,5 +1,8 @@
 //! Lock-in and dither: the same bits everywhere, and the closed forms of theory.
 
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::curve::Recorded;
 use sagnac::kernel::lock_in::LockIn;
@@ -8,6 +11,9 @@ use sagnac::kernel::width::Width;
 use sagnac::kinds::lock_in::lower::Gyros;
 use sagnac::kinds::lock_in::verify::{checked, lowered, named_gyros};
 use sagnac::kinds::lock_in::{Dither, Inputs, Readout};
+use sagnac::motion::keys::{Design, Interpolation, Phase, Position};
+use sagnac::motion::{Motion, Profile, Tone};
+use sagnac::record::Record;
 use sagnac::theory::allan::{Estimator, Stride};
 use sagnac::theory::lock_in::mean_rate;
 
@@ -262,4 +268,155 @@ fn a_ramp_of_the_rate_has_the_angle_of_its_integral() {
     let inputs = Inputs { dither: None, ramp: 2.0, rate: -20.0, ..checked() };
     let [found, _] = rate(&lowered(&inputs, 0, 2000, THINNED), 16);
     assert!(found.abs() < 0.02, "{found}");
+}
+
+/// What exceeds its bound does not lower.
+#[test]
+fn words_have_the_closed_form_of_the_inputs() {
+    let with = |threshold: f64, beam_noise: f64, dither: Dither| {
+        let inputs = Inputs { threshold, beam_noise, dither: Some(dither), ..checked() };
+        lowered(&inputs, 3, 2000, THINNED)
+    };
+    let dither = checked().dither.unwrap();
+    let more = [
+        ("weak", with(3e-3, 0.0, dither.clone())),
+        ("beam", with(180.0, 0.01, dither.clone())),
+        ("beam alone", with(0.02, 0.05, dither.clone())),
+        ("fast", with(40.0, 0.002, Dither { frequency_hz: 777.0, rate: 300_000.0, ..dither.clone() })),
+        ("walk", with(180.0, 0.0, Dither { amplitude_noise: 0.0, amplitude_walk: 0.01, ..dither })),
+    ];
+    let names = more.clone().map(|(name, _)| name);
+    let (mut largest, mut count) = (0.0_f64, 0);
+    for (name, gyros) in named_gyros().into_iter().chain(more) {
+        let Some(found) = gyros.representation else {
+            assert!(!names.contains(&name), "{name}");
+            continue;
+        };
+        println!("{name}: {found:.1e}");
+        // At most 3.3e-4 of the threshold with the least units of a step, and half of 2^−12 of the amplitude.
+        assert!(found.abs() < 5e-4, "{name}: {found:e}");
+        (largest, count) = (largest.max(found.abs()), count + 1);
+    }
+    assert!(largest > 0.0 && count > names.len(), "{largest:e} at {count} gyros");
+}
+
+/// Mean and standard deviation.
+fn spread(values: &[f64]) -> [f64; 2] {
+    let [mean, se] = mean(values);
+    [mean, se * (values.len() as f64).sqrt()]
+}
+
+#[test]
+fn half_cycles_have_the_noise_of_the_inputs() {
+    let drawn = |change: fn(&mut Dither)| {
+        let mut inputs = checked();
+        // A small dither takes few steps.
+        inputs.dither.as_mut().into_iter().for_each(|dither| {
+            *dither = Dither { rate: 36_000.0, amplitude_noise: 0.0, ..dither.clone() };
+            change(dither);
+        });
+        let gyros = lowered(&inputs, 1, 2000, THINNED);
+        let recipe = gyros.recipe();
+        // Amplitudes of the angle in ″, and phases in ″ of the dither's phase.
+        let unit = inputs.scale_factor / libm::exp2(f64::from(recipe.amplitude_bits));
+        let traces = (0..8).map(|number| recipe.trace(number));
+        let of = |trace: sagnac::kernel::lock_in::Trace| {
+            let amplitudes = trace.amplitudes.iter().map(|word| f64::from(word.unsigned_abs()) * unit);
+            let phases = trace.phases.iter().map(|word| f64::from(*word) / 4_294_967_296.0 * 1_296_000.0);
+            (amplitudes.collect::<Vec<_>>(), phases.collect::<Vec<_>>())
+        };
+        traces.map(of).unzip::<_, _, Vec<_>, Vec<_>>()
+    };
+    // Ω_D/ω_d.
+    let amplitude = 36_000.0 / (TAU * 400.0);
+    let near = |what: &str, values: &[f64], [mean, sigma]: [f64; 2]| {
+        let [found_mean, found] = spread(values);
+        let count = values.len() as f64;
+        assert!(count > 30_000.0);
+        let z = [(found_mean - mean) / sigma * count.sqrt(), (found / sigma - 1.0) * (2.0 * count).sqrt()];
+        assert!(
+            z.iter().all(|z| z.abs() < 5.0),
+            "{what}: {found_mean} ± {found}, not {mean} ± {sigma}: {z:?}"
+        );
+    };
+    let (amplitudes, _) = drawn(|dither| dither.amplitude_noise = 0.03);
+    near("amplitude noise", &amplitudes.concat(), [amplitude, 0.03 * amplitude]);
+    let (amplitudes, _) = drawn(|dither| dither.amplitude_walk = 0.001);
+    let steps = amplitudes.iter().flat_map(|of| of.windows(2).map(|ends| ends[1] - ends[0]));
+    near("amplitude walk", &steps.collect::<Vec<_>>(), [0.0, 0.001 * amplitude]);
+    let (amplitudes, phases) = drawn(|dither| dither.phase_noise = 1800.0);
+    near("phase noise", &phases.concat(), [0.0, 1800.0]);
+    let off = amplitudes.concat().iter().map(|found| (found / amplitude - 1.0).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-6, "without noise amplitudes are off by {off:e}");
+}
+
+#[test]
+fn noise_of_the_beam_alone_has_its_angle_random_walk() {
+    let dither = checked().dither.map(|dither| Dither { rate: 36_000.0, ..dither });
+    let inputs = Inputs { threshold: 0.02, beam_noise: 0.05, dither, ..checked() };
+    let gyros = lowered(&inputs, 1, 4096, THINNED);
+    for octave in [0, 3, 5] {
+        let [found, se] = walk(&gyros, 64, octave, 0.0025);
+        assert!((found - 0.05).abs() < 5.0 * se && se < 5e-4, "octave {octave}: {found} ± {se}");
+    }
+}
+
+#[test]
+fn a_ramp_beyond_the_threshold_has_the_output_of_the_hyperbola() {
+    let (rate_0, ramp, threshold) = (200.0, 30.0, 180.0_f64);
+    let inputs = Inputs { dither: None, rate: rate_0, ramp, ..checked() };
+    let [found, _] = rate(&lowered(&inputs, 0, 2000, THINNED), 16);
+    // ∫√(Ω² − Ω_L²) dt up to a sample every 10 ms.
+    let angle = |sample: u32| {
+        let x = rate_0 + ramp * 0.01 * f64::from(sample);
+        let root = (x * x - threshold * threshold).sqrt();
+        0.5 * (x * root - threshold * threshold * (x / threshold).acosh()) / ramp
+    };
+    let mean = |samples: std::ops::RangeInclusive<u32>| samples.map(angle).sum::<f64>() / 667.0;
+    let expected = (mean(1334..=2000) - mean(0..=666)) / 13.34;
+    assert!((found / expected - 1.0).abs() < 2e-4, "{found}, not {expected}");
+}
+
+/// Rate, ″/s, and angle, ″, at a time, s.
+type RateAndAngle<'a> = &'a dyn Fn(f64) -> [f64; 2];
+
+/// Ω in ψ̇ = K (Ω + Ω_L sin ψ) is followed by the lock-in, so that ψ rests at π + asin Ω/Ω_L.
+#[test]
+fn a_locked_gyro_turns_back_by_the_angle_of_its_motion() {
+    let (amplitude, omega) = (100.0, TAU * 0.1);
+    let tone = |phase: Phase| Motion::of_tone(Tone { phase, ..Tone::of_rate(amplitude, 0.1) });
+    let rates = (0..=21_000).map(|i| amplitude * (omega * 0.001 * f64::from(i)).cos());
+    let profile = Profile {
+        file: "made up".to_owned(),
+        record: Arc::new(Record { step_s: 0.001, rates: rates.collect() }),
+        position: Position::Every,
+        interpolation: Interpolation::Linear,
+        design: Design::Whole,
+    };
+    let profile = Motion { profile: Some(profile), ..Motion::default() };
+    let sine = |t: f64| [amplitude * (omega * t).cos(), amplitude / omega * (omega * t).sin()];
+    let rise = |t: f64| [amplitude * (omega * t).sin(), amplitude / omega * (1.0 - (omega * t).cos())];
+    let motions: [(&str, Motion, RateAndAngle); 4] = [
+        ("extremum", tone(Phase::Extremum), &sine),
+        ("recorded profile", profile, &sine),
+        ("zero crossing", tone(Phase::ZeroCrossing), &rise),
+        ("no phase", tone(Phase::Uniform), &rise),
+    ];
+    for (name, motion, of) in motions {
+        let inputs = Inputs { dither: None, rate: 0.0, motion: Some(motion), ..checked() };
+        let gyros = lowered(&inputs, 0, 2000, THINNED);
+        let rest = |(sample, word): (usize, &i32)| {
+            let [rate, angle] = of(0.01 * sample as f64);
+            let phase = inputs.scale_factor / TAU * (rate / inputs.threshold).asin();
+            f64::from(*word) * gyros.lsb_arcsec() + angle - phase
+        };
+        let trace = gyros.recipe().trace(3);
+        // A gyro needs some milliseconds to lock.
+        let rests: Vec<f64> = trace.angles.iter().enumerate().skip(10).map(rest).collect();
+        let apart = rests.iter().map(|rest| (rest - rests[0]).abs()).fold(0.0, f64::max);
+        assert!(apart < 0.01, "{name}: {apart} arcsec apart, of {}", amplitude / omega);
+        // The mean input rate is that of the words.
+        let [found, _] = rate(&gyros, 16);
+        assert!(found.abs() < 0.03, "{name}: {found}");
+    }
 }
