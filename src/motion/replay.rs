@@ -135,11 +135,9 @@ fn window_means(x: &[f64], width: usize) -> WindowMeans {
     }
     let part = Double::from(1.0 / windows as f64);
     ticks.iter_mut().for_each(|sum| *sum = *sum * part);
-    for i in 0..width {
-        for j in i..width {
-            products[i][j] = products[i][j] * part;
-            products[j][i] = products[i][j];
-        }
+    products.iter_mut().flatten().for_each(|sum| *sum = *sum * part);
+    for (i, j) in (0..width).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        products[i][j] = products[j][i];
     }
     WindowMeans { ticks, products }
 }

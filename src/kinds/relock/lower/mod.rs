@@ -232,7 +232,8 @@ mod tests {
         for compensation in Compensation::ALL {
             assert_eq!(first(&own, compensation), Ok(()));
         }
-        let changes: [(&str, fn(&mut Relock)); 9] = [
+        type Change = fn(&mut Relock);
+        let changes: [(&str, Change); 9] = [
             ("miss", |relock| relock.miss *= 1.0001),
             ("error of U_λ/2", |relock| relock.half_wave_error *= 1.01),
             ("step of the DAC", |relock| relock.dac_step *= 1.1),
