@@ -23,7 +23,7 @@ pub enum RunError {
     /// The device failed and could not be replaced.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// A point was refused that was lowered before, on another machine.
+    /// A point was refused that was lowered before, on another machine; or its closed form is not that of its inputs.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }

@@ -11,6 +11,9 @@ use crate::theory::allan::process::Process;
 use crate::theory::allan::switching::Switching;
 use crate::theory::drift::magnetic::Magnetic;
 
+/// Rate of the turning Earth, ″/s.
+const EARTH_RATE: f64 = 15.041;
+
 /// Records of a noise model on which identity is checked.
 #[derive(Debug, Clone)]
 pub struct NamedRecords {
@@ -51,7 +54,7 @@ impl NamedRecords {
         Records::new(&Asked {
             process: &Process { sample_s: 1.0, parts: self.parts.clone() },
             readout_lsb: self.readout_lsb,
-            mean_rate: 15.041,
+            mean_rate: EARTH_RATE,
             switching: self.switching,
             samples: self.samples,
             estimator: self.estimator,
@@ -117,4 +120,117 @@ pub fn named_records() -> Vec<NamedRecords> {
         switched("lgk-400-switched", lgk_400(), 37, 0.0),
         switched("everything-switched", everything(), 5, 0.83),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+
+    /// The largest difference from the closed form of the inputs, and the largest bound relative to its variance; `None`
+    /// without a closed form.
+    fn compare(named: &NamedRecords) -> Option<(f64, f64)> {
+        let records = named.lowered();
+        let physical = PhysicalOracle {
+            process: Process { sample_s: 1.0, parts: named.parts.clone() },
+            readout_lsb: named.readout_lsb,
+            mean_rate: EARTH_RATE,
+            switching: named.switching,
+            samples: named.samples,
+            estimator: named.estimator,
+        };
+        let mut all = None;
+        for (at, m) in records.ms().iter().enumerate() {
+            let oracle = records.oracle(at);
+            let found = records.representation(at, &oracle, &physical);
+            let found = found.unwrap_or_else(|error| panic!("{}, m = {m}: {error}", named.name));
+            let Some((found, variance)) = found.zip(oracle.value) else { continue };
+            let bound = oracle.representation / variance;
+            println!("{}, m = {m}: {found:.2e}, bound {bound:.2e}", named.name);
+            let (most, loosest) = all.unwrap_or((0.0_f64, 0.0_f64));
+            all = Some((most.max(found.abs()), loosest.max(bound)));
+        }
+        all
+    }
+
+    #[test]
+    fn closed_forms_of_the_words_are_those_of_the_inputs_within_the_rounding_of_words() {
+        for named in named_records() {
+            // The noise has flicker.
+            let blank = named.readout_lsb > 0.0;
+            match compare(&named) {
+                Some((most, loosest)) => {
+                    assert!(!blank && most > 0.0 && loosest < 1e-3, "{}: {most}, bound {loosest}", named.name)
+                }
+                None => assert!(blank, "{} has no closed form", named.name),
+            }
+        }
+    }
+
+    #[test]
+    fn every_part_of_the_noise_alone_has_the_closed_form_of_its_input() {
+        let white = Part::angle_random_walk(0.04);
+        let magnetic = Magnetic { amplitude: 0.0, time_s: 1.0, initial: 0.0 };
+        let none = Switching { interval: 37, magnetic, residual: 0.0, residual_noise: 0.0 };
+        let warming = Magnetic { amplitude: 0.7, time_s: 150.0, initial: 0.02 };
+        let slow = Magnetic { amplitude: 0.7, time_s: 5e4, initial: 0.0 };
+        let steady = Magnetic { initial: 0.7, ..magnetic };
+        let switched = |magnetic| Some(Switching { magnetic, ..none });
+        for (name, parts, readout_lsb, switching) in [
+            ("quantisation", vec![Part::quantisation(0.24)], 0.0, None),
+            ("white", vec![white], 0.0, None),
+            ("flicker", vec![Part::bias_instability(0.00192, 24)], 0.0, None),
+            ("walk", vec![Part::rate_random_walk(2e-4)], 0.0, None),
+            ("Markov", vec![Part::markov(4e-4, 40.0)], 0.0, None),
+            ("fast Markov", vec![Part::markov(4e-4, 0.3)], 0.0, None),
+            ("sine", vec![Part::sine(0.02, 0.0137)], 0.0, None),
+            ("ramp", vec![white, Part::rate_ramp(1e-5)], 0.0, None),
+            ("warm-up", vec![white, Part::warm_up(0.03, 200.0)], 0.0, None),
+            ("long warm-up", vec![white, Part::warm_up(3.0, 1e5)], 0.0, None),
+            ("ramp and warm-ups", vec![white, Part::rate_ramp(1e-5), Part::warm_up(0.03, 200.0)], 0.0, None),
+            ("sawtooth", vec![white], 0.0, switched(warming)),
+            ("slow sawtooth", vec![white, Part::rate_ramp(1e-5)], 0.0, switched(slow)),
+            ("steady sawtooth", vec![white, Part::warm_up(0.03, 200.0)], 0.0, switched(steady)),
+            ("residual", vec![white], 0.0, Some(Switching { residual: 10.0, ..none })),
+            ("noise of residuals", vec![white], 0.0, Some(Switching { residual_noise: 0.3, ..none })),
+            ("pulses of white noise", vec![Part::angle_random_walk(0.4)], 0.83, None),
+        ] {
+            for estimator in [THINNED, Estimator::NON_OVERLAPPING, Estimator::HADAMARD] {
+                let parts = parts.clone();
+                let named = NamedRecords { name, parts, readout_lsb, switching, samples: 3000, estimator };
+                let (_, loosest) = compare(&named).unwrap_or_else(|| panic!("{name} is blank"));
+                // Where the differences of a sine are near 0, the rounding of its frequency is a large part of them.
+                assert!(loosest < 5e-2, "{name}, {estimator:?}: bound {loosest}");
+            }
+        }
+    }
+
+    #[test]
+    fn pulses_at_a_constant_rate_beat_as_those_of_the_input() {
+        // With so little noise the beat of 15.041/0.83 pulses per sample is most of the variance.
+        let parts = vec![Part::angle_random_walk(0.02)];
+        let estimator = Estimator::OVERLAPPING;
+        let named = NamedRecords {
+            name: "pulses",
+            parts,
+            readout_lsb: 0.83,
+            switching: None,
+            samples: 700,
+            estimator,
+        };
+        let (most, loosest) = compare(&named).unwrap();
+        assert!(most < 1e-4 && loosest < 1e-2, "{most}, bound {loosest}");
+        let parts = vec![Part::angle_random_walk(0.02)];
+        let still = PhysicalOracle {
+            process: Process { sample_s: 1.0, parts },
+            readout_lsb: 0.83,
+            mean_rate: 0.0,
+            switching: None,
+            samples: 700,
+            estimator,
+        };
+        let found = named.lowered().oracle(0).value.unwrap();
+        let without = still.variance(1).unwrap().value;
+        assert!((found / without - 1.0).abs() > 0.1, "{found}, {without} without a rate");
+    }
 }

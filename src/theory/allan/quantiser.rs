@@ -65,7 +65,7 @@ fn pairs(difference: Difference) -> Vec<f64> {
 }
 
 /// Variance of the Gaussian part of the angle over n samples, ″².
-fn noise_variance(process: &Process, n: u64) -> f64 {
+pub(crate) fn noise_variance(process: &Process, n: u64) -> f64 {
     let one = |part: &Part| match (part.term.row().increment)(part, process.sample_s, n) {
         terms::Increment::Normal(variance) => variance,
         _ => 0.0,

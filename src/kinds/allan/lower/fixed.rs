@@ -145,26 +145,59 @@ impl Fixed {
     /// The random parts as given by the words, in LSB and samples. Numbers that are rounded down on the way have an
     /// additional variance of 1/12 of a unit.
     pub(crate) fn noise(&self) -> Noise {
-        let unit = self.rate_unit();
-        let rounded = |word: u32| {
-            let sigma = f64::from(word) / SIGMA_UNITS;
-            sigma * sigma + 1.0 / 12.0
-        };
-        let octave = |(octave, &word): (usize, &u32)| unit * libm::sqrt(streams(octave) * rounded(word));
-        let octaves = (1..).zip(&self.flicker).map(octave);
-        let rounded_rates = f64::from(u8::from(self.walk > 0) + u8::from(self.markov.is_some())) / 12.0;
-        let white = f64::from(self.white) / SIGMA_UNITS;
+        self.noise_of(0.0, 1.0 / 12.0)
+    }
+
+    /// The standard deviations whose squares bound how far the variance of each random part may be off that of the
+    /// inputs, in LSB and samples: by half a unit of its word, and by what numbers that are rounded down add. The decay
+    /// is that of the words.
+    pub(crate) fn deviation(&self) -> Noise {
+        let [more, plain] = [self.noise_of(0.5, 1.0 / 12.0), self.noise_of(0.0, 0.0)];
+        let apart = |more: f64, plain: f64| libm::sqrt(more * more - plain * plain);
+        let octaves = more.octaves.iter().zip(&plain.octaves);
+        let markov = more.markov.zip(plain.markov);
         Noise {
-            quantisation: if self.quantisation > 0 { libm::sqrt(rounded(self.quantisation)) } else { 0.0 },
+            quantisation: apart(more.quantisation, plain.quantisation),
+            white: apart(more.white, plain.white),
+            octaves: octaves.map(|(more, plain)| apart(*more, *plain)).collect(),
+            walk: apart(more.walk, plain.walk),
+            markov: markov
+                .map(|(more, plain)| Markov { sigma: apart(more.sigma, plain.sigma), decay: plain.decay }),
+        }
+    }
+
+    /// The random parts of words that are half a unit smaller.
+    pub(crate) fn less(&self) -> Noise {
+        self.noise_of(-0.5, 0.0)
+    }
+
+    /// The decays of Markov noise whose loss has half a unit less and more than the word.
+    pub(crate) fn decays(&self) -> Option<[f64; 2]> {
+        let decay = |loss: f64| -libm::log1p(-loss / LOSS_UNIT);
+        self.markov.map(|[loss, ..]| [-0.5, 0.5].map(|more| decay(f64::from(loss) + more)))
+    }
+
+    /// The random parts of words that are `more` units larger, where they are not 0, with the variance `rounded` of
+    /// numbers that are rounded down.
+    fn noise_of(&self, more: f64, rounded: f64) -> Noise {
+        let unit = self.rate_unit();
+        let sigma = |word: u32| if word > 0 { (f64::from(word) + more) / SIGMA_UNITS } else { 0.0 };
+        let square = |word: u32| sigma(word) * sigma(word) + rounded;
+        let octave = |(octave, &word): (usize, &u32)| unit * libm::sqrt(streams(octave) * square(word));
+        let octaves = (1..).zip(&self.flicker).map(octave);
+        let rounded_rates = f64::from(u8::from(self.walk > 0) + u8::from(self.markov.is_some())) * rounded;
+        let white = sigma(self.white);
+        Noise {
+            quantisation: if self.quantisation > 0 { libm::sqrt(square(self.quantisation)) } else { 0.0 },
             white: libm::sqrt(white * white + rounded_rates * unit * unit),
             octaves: if self.flicker.is_empty() {
                 vec![]
             } else {
                 core::iter::once(0.0).chain(octaves).collect()
             },
-            walk: unit * f64::from(self.walk) / SIGMA_UNITS,
+            walk: unit * sigma(self.walk),
             markov: self.markov.map(|[loss, step, _]| Markov {
-                sigma: unit * f64::from(step) / MARKOV_UNITS / libm::sqrt(spread(f64::from(loss))),
+                sigma: unit * (f64::from(step) + more) / MARKOV_UNITS / libm::sqrt(spread(f64::from(loss))),
                 decay: -libm::log1p(-f64::from(loss) / LOSS_UNIT),
             }),
         }
@@ -200,6 +233,26 @@ impl Fixed {
             let [amplitude, sigma] = [f64::from(amplitude) / SINE_UNITS, f64::from(sigma) / SIGMA_UNITS];
             Jumps { interval: interval.into(), variance: 0.5 * amplitude * amplitude + sigma * sigma }
         })
+    }
+
+    /// Bound of the deviation of the mean square of the fill residuals from that of the inputs, relative.
+    pub(crate) fn jumps_deviation(&self) -> f64 {
+        let words = self.switching.into_iter().flat_map(|[_, amplitude, sigma]| [amplitude, sigma]);
+        let half = words.filter(|word| *word > 0).map(|word| 0.5 / f64::from(word)).fold(0.0, libm::fmax);
+        half * (2.0 + half)
+    }
+
+    /// Bounds of the deviations of the sine from that of the inputs: of its amplitude, LSB, and of its turns per sample.
+    pub(crate) fn wave_deviation(&self) -> [f64; 2] {
+        [0.5 / SINE_UNITS, 0.5 / TURN]
+    }
+
+    /// Largest relative deviation of a standard deviation of [`Noise::simple`] from that of the inputs.
+    pub(crate) fn simple_deviation(&self) -> f64 {
+        let [loss, step] = self.markov.map_or([0; 2], |[loss, step, _]| [loss, step]);
+        let words = [self.quantisation, self.white, step, loss];
+        let half = words.into_iter().filter(|word| *word > 0).map(|word| 0.5 / f64::from(word));
+        half.fold(0.0, libm::fmax) + if loss > 0 { 0.5 / f64::from(loss) } else { 0.0 }
     }
 
     /// Relative deviation of the initial variance of the Markov noise from its stationary one.

@@ -13,6 +13,8 @@ pub(crate) mod enough;
 pub(crate) mod fixed;
 pub(crate) mod model;
 pub(crate) mod oracle;
+pub(crate) mod physical_oracle;
+pub(crate) mod representation;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::model::too_long;

@@ -20,6 +20,8 @@ pub struct Oracle {
     /// Bound of the deviation of the expected estimate from `value`, due to rounding in the kernel and to readouts
     /// without a closed form.
     pub rounding: f64,
+    /// Bound of the deviation of `value` from that of the inputs, due to the rounding of words.
+    pub representation: f64,
 }
 
 /// Largest ratio of the bound to the value.
@@ -32,11 +34,15 @@ const SINE_ERROR: f64 = 1.0 / 759_250_125.0; // 2^−29.5
 /// Error of sums in floating point.
 const SUM_ERROR: f64 = 1e-12;
 
-/// A mean square with its bound of error, LSB².
+/// Error of both closed forms in floating point, relative.
+const REPRESENTATION_ERROR: f64 = 1e-10;
+
+/// A mean square with its bound of error, and that of its deviation from the mean square of the inputs, LSB².
 #[derive(Clone, Copy)]
 struct Square {
     value: f64,
     error: f64,
+    representation: f64,
 }
 
 impl Square {
@@ -50,9 +56,13 @@ impl Records {
     /// The expected estimate at `ms()[at]`. For records with drift it takes as long as summing their differences.
     pub fn oracle(&self, at: usize) -> Oracle {
         let unit = self.variance_of_square(at);
-        let Square { value, error } = self.mean_square(at);
+        let Square { value, error, representation } = self.mean_square(at);
         let error = error + SUM_ERROR * value;
-        Oracle { value: (error <= MOST_ROUNDING * value).then_some(value * unit), rounding: error * unit }
+        Oracle {
+            value: (error <= MOST_ROUNDING * value).then_some(value * unit),
+            rounding: error * unit,
+            representation: (representation + REPRESENTATION_ERROR * value) * unit,
+        }
     }
 
     /// Expected square of the differences at `ms[at]`.
@@ -66,7 +76,8 @@ impl Records {
         // Σ|c| of the difference.
         let reach = reach(difference);
 
-        let mut sum = Square { value: trend, error: 0.0 };
+        let mut sum =
+            Square { value: trend, error: 0.0, representation: self.representation_bound(m, trend) };
         let random = noise.variance(difference, m);
         sum.add(random, NORMAL_ERROR * random);
         // Numbers that are off by up to ½ from the middle: 2·rms·d + d².
@@ -77,6 +88,7 @@ impl Records {
             if fixed.fresh() >= 1.0 {
                 let first = 2.0 * libm::fabs(first) / terms as f64;
                 sum.add(squares / 12.0, 1.0 + 1e-7 * libm::sqrt(random) + first);
+                sum.representation += squares / 12.0;
             } else {
                 let angle = Noise { quantisation: 0.0, ..noise.clone() }.variance(difference, m);
                 off(&mut sum, libm::pow(libm::sqrt(angle) + libm::sqrt(trend), 2.0), 0.5 * reach);
@@ -115,6 +127,7 @@ impl Records {
             let between = angle + quantisation + drift + jumps + 2.0 * wave_error;
             let pairs = reach * reach - squares;
             sum.add(readout.value, readout.error + 0.5 * pairs * pulse * between);
+            sum.representation += self.readout_bound(pulse, pairs, m);
         }
         sum
     }
@@ -131,8 +144,8 @@ impl Records {
         // Whole pulses in the rate per sample do not affect the fractions.
         let rate = (fixed.rate % (pulse * TURN) as u64) as f64 / TURN;
         match quantiser::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {
-            Some(value) => Square { value, error: 0.0 },
-            None => Square { value: white, error: bound },
+            Some(value) => Square { value, error: 0.0, representation: 0.0 },
+            None => Square { value: white, error: bound, representation: 0.0 },
         }
     }
 }

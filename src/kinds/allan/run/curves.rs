@@ -1,8 +1,9 @@
 //! points.csv of a study of Allan curves, with a row for each point and averaging time.
 
+use crate::key::refusal::Refusal;
 use crate::kinds::allan::columns::Row;
 use crate::kinds::allan::lower::curve::LoweredCurve;
-use crate::kinds::allan::lower::oracle::Oracle;
+use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::{Estimates, Plan};
 
@@ -20,24 +21,32 @@ pub(crate) struct Scatter {
 
 impl Plan<'_> {
     /// A row for each averaging factor of a point.
+    ///
+    /// # Errors
+    /// A closed form differs from that of the inputs by more than the rounding of words explains.
     pub(crate) fn curve<'p>(
         &self,
         point: &'p RecordPoint,
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
-    ) -> Vec<Row<'p>> {
+    ) -> Result<Vec<Row<'p>>, Refusal> {
+        let physical = PhysicalOracle::of(point, self.allan.estimator);
         let row = |(at, &m): (usize, &u64)| {
-            let oracle = lowered.map(|lowered| lowered.records.oracle(at));
-            let Oracle { value, rounding } = oracle.unwrap_or(Oracle { value: None, rounding: 0.0 });
-            Row {
+            let checked = lowered.map(|lowered| {
+                let oracle = lowered.records.oracle(at);
+                Ok((oracle, lowered.records.representation(at, &oracle, &physical)?))
+            });
+            let (oracle, representation) = checked.transpose()?.unzip();
+            Ok(Row {
                 point,
                 m,
                 terms: self.allan.estimator.terms(point.inputs.samples(), m),
                 records: estimates.count() as u64,
                 scatter: Scatter::of(estimates.at(at)),
-                oracle: value,
-                rounding,
-            }
+                oracle: oracle.and_then(|oracle| oracle.value),
+                rounding: oracle.map_or(0.0, |oracle| oracle.rounding),
+                representation: representation.flatten(),
+            })
         };
         point.ms.iter().enumerate().map(row).collect()
     }

@@ -12,7 +12,8 @@ use crate::key::refusal::Refusal;
 use crate::kinds::allan::Allan;
 use crate::kinds::allan::columns::{coefficient_columns, columns};
 use crate::kinds::allan::lower::curve::LoweredCurve;
-use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::estimates::Estimates;
 use crate::kinds::table::table;
 use crate::progress::Progress;
@@ -87,7 +88,7 @@ impl<'a> Plan<'a> {
         let recipe = lowered.records.recipe();
         check_memory(point, 4 * LANES * recipe.depth())?;
         check_fit(self.allan.terms.as_ref(), &point.ms, point.inputs.samples())?;
-        let off = off(point, &lowered, self.allan.estimator);
+        let off = off(point, &lowered, self.allan.estimator)?;
         if off.0 > self.off.0 {
             self.off = off;
         }
@@ -166,7 +167,7 @@ impl plan::Plan for Plan<'_> {
                 }
                 None => Estimates::default(),
             };
-            curves.extend(self.curve(point, lowered.as_ref(), &estimates));
+            curves.extend(self.curve(point, lowered.as_ref(), &estimates)?);
             match &self.allan.terms {
                 Some(terms) => {
                     let advance = |fits| progress.advance(fits);
@@ -222,27 +223,34 @@ impl plan::Plan for Plan<'_> {
     }
 }
 
-/// Largest relative difference between the deviation of a point's records and that of its noise, and its τ, s. It is 0
-/// for readouts in pulses, for which there is no other curve to compare, and for drift and switches, whose rounded
-/// values count as exact.
-fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> (f64, f64) {
-    let RecordInputs { sample_s, noise, .. } = &point.inputs;
-    let switches = noise.switched(*sample_s).is_some();
-    if noise.readout_lsb > 0.0 || switches || !lowered.records.recipe().drift.is_empty() {
-        return (0.0, 0.0);
+/// Part of the samples of a record that is spent on differences of drift when a point is lowered.
+const PART_CHECKED: u64 = 16;
+
+/// Largest relative difference between the deviation of a point's records and that of its inputs, and its τ, s. The closed
+/// forms of records with drift sum their differences: here only the longest averaging times that add little to the lowering
+/// are checked, and all of them in the tables.
+///
+/// # Errors
+/// A difference exceeds what the rounding of words explains.
+fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> Result<(f64, f64), Refusal> {
+    let physical = PhysicalOracle::of(point, estimator);
+    let records = &lowered.records;
+    let drifts = !records.recipe().drift.is_empty();
+    let mut left = if drifts { physical.samples / PART_CHECKED } else { u64::MAX };
+    let mut most = (0.0, 0.0);
+    for (at, &m) in point.ms.iter().enumerate().rev() {
+        if drifts {
+            let Some(rest) = left.checked_sub(records.terms()[at]) else { continue };
+            left = rest;
+        }
+        if let Some(found) = records.representation(at, &records.oracle(at), &physical)? {
+            let off = (libm::sqrt(1.0 + found) - 1.0).abs();
+            if off >= most.0 {
+                most = (off, point.inputs.sample_s * m as f64);
+            }
+        }
     }
-    let samples = point.inputs.samples();
-    let process = noise.process(*sample_s, samples);
-    let at = |(at, &m): (usize, &u64)| {
-        let ratio = lowered.records.oracle(at).value? / process.expected(estimator, samples, m)?;
-        Some(((libm::sqrt(ratio) - 1.0).abs(), sample_s * m as f64))
-    };
-    point
-        .ms
-        .iter()
-        .enumerate()
-        .filter_map(at)
-        .fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
+    Ok(most)
 }
 
 /// Whether a fit includes this averaging factor.
