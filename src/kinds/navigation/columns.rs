@@ -72,6 +72,8 @@ pub(crate) struct Row<'a> {
     pub(crate) sizes: Vec<Sizes>,
     /// What the filter claims, where there is one.
     pub(crate) claim: Option<Claim>,
+    /// Largest relative difference in magnitude of the rms of a quantity in closed form from that of the inputs.
+    pub(crate) representation: Option<f64>,
 }
 
 impl Row<'_> {
@@ -279,6 +281,12 @@ pub(crate) fn columns<'a>(solution: Solution, has_filter: bool) -> Vec<ColumnOf<
     if has_filter {
         columns.extend(claims());
     }
+    columns.push(
+        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.representation.into())
+            .is_of("heading_rms", Role::Representation, "Relative difference of the rms in closed form, that of the integers that are sampled, from the closed form \
+                of the inputs, which shares no computed number with them: the largest in magnitude over the quantities. What exceeds the proven bound of \
+                rounding ends the run."),
+    );
     let usual = if solution == Solution::Inertial { "position_q95" } else { "heading_q95" };
     let mark = |column: ColumnOf<Row<'a>>| if column.about.name == usual { column.usual(Usual::Estimate) } else { column };
     columns.into_iter().map(mark).collect()

@@ -121,3 +121,25 @@ fn place(text: &str, line: usize, column: usize) -> Range<usize> {
     }
     at..text[at..].chars().next().map_or(at, |c| at + c.len_utf8())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coefficients_of_a_document_are_in_arcseconds_and_seconds() {
+        let model = parse(
+            r#"{"white_deg_per_rt_h": 2.0, "random_walk_deg_per_h_per_rt_h": 3.0, "quantisation_arcsec": 0.5,
+                "markov": [{"sigma_deg_per_h": 4.0, "correlation_time_s": 7.0}]}"#,
+        );
+        let model = model.unwrap_or_else(|_| panic!("the document is not read"));
+        // Over an hour the angle has 2°, and the rate has walked 3°/h.
+        let (hour, degree) = (3600.0, 3600.0);
+        assert!((model.white * f64::sqrt(hour) / (2.0 * degree) - 1.0).abs() < 1e-14, "{model:?}");
+        assert!((model.walk * f64::sqrt(hour) / (3.0 * degree / hour) - 1.0).abs() < 1e-14, "{model:?}");
+        // 4°/h turn 4° in an hour.
+        let [sigma, time_s] = model.markov[0];
+        assert!((sigma * hour / (4.0 * degree) - 1.0).abs() < 1e-14, "{model:?}");
+        assert_eq!((time_s, model.quantisation, model.markov.len()), (7.0, 0.5, 1));
+    }
+}

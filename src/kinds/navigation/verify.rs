@@ -16,6 +16,16 @@ const LGK_400: [(Term, f64); 3] =
 
 /// A navigator at 60° whose gyros have this noise, with samples of 1 s.
 pub fn navigator(solution: Solution, noise: Noise, duration_s: f64) -> Lowered {
+    let (point, study) = asked(solution, noise, duration_s);
+    let lowered = Lowered::new(&point, &study, SEED, Streams::Independent);
+    lowered.unwrap_or_else(|error| panic!("a named navigator does not lower: {error}"))
+}
+
+/// The seed of named navigators.
+const SEED: u64 = 1;
+
+/// The point of such a navigator, and its study.
+fn asked(solution: Solution, noise: Noise, duration_s: f64) -> (Point, Navigation) {
     let is_compass = solution == Solution::Gyrocompass;
     let inputs = Inputs {
         solution,
@@ -30,9 +40,7 @@ pub fn navigator(solution: Solution, noise: Noise, duration_s: f64) -> Lowered {
         noise,
     };
     let point = Point { swept: vec![], inputs, lack: None };
-    let study = Navigation { solution, draws: 1, uncertain: vec![], points: vec![] };
-    let lowered = Lowered::new(&point, &study, 1, Streams::Independent);
-    lowered.unwrap_or_else(|error| panic!("a named navigator does not lower: {error}"))
+    (point, Navigation { solution, draws: 1, uncertain: vec![], points: vec![] })
 }
 
 /// A noise with these coefficients, in ″ and s.
@@ -56,6 +64,18 @@ pub fn lgk_400() -> Noise {
 
 /// The loads on which the kernel is checked.
 pub fn loads() -> Vec<Load> {
+    let load = |(name, solution, noise, duration_s): (&'static str, Solution, Noise, f64)| {
+        let gyros = navigator(solution, noise, duration_s).gyros;
+        let navigation = gyros.last().map(|gyro| gyro.navigation.clone());
+        let work = navigation.map(|navigation| Work::Records(Arc::new(navigation)));
+        let self_test_units = (name == "inertial-everything").then_some(40 * 700);
+        work.map(|work| Load { name, work, self_test_units })
+    };
+    named_navigators().into_iter().filter_map(load).collect()
+}
+
+/// The names, solutions, noises and durations of navigators that cover every distinction made by the kernel.
+fn named_navigators() -> Vec<(&'static str, Solution, Noise, f64)> {
     let mut everything =
         noise_of(&[&LGK_400[..], &[(Term::RateRandomWalk, 2e-4), (Term::RateRamp, 1e-5)]].concat());
     for (term, [size, shape]) in
@@ -74,18 +94,77 @@ pub fn loads() -> Vec<Load> {
         residual_noise: 0.3,
     });
     let white = noise_of(&[(Term::AngleRandomWalk, 0.0288)]);
-    let load = |name, lowered: Lowered, self_test_units| {
-        let navigation = lowered.gyros.last().map(|gyro| gyro.navigation.clone());
-        let work = navigation.map(|navigation| Work::Records(Arc::new(navigation)));
-        work.map(|work| Load { name, work, self_test_units })
-    };
-    [
-        load("heading-white", navigator(Solution::Heading, white, 2000.0), None),
-        load("gyrocompass-lgk-400", navigator(Solution::Gyrocompass, lgk_400(), 600.0), None),
-        load("inertial-lgk-400", navigator(Solution::Inertial, lgk_400(), 3600.0), None),
-        load("inertial-everything", navigator(Solution::Inertial, everything, 700.0), Some(40 * 700)),
+    vec![
+        ("heading-white", Solution::Heading, white, 2000.0),
+        ("gyrocompass-lgk-400", Solution::Gyrocompass, lgk_400(), 600.0),
+        ("inertial-lgk-400", Solution::Inertial, lgk_400(), 3600.0),
+        ("inertial-everything", Solution::Inertial, everything, 700.0),
     ]
-    .into_iter()
-    .flatten()
-    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::navigation::columns::Quantity;
+    use crate::kinds::navigation::lower::physical_oracle::PhysicalOracle;
+
+    /// The largest difference from the closed form of the inputs, and the least and the largest ratio of a bound to its rms.
+    fn compare(name: &str, solution: Solution, noise: Noise, duration_s: f64) -> (f64, f64) {
+        let (point, study) = asked(solution, noise, duration_s);
+        let lowered = Lowered::new(&point, &study, SEED, Streams::Independent).unwrap();
+        let physical = PhysicalOracle::new(&point, &study, SEED);
+        let (mut most, mut loosest) = (0.0_f64, 0.0_f64);
+        for quantity in Quantity::of(solution) {
+            let errors = quantity.errors();
+            let squares: f64 = lowered.distributions(errors).iter().map(|one| one.mean_square()).sum();
+            let rms = libm::sqrt(squares);
+            let found = lowered.representation(errors, rms, &physical);
+            let found = found.unwrap_or_else(|error| panic!("{name}, {quantity:?}: {error}")).unwrap();
+            let bound = lowered.representation_bound(errors, rms) / rms;
+            println!("{name}, {quantity:?}: {found:.2e}, bound {bound:.2e}");
+            (most, loosest) = (most.max(found.abs()), loosest.max(bound));
+        }
+        (most, loosest)
+    }
+
+    #[test]
+    fn closed_forms_of_the_words_are_those_of_the_inputs_within_the_rounding_of_words() {
+        for (name, solution, noise, duration_s) in named_navigators() {
+            let (most, loosest) = compare(name, solution, noise, duration_s);
+            assert!(most > 0.0 && loosest < 1e-3, "{name}: {most}, bound {loosest}");
+        }
+    }
+
+    #[test]
+    fn every_part_of_the_noise_alone_has_the_closed_form_of_its_input() {
+        let white = noise_of(&[(Term::AngleRandomWalk, 0.0288)]);
+        let switched = |switching: Switching| {
+            let mut noise = white.clone();
+            noise.switching = Some(switching);
+            noise
+        };
+        let none = Switching { interval_s: 37.0, ..Switching::default() };
+        let mut beside_ramp = white.clone();
+        beside_ramp.set(Term::RateRamp, 0, 1e-5);
+        for (name, noise) in [
+            ("quantisation", noise_of(&[(Term::Quantisation, 0.24)])),
+            ("white", white.clone()),
+            ("flicker", noise_of(&[(Term::BiasInstability, 0.00164)])),
+            ("walk", noise_of(&[(Term::RateRandomWalk, 2e-5)])),
+            ("Markov", shaped(Term::Markov, 0.002, 300.0)),
+            ("fast Markov", shaped(Term::Markov, 0.002, 0.4)),
+            ("sine", shaped(Term::Sine, 0.01, 0.001_3)),
+            ("ramp", beside_ramp),
+            ("warm-up", shaped(Term::WarmUp, 0.03, 200.0)),
+            ("sawtooth", switched(Switching { magnetic: 0.7, warm_up_s: Some(150.0), ..none })),
+            ("steady sawtooth", switched(Switching { initial_magnetic: 0.02, ..none })),
+            ("residual", switched(Switching { residual: 10.0, ..none })),
+            ("noise of residuals", switched(Switching { residual_noise: 0.3, ..none })),
+        ] {
+            for solution in [Solution::Heading, Solution::Inertial] {
+                let (_, loosest) = compare(name, solution, noise.clone(), 700.0);
+                assert!(loosest < 1e-2, "{name}: bound {loosest}");
+            }
+        }
+    }
 }

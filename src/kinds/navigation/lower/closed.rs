@@ -28,7 +28,7 @@ pub(crate) fn noise(fixed: &Fixed) -> Noise {
 
 impl LoweredGyro {
     /// The weights of an error, in its unit per LSB.
-    fn weights_of(&self, error: usize) -> Vec<f64> {
+    pub(crate) fn weights_of(&self, error: usize) -> Vec<f64> {
         self.weights[error].iter().map(|weight| f64::from(*weight) * self.units[error]).collect()
     }
 

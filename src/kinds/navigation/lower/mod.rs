@@ -9,6 +9,8 @@
 //! Words, weights and headroom: `docs/numerics.md`, "Errors of a navigator".
 
 pub mod closed;
+pub(crate) mod physical_oracle;
+pub(crate) mod representation;
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::navigation::{self, INCREMENT_BITS, WEIGHT_BITS};
@@ -24,6 +26,7 @@ use crate::kinds::allan::lower::model::DEVIATIONS;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::navigation::Navigation;
+use crate::kinds::navigation::lower::representation::Deviation;
 use crate::kinds::navigation::point::Point;
 use crate::kinds::plan::identity;
 use crate::noise::Noise;
@@ -60,6 +63,8 @@ pub struct LoweredGyro {
     pub units: Vec<f64>,
     /// The random parts as given by the words, in LSB and samples.
     pub(crate) noise: crate::theory::navigation::covariance::Noise,
+    /// Bounds of their deviation from those of the inputs.
+    pub(crate) deviation: Deviation,
     /// The weights as whole numbers, by errors.
     pub(crate) weights: Vec<Vec<i32>>,
 }
@@ -161,10 +166,9 @@ impl At<'_> {
             key,
         })
         .map_err(of_navigation)?;
-        let recipe = records.recipe();
-        check_increments(records.fixed(), recipe)?;
+        let own = Recipe { levels: vec![], ..records.recipe().clone() };
+        check_increments(records.fixed(), &own)?;
         let units: Vec<f64> = scales.iter().map(|scale| scale * records.lsb_arcsec()).collect();
-        let own = Recipe { levels: vec![], ..recipe.clone() };
         let navigation = navigation::Navigation::new(own, &weights)
             .unwrap_or_else(|misfit| unreachable!("lowered weights fit: {misfit}"));
         let of_weights: Vec<u32> = weights.iter().flatten().map(|weight| *weight as u32).collect();
@@ -179,6 +183,7 @@ impl At<'_> {
             address: Address { point: id, estimate, digest },
             units,
             noise: closed::noise(records.fixed()),
+            deviation: Deviation::of(records.fixed()),
             weights,
         })
     }
@@ -222,4 +227,58 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
         shown(LIMIT as f64 * fixed.lsb_arcsec)
     );
     Err(Refusal::new("noise", found, "take a shorter navigation.sample"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use crate::theory::allan::terms::Term;
+
+    #[test]
+    fn drawn_coefficients_fill_their_distributions_evenly_and_independently() {
+        const DRAWS: u32 = 4000;
+        let text = r#"
+title = "Drawn coefficients"
+kind = "navigation"
+trials = 4000
+[navigation]
+solution = "heading"
+duration = "10 min"
+draws = 64
+[noise]
+angle_random_walk = "0.05 deg/sqrt(h)"
+quantisation = "0.5 arcsec"
+[[sensitivity]]
+key = "noise.angle_random_walk"
+uniform = { from = "0.02 deg/sqrt(h)", to = "0.08 deg/sqrt(h)" }
+[[sensitivity]]
+key = "noise.quantisation"
+uniform = { from = "0 arcsec", to = "1 arcsec" }
+"#;
+        let study = Study::parse("drawn.toml", text).unwrap_or_else(|error| panic!("{error:?}"));
+        let navigation = study.asked::<Navigation>().unwrap();
+        let noises: Vec<Noise> = (0..u64::from(DRAWS))
+            .map(|set| drawn(&navigation.points[0], navigation, study.seed, set))
+            .collect();
+        // 1 deg/sqrt(h) is 60 arcsec/sqrt(s).
+        let levels = [(Term::AngleRandomWalk, 0.02 * 60.0, 0.06 * 60.0), (Term::Quantisation, 0.0, 1.0)].map(
+            |(term, from, width)| {
+                noises.iter().map(|noise| (noise.of(term)[0] - from) / width).collect::<Vec<f64>>()
+            },
+        );
+        let n = f64::from(DRAWS);
+        for levels in &levels {
+            let mut sorted = levels.clone();
+            sorted.sort_unstable_by(f64::total_cmp);
+            // Kolmogorov: beyond 1.95/√n in one of 1000 cases.
+            let apart = sorted.iter().enumerate().map(|(k, level)| (level - (k as f64 + 0.5) / n).abs());
+            let apart = apart.fold(0.0, f64::max);
+            assert!(apart < 1.95 / n.sqrt(), "{apart}");
+            let next: f64 = levels.windows(2).map(|pair| (pair[0] - 0.5) * (pair[1] - 0.5)).sum();
+            assert!((12.0 * next / n.sqrt()).abs() < 4.0, "sets are correlated: {next}");
+        }
+        let product: f64 = levels[0].iter().zip(&levels[1]).map(|(a, b)| (a - 0.5) * (b - 0.5)).sum();
+        assert!((12.0 * product / n.sqrt()).abs() < 4.0, "coefficients are correlated: {product}");
+    }
 }

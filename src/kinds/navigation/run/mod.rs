@@ -12,6 +12,7 @@ use crate::kernel::rows::Rows;
 use crate::key::refusal::Refusal;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
+use crate::kinds::navigation::lower::physical_oracle::PhysicalOracle;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
 use crate::kinds::navigation::run::claim::Claim;
 use crate::kinds::navigation::run::sizes::Sizes;
@@ -113,7 +114,7 @@ impl<'a> Plan<'a> {
         let quantities = Quantity::of(self.navigation.solution);
         let of_point = &self.navigation.points[point];
         let Some(store) = store else {
-            return Ok(Row { point: of_point, trials: 0, sizes: vec![], claim: None });
+            return Ok(Row { point: of_point, trials: 0, sizes: vec![], claim: None, representation: None });
         };
         let lowered = self.lowered(point)?;
         let errors = sampled(&lowered, store)?;
@@ -128,7 +129,15 @@ impl<'a> Plan<'a> {
         // A filter keeps the heading, which is its only error.
         let claim = |sigma| Claim::of(sigma, &sizes[0], &lowered.distributions(&[0]), &errors);
         let claim = of_point.inputs.claimed().map(claim);
-        Ok(Row { point: of_point, trials: (errors.len() / lowered.errors.len()) as u64, sizes, claim })
+        let physical = PhysicalOracle::new(of_point, self.navigation, self.study.seed);
+        let of_quantity = |(quantity, sizes): (&Quantity, &Sizes)| {
+            lowered.representation(quantity.errors(), sizes.closed_rms, &physical)
+        };
+        let found = quantities.iter().zip(&sizes).map(of_quantity).collect::<Result<Vec<_>, Refusal>>()?;
+        let larger = |most: f64, one: f64| if one.abs() > most.abs() { one } else { most };
+        let representation = found.into_iter().flatten().reduce(larger);
+        let trials = (errors.len() / lowered.errors.len()) as u64;
+        Ok(Row { point: of_point, trials, sizes, claim, representation })
     }
 }
 
