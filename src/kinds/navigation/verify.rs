@@ -156,6 +156,7 @@ mod tests {
             ("sine", shaped(Term::Sine, 0.01, 0.001_3)),
             ("ramp", beside_ramp),
             ("warm-up", shaped(Term::WarmUp, 0.03, 200.0)),
+            ("a warm-up longer than the record", shaped(Term::WarmUp, 0.03, 1e5)),
             ("sawtooth", switched(Switching { magnetic: 0.7, warm_up_s: Some(150.0), ..none })),
             ("steady sawtooth", switched(Switching { initial_magnetic: 0.02, ..none })),
             ("residual", switched(Switching { residual: 10.0, ..none })),

@@ -23,7 +23,7 @@ pub use crate::kinds::allan::lower::oracle::Oracle;
 use crate::kernel::allan;
 use crate::kernel::recipe::{Level, Recipe};
 use crate::kinds::allan::lower::fixed::Fixed;
-use crate::kinds::allan::lower::model::Model;
+use crate::kinds::allan::lower::model::{Model, WarmUp};
 use crate::kinds::gap_fill::lower::words_of;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator};
@@ -91,6 +91,8 @@ pub struct Records {
     fixed: Fixed,
     /// Whether a ramp, a warm-up or an alternating drift is present.
     curved: bool,
+    /// Rate that the angles common to all records lack: that of warm-ups longer than the record, LSB per sample.
+    lacking_rate: f64,
     ms: Vec<u64>,
     terms: Vec<u64>,
     /// Place of each averaging factor in the sums of the kernel.
@@ -142,12 +144,17 @@ impl Records {
             },
             levels,
         };
+        let lacking_rate = match fixed.pulse {
+            Some(_) => 0.0,
+            None => model.unfinished().map(WarmUp::rate).sum::<f64>() / fixed.lsb_arcsec,
+        };
         Ok(Records {
             recipe,
             estimator,
             sample_s: asked.process.sample_s,
             fixed,
             curved: model.is_curved(),
+            lacking_rate,
             ms: ms.to_vec(),
             terms,
             places,
@@ -157,6 +164,11 @@ impl Records {
     /// The recipe for the kernel.
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
+    }
+
+    /// Rate that the angles common to all records lack because it affects no difference, LSB per sample.
+    pub(crate) fn lacking_rate(&self) -> f64 {
+        self.lacking_rate
     }
 
     /// The words of the noise.

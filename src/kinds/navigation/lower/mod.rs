@@ -12,6 +12,8 @@ pub mod closed;
 pub(crate) mod physical_oracle;
 pub(crate) mod representation;
 
+use std::sync::Arc;
+
 use crate::kernel::moments::LIMIT;
 use crate::kernel::navigation::{self, INCREMENT_BITS, WEIGHT_BITS};
 use crate::kernel::philox::{philox, schedule};
@@ -166,7 +168,7 @@ impl At<'_> {
             key,
         })
         .map_err(of_navigation)?;
-        let own = Recipe { levels: vec![], ..records.recipe().clone() };
+        let own = Recipe { levels: vec![], drift: with_rate(&records), ..records.recipe().clone() };
         check_increments(records.fixed(), &own)?;
         let units: Vec<f64> = scales.iter().map(|scale| scale * records.lsb_arcsec()).collect();
         let navigation = navigation::Navigation::new(own, &weights)
@@ -175,6 +177,8 @@ impl At<'_> {
         let mut words = vec![navigation::VERSION];
         words.extend(words_of_id(&records.digest()));
         words.extend(units.iter().flat_map(|unit| words_of(*unit)));
+        // Records without such a warm-up keep their earlier identity.
+        words.extend(Some(records.lacking_rate()).filter(|rate| *rate != 0.0).into_iter().flat_map(words_of));
         words.extend(&of_weights);
         let (digest, estimate) = (Id::of_words(words), Id::of_words(of_weights));
         Ok(LoweredGyro {
@@ -187,6 +191,17 @@ impl At<'_> {
             weights,
         })
     }
+}
+
+/// The angles common to all records, with the initial rate of warm-ups longer than the record, which affects no Allan
+/// variance but every error of a navigator.
+fn with_rate(records: &Records) -> Arc<[u32]> {
+    let (drift, rate) = (&records.recipe().drift, records.lacking_rate());
+    if rate == 0.0 {
+        return Arc::clone(drift);
+    }
+    let turned = |k: usize| libm::round(rate * k as f64) as i64 as u32;
+    drift.iter().enumerate().map(|(k, angle)| angle.wrapping_add(turned(k))).collect()
 }
 
 /// A refusal that names the keys of this kind instead of those of records.
