@@ -66,12 +66,13 @@ impl PhysicalRun<'_> {
     fn mean_square(&self, switch: &Switch, time_s: f64, acting_s: f64) -> f64 {
         let RunPoint { drift, schedule, .. } = self.point;
         let sign = if self.study.first_mode == FirstMode::Negative { -1.0 } else { 1.0 };
-        let whole = libm::floor(time_s / schedule.interval_s + WHOLE).min((self.drifted.len() - 1) as f64);
+        let intervals = time_s / schedule.interval_s;
+        // Before the time: a switch at the time itself comes after it.
+        let switches = (libm::ceil(intervals * (1.0 - WHOLE)) - 1.0).max(0.0);
+        let whole = libm::floor(intervals * (1.0 + WHOLE)).min((self.drifted.len() - 1) as f64);
         let rest_s = (time_s - whole * schedule.interval_s).max(0.0);
         let Drifted { magnetic, initial } = self.interval(whole as usize, rest_s);
         let held = sign * (drift.magnetic * magnetic + drift.initial_magnetic * initial);
-        // Before the time: a switch at the time itself comes after it.
-        let switches = (libm::ceil(time_s / schedule.interval_s - WHOLE) - 1.0).max(0.0);
         let mut mean = drift.non_magnetic * acting_s + switches * switch.mean;
         let mut variance =
             switches * switch.variance + drift.angle_random_walk * drift.angle_random_walk * time_s;
