@@ -123,14 +123,50 @@ pub fn hour_launches() -> Vec<Launch> {
 }
 
 fn launches(tables: &[&str]) -> Vec<Launch> {
+    let of_filled = lowered(tables).fillers.into_iter().flat_map(|filled| filled.launches());
+    of_filled.map(|(launch, _)| launch).collect()
+}
+
+/// The only point of a study that consists of these tables.
+fn lowered(tables: &[&str]) -> LoweredRun {
     let text = format!("title = \"identity\"\nkind = \"switched-run\"\n{}", tables.concat());
     let study = match Study::parse("identity", &text) {
         Ok(study) => study,
         Err(error) => panic!("{}", error.render(false, 100)),
     };
-    let Some(runs) = study.asked::<SwitchedRun>() else { return vec![] };
+    let runs = study.asked::<SwitchedRun>().expect("a study of whole runs");
     let lowered = LoweredRun::new(&runs.points[0], runs, study.seed, study.streams);
-    let lowered = lowered.unwrap_or_else(|error| panic!("a named run does not lower: {error}"));
-    let of_filled = lowered.fillers.iter().flat_map(|filled| filled.launches());
-    of_filled.map(|(launch, _)| launch).collect()
+    lowered.unwrap_or_else(|error| panic!("a named run does not lower: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lowering refuses a run whose words do not stand for its inputs.
+    #[test]
+    fn every_closed_form_of_a_run_is_that_of_its_inputs_within_rounding() {
+        let times = "[run]\nduration = \"301 s\"\ntimes = [\"1 s\", \"100 s\"]\n";
+        let walk = "angle_random_walk = \"0.3 deg/sqrt(h)\"\n[switching]\ninterval = \"13 s\"\n";
+        let pulses =
+            FILLED.replace("[motion]", "readout_lsb = \"2 arcsec\"\n[motion]\nrate = \"31 arcsec/s\"");
+        let switched =
+            "[switching]\ninterval = \"3 s\"\ngap_ticks = 5\nfillers = [\"const\", \"quadratic\"]\n";
+        let more: [&[&str]; 3] = [
+            &["[drift]\n", walk, times],
+            &["[drift]\ninitial_magnetic_spread = \"2 arcsec/s\"\n[switching]\ninterval = \"7 s\"\n", times],
+            &[&pulses, switched, "[run]\nduration = \"60 s\"\n"],
+        ];
+        let (mut compared, mut largest) = (0, 0.0_f64);
+        for tables in RUNS.iter().map(|(_, tables)| *tables).chain(more) {
+            let filled = lowered(tables).fillers;
+            for part in
+                filled.iter().flat_map(|filled| &filled.estimates).filter_map(|own| own.representation)
+            {
+                compared += 1;
+                largest = largest.max(part.abs());
+            }
+        }
+        assert!(compared > 20 && largest > 1e-12 && largest < 1e-3, "{compared}: {largest:e}");
+    }
 }
