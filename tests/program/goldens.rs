@@ -118,6 +118,6 @@ fn a_record_in_straight_lines_has_a_golden_table_of_its_own() {
     std::fs::copy(studies.join(record), folder.path().join(record)).unwrap();
     let study = folder.path().join("recorded_profile.toml");
     std::fs::write(&study, lines).unwrap();
-    let expected = "bd2adc68d93200624f80a84374dbe7bd6ba13fc9f4f26a47f235aaab228b06aa";
+    let expected = "fc2e9637e7e64891a57d6277973c510edca102b225ce8f335d1d47c17e76b8eb";
     assert_eq!(digests(&study).1["recorded_profile/points.csv"], expected);
 }

@@ -79,7 +79,8 @@ impl Proof {
             bin_base,
             unit_arcsec,
             oracle,
-            representation: found::representation(oracle.rms, physical_rms),
+            representation: found::representation(oracle.rms, physical_rms)
+                .filter(|_| !oracle.is_below_resolution()),
             estimate: address.estimate,
             digest: address.digest,
         })
