@@ -103,10 +103,11 @@ pub enum Gaussian {
     },
 }
 
-/// What is expensive of Gaussian motion of unit size: its rows by tick, gap and ticks on either side, and its covariance
-/// by tick and number of lags. The two come from quadratures of their own, so that one is a check of the other.
+/// What is expensive of Gaussian motion of unit size: its rows by tick, gap and ticks on either side, for sampling, and its
+/// structure by tick and number of lags, for oracles. The two come from quadratures of their own, so that the oracle
+/// checks the rows.
 static ROWS: Memo<(Gaussian, f64, u32, usize), Arc<TickRows>> = Memo::new(64);
-static COVARIANCES: Memo<(Gaussian, f64, usize), Arc<[Double]>> = Memo::new(128);
+static STRUCTURES: Memo<(Gaussian, f64, usize), Arc<[Double]>> = Memo::new(128);
 
 /// The largest distance of two ticks round a gap that fillers can read, s.
 fn longest_s(tick_s: f64, gap_ticks: u32) -> f64 {
@@ -140,9 +141,9 @@ impl Profile {
     /// The angles of the ticks from which fillers are designed, ″.
     pub fn design_ticks(&self, tick_s: f64) -> Vec<f64> {
         let mut ticks = self.tick_angles(tick_s);
-        if let (_, before @ 1..) = self.replayed(tick_s) {
-            ticks.truncate(before);
-        }
+        // As many as are replayed, so that there is a place for the gap: of an odd number both halves have the middle one.
+        let (replayed, _) = self.replayed(tick_s);
+        ticks.truncate(replayed);
         ticks
     }
 
@@ -241,15 +242,15 @@ impl Gaussian {
         rows.as_ref().clone().scaled(size)
     }
 
-    /// Covariance of the angles at the ends of ticks, ″², at distances of 0 … `lags` − 1 ticks, and the factor that
-    /// remains to be applied to it.
-    pub(crate) fn covariance(&self, tick_s: f64, lags: usize) -> (Arc<[Double]>, f64) {
+    /// The [structure](lines::structure) of the angles at the ends of ticks, ″², at distances of 0 … `lags` − 1 ticks, and
+    /// the factor that remains to be applied to it.
+    pub(crate) fn structure(&self, tick_s: f64, lags: usize) -> (Arc<[Double]>, f64) {
         let (unit, size) = self.unit();
-        let covariance = COVARIANCES.get((unit.clone(), tick_s, lags), || {
+        let structure = STRUCTURES.get((unit.clone(), tick_s, lags), || {
             let lines = unit.lines(lags as f64 * tick_s, Rule::Panels);
-            lines::covariance(&lines::of_angles(&lines, tick_s), lags).into()
+            lines::structure(&lines::of_angles(&lines, tick_s), lags).into()
         });
-        (covariance, size * size)
+        (structure, size * size)
     }
 
     /// This motion without its size, and the factor of its angles: what a sweep of its size leaves as it is.

@@ -16,12 +16,13 @@ pub(crate) const LEVEL_UPPER: &str =
 pub(crate) const Z: &str = "Deviation of `rms` from `oracle_rms` in standard errors; beyond ±5 something is wrong. Blank without a closed form.";
 
 pub(crate) const REPRESENTATION: &str = "Relative difference of `oracle_rms`, that of the integers that are sampled, from the closed form of the inputs, \
-     which shares no computed number with them. What exceeds the proven bound of rounding is refused. Blank without a closed form.";
+     which shares no computed number with them. What exceeds the proven bound of rounding is refused. Blank without a closed form, and where rounding explains the whole value.";
 
-/// The relative difference of two closed forms: of what is sampled, and of the inputs.
-pub(crate) fn representation(sampled: Option<f64>, inputs: Option<f64>) -> Option<f64> {
+/// The relative difference of two closed forms: of what is sampled, and of the inputs; `None` for values that rounding
+/// explains altogether.
+pub(crate) fn representation(sampled: Option<f64>, inputs: Option<f64>, rounding: f64) -> Option<f64> {
     let (sampled, inputs) = (sampled?, inputs?);
-    if sampled == inputs { Some(0.0) } else { (inputs != 0.0).then(|| sampled / inputs - 1.0) }
+    (inputs.abs() > rounding).then(|| sampled / inputs - 1.0)
 }
 
 /// Checks that closed forms of the sampled integers and of the inputs, ″, differ by no more than the rounding of words.

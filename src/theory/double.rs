@@ -1,7 +1,8 @@
 //! Numbers of twice the precision of `f64`, for sums whose terms cancel.
 //!
 //! A number is the unevaluated sum of two `f64`. Sums and products are those of Dekker (1971) and Knuth, without fused
-//! operations, so the bits are the same on every machine. Relative errors are below 2^−100.
+//! operations, so the bits are the same on every machine. A sum is wrong by at most 2^−103 of its
+//! larger term, a product by 2^−102 of itself, unless numbers underflow.
 
 use core::ops::{Add, Mul, Sub};
 

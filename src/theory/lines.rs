@@ -64,6 +64,27 @@ pub fn covariance(lines: &[TickLine], lags: usize) -> Vec<Double> {
     sums
 }
 
+/// Half the mean square by which angles differ, ″², at distances of 0 … `lags` − 1 ticks: their variance less their
+/// covariance, without the cancellation of the two at low frequencies.
+pub fn structure(lines: &[TickLine], lags: usize) -> Vec<Double> {
+    let mut sums = vec![Double::default(); lags];
+    for line in lines {
+        let from_whole = line.nu_t - libm::round(line.nu_t);
+        let chord = 2.0 * libm::sin(core::f64::consts::PI * from_whole);
+        let curvature = Double::product(chord, chord);
+        let variance = Double::product(line.rms, line.rms);
+        // 1 − cos 2πν·lag·T, whose second difference is 4 sin²πνT (1 − itself).
+        let mut now = Double::default();
+        let mut change = Double::default() - curvature * Double::from(0.5);
+        for sum in &mut sums {
+            *sum = *sum + variance * now;
+            change = change + curvature * (Double::from(1.0) - now);
+            now = now + change;
+        }
+    }
+    sums
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +97,24 @@ mod tests {
                 let expected = 9.0 * libm::cos(core::f64::consts::TAU * nu_t * lag as f64);
                 assert!((found.value() - expected).abs() < 1e-10, "{nu_t}, {lag}: {found:?}, not {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn the_structure_is_the_variance_less_the_covariance_even_where_these_are_equal_to_rounding() {
+        for nu_t in [0.013, 0.1, 0.25, 0.499, 1.3] {
+            let lines = [TickLine { nu_t, rms: 3.0 }];
+            let all = covariance(&lines, 100);
+            for (lag, found) in structure(&lines, 100).into_iter().enumerate() {
+                let expected = (all[0] - all[lag]).value();
+                assert!((found.value() - expected).abs() < 1e-13, "{nu_t}, {lag}: {found:?}, not {expected}");
+            }
+        }
+        let slow = structure(&[TickLine { nu_t: 5e-12, rms: 1e10 }], 10);
+        for (lag, found) in slow.into_iter().enumerate() {
+            let half_turn = core::f64::consts::PI * 5e-12 * lag as f64;
+            let expected = 2e20 * half_turn * half_turn;
+            assert!((found.value() - expected).abs() <= 1e-14 * expected, "{lag}: {found:?}, not {expected}");
         }
     }
 

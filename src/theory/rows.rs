@@ -2,8 +2,8 @@
 //! row times independent numbers of variance 1.
 //!
 //! The covariance matrix of many ticks of a narrow band is singular in 53 bits, and a factor computed from it is wrong by
-//! orders of magnitude in the differences that matter: the errors of fillers. So it is never formed. The rows of a
-//! spectrum consist of its lines, and orthogonal transformations, which lose nothing, shorten them to a triangle.
+//! orders of magnitude in the differences that matter: the errors of fillers. So that of a spectrum is never formed. Its
+//! rows consist of its lines, and orthogonal transformations, which lose nothing, shorten them to a triangle.
 
 use crate::theory::gap::tick_phase;
 use crate::theory::lines::TickLine;
@@ -153,7 +153,7 @@ impl TickRows {
     }
 }
 
-/// The sum of products, in a fixed order of four partial sums.
+/// The sum of products, in a fixed order of four partial sums; `b` has at least as many numbers as `a`.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (fours, rest) = a.as_chunks::<4>();
     let (others, other_rest) = b[..a.len()].as_chunks::<4>();

@@ -45,7 +45,7 @@ impl Records {
             let help = "this is a fault of the program: please report the study";
             return Err(Refusal::new("noise", found, help));
         }
-        Ok(found::representation(Some(words), Some(inputs.value)))
+        Ok(found::representation(Some(words), Some(inputs.value), most))
     }
 
     /// Bound of the deviation of the mean square at `m` except that of the readout, where the mean square of what all
@@ -106,7 +106,9 @@ impl Records {
         let between = fixed.simple_deviation() * libm::sqrt(of_noise(&noise))
             + libm::sqrt(of_noise(&fixed.deviation()))
             + of_sine
-            + 0.5 * samples / TURN;
+            + 0.5 * samples / TURN
+            // Both sides take the angle between two readings in f64.
+            + 32.0 * f64::EPSILON * libm::fabs(fixed.rate.cast_signed() as f64 / TURN) * samples;
         // Both are that near to white noise.
         let white = 2.0 * quantiser::white_error(pulse, &fixed.less().simple(), difference, m);
         libm::fmin(0.5 * pairs * pulse * between, white)

@@ -120,7 +120,8 @@ impl Estimate {
         let (shift, unit) = (shift as u32, libm::exp2(shift));
         let unit_arcsec = fixed.lsb_arcsec / scale * unit;
         let rounding = (rounding / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec;
-        // Noise of several units makes the rounding of each reading independent and uniform; that of the gap has none.
+        // Noise of several units makes the rounding of each reading independent and uniform. The angle over the gap has no
+        // noise, so its rounding counts in full.
         let resolution = if sigma > 1.0 {
             let readings = whole.noise_gain() / libm::sqrt(12.0);
             libm::hypot(readings / unit, 0.5 * scale / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec
@@ -132,7 +133,9 @@ impl Estimate {
         let known = error != Error::InGap || fixed.gap_ticks == 1;
         let quantised = fractions.variance(whole);
         let rms_with = |more: f64| {
-            libm::sqrt(response.mean * response.mean + response.variance + noise * noise + more) / unit
+            let square = response.mean * response.mean + response.variance + noise * noise + more;
+            // A variance of pulses that vanishes may come out below 0.
+            libm::sqrt(square.max(0.0)) / unit
         };
         let oracle = Oracle {
             rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),

@@ -278,16 +278,16 @@ mod tests {
             let [low_hz, high_hz] = band;
             let motion = Gaussian::Band { rms: 12_000.0, band: Band { low_hz, high_hz } };
             let factor = factor(&motion.tick_rows(0.005, gap_ticks, sides), gap_ticks, sides, lsb);
-            let (covariance, scale) = motion.covariance(0.005, 64);
+            let (structure, scale) = motion.structure(0.005, 64);
             let all: Vec<i32> = ticks(gap_ticks, sides).collect();
             let unit = lsb / SIGMA_UNITS;
             for (i, j) in (0..all.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
                 let product: f64 =
                     factor[i].iter().zip(&factor[j]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
-                // The covariance of differences of angles is the second difference of theirs.
+                // The covariance of differences of angles is the second difference of their structure.
                 let lag = all[i].abs_diff(all[j]) as usize;
                 let second =
-                    covariance[lag] + covariance[lag] - covariance[lag + 1] - covariance[lag.abs_diff(1)];
+                    structure[lag + 1] + structure[lag.abs_diff(1)] - structure[lag] - structure[lag];
                 let (found, expected) = (product * unit * unit, second.value() * scale);
                 // Each word is rounded by half its unit.
                 let tolerance = unit * 60.0 * libm::sqrt((i + 1) as f64);

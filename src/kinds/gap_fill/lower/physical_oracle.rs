@@ -3,8 +3,9 @@
 //! The error of a filler is a sum E = Σ g_b θ_b over the angles at the ends of the ticks, with g_b = w_b − w_{b+1} for
 //! weights w on the ticks and −1 on those of the gap. What the kernel takes, angles of ticks in units, rows of Gaussian
 //! motion, phases at the middles of ticks, does not occur: sines are integrated to the ends of the ticks, and the
-//! variance of random motion is Σ r_l C(l), where r is the autocorrelation of g in exact integers and C the covariance of
-//! the angle in twice the precision of `f64`, because nearly all of it cancels.
+//! variance of random motion is −Σ r_l D(l), where r is the autocorrelation of g in exact integers and D the variance of
+//! the angle less its covariance, in twice the precision of `f64` because nearly all of it cancels. Shared with the
+//! kernel are the weights, which are the filler, and the angles of the ticks of a record before they are rounded.
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 use std::collections::{BTreeMap, HashMap};
@@ -22,7 +23,7 @@ use crate::theory::quadrature::Rule;
 /// The physical oracle of a point.
 pub(crate) struct PhysicalOracle<'a> {
     inputs: &'a Inputs,
-    /// Covariance of the angles of sines of random phase by distance in ticks, ″².
+    /// [Structure](lines::structure) of the angles of sines of random phase by distance in ticks, ″².
     sines: Vec<Double>,
     /// That of other motion of no mean.
     others: Vec<Double>,
@@ -78,10 +79,10 @@ impl Boundaries {
         self.factors.iter().enumerate().map(at).sum::<f64>() / self.denominator
     }
 
-    /// Σ r_l C(l) with r the autocorrelation of g.
-    fn variance(&self, covariance: &[Double]) -> f64 {
-        let terms = self.products.iter().zip(covariance).filter(|(product, _)| **product != 0);
-        let sum = terms.fold(Double::default(), |sum, (product, c)| sum + Double::from(*product) * *c);
+    /// −Σ r_l D(l) with r the autocorrelation of g, whose sum is 0.
+    fn variance(&self, structure: &[Double]) -> f64 {
+        let terms = self.products.iter().zip(structure).filter(|(product, _)| **product != 0);
+        let sum = terms.fold(Double::default(), |sum, (product, d)| sum - Double::from(*product) * *d);
         sum.value() / (self.denominator * self.denominator)
     }
 }
@@ -103,12 +104,12 @@ impl PhysicalOracle<'_> {
             let of_angles = lines::of_angles(&tone.lines(span as f64 * tick_s, Rule::Panels), *tick_s);
             add(
                 if is_sine(tone) { &mut sines } else { &mut others },
-                &lines::covariance(&of_angles, span + 1),
+                &lines::structure(&of_angles, span + 1),
                 1.0,
             );
         }
         if let Some(gaussian) = &motion.gaussian {
-            let (part, factor) = gaussian.covariance(*tick_s, span + 1);
+            let (part, factor) = gaussian.structure(*tick_s, span + 1);
             add(&mut others, &part, factor);
         }
         PhysicalOracle { inputs, sines, others, sides }
@@ -121,7 +122,8 @@ impl PhysicalOracle<'_> {
         }
         let boundaries = self.boundaries(rows);
         let [mean, variance] = self.moments(rows, boundaries)?;
-        Some(libm::sqrt(mean * mean + variance + boundaries.variance(&self.sines).max(0.0)))
+        let square = mean * mean + variance + boundaries.variance(&self.sines).max(0.0);
+        Some(libm::sqrt(square.max(0.0)))
     }
 
     /// The error at a switch; `None` where it has no closed form.
@@ -217,7 +219,7 @@ impl PhysicalOracle<'_> {
             for (j, &(to, h)) in factors.iter().enumerate().skip(i + 1) {
                 let (lag, constant) = ((to - from) as usize, angles[j] - angles[i]);
                 let compute = || {
-                    let moved = (self.others[0] - self.others[lag]).value() * 2.0;
+                    let moved = 2.0 * self.others[lag].value();
                     let swing = |tone: &Tone| {
                         let nu = tone.band().low_hz;
                         let length = turned(nu, FRAC_PI_2, 0.5 * lag as f64 * tick_s) * 2.0;
@@ -266,6 +268,10 @@ impl PhysicalOracle<'_> {
 /// Covariance of the fractions of a pulse at two ends of an angle that is a constant, a normal number of this variance and
 /// sines of random phase of these amplitudes: q²/2π² Σ E cos(2πm d/q)/m².
 fn fractions(pulse: f64, constant: f64, variance: f64, swings: &[f64]) -> f64 {
+    if variance == 0.0 && swings.is_empty() {
+        let part = constant / pulse - libm::floor(constant / pulse);
+        return pulse * pulse * (1.0 / 12.0 - 0.5 * part * (1.0 - part));
+    }
     let mut sum = 0.0;
     for m in (1..=4096).map(f64::from) {
         let k = TAU * m / pulse;
@@ -336,7 +342,20 @@ mod tests {
             own.inputs.readout_lsb = 1.0;
         });
         let (mut compared, mut largest) = (0, 0.0_f64);
-        for configuration in configurations().into_iter().chain([pulses]) {
+        let exact = [0.0, 100.0, 200.0, 333.0].map(|rate| {
+            Configuration::new("pulses without noise", |own| {
+                own.inputs.motion = Motion { rate, ..Motion::default() };
+                own.inputs.tick_noise = TickNoise::Std(0.0);
+                own.inputs.readout_lsb = 1.0;
+            })
+        });
+        let slow = [1e-9, 1e-6, 1e-3].map(|frequency_hz| {
+            Configuration::new("slow", |own| {
+                own.inputs.motion = Motion::of_tone(Tone::of_rate(12000.0, frequency_hz));
+                own.inputs.tick_noise = TickNoise::Std(0.001);
+            })
+        });
+        for configuration in configurations().into_iter().chain([pulses]).chain(exact).chain(slow) {
             let point = configuration.point();
             let lowered = configuration.lowered();
             let physical = PhysicalOracle::new(&point.inputs, point.sides());

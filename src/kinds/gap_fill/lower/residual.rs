@@ -62,7 +62,7 @@ impl Lowered {
         let fractions = readout::variance(fixed, f);
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
         // Differences of equal numbers may come out below 0.
-        let normal = variance.max(0.0) + sigma * sigma + fractions;
+        let normal = (variance.max(0.0) + sigma * sigma + fractions).max(0.0);
         let weight = |tick: i32| {
             let place = f.ticks.iter().position(|&own| own == tick);
             place.map_or(0.0, |place| f.weights[place] as f64 / f.scale as f64)

@@ -167,7 +167,7 @@ impl Rows {
 const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 
 /// Second-order statistics of a point, from which minimum-variance fillers are designed. Those of a long record are
-/// expensive, so each is computed on first use, and again only for ticks farther apart.
+/// expensive, so each is computed on first use, and again for another number of ticks on a side.
 #[derive(Debug)]
 pub struct Statistics<'a> {
     inputs: &'a Inputs,

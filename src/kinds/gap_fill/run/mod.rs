@@ -71,7 +71,7 @@ impl Plan<'_> {
         let rows = if count == 1 { "row is" } else { "rows are" };
         Ok((count > 0).then(|| {
             format!(
-                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: oracle_rms is the error",
+                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is oracle_rms",
                 significant(largest, 2)
             )
         }))

@@ -61,7 +61,7 @@ impl Proof {
         estimate: &Estimate,
         physical: &PhysicalOracle,
     ) -> Result<Proof, Refusal> {
-        let Estimate { error, address, oracle, unit_arcsec, bin_base, .. } = *estimate;
+        let Estimate { error, address, mut oracle, unit_arcsec, bin_base, .. } = *estimate;
         let physical_rms = oracle.rms.and_then(|_| physical.rms(&estimate.rows, error));
         if let Some((words, inputs)) = oracle.rms.zip(physical_rms) {
             let what = format!("the {} of `{name}`", error.name());
@@ -72,6 +72,11 @@ impl Proof {
                 estimate.representation,
             )?;
         }
+        let representation = found::representation(oracle.rms, physical_rms, estimate.representation);
+        if oracle.is_below_resolution() {
+            // The words say nothing of so small an error, which the inputs do.
+            oracle.rms = physical_rms;
+        }
         Ok(Proof {
             filler: filler as u16,
             ticks: estimate.rows.ticks.len() as u16,
@@ -79,8 +84,7 @@ impl Proof {
             bin_base,
             unit_arcsec,
             oracle,
-            representation: found::representation(oracle.rms, physical_rms)
-                .filter(|_| !oracle.is_below_resolution()),
+            representation,
             estimate: address.estimate,
             digest: address.digest,
         })

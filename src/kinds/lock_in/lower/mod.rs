@@ -78,7 +78,7 @@ impl Gyros {
         if let Some((lowered, physical)) = lowered.zip(physical) {
             lowered.check(physical)?;
         }
-        let representation = found::representation(lowered.map(|lowered| lowered.walk), physical);
+        let representation = found::representation(lowered.map(|lowered| lowered.walk), physical, 0.0);
         let averaged = times.ms.iter().zip(&ms).zip(places);
         let averaged = averaged.map(|((m, &of_kernel), place)| {
             (times.sample_s * *m as f64, estimator.terms(samples, of_kernel), place)

@@ -152,6 +152,6 @@ impl Lowered {
             let help = "this is a fault of the program: please report the study";
             return Err(Refusal::new("noise", found, help));
         }
-        Ok(found::representation(Some(rms), Some(inputs)))
+        Ok(found::representation(Some(rms), Some(inputs), most))
     }
 }

@@ -104,11 +104,11 @@ impl LoweredRelock {
             Compensation::Frequency | Compensation::Detuning => (None, 0.0),
         };
         let physical = physical_oracle::left(&point.inputs, compensation, tick);
-        if let Some((words, inputs)) = oracle.zip(physical) {
-            self.check(compensation, tick, [words, inputs], &weights)?;
-        }
+        let both = oracle.zip(physical);
+        let most = both.map(|(words, inputs)| self.check(compensation, tick, [words, inputs], &weights));
+        let most = most.transpose()?.unwrap_or(0.0);
         let [of_words, of_inputs] = [oracle, physical].map(|moments| moments.map(|(_, rms)| rms));
-        let representation = found::representation(of_words, of_inputs);
+        let representation = found::representation(of_words, of_inputs, most);
         let estimate = match tick {
             Some(tick) => format!("estimate\ncompensation={}\nticks={tick}\n", compensation.name()),
             None => format!("estimate\ncompensation={}\nticks=1..={}\n", compensation.name(), self.ticks),
@@ -128,15 +128,17 @@ impl LoweredRelock {
         })
     }
 
+    /// Checks mean and rms of the words, and returns the bound, ″, of their deviation from those of the inputs.
+    ///
     /// # Errors
-    /// Mean and rms of the words differ from those of the inputs by more than the rounding of words explains.
+    /// They differ by more than the rounding of words explains.
     fn check(
         &self,
         compensation: Compensation,
         tick: Option<u32>,
         [words, inputs]: [(f64, f64); 2],
         weights: &[f64],
-    ) -> Result<(), Refusal> {
+    ) -> Result<f64, Refusal> {
         let (_, whole) = self.fixed.faked(weights);
         let of_angle = self.fixed.representation(weights, whole);
         let most = match compensation {
@@ -149,7 +151,7 @@ impl LoweredRelock {
         let apart = (words.0 - inputs.0).abs().max((words.1 - inputs.1).abs());
         // A difference that is not a number is refused.
         if apart <= most {
-            return Ok(());
+            return Ok(most);
         }
         let tick = tick.map_or("all ticks".to_owned(), |tick| format!("tick {tick}"));
         let found = format!(

@@ -155,15 +155,13 @@ impl LoweredRun {
                 let estimate = |(place, angle): (usize, RunAngle)| {
                     let oracle = fixed.oracle(angle, place);
                     let inputs = switch.as_ref().and_then(|switch| physical.rms(switch, angle));
-                    let representation = found::representation(oracle.map(|oracle| oracle.rms()), inputs);
-                    if let Some((words, inputs)) = oracle.map(|oracle| oracle.rms()).zip(inputs) {
-                        found::check_representation(
-                            "run.duration",
-                            &format!("the angle `{}` of `{definition}`", angle.name()),
-                            [words, inputs],
-                            fixed.representation(point.switches() as f64 + 1.0, of_switch),
-                        )?;
+                    let words = oracle.map(|oracle| oracle.rms());
+                    let most = fixed.representation(point.switches() as f64 + 1.0, of_switch);
+                    if let Some(both) = words.zip(inputs) {
+                        let what = format!("the angle `{}` of `{definition}`", angle.name());
+                        found::check_representation("run.duration", &what, both.into(), most)?;
                     }
+                    let representation = found::representation(words, inputs, most);
                     let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
                     let more = fixed.time_words(place).into_iter().chain([bin_base]);
                     Ok(RunEstimate {

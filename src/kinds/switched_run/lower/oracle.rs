@@ -104,9 +104,9 @@ impl Fixed {
         let each = libm::sqrt(switches) * 2.0 * 0.5 / SIGMA_UNITS + switches / libm::exp2(33.0);
         let sine = |tone: &FixedTone| {
             let times = if tone.each { libm::sqrt(switches) } else { switches };
-            // The phase advances by up to 2^−33 turns more or less at each switch.
-            let drifted = if tone.each { 0.0 } else { PI * libm::exp2(-32.0) * switches * switches };
-            (0.5 + drifted * f64::from(tone.amplitude)) / ANGLE_UNITS * times
+            // The phase advances by up to 2^−33 turns more or less at each switch, which adds up over the run.
+            let advance = if tone.each { 0.0 } else { PI * libm::exp2(-33.0) * switches * switches };
+            (0.5 * times + advance * f64::from(tone.amplitude)) / ANGLE_UNITS
         };
         let sines: f64 = self.tones.iter().map(sine).sum();
         let ends = self.ends.iter().chain(self.drawn.iter().map(|end| &end.row));
