@@ -103,7 +103,7 @@ pub enum Gaussian {
     },
 }
 
-/// What is expensive of Gaussian motion of unit size: its rows by tick, gap and ticks on either side, for sampling, and its
+/// Caches of Gaussian motion of unit size: its rows by tick, gap and ticks on either side, for sampling, and its
 /// structure by tick and number of lags, for oracles. The two come from quadratures of their own, so that the oracle
 /// checks the rows.
 static ROWS: Memo<(Gaussian, f64, u32, usize), Arc<TickRows>> = Memo::new(64);

@@ -65,7 +65,7 @@ fn rounded(y: f64, s: f64) -> f64 {
     1.0 - 6.0 * magnitude + 6.0 * (y * y + s * s)
 }
 
-/// The same mean, periodic, as a Fourier series; later terms are below 1e-15 from [`SHARP`] on.
+/// Returns the periodic mean as a Fourier series; omitted terms are below 1e-15 from [`SHARP`] on.
 fn series(y: f64, s: f64) -> f64 {
     let term = |m: f64| libm::cos(2.0 * PI * m * y) * libm::exp(-2.0 * (PI * m * s) * (PI * m * s)) / (m * m);
     6.0 / (PI * PI) * (1..=27).map(f64::from).map(term).sum::<f64>()

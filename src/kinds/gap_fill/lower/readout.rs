@@ -66,7 +66,7 @@ impl<'a> Fractions<'a> {
     }
 }
 
-/// The same variance for any motion, LSB².
+/// Returns the variance that whole pulses add to a sum for any motion, LSB².
 ///
 /// Without a closed form it is averaged over all positions of a recorded profile, or over a lattice of the drawn values
 /// of tones; the average over noise and Gaussian motion is in closed form. It is right to a relative 1e-4 for profiles

@@ -188,7 +188,7 @@ impl LoweredRun {
 struct Switched {
     definition: String,
     residual: Residual,
-    /// The same residual from the physical inputs, where it has a closed form.
+    /// The residual computed from the physical inputs; absent where it has no closed form.
     physical: Option<Switch>,
     /// Bound of the rms of the difference of the two, ″.
     representation: f64,

@@ -17,9 +17,9 @@ const WHOLE: f64 = 1e-9;
 /// What the drift does up to a time, ″ for each unit of its parts.
 #[derive(Debug, Clone, Copy, Default)]
 struct Drifted {
-    /// Of A.
+    /// The angle caused by A, ″ per ″/s.
     magnetic: f64,
-    /// Of Ω_m0.
+    /// The angle caused by Ω_m0, ″ per ″/s.
     initial: f64,
 }
 
