@@ -131,6 +131,8 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
         ("noise.markov", of(&[markov, Part::markov(2.0, 1.0)])),
         ("noise.markov", of(&[Part::markov(1.0, 0.0)])),
         ("noise.markov", of(&[Part::markov(1.0, 1e6)])),
+        // What it loses in a sample has not even one unit.
+        ("noise.markov", of(&[Part::markov(1.0, 1e9), white])),
         ("noise.markov", of(&[Part::markov(1e-9, 1.0), walk])),
         ("noise.sine", of(&[sine(1.0), sine(2.0)])),
         ("noise.sine", of(&[sine(0.0)])),

@@ -1,7 +1,7 @@
 //! Check that every part of a noise model has enough units in its words.
 
 use crate::key::refusal::{Refusal, shown};
-use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN};
+use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN, loss};
 use crate::kinds::allan::lower::model::{Markov, Model, Sine};
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Difference;
@@ -12,6 +12,18 @@ const LEAST_UNITS: f64 = 50.0;
 const LEAST_TREND: f64 = 128.0;
 /// Fewest units of 2^−32 turns by which the phase of a sine advances in a sample.
 const LEAST_TURN: f64 = 64.0;
+
+/// Refuses a correlation so long that what the rate loses in a sample has too few units, whatever the unit of angle.
+pub(crate) fn check_decay(markov: Option<Markov>) -> Result<(), Refusal> {
+    let Some(Markov { decay, .. }) = markov.filter(|markov| loss(markov.decay) < LEAST_UNITS) else {
+        return Ok(());
+    };
+    let found = format!(
+        "a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
+        shown(1.0 / decay)
+    );
+    Err(Refusal::new("noise.markov", found, "take a rate random walk in its place"))
+}
 
 impl Fixed {
     /// Refuses the first part that is too small next to `whole`, the largest difference of the angle, ″. The message states their
@@ -40,14 +52,7 @@ impl Fixed {
             sigma(key, what, found, word)?;
         }
         sigma("noise.rate_random_walk", "a step of the rate", noise.walk, self.walk)?;
-        if let (Some(Markov { sigma: found, decay }), Some([loss, step, _])) = (noise.markov, self.markov) {
-            if f64::from(loss) < LEAST_UNITS {
-                let found = format!(
-                    "a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
-                    shown(1.0 / decay)
-                );
-                return Err(Refusal::new("noise.markov", found, "take a rate random walk in its place"));
-            }
+        if let (Some(Markov { sigma: found, .. }), Some([_, step, _])) = (noise.markov, self.markov) {
             sigma("noise.markov", "Markov noise", found, step)?;
         }
         if let (Some(Sine { amplitude, turns }), Some([_, word])) = (model.sine, self.sine) {

@@ -3,6 +3,7 @@
 use crate::kernel::moments::LIMIT;
 use crate::kernel::recipe::{FOUR_STREAMS, STREAMS};
 use crate::key::refusal::{Refusal, shown};
+use crate::kinds::allan::lower::enough::check_decay;
 use crate::kinds::allan::lower::model::impossible;
 use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
 use crate::quantity::number::significant;
@@ -44,6 +45,7 @@ impl Fixed {
     /// # Errors
     /// A part has too few of these units.
     pub(crate) fn new(model: &Model) -> Result<Fixed, Refusal> {
+        check_decay(model.noise.markov)?;
         let whole = libm::fmax(model.whole(Difference::Second), model.whole(Difference::Third));
         if !whole.is_finite() {
             let what = "differences of the angle of";
@@ -98,7 +100,7 @@ impl Fixed {
         };
         let markov = noise.markov.map(|Markov { sigma, decay }| {
             // For a correlation shorter than a sample, one last unit remains.
-            let loss = libm::round(-libm::expm1(-decay) * LOSS_UNIT).min(LOSS_UNIT - 1.0);
+            let loss = loss(decay).min(LOSS_UNIT - 1.0);
             let spread = libm::sqrt(spread(loss));
             let step = libm::round(sigma * spread / rate_unit * MARKOV_UNITS);
             // Stationary with the rounded step and loss.
@@ -315,6 +317,11 @@ pub(crate) const TURN: f64 = 4_294_967_296.0;
 const LOSS_UNIT: f64 = 1_073_741_824.0;
 /// Bound of the rate in its units.
 const RATE_LIMIT: f64 = 2_147_483_648.0;
+
+/// The word of a decay: what a rate loses in a sample.
+pub(crate) fn loss(decay: f64) -> f64 {
+    libm::round(-libm::expm1(-decay) * LOSS_UNIT)
+}
 
 /// 1 − a² for a = 1 − loss.
 fn spread(loss: f64) -> f64 {
