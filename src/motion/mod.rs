@@ -235,8 +235,9 @@ impl Gaussian {
     /// Its ticks as rows, ″, with `sides` ticks on either side of a gap.
     pub fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
         let (unit, size) = self.unit();
-        let rows = ROWS.get((unit.clone(), tick_s, gap_ticks, sides), || {
-            let lines = lines::of_ticks(&unit.lines(longest_s(tick_s, gap_ticks), Rule::Sparse), tick_s);
+        let rows = ROWS.get((unit, tick_s, gap_ticks, sides), || {
+            let lines =
+                lines::of_ticks(&self.unit().0.lines(longest_s(tick_s, gap_ticks), Rule::Sparse), tick_s);
             TickRows::of_lines(&lines, gap_ticks, sides).triangular().into()
         });
         rows.as_ref().clone().scaled(size)
@@ -246,8 +247,8 @@ impl Gaussian {
     /// the factor that remains to be applied to it.
     pub(crate) fn structure(&self, tick_s: f64, lags: usize) -> (Arc<[Double]>, f64) {
         let (unit, size) = self.unit();
-        let structure = STRUCTURES.get((unit.clone(), tick_s, lags), || {
-            let lines = unit.lines(lags as f64 * tick_s, Rule::Panels);
+        let structure = STRUCTURES.get((unit, tick_s, lags), || {
+            let lines = self.unit().0.lines(lags as f64 * tick_s, Rule::Panels);
             lines::structure(&lines::of_angles(&lines, tick_s), lags).into()
         });
         (structure, size * size)

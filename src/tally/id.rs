@@ -16,8 +16,9 @@ impl Id {
 
     /// The identity of a sequence of words.
     pub fn of_words(words: impl IntoIterator<Item = u32>) -> Id {
-        let mut bytes = vec![];
-        words.into_iter().for_each(|word| bytes.extend_from_slice(&word.to_le_bytes()));
+        let words = words.into_iter();
+        let mut bytes = Vec::with_capacity(4 * words.size_hint().0);
+        words.for_each(|word| bytes.extend_from_slice(&word.to_le_bytes()));
         Id::of_bytes(&bytes)
     }
 

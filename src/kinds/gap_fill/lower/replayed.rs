@@ -34,6 +34,9 @@ struct Asked {
 /// Most responses that are kept of one replay: those of a dozen fillers at as many gaps.
 const MOST_RESPONSES: usize = 256;
 
+/// Places whose responses are summed tick by tick, so that several are computed by one instruction.
+const AT_ONCE: usize = 256;
+
 /// The angles of a replay, which is recognised by its place in memory, in units of so many ″. They have up to 16 MB each.
 static ROUNDED: Memo<Unit, Arc<Rounded>> = Memo::new(8);
 
@@ -74,11 +77,6 @@ impl Rounded {
 }
 
 impl FixedProfile {
-    /// The angle of a tick with the gap at one of the positions, LSB.
-    fn tick(&self, position: usize, tick: i32) -> i32 {
-        self.angle(position, tick).wrapping_sub(self.angle(position, tick - 1))
-    }
-
     /// The angle from the start of the gap at one of the positions to the end of a tick, LSB, wrapped.
     pub(crate) fn angle(&self, position: usize, tick: i32) -> i32 {
         let start = position + MARGIN;
@@ -103,15 +101,26 @@ impl FixedProfile {
         let (mut sum, mut square, mut terms) = (0.0, 0.0, 0.0_f64);
         let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut sizes = Vec::with_capacity(self.positions);
-        for position in 0..self.positions {
-            let tick = |tick: i32| f64::from(self.tick(position, tick));
-            let gap = f64::from(self.angle(position, f.gap));
-            let e = f.of(tick, gap);
-            sum += e;
-            square += e * e;
-            (least, greatest) = (least.min(e), greatest.max(e));
-            sizes.push((e + constant).abs());
-            terms = terms.max(f.terms_of(tick, gap));
+        let mut filled = [[0.0_f64; 2]; AT_ONCE];
+        for start in (0..self.positions).step_by(AT_ONCE) {
+            let filled = &mut filled[..AT_ONCE.min(self.positions - start)];
+            filled.fill([0.0; 2]);
+            for (&tick, &w) in f.ticks.iter().zip(f.weights) {
+                let ends = &self.rounded.angles[(start + MARGIN).wrapping_add_signed(tick as isize - 1)..];
+                for (filled, ends) in filled.iter_mut().zip(ends.windows(2)) {
+                    let x = w as f64 * f64::from(ends[1].wrapping_sub(ends[0]) as i32);
+                    *filled = [filled[0] + x, filled[1] + x.abs()];
+                }
+            }
+            for (place, [filled, size]) in filled.iter().enumerate() {
+                let gap = f.scale as f64 * f64::from(self.angle(start + place, f.gap));
+                let e = filled - gap;
+                sum += e;
+                square += e * e;
+                (least, greatest) = (least.min(e), greatest.max(e));
+                sizes.push((e + constant).abs());
+                terms = terms.max(size + gap.abs());
+            }
         }
         let count = self.positions as f64;
         let mean = sum / count;

@@ -65,17 +65,26 @@ impl Functional<'_> {
         libm::sqrt(self.weights.iter().map(|&w| w as f64 * w as f64).sum())
     }
 
-    /// Σ w x(tick) − D x(gap) of a quantity x given by tick and by length of the gap.
-    pub(crate) fn of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
-        let filled: f64 = self.ticks.iter().zip(self.weights).map(|(&t, &w)| w as f64 * tick(t)).sum();
-        filled - self.scale as f64 * gap
-    }
-
-    /// Σ|w||x(tick)| + D|x(gap)|.
-    pub(crate) fn terms_of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
-        let filled: f64 =
-            self.ticks.iter().zip(self.weights).map(|(&t, &w)| w.abs() as f64 * tick(t).abs()).sum();
-        filled + self.scale as f64 * gap.abs()
+    /// Σ w x(tick) − D x(gap) of quantities x given by tick and by length of the gap, and Σ|w||x(tick)| + D|x(gap)|.
+    pub(crate) fn sums<const N: usize>(
+        &self,
+        tick: impl Fn(i32) -> [f64; N],
+        gap: [f64; N],
+    ) -> [[f64; N]; 2] {
+        let (mut filled, mut sizes) = ([0.0; N], [0.0; N]);
+        for (&t, &w) in self.ticks.iter().zip(self.weights) {
+            let (x, w) = (tick(t), w as f64);
+            for i in 0..N {
+                filled[i] += w * x[i];
+                sizes[i] += (w * x[i]).abs();
+            }
+        }
+        let scale = self.scale as f64;
+        for i in 0..N {
+            filled[i] -= scale * gap[i];
+            sizes[i] += scale * gap[i].abs();
+        }
+        [filled, sizes]
     }
 }
 
@@ -93,8 +102,8 @@ impl Fixed {
     /// The response of the whole motion.
     pub(crate) fn response(&self, f: &Functional) -> Response {
         let lsb = |x: i64| x as f64 / CONSTANT_UNITS;
-        let constant = f.of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
-        let terms = f.terms_of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
+        let [[constant], [terms]] =
+            f.sums(|tick| [lsb(self.tick_constant(tick))], [lsb(self.gap_constant(f.gap))]);
         let (bound, largest) = (constant.abs(), Some(constant));
         let mut sum = Response { mean: constant, bound, largest, terms, ..Response::default() };
         // `largest` is the signed mean until the parts that swing about it are added at the end.
@@ -130,10 +139,10 @@ impl FixedTone {
     pub(crate) fn response(&self, f: &Functional, n: i32) -> Response {
         match self.motion {
             ToneMotion::Fixed { .. } => {
-                let tick = |tick, i: usize| f64::from(self.tick_words(tick, n)[i]) / ANGLE_UNITS;
-                let gap = self.gap_words(f.gap, n).map(|word| f64::from(word) / ANGLE_UNITS);
-                let [a, b] = [0, 1].map(|i| f.of(|t| tick(t, i), gap[i]));
-                let terms = [0, 1].map(|i| f.terms_of(|t| tick(t, i), gap[i])).iter().sum();
+                let lsb = |word: i32| f64::from(word) / ANGLE_UNITS;
+                let gap = self.gap_words(f.gap, n).map(lsb);
+                let [[a, b], terms] = f.sums(|tick| self.tick_words(tick, n).map(lsb), gap);
+                let terms = terms.iter().sum();
                 let e = self.fixed_phase(a, b);
                 let squares = [0.5 * (a * a + b * b), e, e * e];
                 self.parts(squares, [libm::hypot(a, b), e.abs()], a.abs() + b.abs(), terms)
@@ -175,10 +184,9 @@ impl FixedTone {
         let half_turn = 2.0 * PI * word / libm::exp2(32.0);
         let phase = |tick: i32| half_turn * f64::from(2 * tick - n - 1);
         let gap = |part: fn(f64) -> f64| (1..=f.gap).map(|tick| part(phase(tick))).sum::<f64>();
-        [
-            peak * f.of(|tick| libm::cos(phase(tick)), gap(libm::cos)),
-            peak * f.of(|tick| libm::sin(phase(tick)), gap(libm::sin)),
-        ]
+        let tick = |tick: i32| [libm::cos(phase(tick)), libm::sin(phase(tick))];
+        let [response, _] = f.sums(tick, [gap(libm::cos), gap(libm::sin)]);
+        response.map(|part| peak * part)
     }
 
     /// The peak angle of a tick at that frequency, LSB.
@@ -254,16 +262,21 @@ impl FixedTone {
 }
 
 fn gaussian_response(factor: &[Vec<i32>], f: &Functional, n: i32) -> Response {
-    let word = |tick: i32, i: usize| {
-        factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word) / SIGMA_UNITS)
-    };
+    let [mut filled, mut sizes, mut gap] = [0, 1, 2].map(|_| vec![0.0; factor.len()]);
+    let row = |tick: i32| factor[gaussian_place(tick, n)].iter().map(|&word| f64::from(word) / SIGMA_UNITS);
+    for (&tick, &w) in f.ticks.iter().zip(f.weights) {
+        for ((filled, size), x) in filled.iter_mut().zip(&mut sizes).zip(row(tick)) {
+            *filled += w as f64 * x;
+            *size += (w as f64 * x).abs();
+        }
+    }
+    (1..=f.gap).for_each(|tick| gap.iter_mut().zip(row(tick)).for_each(|(gap, x)| *gap += x));
     let mut sum = Response::default();
-    for i in 0..factor.len() {
-        let gap: f64 = (1..=f.gap).map(|tick| word(tick, i)).sum();
-        let r = f.of(|tick| word(tick, i), gap);
+    for ((filled, size), gap) in filled.iter().zip(&sizes).zip(&gap) {
+        let r = filled - f.scale as f64 * gap;
         sum.variance += r * r;
         sum.bound += REACH * r.abs();
-        sum.terms += REACH * f.terms_of(|tick| word(tick, i), gap);
+        sum.terms += REACH * (size + f.scale as f64 * gap.abs());
     }
     sum
 }
