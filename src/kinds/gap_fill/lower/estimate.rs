@@ -137,6 +137,12 @@ impl Estimate {
             // A variance of pulses that vanishes may come out below 0.
             libm::sqrt(square.max(0.0)) / unit
         };
+        // A variance that is wrong by so much; its root is wrong by at most the root of that.
+        let of_variance =
+            |error: f64, rms: f64| libm::sqrt(error).min(error / (2.0 * rms).max(f64::MIN_POSITIVE));
+        let of_tail = quantised.map_or(0.0, |(variance, tail)| {
+            of_variance(tail, rms_with(variance) * unit) / unit * unit_arcsec
+        });
         let oracle = Oracle {
             rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
             noise_of_square: fixed
@@ -149,11 +155,8 @@ impl Estimate {
                     libm::sqrt(4.0 * square * n + 2.0 * n * n) * unit * unit
                 }),
             max: response.largest.filter(|_| known).map(|largest| largest / unit * unit_arcsec),
-            resolution,
-            rounding: rounding
-                + quantised.map_or(0.0, |(variance, tail)| {
-                    tail / (2.0 * rms_with(variance) * unit).max(1e-9) / unit * unit_arcsec
-                }),
+            resolution: resolution + of_tail,
+            rounding: rounding + of_tail,
         };
         // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
         let about =
@@ -178,9 +181,7 @@ impl Estimate {
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
         let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);
-        // A variance that is wrong by so much; twice the rms times that of the rms is at most this.
-        let of_pulses =
-            libm::sqrt(pulses).min(pulses / (2.0 * rms_with(about) * unit).max(f64::MIN_POSITIVE));
+        let of_pulses = of_variance(pulses, rms_with(about) * unit);
         let representation = (fixed.representation(whole, &response) + of_pulses) / unit * unit_arcsec;
         Ok(Estimate { error, address, oracle, representation, unit_arcsec, bin_base, rows, shift })
     }

@@ -23,7 +23,7 @@ use crate::theory::quadrature::Rule;
 /// The physical oracle of a point.
 pub(crate) struct PhysicalOracle<'a> {
     inputs: &'a Inputs,
-    /// [Structure](lines::structure) of the angles of sines of random phase by distance in ticks, ″².
+    /// [Structure](lines::structure) of the angles of sines of random phase by distance in ticks, ″²; empty without any.
     sines: Vec<Double>,
     /// That of other motion of no mean.
     others: Vec<Double>,
@@ -47,7 +47,7 @@ pub(crate) struct Boundaries {
     /// The factors g_b of the angles at the boundaries.
     factors: Vec<i64>,
     /// The autocorrelation Σ g_b g_{b+l}, twice for l > 0.
-    products: Vec<i128>,
+    products: Vec<Double>,
     denominator: f64,
 }
 
@@ -69,6 +69,7 @@ impl Boundaries {
             products[0] += i128::from(a) * i128::from(a);
             others().skip(at + 1).for_each(|(j, &b)| products[j - i] += 2 * i128::from(a) * i128::from(b));
         }
+        let products = products.into_iter().map(Double::from).collect();
         Boundaries { first, factors, products, denominator: rows.denominator as f64 }
     }
 
@@ -81,8 +82,8 @@ impl Boundaries {
 
     /// −Σ r_l D(l) with r the autocorrelation of g, whose sum is 0.
     fn variance(&self, structure: &[Double]) -> f64 {
-        let terms = self.products.iter().zip(structure).filter(|(product, _)| **product != 0);
-        let sum = terms.fold(Double::default(), |sum, (product, d)| sum - Double::from(*product) * *d);
+        let terms = self.products.iter().zip(structure);
+        let sum = terms.fold(Double::default(), |sum, (product, d)| sum - *product * *d);
         sum.value() / (self.denominator * self.denominator)
     }
 }
@@ -99,7 +100,7 @@ impl PhysicalOracle<'_> {
     pub(crate) fn new(inputs: &Inputs, sides: usize) -> PhysicalOracle<'_> {
         let Inputs { tick_s, motion, .. } = inputs;
         let span = 2 * sides + inputs.gap_ticks as usize;
-        let [mut sines, mut others] = [0, 1].map(|_| vec![Double::default(); span + 1]);
+        let (mut sines, mut others) = (vec![], vec![]);
         for tone in motion.tones.iter().filter(|tone| is_random(tone)) {
             let of_angles = lines::of_angles(&tone.lines(span as f64 * tick_s, Rule::Panels), *tick_s);
             add(
@@ -219,13 +220,15 @@ impl PhysicalOracle<'_> {
             for (j, &(to, h)) in factors.iter().enumerate().skip(i + 1) {
                 let (lag, constant) = ((to - from) as usize, angles[j] - angles[i]);
                 let compute = || {
-                    let moved = 2.0 * self.others[lag].value();
+                    let moved = 2.0 * self.others.get(lag).map_or(0.0, |moved| moved.value());
                     let swing = |tone: &Tone| {
                         let nu = tone.band().low_hz;
                         let length = turned(nu, FRAC_PI_2, 0.5 * lag as f64 * tick_s) * 2.0;
                         tone.amplitude.value.scale() * tone.rate_factor(nu) * length
                     };
-                    let swings: Vec<f64> = tones.iter().filter(|tone| is_sine(tone)).map(swing).collect();
+                    let swings = tones.iter().filter(|tone| is_sine(tone)).map(swing);
+                    // What is left of whole periods by rounding is no swing, and its sum would not converge.
+                    let swings: Vec<f64> = swings.filter(|swing| swing.abs() > 1e-9 * pulse).collect();
                     fractions(*pulse, constant, moved + sigma * sigma * lag as f64, &swings)
                 };
                 let covariance = *known.entry((lag, constant.to_bits())).or_insert_with(compute);
@@ -285,7 +288,8 @@ fn fractions(pulse: f64, constant: f64, variance: f64, swings: &[f64]) -> f64 {
     2.0 * pulse * pulse / (TAU * TAU) * sum
 }
 
-fn add(sums: &mut [Double], part: &[Double], factor: f64) {
+fn add(sums: &mut Vec<Double>, part: &[Double], factor: f64) {
+    sums.resize(part.len(), Double::default());
     sums.iter_mut().zip(part).for_each(|(sum, part)| *sum = *sum + *part * Double::from(factor));
 }
 
@@ -349,13 +353,27 @@ mod tests {
                 own.inputs.readout_lsb = 1.0;
             })
         });
+        // No motion, and whole turns in each tick.
+        let still = [(0.0, 20.0), (200.0, 200.0)].map(|(rate, frequency_hz)| {
+            Configuration::new("pulses of ticks without motion", |own| {
+                own.inputs.motion = Motion::of_tone(Tone::of_rate(rate, frequency_hz));
+                own.inputs.tick_noise = TickNoise::Std(0.0);
+                own.inputs.readout_lsb = 1.0;
+            })
+        });
+        for configuration in &still {
+            let lowered = configuration.lowered();
+            assert!(lowered.fillers.iter().flatten().all(|estimate| estimate.oracle.rms.unwrap() < 1e-6));
+        }
         let slow = [1e-9, 1e-6, 1e-3].map(|frequency_hz| {
             Configuration::new("slow", |own| {
                 own.inputs.motion = Motion::of_tone(Tone::of_rate(12000.0, frequency_hz));
                 own.inputs.tick_noise = TickNoise::Std(0.001);
             })
         });
-        for configuration in configurations().into_iter().chain([pulses]).chain(exact).chain(slow) {
+        for configuration in
+            configurations().into_iter().chain([pulses]).chain(exact).chain(still).chain(slow)
+        {
             let point = configuration.point();
             let lowered = configuration.lowered();
             let physical = PhysicalOracle::new(&point.inputs, point.sides());

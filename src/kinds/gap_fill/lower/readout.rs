@@ -167,7 +167,7 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Covariance {
         if tone.rayleigh {
             rayleigh.push((a * a + b * b) * RAYLEIGH_UNIT * RAYLEIGH_UNIT);
         } else if tone.phase_spread != 0 {
-            swings.push(libm::hypot(a, b));
+            swings.extend(Some(libm::hypot(a, b)).filter(|swing| *swing > 0.0));
         } else {
             constant += a * libm::sin(phase) + b * libm::cos(phase);
         }
