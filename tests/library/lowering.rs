@@ -3,6 +3,7 @@
 use crate::studies::{papers_point, rows, run_afresh, study};
 use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
+use sagnac::filler::{Filler, Method};
 use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
 use sagnac::kernel::launch::Launch;
@@ -19,6 +20,7 @@ use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
 use sagnac::tally::block::cover;
+use sagnac::theory::minimum_variance::Band;
 
 fn keys(key: [u32; 2]) -> Keys {
     schedule(key.map(Scalar)).map(|key| key.map(|word| word.0))
@@ -250,4 +252,22 @@ fn weights_beyond_64_bits_are_refused_by_name() {
     let error = lower(&distant).unwrap_err();
     assert!(error.to_string().contains("the extrapolation of `quadratic`"), "{error}");
     assert!(error.to_string().starts_with(error.key), "{error}");
+}
+
+/// A filler for a band is designed with the rate of the motion, of which ticks of whole turns leave nothing.
+#[test]
+fn weights_that_only_the_rate_tells_apart_have_tallies_of_their_own() {
+    let band = Band { low_hz: 70.0, high_hz: 90.0 };
+    let filler = Filler { name: "mv".to_owned(), method: Method::MinimumVariance(Some(band)) };
+    let [slow, fast] = [100.0, 12000.0].map(|rate| {
+        let configuration = Configuration::new("whole turns", |own| {
+            *own.tone() = Tone::of_rate(rate, 400.0);
+            own.fillers = vec![filler.clone()];
+        });
+        configuration.lowered()
+    });
+    assert_eq!(slow.id, fast.id);
+    let [slow, fast] = [slow, fast].map(|lowered| lowered.fillers[0][0].clone());
+    assert_ne!(slow.rows, fast.rows);
+    assert_ne!(slow.address.estimate, fast.address.estimate);
 }

@@ -52,6 +52,7 @@ use crate::kinds::gap_fill::lower::unit::DEFAULT_SIDES;
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::plan::identity;
 use crate::tally::id::Id;
+use crate::theory::minimum_variance::Band;
 
 /// A point, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,13 +124,17 @@ impl Lowered {
     }
 }
 
-/// Definition of a filler regardless of its name, part of the identity of its estimates.
-pub(crate) fn definition(filler: &Filler) -> String {
+/// Definition of a filler with these weights regardless of its name, part of the identity of its estimates.
+pub(crate) fn definition(filler: &Filler, rows: &Rows) -> String {
     match &filler.method {
         Method::Closed(closed) => closed.identity.to_owned(),
         Method::MinimumVariance(None) => "minimum-variance".to_owned(),
+        // Its weights also depend on the rate of the motion, of which ticks of whole periods show nothing.
         Method::MinimumVariance(Some(band)) => {
-            format!("minimum-variance band_hz={:.11e} {:.11e}", band.low_hz, band.high_hz)
+            let (Band { low_hz, high_hz }, Rows { numerators, denominator, .. }) = (band, rows);
+            format!(
+                "minimum-variance band_hz={low_hz:.11e} {high_hz:.11e} weights={numerators:?}/{denominator}"
+            )
         }
         Method::Weights { residual, extrapolation } => format!("weights {residual:?} {extrapolation:?}"),
     }

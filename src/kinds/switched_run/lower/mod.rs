@@ -222,8 +222,9 @@ fn residuals(
         residual.constant_arcsec += relock;
         let estimate = lowered.fillers[place].first();
         let physical = estimate.and_then(|estimate| oracle.switch(&estimate.rows));
+        let definition = estimate.map_or_else(String::new, |estimate| definition(filler, &estimate.rows));
         Switched {
-            definition: format!("{} ticks={:?}", definition(filler), fill.fills[place].fit_ticks),
+            definition: format!("{definition} ticks={:?}", fill.fills[place].fit_ticks),
             residual,
             physical: physical.map(|switch| Switch { mean: switch.mean + relock, ..switch }),
             representation: estimate.map_or(0.0, |estimate| estimate.representation),
