@@ -95,16 +95,26 @@ fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
         boundaries.iter().map(|&(b, _)| constant(fixed, &spans(start, b, n)) / pulse).collect();
     // Most pairs have one of few deviations.
     let mut covariances: Vec<(f64, Option<pulse::Covariance>)> = Vec::new();
-    let mut pairs = Vec::new();
+    // At random phases, pairs that are as far apart have the same mean, which is taken once.
+    let is_stationary =
+        fixed.profile.is_none() && fixed.tones.iter().all(|tone| tone.rayleigh || tone.phase_spread != 0);
+    let (mut pairs, mut places) = (Vec::<(usize, usize, f64, usize)>::new(), HashMap::new());
     for (i, &(from, g)) in boundaries.iter().enumerate() {
         for (j, &(to, h)) in boundaries.iter().enumerate().skip(i + 1) {
-            let deviation = libm::sqrt(normal(fixed, &spans(from, to, n), &[])) / pulse;
+            let between = spans(from, to, n);
+            let deviation = libm::sqrt(normal(fixed, &between, &[])) / pulse;
             let known = covariances.iter().position(|(known, _)| *known == deviation);
             let place = known.unwrap_or_else(|| {
                 covariances.push((deviation, pulse::Covariance::new(deviation)));
                 covariances.len() - 1
             });
-            pairs.push((i, j, 2.0 * g * h, place));
+            let (factor, next) = (2.0 * g * h, pairs.len());
+            let apart = (to - from, place, constant(fixed, &between).to_bits());
+            let known = if is_stationary { *places.entry(apart).or_insert(next) } else { next };
+            match pairs.get_mut(known) {
+                Some((.., sum, _)) => *sum += factor,
+                None => pairs.push((i, j, factor, place)),
+            }
         }
     }
     let draws = fixed.profile.as_ref().map_or(lattice::POINTS as usize, |profile| profile.positions);
