@@ -234,7 +234,7 @@ mod tests {
         let band = Band { low_hz: 1.0, high_hz: 60.0 };
         let of = |band: Band, lag: usize| {
             let lines = of_ticks(&band.lines(TICK_S * 40.0, Rule::Sparse), TICK_S);
-            covariance(&lines, 40)[lag].value()
+            covariance(&lines, 40)[lag]
         };
         let steps = 20_000;
         for lag in [0, 1, 7, 39] {

@@ -157,7 +157,6 @@ impl Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::theory::double::Double;
     use crate::theory::lines;
     use crate::theory::minimum_variance::Band;
 
@@ -201,7 +200,7 @@ mod tests {
 
     fn covariance_of(psd: &Psd, tick_s: f64, lags: usize, rule: Rule) -> Vec<f64> {
         let lines = psd.lines(tick_s * lags as f64, rule);
-        lines::covariance(&lines::of_ticks(&lines, tick_s), lags).into_iter().map(Double::value).collect()
+        lines::covariance(&lines::of_ticks(&lines, tick_s), lags)
     }
 
     #[test]
@@ -234,7 +233,7 @@ mod tests {
             let band = Band { low_hz, high_hz };
             let of_band = lines::of_ticks(&band.lines(TICK_S * 70.0, Rule::Sparse), TICK_S);
             let expected: Vec<f64> =
-                lines::covariance(&of_band, 70).into_iter().map(|value| 36e6 * value.value()).collect();
+                lines::covariance(&of_band, 70).into_iter().map(|value| 36e6 * value).collect();
             for (lag, (found, expected_at)) in found.iter().zip(&expected).enumerate() {
                 let error = (found - expected_at) / expected[0];
                 assert!(error.abs() < 1e-13, "{low_hz} … {high_hz} Hz, lag {lag}: {found}, {error:e}");

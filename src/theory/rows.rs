@@ -237,7 +237,7 @@ mod tests {
                     let (row, own) = (rows.tick(b), rows.tick(a));
                     let found = dot(row, own);
                     let lag = a.abs_diff(b) as usize;
-                    let error = found - expected[lag].value();
+                    let error = found - expected[lag];
                     assert!(error.abs() < 1e-14, "{low}, {a}, {b}: {found}, {error:e}");
                 }
             }
