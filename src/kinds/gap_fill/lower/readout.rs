@@ -85,6 +85,18 @@ pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> f64 {
 /// The averages of the last few motions and fillers, by the words that determine them.
 static AVERAGES: Memo<Vec<u32>, f64> = Memo::new(256);
 
+/// Pairs of boundaries whose fractions have the same covariance, given by their places; a few stand for all.
+struct Pairs {
+    places: Vec<[usize; 2]>,
+    /// The sum over all of them of twice the product of their factors.
+    factor: f64,
+    /// Place of the covariance at a given angle between them.
+    covariance: usize,
+}
+
+/// Most pairs whose mean is taken for all that are as far apart.
+const MOST_PAIRS: usize = 4;
+
 /// The variance as a mean over the motion.
 fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
     let Some(readout) = fixed.readout else { return 0.0 };
@@ -95,25 +107,29 @@ fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
         boundaries.iter().map(|&(b, _)| constant(fixed, &spans(start, b, n)) / pulse).collect();
     // Most pairs have one of few deviations.
     let mut covariances: Vec<(f64, Option<pulse::Covariance>)> = Vec::new();
-    // At random phases, pairs that are as far apart have the same mean, which is taken once.
+    // At random phases, pairs that are as far apart have the same mean, which is taken over a few of them.
     let is_stationary =
         fixed.profile.is_none() && fixed.tones.iter().all(|tone| tone.rayleigh || tone.phase_spread != 0);
-    let (mut pairs, mut places) = (Vec::<(usize, usize, f64, usize)>::new(), HashMap::new());
+    let (mut pairs, mut places) = (Vec::<Pairs>::new(), HashMap::new());
     for (i, &(from, g)) in boundaries.iter().enumerate() {
         for (j, &(to, h)) in boundaries.iter().enumerate().skip(i + 1) {
             let between = spans(from, to, n);
             let deviation = libm::sqrt(normal(fixed, &between, &[])) / pulse;
             let known = covariances.iter().position(|(known, _)| *known == deviation);
-            let place = known.unwrap_or_else(|| {
+            let covariance = known.unwrap_or_else(|| {
                 covariances.push((deviation, pulse::Covariance::new(deviation)));
                 covariances.len() - 1
             });
-            let (factor, next) = (2.0 * g * h, pairs.len());
-            let apart = (to - from, place, constant(fixed, &between).to_bits());
-            let known = if is_stationary { *places.entry(apart).or_insert(next) } else { next };
-            match pairs.get_mut(known) {
-                Some((.., sum, _)) => *sum += factor,
-                None => pairs.push((i, j, factor, place)),
+            let apart = (to - from, covariance, constant(fixed, &between).to_bits());
+            let next = pairs.len();
+            let place = if is_stationary { *places.entry(apart).or_insert(next) } else { next };
+            if place == next {
+                pairs.push(Pairs { places: vec![], factor: 0.0, covariance });
+            }
+            let pairs = &mut pairs[place];
+            pairs.factor += 2.0 * g * h;
+            if pairs.places.len() < MOST_PAIRS {
+                pairs.places.push([i, j]);
             }
         }
     }
@@ -133,9 +149,10 @@ fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
                 *angle += drawn.angle(b, n) / pulse;
             }
         }
-        for &(i, j, factor, place) in &pairs {
-            if let Some(covariance) = &covariances[place].1 {
-                sum += factor * covariance.at(angles[j] - angles[i]);
+        for Pairs { places, factor, covariance } in &pairs {
+            if let Some(covariance) = &covariances[*covariance].1 {
+                let all: f64 = places.iter().map(|&[i, j]| covariance.at(angles[j] - angles[i])).sum();
+                sum += factor * all / places.len() as f64;
             }
         }
     }
