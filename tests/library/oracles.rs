@@ -14,6 +14,7 @@ use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::normal::REACH;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
+use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::theory::gap::polynomial_weights;
 
@@ -306,6 +307,23 @@ fn an_error_below_the_resolution_is_blank() {
         blank += usize::from(estimates.iter().all(|name| row.maybe(name).is_none()));
     }
     assert!(blank >= 3, "{blank}");
+}
+
+/// The largest error in a gap has no closed form.
+#[test]
+fn errors_in_a_gap_below_the_resolution_are_blank_too() {
+    let rms = |noise: &str| {
+        let text = format!(
+            "title = \"slow\"\nkind = \"gap-fill\"\ntrials = 10_000\n[gyro]\ntick = \"70 ms\"\n\
+             tick_noise = {{ std = \"{noise} arcsec\" }}\n[motion]\n\
+             gaussian = {{ rms = \"0.00166732 arcsec/s\", band = [\"0.000155 Hz\", \"0.00031 Hz\"] }}\n\
+             [switching]\ngap_ticks = 2\nfillers = [\"linear\"]\nerrors = [\"in-gap\"]\n"
+        );
+        let table = run_afresh(&Study::parse("slow.toml", &text).unwrap());
+        rows(&table).map(|row| row.maybe("rms")).collect::<Vec<_>>()
+    };
+    assert_eq!(rms("0"), [None]);
+    assert!(rms("0.001").iter().all(|rms| rms.is_some_and(|rms| rms > 0.001)));
 }
 
 type TallyRows = BTreeMap<(Vec<u8>, Vec<u8>, i64, i64), (Vec<u8>, Vec<u8>, i64)>;

@@ -23,6 +23,9 @@ use crate::tally::id::Id;
 pub struct Oracle {
     /// Rms error; absent where there is no closed form.
     pub rms: Option<f64>,
+    /// The rms where it is known, else about that: fractions of a pulse count as independent, and of the errors in a gap it
+    /// is the one at the end.
+    pub size: f64,
     /// Largest error of the motion alone; absent where it is unknown.
     pub max: Option<f64>,
     /// Standard deviation of E² in a trial whose place in the record is given, ″². Where every place comes equally
@@ -35,9 +38,9 @@ pub struct Oracle {
 }
 
 impl Oracle {
-    /// Whether the error is smaller than the rounding of the arithmetic, so that a sampled rms is that of the rounding.
-    pub fn is_below_resolution(&self) -> bool {
-        self.rms.is_some_and(|rms| rms < self.resolution)
+    /// Whether the error is smaller than the rounding of the arithmetic, so that the rms `sampled` is that of the rounding.
+    pub fn is_below_resolution(&self, sampled: f64) -> bool {
+        sampled > 0.0 && self.size < self.resolution && self.rms.unwrap_or(sampled) < self.resolution
     }
 }
 
@@ -143,8 +146,12 @@ impl Estimate {
         let of_tail = quantised.map_or(0.0, |(variance, tail)| {
             of_variance(tail, rms_with(variance) * unit) / unit * unit_arcsec
         });
+        // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
+        let about =
+            quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
         let oracle = Oracle {
             rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
+            size: rms_with(about) * unit_arcsec,
             noise_of_square: fixed
                 .profile
                 .as_ref()
@@ -158,9 +165,6 @@ impl Estimate {
             resolution: resolution + of_tail,
             rounding: rounding + of_tail,
         };
-        // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
-        let about =
-            quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
         // If a record has most of its motion in few places, its own level determines where bins are needed.
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);

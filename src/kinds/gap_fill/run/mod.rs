@@ -62,16 +62,21 @@ impl Plan<'_> {
     fn unresolved(&self, store: &Store) -> Result<Option<String>, StoreError> {
         let (mut count, mut largest) = (0, 0.0_f64);
         let proofs = self.points.iter().flat_map(|point| point.estimates.iter().map(move |own| (point, own)));
-        for (point, proof) in proofs.filter(|(_, proof)| proof.oracle.is_below_resolution()) {
-            if store.total(&point.address(proof))?.square > 0 {
+        for (point, proof) in proofs {
+            let Proof { oracle, bin_base, unit_arcsec, .. } = proof;
+            if oracle.size >= oracle.resolution {
+                continue;
+            }
+            let found = Found::of(&store.total(&point.address(proof))?, *bin_base, *unit_arcsec);
+            if found.estimates.is_some_and(|found| oracle.is_below_resolution(found.rms)) {
                 count += 1;
-                largest = largest.max(proof.oracle.resolution);
+                largest = largest.max(oracle.resolution);
             }
         }
         let rows = if count == 1 { "row is" } else { "rows are" };
         Ok((count > 0).then(|| {
             format!(
-                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is oracle_rms",
+                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is oracle_rms, where it has a closed form",
                 significant(largest, 2)
             )
         }))
@@ -109,9 +114,7 @@ impl Plan<'_> {
         let found = |at: usize, tally: &Moments| {
             let Proof { bin_base, unit_arcsec, oracle, .. } = *rows[at].estimate;
             let mut found = Found::of(tally, bin_base, unit_arcsec);
-            if oracle.is_below_resolution() && found.estimates.is_some_and(|found| found.rms > 0.0) {
-                found.estimates = None;
-            }
+            found.estimates = found.estimates.filter(|found| !oracle.is_below_resolution(found.rms));
             let known = oracle.noise_of_square.zip(found.estimates.as_mut());
             if let Some((noise, estimates)) = known.filter(|(_, estimates)| estimates.rms > 0.0) {
                 estimates.rms_se = Some(noise / libm::sqrt(found.trials as f64) / (2.0 * estimates.rms));

@@ -73,7 +73,7 @@ impl Proof {
             )?;
         }
         let representation = found::representation(oracle.rms, physical_rms, estimate.representation);
-        if oracle.is_below_resolution() {
+        if oracle.rms.is_some_and(|rms| rms < oracle.resolution) {
             // The words say nothing of so small an error, which the inputs do.
             oracle.rms = physical_rms;
         }
