@@ -235,6 +235,7 @@ impl Gaussian {
     /// Its ticks as rows, ″, with `sides` ticks on either side of a gap.
     pub fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
         let (unit, size) = self.unit();
+        // The unit is made again only where it is not known yet: a copy for each point would cost more.
         let rows = ROWS.get((unit, tick_s, gap_ticks, sides), || {
             let lines =
                 lines::of_ticks(&self.unit().0.lines(longest_s(tick_s, gap_ticks), Rule::Sparse), tick_s);

@@ -31,10 +31,10 @@ impl Row<'_> {
     }
 
     fn z(&self) -> Option<f64> {
-        let Oracle { rms, rounding, resolution, .. } = self.estimate.oracle;
+        let Oracle { rms, rounding, resolution, omitted, .. } = self.estimate.oracle;
         // A bound larger than the standard error would hide what the trials show.
         let hides = self.found.rms_se().is_some_and(|se| rounding > se);
-        self.found.z(rms, if hides { resolution } else { rounding })
+        self.found.z(rms, if hides { resolution + omitted } else { rounding })
     }
 }
 

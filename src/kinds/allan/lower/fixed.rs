@@ -70,6 +70,9 @@ impl Fixed {
             }
         };
         let fixed = fixed.ok_or_else(|| {
+            if model.readout_lsb == 0.0 {
+                return impossible("noise", "differences of the angle of", whole);
+            }
             let has_room = |lsb: &f64| Fixed::at(model, *lsb, None).has_room(model);
             let unit_arcsec = coarser(libm::exp2(finest)).find(has_room).unwrap_or(f64::INFINITY);
             let found = format!(
@@ -104,7 +107,7 @@ impl Fixed {
             let spread = libm::sqrt(spread(loss));
             let step = libm::round(sigma * spread / rate_unit * MARKOV_UNITS);
             // Stationary with the rounded step and loss.
-            let start = if loss > 0.0 { libm::round(step / spread) } else { 0.0 };
+            let start = libm::round(step / spread);
             [loss as u32, step as u32, start as u32]
         });
         let sine = model.sine.map(|Sine { amplitude, turns }| {
@@ -336,5 +339,5 @@ fn streams(octave: usize) -> f64 {
 
 /// A unit of angle, followed by all coarser ones.
 fn coarser(lsb: f64) -> impl Iterator<Item = f64> {
-    core::iter::successors(Some(lsb), |lsb| Some(2.0 * lsb))
+    core::iter::successors(Some(lsb), |lsb| Some(2.0 * lsb)).take_while(|lsb| lsb.is_finite())
 }

@@ -23,17 +23,19 @@ use crate::tally::id::Id;
 pub struct Oracle {
     /// Rms error; absent where there is no closed form.
     pub rms: Option<f64>,
-    /// The rms where it is known, else about that: fractions of a pulse count as independent, and of the errors in a gap it
-    /// is the one at the end.
+    /// The rms, or where it has no closed form an approximation: fractions of a pulse are taken as independent, and for the
+    /// largest error in a gap it is that at the end of the gap.
     pub size: f64,
     /// Largest error of the motion alone; absent where it is unknown.
     pub max: Option<f64>,
     /// Standard deviation of E² in a trial whose place in the record is given, ″². Where every place comes equally
     /// often, only the noise scatters.
     pub noise_of_square: Option<f64>,
-    /// Bound of the deviation of a sampled rms from `rms` due to rounding in the kernel.
+    /// Bound of the deviation of a sampled rms from `rms` due to rounding in the kernel and to `omitted`.
     pub rounding: f64,
-    /// Rms of that rounding: its standard deviation where noise makes it random, else its bound.
+    /// Bound of what the series for whole pulses omits of `rms`.
+    pub omitted: f64,
+    /// Rms of the rounding in the kernel: its standard deviation where noise makes it random, else its bound.
     pub resolution: f64,
 }
 
@@ -140,10 +142,9 @@ impl Estimate {
             // A variance of pulses that vanishes may come out below 0.
             libm::sqrt(square.max(0.0)) / unit
         };
-        // A variance that is wrong by so much; its root is wrong by at most the root of that.
-        let of_variance =
-            |error: f64, rms: f64| libm::sqrt(error).min(error / (2.0 * rms).max(f64::MIN_POSITIVE));
-        let of_tail = quantised.map_or(0.0, |(variance, tail)| {
+        // The root of a variance that is wrong by `error` is wrong by at most √error, and by at most error/rms.
+        let of_variance = |error: f64, rms: f64| libm::sqrt(error).min(error / rms.max(f64::MIN_POSITIVE));
+        let omitted = quantised.map_or(0.0, |(variance, tail)| {
             of_variance(tail, rms_with(variance) * unit) / unit * unit_arcsec
         });
         // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
@@ -162,8 +163,9 @@ impl Estimate {
                     libm::sqrt(4.0 * square * n + 2.0 * n * n) * unit * unit
                 }),
             max: response.largest.filter(|_| known).map(|largest| largest / unit * unit_arcsec),
-            resolution: resolution + of_tail,
-            rounding: rounding + of_tail,
+            resolution,
+            omitted,
+            rounding: rounding + omitted,
         };
         // If a record has most of its motion in few places, its own level determines where bins are needed.
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
@@ -181,7 +183,7 @@ impl Estimate {
             .chain(rows.numerators.iter().flatten().map(|&w| w as u32))
             .chain([rows.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
-        let (definition, name, ticks) = (definition(filler, &rows), error.name(), &rows.ticks);
+        let (definition, name, ticks) = (definition(filler, Some(&rows)), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
         let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);

@@ -125,16 +125,15 @@ impl Lowered {
 }
 
 /// Definition of a filler with these weights regardless of its name, part of the identity of its estimates.
-pub(crate) fn definition(filler: &Filler, rows: &Rows) -> String {
+pub(crate) fn definition(filler: &Filler, rows: Option<&Rows>) -> String {
     match &filler.method {
         Method::Closed(closed) => closed.identity.to_owned(),
         Method::MinimumVariance(None) => "minimum-variance".to_owned(),
-        // Its weights also depend on the rate of the motion, of which ticks of whole periods show nothing.
-        Method::MinimumVariance(Some(band)) => {
-            let (Band { low_hz, high_hz }, Rows { numerators, denominator, .. }) = (band, rows);
-            format!(
-                "minimum-variance band_hz={low_hz:.11e} {high_hz:.11e} weights={numerators:?}/{denominator}"
-            )
+        // Its weights depend on the rate of the motion. Whole periods in each tick leave no angle, so points that differ only in
+        // the rate of such a motion are the same.
+        Method::MinimumVariance(Some(Band { low_hz, high_hz })) => {
+            let weights = rows.map(|rows| (&rows.numerators, rows.denominator));
+            format!("minimum-variance band_hz={low_hz:.11e} {high_hz:.11e} weights={weights:?}")
         }
         Method::Weights { residual, extrapolation } => format!("weights {residual:?} {extrapolation:?}"),
     }

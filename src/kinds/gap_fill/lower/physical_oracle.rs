@@ -82,6 +82,7 @@ impl Boundaries {
 
     /// −Σ r_l D(l) with r the autocorrelation of g, whose sum is 0.
     fn variance(&self, structure: &[Double]) -> f64 {
+        debug_assert!(structure.is_empty() || structure.len() >= self.products.len());
         let terms = self.products.iter().zip(structure);
         let sum = terms.fold(Double::default(), |sum, (product, d)| sum - *product * *d);
         sum.value() / (self.denominator * self.denominator)
@@ -220,15 +221,13 @@ impl PhysicalOracle<'_> {
             for (j, &(to, h)) in factors.iter().enumerate().skip(i + 1) {
                 let (lag, constant) = ((to - from) as usize, angles[j] - angles[i]);
                 let compute = || {
-                    let moved = 2.0 * self.others.get(lag).map_or(0.0, |moved| moved.value());
+                    let moved = 2.0 * if self.others.is_empty() { 0.0 } else { self.others[lag].value() };
                     let swing = |tone: &Tone| {
                         let nu = tone.band().low_hz;
                         let length = turned(nu, FRAC_PI_2, 0.5 * lag as f64 * tick_s) * 2.0;
                         tone.amplitude.value.scale() * tone.rate_factor(nu) * length
                     };
-                    let swings = tones.iter().filter(|tone| is_sine(tone)).map(swing);
-                    // What is left of whole periods by rounding is no swing, and its sum would not converge.
-                    let swings: Vec<f64> = swings.filter(|swing| swing.abs() > 1e-9 * pulse).collect();
+                    let swings: Vec<f64> = tones.iter().filter(|tone| is_sine(tone)).map(swing).collect();
                     fractions(*pulse, constant, moved + sigma * sigma * lag as f64, &swings)
                 };
                 let covariance = *known.entry((lag, constant.to_bits())).or_insert_with(compute);
@@ -271,21 +270,23 @@ impl PhysicalOracle<'_> {
 /// Covariance of the fractions of a pulse at two ends of an angle that is a constant, a normal number of this variance and
 /// sines of random phase of these amplitudes: q²/2π² Σ E cos(2πm d/q)/m².
 fn fractions(pulse: f64, constant: f64, variance: f64, swings: &[f64]) -> f64 {
-    if variance == 0.0 && swings.is_empty() {
-        let part = constant / pulse - libm::floor(constant / pulse);
-        return pulse * pulse * (1.0 / 12.0 - 0.5 * part * (1.0 - part));
-    }
-    let mut sum = 0.0;
+    let part = constant / pulse - libm::floor(constant / pulse);
+    let at_rest = pulse * pulse * (1.0 / 12.0 - 0.5 * part * (1.0 - part));
+    let unit = 2.0 * pulse * pulse / (TAU * TAU);
+    let (mut sum, mut lost, mut left) = (0.0, 0.0, 1.0);
     for m in (1..=4096).map(f64::from) {
         let k = TAU * m / pulse;
         let damped = libm::exp(-0.5 * k * k * variance);
         if damped < 1e-16 {
-            break;
+            return unit * sum;
         }
-        let swung: f64 = swings.iter().map(|swing| libm::j0(k * swing)).product();
-        sum += damped * swung * libm::cos(k * constant) / (m * m);
+        left = damped * swings.iter().map(|swing| libm::j0(k * swing)).product::<f64>();
+        let term = libm::cos(k * constant) / (m * m);
+        sum += left * term;
+        lost += (1.0 - left) * term;
     }
-    2.0 * pulse * pulse / (TAU * TAU) * sum
+    // Of hardly any motion the omitted terms are those of the angle at rest.
+    if left > 0.5 { at_rest - unit * lost } else { unit * sum }
 }
 
 fn add(sums: &mut Vec<Double>, part: &[Double], factor: f64) {
@@ -354,13 +355,29 @@ mod tests {
             })
         });
         // No motion, and whole turns in each tick.
-        let still = [(0.0, 20.0), (200.0, 200.0)].map(|(rate, frequency_hz)| {
+        let still = [(0.0, 20.0, 3), (200.0, 200.0, 3), (200.0, 200.0, 10)].map(|(rate, frequency_hz, n)| {
             Configuration::new("pulses of ticks without motion", |own| {
                 own.inputs.motion = Motion::of_tone(Tone::of_rate(rate, frequency_hz));
                 own.inputs.tick_noise = TickNoise::Std(0.0);
                 own.inputs.readout_lsb = 1.0;
+                own.inputs.gap_ticks = n;
             })
         });
+        // Whole turns in the gap, nearly whole ones, and an amplitude that makes the motion normal.
+        let nearly = [(20.0, false), (20.0, true), (20.0 + 1e-7, false), (20.0 + 1e-7, true)].map(
+            |(frequency_hz, rayleigh)| {
+                Configuration::new("pulses of nearly whole turns", |own| {
+                    let mut tone = Tone::of_rate(20.0, frequency_hz);
+                    if rayleigh {
+                        tone.amplitude.value = Value::Rayleigh(20.0);
+                    }
+                    own.inputs.motion = Motion::of_tone(tone);
+                    own.inputs.tick_noise = TickNoise::Std(0.0);
+                    own.inputs.readout_lsb = 1.0;
+                    own.inputs.gap_ticks = 10;
+                })
+            },
+        );
         for configuration in &still {
             let lowered = configuration.lowered();
             assert!(lowered.fillers.iter().flatten().all(|estimate| estimate.oracle.rms.unwrap() < 1e-6));
@@ -372,7 +389,7 @@ mod tests {
             })
         });
         for configuration in
-            configurations().into_iter().chain([pulses]).chain(exact).chain(still).chain(slow)
+            configurations().into_iter().chain([pulses]).chain(exact).chain(still).chain(nearly).chain(slow)
         {
             let point = configuration.point();
             let lowered = configuration.lowered();

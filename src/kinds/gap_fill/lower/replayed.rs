@@ -34,7 +34,7 @@ struct Asked {
 /// Most responses that are kept of one replay: those of a dozen fillers at as many gaps.
 const MOST_RESPONSES: usize = 256;
 
-/// Places whose responses are summed tick by tick, so that several are computed by one instruction.
+/// Number of positions that are summed together, tick by tick, so that the compiler can use vector instructions.
 const AT_ONCE: usize = 256;
 
 /// The angles of a replay, which is recognised by its place in memory, in units of so many ″. They have up to 16 MB each.

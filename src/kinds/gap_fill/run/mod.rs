@@ -64,6 +64,7 @@ impl Plan<'_> {
         let proofs = self.points.iter().flat_map(|point| point.estimates.iter().map(move |own| (point, own)));
         for (point, proof) in proofs {
             let Proof { oracle, bin_base, unit_arcsec, .. } = proof;
+            // Spares reading the tallies of most rows.
             if oracle.size >= oracle.resolution {
                 continue;
             }
@@ -76,7 +77,7 @@ impl Plan<'_> {
         let rows = if count == 1 { "row is" } else { "rows are" };
         Ok((count > 0).then(|| {
             format!(
-                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is oracle_rms, where it has a closed form",
+                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is oracle_rms, or without a closed form less than that resolution",
                 significant(largest, 2)
             )
         }))

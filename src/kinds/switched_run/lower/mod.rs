@@ -140,45 +140,50 @@ impl LoweredRun {
             .then(|| RunPoint { schedule, ..point.clone() });
         let relocking = FixedRelocking::of(point)?;
         let physical = PhysicalRun::new(point, study);
-        let filled =
-            |Switched { definition, residual, physical: switch, representation: of_switch }: Switched| {
-                let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
-                let exact = exact.as_ref().map(|point| {
-                    Box::new(Fixed::new(&Drift::of(point, study), &residual, relock.clone(), point, study))
-                });
-                let fixed = Fixed::new(&drift, &residual, relock, point, study);
-                let of = |fixed: &Fixed, angle: String, more: Vec<u32>| {
-                    let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
-                    let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
-                    Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
-                };
-                let estimate = |(place, angle): (usize, RunAngle)| {
-                    let oracle = fixed.oracle(angle, place);
-                    let inputs = switch.as_ref().and_then(|switch| physical.rms(switch, angle));
-                    let words = oracle.map(|oracle| oracle.rms());
-                    let most = fixed.representation(point.switches() as f64 + 1.0, of_switch);
-                    if let Some(both) = words.zip(inputs) {
-                        let what = format!("the angle `{}` of `{definition}`", angle.name());
-                        found::check_representation("run.duration", &what, both.into(), most)?;
-                    }
-                    let representation = found::representation(words, inputs, most);
-                    let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
-                    let more = fixed.time_words(place).into_iter().chain([bin_base]);
-                    Ok(RunEstimate {
-                        angle,
-                        address: of(&fixed, angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
-                        oracle,
-                        representation,
-                        unit_arcsec: fixed.lsb_arcsec,
-                        bin_base,
-                    })
-                };
-                let estimates = study.angles().into_iter().enumerate();
-                let estimates = estimates.map(estimate).collect::<Result<_, Refusal>>()?;
-                let shown = exact.as_deref().unwrap_or(&fixed);
-                let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
-                Ok(FilledRun { key, estimates, trajectory, fixed, exact, residual })
+        let filled = |Switched {
+                          name,
+                          definition,
+                          residual,
+                          physical: switch,
+                          representation: of_switch,
+                      }: Switched| {
+            let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
+            let exact = exact.as_ref().map(|point| {
+                Box::new(Fixed::new(&Drift::of(point, study), &residual, relock.clone(), point, study))
+            });
+            let fixed = Fixed::new(&drift, &residual, relock, point, study);
+            let of = |fixed: &Fixed, angle: String, more: Vec<u32>| {
+                let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
+                let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
+                Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
             };
+            let estimate = |(place, angle): (usize, RunAngle)| {
+                let oracle = fixed.oracle(angle, place);
+                let inputs = switch.as_ref().and_then(|switch| physical.rms(switch, angle));
+                let words = oracle.map(|oracle| oracle.rms());
+                let most = fixed.representation(point.switches() as f64 + 1.0, of_switch);
+                if let Some(both) = words.zip(inputs) {
+                    let what = format!("the angle `{}` of `{name}`", angle.name());
+                    found::check_representation("run.duration", &what, both.into(), most)?;
+                }
+                let representation = found::representation(words, inputs, most);
+                let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
+                let more = fixed.time_words(place).into_iter().chain([bin_base]);
+                Ok(RunEstimate {
+                    angle,
+                    address: of(&fixed, angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
+                    oracle,
+                    representation,
+                    unit_arcsec: fixed.lsb_arcsec,
+                    bin_base,
+                })
+            };
+            let estimates = study.angles().into_iter().enumerate();
+            let estimates = estimates.map(estimate).collect::<Result<_, Refusal>>()?;
+            let shown = exact.as_deref().unwrap_or(&fixed);
+            let trajectory = of(shown, "trajectory".to_owned(), words_of(shown.lsb_arcsec).to_vec());
+            Ok(FilledRun { key, estimates, trajectory, fixed, exact, residual })
+        };
         let fillers = residuals.into_iter().map(filled).collect::<Result<_, Refusal>>()?;
         Ok(LoweredRun { id, fillers })
     }
@@ -186,6 +191,8 @@ impl LoweredRun {
 
 /// The switch with a filler.
 struct Switched {
+    /// Name of the filler.
+    name: String,
     definition: String,
     residual: Residual,
     /// The residual computed from the physical inputs; absent where it has no closed form.
@@ -206,6 +213,7 @@ fn residuals(
         let tone = ResidualTone { amplitude_arcsec, tone: 0 };
         let tones = if amplitude_arcsec > 0.0 { vec![tone] } else { vec![] };
         let switched = Switched {
+            name: "none".to_owned(),
             definition: "none".to_owned(),
             residual: Residual { tones, ..Residual::default() },
             physical: Some(Switch { mean: 0.0, variance: 0.0, sines: vec![(0, amplitude_arcsec)] }),
@@ -222,8 +230,9 @@ fn residuals(
         residual.constant_arcsec += relock;
         let estimate = lowered.fillers[place].first();
         let physical = estimate.and_then(|estimate| oracle.switch(&estimate.rows));
-        let definition = estimate.map_or_else(String::new, |estimate| definition(filler, &estimate.rows));
+        let definition = definition(filler, estimate.map(|estimate| &*estimate.rows));
         Switched {
+            name: filler.name.clone(),
             definition: format!("{definition} ticks={:?}", fill.fills[place].fit_ticks),
             residual,
             physical: physical.map(|switch| Switch { mean: switch.mean + relock, ..switch }),
