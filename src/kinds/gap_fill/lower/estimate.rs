@@ -9,7 +9,7 @@ use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::fixed::{
-    ANGLE_UNITS, CONSTANT_UNITS, Fixed, PEAK_UNITS, SIGMA_UNITS, ToneMotion,
+    ANGLE_UNITS, CONSTANT_UNITS, Fixed, FixedTone, PEAK_UNITS, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion,
 };
 use crate::kinds::gap_fill::lower::readout::Fractions;
 use crate::kinds::gap_fill::lower::response::{Functional, Response};
@@ -246,13 +246,24 @@ impl Fixed {
         let pulse = libm::exp2(f64::from(readout.bits));
         let ends = f.ticks.iter().fold([0, f.gap], |[first, last], &tick| [first.min(tick), last.max(tick)]);
         let span = f64::from(ends[1] - ends[0] + 1);
-        let tones = self.tones.len() as f64 * core::f64::consts::FRAC_1_SQRT_2 / ANGLE_UNITS;
+        let of_tone = |tone: &FixedTone| match tone.motion {
+            ToneMotion::Fixed { .. } => core::f64::consts::FRAC_1_SQRT_2 / ANGLE_UNITS,
+            ToneMotion::Drawn { peak, .. } => {
+                let phase = core::f64::consts::TAU * libm::exp2(-32.0) * (2.0 * span + 1.0);
+                // A Rayleigh-distributed amplitude has up to twice its unit in the mean.
+                (0.5 + phase * f64::from(peak)) / PEAK_UNITS
+                    * if tone.rayleigh { 2.0 * RAYLEIGH_UNIT } else { 1.0 }
+            }
+        };
+        let tones: f64 = self.tones.iter().map(of_tone).sum();
         let rows = self.gaussian.as_ref().map_or(0, Vec::len) as f64;
         let tick = tones + 0.5 / SIGMA_UNITS * libm::sqrt(rows) + 1.0 / CONSTANT_UNITS;
         let noise = 0.5 / SIGMA_UNITS * libm::sqrt(span);
+        // Each end of an angle of a record is rounded.
+        let record = if self.profile.is_some() { 1.0 } else { 0.0 };
         // Each tick has a fraction at either end.
         let factors = 2.0 * f.gain();
-        factors * factors * pulse * (0.5 * span * tick + 1.4 * noise)
+        factors * factors * pulse * (0.5 * (span * tick + record) + 1.4 * noise)
     }
 }
 

@@ -11,14 +11,19 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 use std::collections::{BTreeMap, HashMap};
 
 use crate::filler::keys::Error;
+use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::readout::class;
 use crate::kinds::gap_fill::lower::weights::Rows;
 use crate::motion::keys::Phase;
 use crate::motion::replay::WindowMeans;
 use crate::motion::{Frequency, Tone, Value};
 use crate::theory::double::Double;
-use crate::theory::lines;
+use crate::theory::memo::Memo;
+use crate::theory::minimum_variance::Band;
+use crate::theory::pulse::mean_variance;
 use crate::theory::quadrature::Rule;
+use crate::theory::{lattice, lines};
 
 /// The physical oracle of a point.
 pub(crate) struct PhysicalOracle<'a> {
@@ -119,20 +124,20 @@ impl PhysicalOracle<'_> {
 
     /// The rms of an error, ″; `None` where it has no closed form.
     pub(crate) fn rms(&self, rows: &Rows, error: Error) -> Option<f64> {
-        if error == Error::InGap && self.inputs.gap_ticks > 1 {
+        if error == Error::InGap && self.inputs.gap_ticks > 1 || self.has_averaged_pulses() {
             return None;
         }
         let boundaries = self.boundaries(rows);
-        let [mean, variance] = self.moments(rows, boundaries)?;
+        let [mean, variance] = self.moments(rows, boundaries);
         let square = mean * mean + variance + boundaries.variance(&self.sines).max(0.0);
         Some(libm::sqrt(square.max(0.0)))
     }
 
-    /// The error at a switch; `None` where it has no closed form.
-    pub(crate) fn switch(&self, rows: &Rows) -> Option<Switch> {
+    /// The error at a switch.
+    pub(crate) fn switch(&self, rows: &Rows) -> Switch {
         let Inputs { tick_s, motion, gap_ticks, .. } = self.inputs;
         let boundaries = self.boundaries(rows);
-        let [mean, variance] = self.moments(rows, boundaries)?;
+        let [mean, variance] = self.moments(rows, boundaries);
         let amplitude = |tone: &Tone| {
             let nu = tone.band().low_hz;
             let parts = [0.0, FRAC_PI_2]
@@ -140,7 +145,7 @@ impl PhysicalOracle<'_> {
             tone.amplitude.value.scale() * tone.rate_factor(nu) * libm::hypot(parts[0], parts[1])
         };
         let tones = motion.tones.iter().enumerate().filter(|(_, tone)| is_sine(tone));
-        Some(Switch { mean, variance, sines: tones.map(|(place, tone)| (place, amplitude(tone))).collect() })
+        Switch { mean, variance, sines: tones.map(|(place, tone)| (place, amplitude(tone))).collect() }
     }
 
     fn boundaries<'b>(&self, rows: &'b Rows) -> &'b Boundaries {
@@ -148,7 +153,7 @@ impl PhysicalOracle<'_> {
     }
 
     /// Mean, ″, and variance, ″², without sines of random phase.
-    fn moments(&self, rows: &Rows, boundaries: &Boundaries) -> Option<[f64; 2]> {
+    fn moments(&self, rows: &Rows, boundaries: &Boundaries) -> [f64; 2] {
         let Inputs { tick_s, motion, gap_ticks, relock, .. } = self.inputs;
         let weight = |tick: i32| {
             let place = rows.ticks.iter().position(|&own| own == tick)?;
@@ -171,7 +176,7 @@ impl PhysicalOracle<'_> {
         }
         let sigma = self.inputs.sigma_arcsec();
         let squares: f64 = rows.ticks.iter().filter_map(|&tick| weight(tick)).map(|w| w * w).sum();
-        Some([mean, variance.max(0.0) + sigma * sigma * squares + self.pulses(rows)?])
+        [mean, variance.max(0.0) + sigma * sigma * squares + self.pulses(rows)]
     }
 
     /// The angle of the constant rate and acceleration so many ticks after the middle of the gap, ″.
@@ -181,25 +186,31 @@ impl PhysicalOracle<'_> {
         motion.rate * t_s + 0.5 * motion.acceleration * t_s * t_s
     }
 
-    /// The variance that whole pulses add, ″²; `None` where it has no closed form.
-    fn pulses(&self, rows: &Rows) -> Option<f64> {
+    /// Whether there are pulses whose variance is a mean over the motion, without a closed form.
+    fn has_averaged_pulses(&self) -> bool {
+        let Inputs { motion, readout_lsb, .. } = self.inputs;
+        let has_form = |tone: &Tone| matches!(tone.frequency, Frequency::Fixed(_)) && !is_uniform(tone);
+        *readout_lsb > 0.0 && (motion.profile.is_some() || !motion.tones.iter().all(has_form))
+    }
+
+    /// The variance that whole pulses add, ″².
+    fn pulses(&self, rows: &Rows) -> f64 {
         let Inputs { tick_s, motion, gap_ticks, relock, readout_lsb: pulse, .. } = self.inputs;
         if *pulse == 0.0 {
-            return Some(0.0);
+            return 0.0;
         }
         let tones = &motion.tones;
-        let has_form = |tone: &Tone| matches!(tone.frequency, Frequency::Fixed(_)) && !is_uniform(tone);
-        if motion.profile.is_some() || !tones.iter().all(has_form) {
-            return None;
-        }
         // Each reading takes the fraction at its end less that at its beginning; nothing is read within the gap.
         let mut factors: BTreeMap<i32, f64> = BTreeMap::new();
-        for (&tick, &weight) in rows.ticks.iter().zip(rows.numerators.last()?) {
+        for (&tick, &weight) in rows.ticks.iter().zip(rows.numerators.last().into_iter().flatten()) {
             let weight = weight as f64 / rows.denominator as f64;
             *factors.entry(tick).or_default() += weight;
             *factors.entry(tick - 1).or_default() -= weight;
         }
         let factors: Vec<(i32, f64)> = factors.into_iter().filter(|(_, factor)| *factor != 0.0).collect();
+        if self.has_averaged_pulses() {
+            return self.averaged_pulses(factors);
+        }
         let n = *gap_ticks as i32;
         let place = |b: i32| f64::from(b) - 0.5 * f64::from(n);
         // The angle of everything without a random phase at a boundary.
@@ -234,7 +245,63 @@ impl PhysicalOracle<'_> {
                 sum += 2.0 * g * h * covariance;
             }
         }
-        Some(sum)
+        sum
+    }
+
+    /// The same variance as a mean over the places of a record or over drawn values; `factors` are those of the fractions at
+    /// some boundaries.
+    fn averaged_pulses(&self, factors: Vec<(i32, f64)>) -> f64 {
+        let Inputs { tick_s, motion, gap_ticks, relock, readout_lsb: pulse, .. } = self.inputs;
+        let replay = motion.profile.as_ref().map(|profile| profile.replay(*tick_s));
+        let mut known = self.inputs.clone();
+        known.motion.profile = None;
+        let content = replay.as_ref().map(|replay| replay.content);
+        AVERAGES.get(format!("{known:?} {content:?} {factors:?}"), || {
+            let n = *gap_ticks as i32;
+            let (ticks, factors): (Vec<i32>, Vec<f64>) = factors.into_iter().unzip();
+            let time = |b: i32| f64::from(b) - 0.5 * f64::from(n);
+            let constant = |&b: &i32| {
+                let added: f64 = relock.iter().take((b - n).max(0) as usize).sum();
+                self.steady(time(b)) + added
+            };
+            let constants: Vec<f64> = ticks.iter().map(constant).collect();
+            let is_stationary = replay.is_none()
+                && motion.tones.iter().all(is_random)
+                && motion.acceleration == 0.0
+                && relock.is_empty();
+            let span = 2 * self.sides + *gap_ticks as usize;
+            let structure = motion.gaussian.as_ref().map(|gaussian| gaussian.structure(*tick_s, span + 1));
+            let sigma = self.inputs.sigma_arcsec();
+            let deviation = |i: usize, j: usize| {
+                let lag = (ticks[j] - ticks[i]) as usize;
+                let moved = structure.as_ref().map_or(0.0, |(part, factor)| 2.0 * part[lag].value() * factor);
+                libm::sqrt(moved + sigma * sigma * lag as f64) / pulse
+            };
+            let class = |i: usize, j: usize| is_stationary.then(|| class([ticks[i], ticks[j]], n));
+            let mut ends = vec![0.0];
+            for angle in replay.iter().flat_map(|replay| &replay.angles) {
+                ends.push(ends[ends.len() - 1] + angle);
+            }
+            let places =
+                replay.as_ref().map(|replay| replay.angles.len() + 1 - 2 * MARGIN - *gap_ticks as usize);
+            let angles = |draw: usize, angles: &mut [f64]| {
+                angles.copy_from_slice(&constants);
+                if replay.is_some() {
+                    let end = |b: i32| ends[(draw + MARGIN).wrapping_add_signed(b as isize)];
+                    angles.iter_mut().zip(&ticks).for_each(|(angle, &b)| *angle += end(b));
+                }
+                let mut coordinates = lattice::point(draw as u32);
+                for tone in &motion.tones {
+                    let [amplitude, nu, phase] = drawn(tone, &mut coordinates);
+                    for (angle, &b) in angles.iter_mut().zip(&ticks) {
+                        *angle += amplitude * tone.rate_factor(nu) * turned(nu, phase, time(b) * tick_s);
+                    }
+                }
+                angles.iter_mut().for_each(|angle| *angle /= pulse);
+            };
+            let draws = places.unwrap_or(lattice::POINTS as usize);
+            mean_variance(&factors, deviation, class, draws, angles) * pulse * pulse / 12.0
+        })
     }
 
     /// Mean and mean square of the error that a tone of fixed phase leaves, over its amplitudes and frequencies.
@@ -266,6 +333,27 @@ impl PhysicalOracle<'_> {
         [mean * first, square * second]
     }
 }
+
+/// Amplitude, frequency in Hz and phase at the middle of the gap of a tone with as many coordinates between 0 and 1 as it takes.
+fn drawn(tone: &Tone, coordinates: &mut impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut next = || coordinates.next().unwrap_or(0.5);
+    let phase = match tone.phase {
+        _ if is_random(tone) => TAU * next(),
+        Phase::Extremum => FRAC_PI_2,
+        Phase::Uniform | Phase::ZeroCrossing => 0.0,
+    };
+    let amplitude = match tone.amplitude.value {
+        Value::Uniform([low, high]) if low < high => low + (high - low) * next(),
+        Value::Uniform([x, _]) | Value::Fixed(x) => x,
+        Value::Rayleigh(x) => x * libm::sqrt(-2.0 * libm::log(next())),
+    };
+    let Band { low_hz, high_hz } = tone.band();
+    let part = if low_hz < high_hz { next() } else { 0.0 };
+    [amplitude, low_hz + (high_hz - low_hz) * part, phase]
+}
+
+/// The averages of the last few motions and fillers.
+static AVERAGES: Memo<String, f64> = Memo::new(256);
 
 /// Covariance of the fractions of a pulse at two ends of an angle that is a constant, a normal number of this variance and
 /// sines of random phase of these amplitudes: q²/2π² Σ E cos(2πm d/q)/m².

@@ -85,81 +85,45 @@ pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> f64 {
 /// The averages of the last few motions and fillers, by the words that determine them.
 static AVERAGES: Memo<Vec<u32>, f64> = Memo::new(256);
 
-/// Pairs of boundaries whose fractions have the same covariance in the mean over the motion. `places` has the first few, over
-/// which that mean is taken.
-struct Pairs {
-    places: Vec<[usize; 2]>,
-    /// The sum over all of them of twice the product of their factors.
-    factor: f64,
-    /// Place of the covariance at a given angle between them.
-    covariance: usize,
-}
-
-/// Most pairs over which a mean is taken for all that are equally far apart. One alone would leave up to 2e-4 of the variance
-/// to the lattice of drawn values, and each more costs time.
-const MOST_PAIRS: usize = 4;
-
 /// The variance as a mean over the motion.
 fn averaged(fixed: &Fixed, f: &Functional) -> f64 {
     let Some(readout) = fixed.readout else { return 0.0 };
     let (n, pulse) = (fixed.gap_ticks, libm::exp2(f64::from(readout.bits)));
-    let boundaries = boundaries(fixed, f);
-    let start = boundaries.first().map_or(0, |&(b, _)| b);
-    let constants: Vec<f64> =
-        boundaries.iter().map(|&(b, _)| constant(fixed, &spans(start, b, n)) / pulse).collect();
-    // Most pairs have one of few deviations.
-    let mut covariances: Vec<(f64, Option<pulse::Covariance>)> = Vec::new();
-    // At random phases, pairs that are equally far apart have the same mean.
-    let is_stationary =
-        fixed.profile.is_none() && fixed.tones.iter().all(|tone| tone.rayleigh || tone.phase_spread != 0);
-    let (mut pairs, mut places) = (Vec::<Pairs>::new(), HashMap::new());
-    for (i, &(from, g)) in boundaries.iter().enumerate() {
-        for (j, &(to, h)) in boundaries.iter().enumerate().skip(i + 1) {
-            let between = spans(from, to, n);
-            let deviation = libm::sqrt(normal(fixed, &between, &[])) / pulse;
-            let known = covariances.iter().position(|(known, _)| *known == deviation);
-            let covariance = known.unwrap_or_else(|| {
-                covariances.push((deviation, pulse::Covariance::new(deviation)));
-                covariances.len() - 1
-            });
-            let apart = (to - from, covariance, constant(fixed, &between).to_bits());
-            let next = pairs.len();
-            let place = if is_stationary { *places.entry(apart).or_insert(next) } else { next };
-            if place == next {
-                pairs.push(Pairs { places: vec![], factor: 0.0, covariance });
-            }
-            let pairs = &mut pairs[place];
-            pairs.factor += 2.0 * g * h;
-            if pairs.places.len() < MOST_PAIRS {
-                pairs.places.push([i, j]);
-            }
-        }
-    }
+    let (ticks, factors): (Vec<i32>, Vec<f64>) = boundaries(fixed, f).into_iter().unzip();
+    let start = ticks.first().copied().unwrap_or(0);
+    let constants: Vec<f64> = ticks.iter().map(|&b| constant(fixed, &spans(start, b, n)) / pulse).collect();
+    let is_random = |tone: &FixedTone| tone.rayleigh || tone.phase_spread != 0;
+    let is_stationary = fixed.profile.is_none()
+        && fixed.tones.iter().all(is_random)
+        && fixed.acceleration == 0.0
+        && fixed.relock.is_empty();
+    let deviation =
+        |i: usize, j: usize| libm::sqrt(normal(fixed, &spans(ticks[i], ticks[j], n), &[])) / pulse;
     let draws = fixed.profile.as_ref().map_or(lattice::POINTS as usize, |profile| profile.positions);
-    let (mut angles, mut sum) = (constants.clone(), 0.0);
-    for draw in 0..draws {
+    let angles = |draw: usize, angles: &mut [f64]| {
         angles.copy_from_slice(&constants);
         if let Some(profile) = &fixed.profile {
-            for (angle, &(b, _)) in angles.iter_mut().zip(&boundaries) {
+            for (angle, &b) in angles.iter_mut().zip(&ticks) {
                 *angle += f64::from(profile.angle(draw, b)) / pulse;
             }
         }
         let mut coordinates = lattice::point(draw as u32);
         for tone in &fixed.tones {
             let drawn = tone.drawn(&mut coordinates);
-            for (angle, &(b, _)) in angles.iter_mut().zip(&boundaries) {
+            for (angle, &b) in angles.iter_mut().zip(&ticks) {
                 *angle += drawn.angle(b, n) / pulse;
             }
         }
-        for Pairs { places, factor, covariance } in &pairs {
-            if let Some(covariance) = &covariances[*covariance].1 {
-                let all: f64 = places.iter().map(|&[i, j]| covariance.at(angles[j] - angles[i])).sum();
-                sum += factor * all / places.len() as f64;
-            }
-        }
-    }
-    let own: f64 = boundaries.iter().map(|(_, g)| g * g).sum();
-    (own + sum / draws as f64) * pulse * pulse / 12.0
+    };
+    let class = |i: usize, j: usize| is_stationary.then(|| class([ticks[i], ticks[j]], n));
+    pulse::mean_variance(&factors, deviation, class, draws, angles) * pulse * pulse / 12.0
+}
+
+/// What the mean covariance of the fractions at two boundaries depends on where the motion is stationary: their distance, and
+/// whether the gap lies between them, whose noise is one word.
+pub(crate) fn class(boundaries: [i32; 2], gap_ticks: i32) -> (i32, bool) {
+    let [from, to] = boundaries;
+    (to - from, from <= 0 && to >= gap_ticks)
 }
 
 /// The boundaries at which a fraction counts, each with its factor.

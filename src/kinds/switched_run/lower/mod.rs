@@ -229,7 +229,7 @@ fn residuals(
         let mut residual = lowered.residual(place).unwrap_or_default();
         residual.constant_arcsec += relock;
         let estimate = lowered.fillers[place].first();
-        let physical = estimate.and_then(|estimate| oracle.switch(&estimate.rows));
+        let physical = estimate.map(|estimate| oracle.switch(&estimate.rows));
         let definition = definition(filler, estimate.map(|estimate| &*estimate.rows));
         Switched {
             name: filler.name.clone(),
