@@ -84,7 +84,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("adev", Role::Upper, "95 % of single records have a deviation below this and above `adev_lo`, °/h."),
         Of::new("oracle_adev", Unit::DEG_PER_H, "Allan deviation σ(τ) (closed form)", |row| row.oracle.map(libm::sqrt).into())
             .is_of("adev", Role::Oracle, "The root of `oracle_avar`, °/h."),
-        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.representation.into())
+        Of::new("representation", Unit::NONE, "representation", |row| row.representation.into())
             .is_of("mean_avar", Role::Representation, "Relative difference of `oracle_avar`, that of the integers that are sampled, from the closed form \
                 of the inputs, which shares no computed number with them. What exceeds the proven bound of rounding is refused. Blank without a closed \
                 form, as of whole pulses under flicker, random walk, drift or switches."),

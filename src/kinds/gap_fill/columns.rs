@@ -84,7 +84,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("max", Role::Oracle, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
-        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.estimate.representation.into())
+        Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
             .is_of("rms", Role::Representation, found::REPRESENTATION),
     ]
 }

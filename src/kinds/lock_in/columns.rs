@@ -143,7 +143,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("walk_ratio", Unit::NONE, "N over its closed form", |row| row.walk_ratio().map(|ratio| ratio.0).into())
             .is(Role::Estimate, "`angle_random_walk` over Ω_L√(q/2πΩ_D), with the noise of the beam, also where the premises of that closed form fail; blank without dither.")
             .within(|row| row.walk_ratio()?.1),
-        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.representation.into())
+        Of::new("representation", Unit::NONE, "representation", |row| row.representation.into())
             .is_of("angle_random_walk", Role::Representation, "Relative difference of N in closed form for the integers that are sampled from \
                 `oracle_angle_random_walk`, that of the inputs. What exceeds the proven bound of rounding is refused. Blank without a closed form."),
     ]

@@ -282,7 +282,7 @@ pub(crate) fn columns<'a>(solution: Solution, has_filter: bool) -> Vec<ColumnOf<
         columns.extend(claims());
     }
     columns.push(
-        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.representation.into())
+        Of::new("representation", Unit::NONE, "representation", |row| row.representation.into())
             .is_of("heading_rms", Role::Representation, "Relative difference of the rms in closed form, that of the integers that are sampled, from the closed form \
                 of the inputs, which shares no computed number with them: the largest in magnitude over the quantities. What exceeds the proven bound of \
                 rounding ends the run."),

@@ -133,7 +133,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Estimate, "h_i⁻, the mean detuning of the second half of the tick, in fractions of the wavelength, Z(12)."),
         Of::new("signal", Unit::NONE, "signal of the detuning at the start of the tick", Row::signal)
             .is(Role::Estimate, "A_I, the signal of the detuning at the start of the tick, in the unit of `relock.signal_gain`, Z(1)."),
-        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.estimate.representation.into())
+        Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
             .is_of("rms", Role::Representation, found::REPRESENTATION),
     ]
 }

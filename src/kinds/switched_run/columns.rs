@@ -137,7 +137,7 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("mean", Role::Z, "Deviation of `mean` from `oracle_mean` in standard errors; beyond ±5 something is wrong."),
         Of::new("z", Unit::NONE, "deviation of the rms from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
-        Of::new("representation", Unit::NONE, "rounding of the inputs", |row| row.estimate.representation.into())
+        Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
             .is_of("rms", Role::Representation, found::REPRESENTATION),
     ])
     .collect()
