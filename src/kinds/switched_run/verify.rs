@@ -152,6 +152,24 @@ mod tests {
             FILLED.replace("[motion]", "readout_lsb = \"2 arcsec\"\n[motion]\nrate = \"31 arcsec/s\"");
         let switched =
             "[switching]\ninterval = \"3 s\"\ngap_ticks = 5\nfillers = [\"const\", \"quadratic\"]\n";
+        // Pulses whose variance is an average, over drawn values, alone or beside Gaussian motion, and over the places of a record.
+        let drawn = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.2 arcsec\" }\nreadout_lsb = \"2 arcsec\"\n[motion]\n\
+                     amplitude = { uniform = [\"100 arcsec/s\", \"900 arcsec/s\"] }\nfrequency = [\"18 Hz\", \"22 Hz\"]\n";
+        let fixed_phase = format!(
+            "{drawn}phase = \"extremum\"\ngaussian = {{ rms = \"200 arcsec/s\", band = [\"5 Hz\", \"9 Hz\"] }}\n"
+        );
+        let recorded = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.2 arcsec\" }\nreadout_lsb = \"2 arcsec\"\n[motion]\n\
+                        profile = { file = \"studies/data/base_vibration.csv\" }\n";
+        let drift = "[drift]\nmagnetic = \"0.02 arcsec/s\"\n";
+        let minute = "[run]\nduration = \"60 s\"\n";
+        for gyro in [drawn, &fixed_phase, recorded] {
+            let filled = lowered(&[drift, gyro, switched, minute]).fillers;
+            let parts = filled.iter().flat_map(|filled| &filled.estimates).filter(|own| own.oracle.is_some());
+            for part in parts {
+                let found = part.representation.expect("a second closed form").abs();
+                assert!(found > 1e-12 && found < 1e-3, "{gyro}: {found:e}");
+            }
+        }
         let more: [&[&str]; 3] = [
             &["[drift]\n", walk, times],
             &["[drift]\ninitial_magnetic_spread = \"2 arcsec/s\"\n[switching]\ninterval = \"7 s\"\n", times],
