@@ -152,13 +152,14 @@ mod tests {
             FILLED.replace("[motion]", "readout_lsb = \"2 arcsec\"\n[motion]\nrate = \"31 arcsec/s\"");
         let switched =
             "[switching]\ninterval = \"3 s\"\ngap_ticks = 5\nfillers = [\"const\", \"quadratic\"]\n";
-        // Pulses whose variance is an average, over drawn values, alone or beside Gaussian motion, and over the places of a record.
-        let drawn = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.2 arcsec\" }\nreadout_lsb = \"2 arcsec\"\n[motion]\n\
+        // Pulses larger than the motion in a tick, whose variance is an average: over drawn values, alone or beside Gaussian
+        // motion, and over the places of a record.
+        let drawn = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"4 arcsec\" }\nreadout_lsb = \"40 arcsec\"\n[motion]\n\
                      amplitude = { uniform = [\"100 arcsec/s\", \"900 arcsec/s\"] }\nfrequency = [\"18 Hz\", \"22 Hz\"]\n";
         let fixed_phase = format!(
             "{drawn}phase = \"extremum\"\ngaussian = {{ rms = \"200 arcsec/s\", band = [\"5 Hz\", \"9 Hz\"] }}\n"
         );
-        let recorded = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.2 arcsec\" }\nreadout_lsb = \"2 arcsec\"\n[motion]\n\
+        let recorded = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"20 arcsec\" }\nreadout_lsb = \"200 arcsec\"\n[motion]\n\
                         profile = { file = \"studies/data/base_vibration.csv\" }\n";
         let drift = "[drift]\nmagnetic = \"0.02 arcsec/s\"\n";
         let minute = "[run]\nduration = \"60 s\"\n";
