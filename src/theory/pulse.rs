@@ -36,10 +36,7 @@ impl Covariance {
         // A little more than half a pulse, so that every distance lies within the table.
         let reach = if deviation < SHARP { 8.0 * deviation } else { 0.501 };
         let step = reach / STEPS as f64;
-        let value = |place: usize| {
-            let y = step * place as f64;
-            if deviation < SHARP { rounded(y, deviation) } else { series(y, deviation) }
-        };
+        let value = |place: usize| covariance(step * place as f64, deviation);
         (deviation < LARGEST).then(|| Covariance {
             deviation,
             step,
@@ -59,6 +56,13 @@ impl Covariance {
             1.0 - 6.0 * y + 6.0 * (y * y + self.deviation * self.deviation)
         }
     }
+}
+
+/// The covariance of the fractions at two angles at this distance but for a normal part, as [`Covariance`] tabulates it, to
+/// rounding.
+pub(crate) fn covariance(distance: f64, deviation: f64) -> f64 {
+    let y = (distance - libm::floor(distance + 0.5)).abs();
+    if deviation < SHARP { rounded(y, deviation) } else { series(y, deviation) }
 }
 
 /// Pairs of boundaries whose fractions have the same covariance in the mean over the motion. `places` has the first few, over
@@ -122,7 +126,7 @@ pub(crate) fn mean_variance<C: Eq + Hash>(
 
 /// The mean of 1 − 6|y + sz| + 6(y + sz)² over a normal z.
 fn rounded(y: f64, s: f64) -> f64 {
-    let z = y / s;
+    let z = if s > 0.0 { y / s } else { f64::INFINITY };
     let magnitude = y * libm::erf(z / SQRT_2) + s * libm::sqrt(2.0 / PI) * libm::exp(-0.5 * z * z);
     1.0 - 6.0 * magnitude + 6.0 * (y * y + s * s)
 }

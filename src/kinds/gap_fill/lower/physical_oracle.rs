@@ -7,7 +7,7 @@
 //! the angle less its covariance, in twice the precision of `f64` because nearly all of it cancels. Shared with the
 //! kernel are the weights, which are the filler, and the angles of the ticks of a record before they are rounded.
 
-use core::f64::consts::{FRAC_PI_2, TAU};
+use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 use std::collections::{BTreeMap, HashMap};
 
 use crate::filler::keys::Error;
@@ -355,26 +355,38 @@ fn drawn(tone: &Tone, coordinates: &mut impl Iterator<Item = f64>) -> [f64; 3] {
 /// The averages of the last few motions and fillers.
 static AVERAGES: Memo<String, f64> = Memo::new(256);
 
+/// Terms of the sum over the harmonics of a pulse, and most of them where swings are so small that more are needed.
+const TERMS: f64 = 4096.0;
+const MANY_TERMS: u32 = 1 << 16;
+
 /// Covariance of the fractions of a pulse at two ends of an angle that is a constant, a normal number of this variance and
 /// sines of random phase of these amplitudes: q²/2π² Σ E cos(2πm d/q)/m².
 fn fractions(pulse: f64, constant: f64, variance: f64, swings: &[f64]) -> f64 {
-    let part = constant / pulse - libm::floor(constant / pulse);
-    let at_rest = pulse * pulse * (1.0 / 12.0 - 0.5 * part * (1.0 - part));
+    let y = (constant - pulse * libm::floor(constant / pulse + 0.5)).abs();
+    // Of an angle d far below half a pulse: q²/12 − ½ q E|d| + ½ E d².
+    let about = |magnitude: f64, square: f64| pulse * (pulse / 12.0 - 0.5 * magnitude) + 0.5 * square;
+    let deviation = libm::sqrt(variance);
+    if swings.is_empty() && deviation < 0.05 * pulse {
+        let z = if deviation > 0.0 { y / deviation } else { f64::INFINITY };
+        let folded =
+            y * libm::erf(z * FRAC_1_SQRT_2) + deviation * libm::sqrt(4.0 / TAU) * libm::exp(-0.5 * z * z);
+        return about(folded, y * y + variance);
+    }
     let unit = 2.0 * pulse * pulse / (TAU * TAU);
-    let (mut sum, mut lost, mut left) = (0.0, 0.0, 1.0);
-    for m in (1..=4096).map(f64::from) {
+    let (mut sum, mut lost) = (0.0, 0.0);
+    for m in (1..=MANY_TERMS).map(f64::from) {
         let k = TAU * m / pulse;
         let damped = libm::exp(-0.5 * k * k * variance);
-        if damped < 1e-16 {
-            return unit * sum;
-        }
-        left = damped * swings.iter().map(|swing| libm::j0(k * swing)).product::<f64>();
+        let left = damped * swings.iter().map(|swing| libm::j0(k * swing)).product::<f64>();
         let term = libm::cos(k * constant) / (m * m);
         sum += left * term;
         lost += (1.0 - left) * term;
+        if damped < 1e-16 || m >= TERMS && left < 0.5 {
+            return unit * sum;
+        }
     }
     // Of hardly any motion the omitted terms are those of the angle at rest.
-    if left > 0.5 { at_rest - unit * lost } else { unit * sum }
+    about(y, y * y) - unit * lost
 }
 
 fn add(sums: &mut Vec<Double>, part: &[Double], factor: f64) {

@@ -170,9 +170,9 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Covariance {
         }
     }
     let normal = normal(fixed, &parts, &rayleigh);
-    if normal == 0.0 && swings.is_empty() {
-        let part = constant / pulse - libm::floor(constant / pulse);
-        return Some((pulse * pulse / 12.0 * (1.0 - 6.0 * part * (1.0 - part)), 0.0));
+    if swings.is_empty() {
+        let part = pulse::covariance(constant / pulse, libm::sqrt(normal) / pulse);
+        return Some((pulse * pulse / 12.0 * part, 0.0));
     }
     let unit = pulse * pulse / (2.0 * PI * PI);
     // J0(x)| is at most √(2/(πx)) and at most 1, so a swing over many pulses leaves at most a fraction 1/√m of term m.
