@@ -171,7 +171,11 @@ mod tests {
                 assert!(found > 1e-12 && found < 1e-3, "{gyro}: {found:e}");
             }
         }
-        let more: [&[&str]; 3] = [
+        // No error at all.
+        let vanishing = "[gyro]\ntick = \"1 ms\"\ntick_noise = { std = \"0 arcsec\" }\nreadout_lsb = \"155.6 arcsec\"\n[motion]\n\
+                         amplitude = \"4076 arcsec/s\"\nfrequency = \"8.549 Hz\"\nphase = \"zero-crossing\"\n";
+        let more: [&[&str]; 4] = [
+            &[drift, vanishing, switched, minute],
             &["[drift]\n", walk, times],
             &["[drift]\ninitial_magnetic_spread = \"2 arcsec/s\"\n[switching]\ninterval = \"7 s\"\n", times],
             &[&pulses, switched, "[run]\nduration = \"60 s\"\n"],
@@ -187,5 +191,21 @@ mod tests {
             }
         }
         assert!(compared > 20 && largest > 1e-12 && largest < 1e-3, "{compared}: {largest:e}");
+    }
+
+    /// It was taken as independent from switch to switch, by the kernel and its closed form alike.
+    #[test]
+    fn a_fixed_tone_beside_a_weak_one_of_drawn_frequency_stays_in_phase() {
+        let rms = |more: &str| {
+            let motion = format!(
+                "[drift]\nmagnetic = \"0 arcsec/s\"\n[gyro]\ntick = \"2 ms\"\ntick_noise = {{ std = \"0 arcsec\" }}\n[motion]\n\
+                 tones = [{{ amplitude = \"7401.1 arcsec/s\", frequency = \"138.26 Hz\" }}{more}]\n"
+            );
+            let switched = "[switching]\ngap_ticks = 2\ninterval = \"6.958 s\"\ntiming = \"periodic\"\nfillers = [\"const\"]\n";
+            let filled = lowered(&[&motion, switched, "[run]\nduration = \"206.72016 s\"\n"]).fillers;
+            filled[0].estimates[0].oracle.unwrap().rms() * filled[0].estimates[0].unit_arcsec
+        };
+        let beside = rms(", { amplitude = \"60 arcsec/s\", frequency = [\"1 Hz\", \"1.01 Hz\"] }");
+        assert!((beside / rms("") - 1.0).abs() < 1e-4, "{beside}, alone {}", rms(""));
     }
 }

@@ -208,6 +208,12 @@ impl FixedTone {
         matches!(self.motion, ToneMotion::Fixed { .. }) && self.part[1] == 0
     }
 
+    /// Whether only the phase of the tone is drawn; its frequency may be that of a band of no width.
+    pub(crate) fn is_sine(&self) -> bool {
+        let is_drawn = matches!(self.motion, ToneMotion::Drawn { width: 1.., .. });
+        !is_drawn && self.part[1] == 0 && !self.rayleigh && self.phase_spread != 0
+    }
+
     /// Peak, least frequency, width of its range, and whether the amplitude is that of the angle, of a tone of drawn
     /// frequency; there is no tone of fixed frequency beside one.
     pub(crate) fn drawn_words(&self) -> [u32; 4] {

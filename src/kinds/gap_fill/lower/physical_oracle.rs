@@ -176,7 +176,8 @@ impl PhysicalOracle<'_> {
         }
         let sigma = self.inputs.sigma_arcsec();
         let squares: f64 = rows.ticks.iter().filter_map(|&tick| weight(tick)).map(|w| w * w).sum();
-        [mean, variance.max(0.0) + sigma * sigma * squares + self.pulses(rows)]
+        // What pulses add may come out below 0 where it vanishes.
+        [mean, (variance.max(0.0) + sigma * sigma * squares + self.pulses(rows)).max(0.0)]
     }
 
     /// The angle of the constant rate and acceleration so many ticks after the middle of the gap, ″.

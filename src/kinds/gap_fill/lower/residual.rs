@@ -50,7 +50,7 @@ impl Lowered {
         let (mut mean, mut variance) = (whole.mean, whole.variance);
         let mut tones = Vec::new();
         for (place, tone) in fixed.tones.iter().enumerate() {
-            if tone.is_plain() && !tone.rayleigh && tone.phase_spread != 0 {
+            if tone.is_sine() {
                 let part = tone.response(f, fixed.gap_ticks);
                 // A sine of uniform phase has half its squared amplitude as variance.
                 mean -= part.mean;

@@ -98,11 +98,10 @@ impl PhysicalRun<'_> {
     /// Squared size of the sum of as many sines of a tone as there are switches, relative to that of one: their number at
     /// random phases.
     fn added(&self, tone: usize, switches: f64) -> f64 {
-        let tones = self.point.fill.as_ref().map_or(&[][..], |fill| &fill.inputs.motion.tones);
-        let drawn = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
-        if self.study.timing == Timing::Random || drawn {
+        if self.study.timing == Timing::Random {
             return switches;
         }
+        let tones = self.point.fill.as_ref().map_or(&[][..], |fill| &fill.inputs.motion.tones);
         let turns = match tones.get(tone).map(|tone| tone.frequency) {
             Some(Frequency::Fixed(frequency_hz)) => frequency_hz * self.point.schedule.interval_s,
             _ => 0.0,
