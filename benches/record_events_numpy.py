@@ -101,7 +101,8 @@ def detuned_notch(rng, x):
     """A notch at 3 Hz that misses a line at 3.1 Hz."""
     x = line(3.1, 0.5)(rng, x)
     c, r = np.cos(2 * np.pi * 3 / RATE_HZ), 0.9
-    return second_order([1, -2 * c, 1], [1, -2 * c * r, r * r], x)
+    gain = (2 - 2 * c) / (1 - 2 * c * r + r * r)
+    return second_order([1, -2 * c, 1], [gain, -2 * gain * c * r, gain * r * r], x)
 
 
 def low_pass(rng, with_flicker):
@@ -136,6 +137,8 @@ CELLS |= {f"telegraph noise, {dwell} s": telegraph(dwell) for dwell in (2, 20, 2
 CELLS |= {f"a line at {f} Hz of {size} σ": line(f, size) for f in (0.5, 1.7, 4.3) for size in (0.05, 0.2, 1)}
 CELLS |= {"a detuned notch": detuned_notch, "a low-pass with aliasing": low_pass}
 CELLS |= {"a rate in coarse units": coarse_rate, "an angle in coarse units": coarse_angle}
+# Rounding of the rate is white noise too, of a twelfth of the squared unit.
+TRUE_N = {"a rate in coarse units": N * np.sqrt(1 + 4 / 12)}
 
 
 def record(name, event, with_flicker, index):
@@ -177,7 +180,7 @@ def main():
                 is_false = lambda term: share(lambda rows: rows.get(term, {}).get("verdict") == "identified")
                 false = [is_false(term) if term != "B" or not with_flicker else "" for term in "QBKR"]
                 held_b = share(lambda rows: holds(rows.get("B"), B)) if with_flicker else ""
-                held_n = share(lambda rows: holds(rows.get("N"), N))
+                held_n = share(lambda rows: holds(rows.get("N"), TRUE_N.get(name, N)))
                 noises = "N, B" if with_flicker else "N"
                 cells = " ".join(f"{text:>{width}}" for text, width in zip([*false, held_n, held_b], (8, 6, 6, 6, 8, 8)))
                 print(f"{name:28} {noises:6} {cells}", flush=True)
