@@ -187,6 +187,14 @@ impl PhysicalOracle<'_> {
         motion.rate * t_s + 0.5 * motion.acceleration * t_s * t_s
     }
 
+    /// The angle at a boundary that all trials have in common, but for vibration: that of rate, acceleration and relock, ″.
+    fn common(&self, boundary: i32) -> f64 {
+        let Inputs { gap_ticks, relock, .. } = self.inputs;
+        let after = (boundary - *gap_ticks as i32).max(0) as usize;
+        let added: f64 = relock.iter().take(after).sum();
+        self.steady(f64::from(boundary) - 0.5 * f64::from(*gap_ticks)) + added
+    }
+
     /// Whether there are pulses whose variance is a mean over the motion, without a closed form.
     fn has_averaged_pulses(&self) -> bool {
         let Inputs { motion, readout_lsb, .. } = self.inputs;
@@ -196,7 +204,7 @@ impl PhysicalOracle<'_> {
 
     /// The variance that whole pulses add, ″².
     fn pulses(&self, rows: &Rows) -> f64 {
-        let Inputs { tick_s, motion, gap_ticks, relock, readout_lsb: pulse, .. } = self.inputs;
+        let Inputs { tick_s, motion, gap_ticks, readout_lsb: pulse, .. } = self.inputs;
         if *pulse == 0.0 {
             return 0.0;
         }
@@ -216,14 +224,13 @@ impl PhysicalOracle<'_> {
         let place = |b: i32| f64::from(b) - 0.5 * f64::from(n);
         // The angle of everything without a random phase at a boundary.
         let fixed = |b: i32| {
-            let added: f64 = relock.iter().take((b - n).max(0) as usize).sum();
             let of_tone = |tone: &Tone| {
                 let nu = tone.band().low_hz;
                 let phase = if tone.phase == Phase::Extremum { FRAC_PI_2 } else { 0.0 };
                 tone.amplitude.value.scale() * tone.rate_factor(nu) * turned(nu, phase, place(b) * tick_s)
             };
             let tones: f64 = tones.iter().filter(|tone| !is_random(tone)).map(of_tone).sum();
-            self.steady(place(b)) + added + tones
+            self.common(b) + tones
         };
         let angles: Vec<f64> = factors.iter().map(|&(b, _)| fixed(b)).collect();
         let sigma = self.inputs.sigma_arcsec();
@@ -249,8 +256,8 @@ impl PhysicalOracle<'_> {
         sum
     }
 
-    /// The same variance as a mean over the places of a record or over drawn values; `factors` are those of the fractions at
-    /// some boundaries.
+    /// Returns the same variance as a mean over the places of a record or over drawn values. `factors` are those of the
+    /// fractions at some boundaries.
     fn averaged_pulses(&self, factors: Vec<(i32, f64)>) -> f64 {
         let Inputs { tick_s, motion, gap_ticks, relock, readout_lsb: pulse, .. } = self.inputs;
         let replay = motion.profile.as_ref().map(|profile| profile.replay(*tick_s));
@@ -261,11 +268,7 @@ impl PhysicalOracle<'_> {
             let n = *gap_ticks as i32;
             let (ticks, factors): (Vec<i32>, Vec<f64>) = factors.into_iter().unzip();
             let time = |b: i32| f64::from(b) - 0.5 * f64::from(n);
-            let constant = |&b: &i32| {
-                let added: f64 = relock.iter().take((b - n).max(0) as usize).sum();
-                self.steady(time(b)) + added
-            };
-            let constants: Vec<f64> = ticks.iter().map(constant).collect();
+            let constants: Vec<f64> = ticks.iter().map(|&b| self.common(b)).collect();
             let is_stationary = replay.is_none()
                 && motion.tones.iter().all(is_random)
                 && motion.acceleration == 0.0
