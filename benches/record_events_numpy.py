@@ -127,7 +127,20 @@ def coarse_angle(rng, x):
     return np.diff(np.floor(angle / unit)) * unit * RATE_HZ
 
 
+def lost(share, length=1):
+    """Samples lost in stretches of a length."""
+
+    def event(rng, x):
+        for at in rng.integers(0, SAMPLES - length, int(share * SAMPLES / length)):
+            x[at : at + length] = np.nan
+        return x
+
+    return event
+
+
 CELLS = {"nothing": lambda rng, x: x}
+CELLS |= {f"{100 * share:g} % lost": lost(share) for share in (0.001, 0.01, 0.05, 0.2)}
+CELLS |= {"5 % lost in bursts of 30": lost(0.05, 30), "10 % lost in bursts of 600": lost(0.1, 600)}
 for size in (2, 10, 50):
     CELLS |= {f"{word} of {size} °/h": steps(size, count) for word, count in (("a step", 1), ("two steps", 2))}
 CELLS |= {f"{count} spikes": spikes(count) for count in (1, 10, 100)}

@@ -21,9 +21,27 @@ pub struct Angles {
     /// The line that was removed, in the original unit of the increments.
     removed: Line,
     missing: usize,
-    /// Computed when first asked for, since several results of a record need it.
+    /// Number of known increments before each angle; absent where none is missing.
+    known: Option<Vec<u32>>,
+    /// Computed when first asked for, since several results of a record need them.
     spread: OnceLock<Spread>,
+    bridged: OnceLock<Bridged>,
 }
+
+/// The angles with short gaps filled by straight lines, for estimates that need unbroken stretches.
+#[derive(Debug, Clone)]
+struct Bridged {
+    values: Vec<f64>,
+    runs: Vec<Range<usize>>,
+    share: f64,
+}
+
+/// Most samples of a gap that is bridged, and the number of samples on each side whose means the line joins.
+const BRIDGED: usize = 64;
+const BESIDE: usize = 8;
+
+/// Number of increments over which the scatter of a sample is taken.
+const SCATTERED: usize = 16;
 
 impl Angles {
     /// The running sums of `increments`, each times `scale`; NaN stands for a missing one.
@@ -52,7 +70,9 @@ impl Angles {
             values.push(angle);
         }
         runs.extend(worth_keeping(start..values.len()));
-        Angles { step_s, values, runs, removed: line, missing, spread: OnceLock::new() }
+        let known = (missing > 0).then(|| counts(increments.iter().map(|increment| increment.is_finite())));
+        let (spread, bridged) = Default::default();
+        Angles { step_s, values, runs, removed: line, missing, known, spread, bridged }
     }
 
     /// Measured `angles`, each times `scale`; NaN stands for a missing one.
@@ -77,7 +97,9 @@ impl Angles {
             values,
             removed: line,
             missing,
+            known: None,
             spread: OnceLock::new(),
+            bridged: OnceLock::new(),
         }
     }
 
@@ -108,8 +130,10 @@ impl Angles {
             (start < end).then(|| start - range.start..end - range.start).and_then(worth_keeping)
         };
         let runs: Vec<Range<usize>> = self.runs.iter().filter_map(inside).collect();
-        let values = self.values[range].to_vec();
-        let mut part = Angles { values, runs, spread: OnceLock::new(), ..*self };
+        let values = self.values[range.clone()].to_vec();
+        let known = self.known.as_ref().map(|known| known[range].to_vec());
+        let (spread, bridged) = Default::default();
+        let mut part = Angles { values, runs, known, spread, bridged, ..*self };
         part.missing = match part.has_unknown() {
             true => part.values.iter().filter(|value| value.is_nan()).count(),
             false => part.len() - 1 - part.runs.iter().map(|run| run.len() - 1).sum::<usize>(),
@@ -144,7 +168,7 @@ impl Angles {
         &self.runs
     }
 
-    /// The stretches in which, moreover, every angle is known.
+    /// The stretches in which every angle is known.
     pub(crate) fn solid_runs(&self) -> Vec<Range<usize>> {
         if !self.has_unknown() {
             return self.runs.clone();
@@ -160,6 +184,131 @@ impl Angles {
         }
         solid
     }
+
+    /// Number of known increments before each angle; `None` where no increment is missing.
+    pub(crate) fn known(&self) -> Option<&[u32]> {
+        self.known.as_deref()
+    }
+
+    /// Share of the increments, or of the angles, that are known.
+    pub(crate) fn share(&self) -> f64 {
+        1.0 - self.missing as f64 / self.len().max(1) as f64
+    }
+
+    /// Variance of an increment about the mean of its neighbourhood, in the square of the unit of the angle.
+    pub(crate) fn scatter(&self) -> f64 {
+        let known = |i: usize| self.known.as_ref().is_none_or(|known| known[i + 1] > known[i]);
+        let (mut squares, mut freedom) = (0.0, 0);
+        for start in (0..self.len().saturating_sub(1)).step_by(SCATTERED) {
+            let places = || (start..(start + SCATTERED).min(self.len() - 1)).filter(|&i| known(i));
+            let increment = |i: usize| self.values[i + 1] - self.values[i];
+            let (count, sum) =
+                places().fold((0, 0.0), |(count, sum), i| (count + 1, sum + increment(i)));
+            if count > 1 {
+                let mean = sum / f64::from(count);
+                squares += places().map(|i| (increment(i) - mean) * (increment(i) - mean)).sum::<f64>();
+                freedom += count - 1;
+            }
+        }
+        squares / f64::from(freedom)
+    }
+
+    /// The angles with short gaps filled by straight lines: between the angles on both sides where one is unknown, and between the
+    /// mean increments of the neighbourhood on both sides where increments are missing.
+    pub(crate) fn bridged(&self) -> Solid<'_> {
+        if self.missing == 0 {
+            return Solid { values: &self.values, runs: &self.runs, share: 1.0 };
+        }
+        let Bridged { values, runs, share } = self.bridged.get_or_init(|| match &self.known {
+            Some(known) => self.with_increments(known),
+            None => self.with_angles(),
+        });
+        Solid { values, runs, share: *share }
+    }
+
+    fn with_increments(&self, known: &[u32]) -> Bridged {
+        let count = self.len() - 1;
+        let is_known = |i: &usize| known[i + 1] > known[*i];
+        let mean = |places: &mut dyn Iterator<Item = usize>| {
+            let taken = places.filter(is_known).take(BESIDE);
+            let (count, sum) = taken.fold((0.0, 0.0), |(count, sum), i| {
+                (count + 1.0, sum + self.values[i + 1] - self.values[i])
+            });
+            sum / count
+        };
+        let mut bridge = Bridged { values: vec![0.0], runs: vec![], share: 1.0 };
+        let (mut start, mut angle, mut filled, mut i) = (0, 0.0, 0, 0);
+        while i < count {
+            if is_known(&i) {
+                angle += self.values[i + 1] - self.values[i];
+                bridge.values.push(angle);
+                i += 1;
+                continue;
+            }
+            let end = (i..count).find(is_known).unwrap_or(count);
+            let before = mean(&mut (i.saturating_sub(BRIDGED)..i).rev());
+            let after = mean(&mut (end..(end + BRIDGED).min(count)));
+            let is_bridged = end - i <= BRIDGED && before.is_finite() && after.is_finite();
+            for place in i..end {
+                let part = (place - i + 1) as f64 / (end - i + 1) as f64;
+                angle += if is_bridged { before + (after - before) * part } else { 0.0 };
+                bridge.values.push(angle);
+            }
+            if is_bridged {
+                filled += end - i;
+            } else {
+                bridge.runs.extend(worth_keeping(start..i + 1));
+                start = end;
+            }
+            i = end;
+        }
+        bridge.runs.extend(worth_keeping(start..self.len()));
+        let all: usize = bridge.runs.iter().map(|run| run.len() - 1).sum();
+        bridge.share = 1.0 - filled as f64 / all.max(1) as f64;
+        bridge
+    }
+
+    fn with_angles(&self) -> Bridged {
+        let mut bridge = Bridged { values: self.values.clone(), runs: vec![], share: 1.0 };
+        let (mut start, mut before) = (0, None);
+        for (i, value) in self.values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+            match before {
+                Some(k) if i - k > 1 + BRIDGED => {
+                    bridge.runs.extend(worth_keeping(start..k + 1));
+                    start = i;
+                }
+                Some(k) => {
+                    let slope = (value - self.values[k]) / (i - k) as f64;
+                    (k + 1..i).for_each(|j| bridge.values[j] = self.values[k] + slope * (j - k) as f64);
+                }
+                None => start = i,
+            }
+            before = Some(i);
+        }
+        bridge.runs.extend(before.and_then(|k| worth_keeping(start..k + 1)));
+        bridge
+    }
+}
+
+/// Stretches of angles in which every angle is known or bridged.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Solid<'a> {
+    /// The angles; of no meaning outside the stretches.
+    pub values: &'a [f64],
+    /// The stretches.
+    pub runs: &'a [Range<usize>],
+    /// Share of the increments in them that were measured.
+    pub share: f64,
+}
+
+/// The number of true ones before each place, and that of all.
+fn counts(are: impl Iterator<Item = bool>) -> Vec<u32> {
+    let mut count = 0;
+    let rising = are.map(|is| {
+        count += u32::from(is);
+        count
+    });
+    std::iter::once(0).chain(rising).collect()
 }
 
 /// A single angle has no difference.
@@ -180,7 +329,6 @@ mod tests {
         assert_eq!((increments.missing(), increments.has_unknown()), (2, false));
         let angles = Angles::from_angles(&[0.0, 1.0, GAP, 2.0, 3.0], 1.0, 1.0, Trend::None);
         assert_eq!(angles.runs(), std::slice::from_ref(&(0..5)));
-        assert_eq!(angles.solid_runs(), [0..2, 3..5]);
         assert_eq!((angles.missing(), angles.has_unknown()), (1, true));
     }
 

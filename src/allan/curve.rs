@@ -28,6 +28,8 @@ pub struct Point {
     pub supposes: Supposed,
     /// Equivalent degrees of freedom of the variance for that noise.
     pub edf: Option<f64>,
+    /// Part of the degrees of freedom of a record without gaps that gaps leave.
+    pub left: f64,
     /// Lower and upper end of the interval.
     pub interval: Option<(f64, f64)>,
 }
@@ -58,9 +60,11 @@ impl Supposed {
 /// 1.
 ///
 /// # Method
-/// The terms are those of NIST SP 1065 (5.2), except those that touch a gap, and take order N operations for each
-/// factor. The noise is identified by its lag-1 autocorrelation. The equivalent degrees of freedom are those of
-/// Greenhall and Riley for that noise and a record without gaps, times the fraction of terms that remains. The interval
+/// The terms are those of NIST SP 1065 (5.2), and take order N operations for each factor. Those that touch a gap are left out.
+/// Where missing samples would leave less than a quarter of them, they are of the means of those samples that are known, at least
+/// half of each mean; the white noise that this adds is subtracted, and the degrees of freedom are fewer by the square of its
+/// part. The noise is identified by its lag-1 autocorrelation. The equivalent degrees of freedom are those of
+/// Greenhall and Riley for that noise and a record without gaps, times the part that gaps leave. The interval
 /// is that of χ² with these degrees of freedom.
 ///
 /// # Limits
@@ -86,12 +90,13 @@ pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidenc
         let tau_s = m as f64 * angles.step_s;
         let variance = sum.squares / (normalisation * sum.terms as f64 * tau_s * tau_s);
         let scale = if deviation.is_of_angle() { tau_s / libm::sqrt(3.0) } else { 1.0 };
-        let value = (sum.terms > 0).then(|| libm::sqrt(variance) * scale);
+        // Less than 0 where what missing samples add is nearly all that there is.
+        let value = (sum.terms > 0 && variance >= 0.0).then(|| libm::sqrt(variance) * scale);
         let noise = noise(angles, deviation, m);
-        let left = sum.terms as f64 / deviation.terms(angles.len(), m).max(1) as f64;
+        let left = sum.left(deviation.terms(angles.len(), m));
         let edf = noise.and_then(|noise| edf(deviation, noise.alpha, angles.len(), m)).map(|edf| edf * left);
         let interval = value.zip(edf).and_then(|(value, edf)| interval(value, edf, confidence));
-        Point { m, tau_s, terms: sum.terms, value, noise, supposes: Supposed::PowerLaw, edf, interval }
+        Point { m, tau_s, terms: sum.terms, value, noise, supposes: Supposed::PowerLaw, edf, left, interval }
     });
     points.collect()
 }
@@ -120,9 +125,8 @@ pub fn suppose(
             None => differences::freedom(angles, deviation, m).map(|edf| (edf, Supposed::Differences)),
         };
         let Some((edf, supposes)) = found else { return };
-        let left = point.terms as f64 / deviation.terms(angles.len(), m).max(1) as f64;
         // The relative variance of an estimate is 2 over its degrees of freedom.
-        let edf = 2.0 / (2.0 / (edf * left) + spread.at(m as u64) * spread.at(m as u64));
+        let edf = 2.0 / (2.0 / (edf * point.left) + spread.at(m as u64) * spread.at(m as u64));
         let interval = point.value.and_then(|value| interval(value, edf, confidence));
         *point = Point { supposes, edf: Some(edf), interval, ..*point };
     });

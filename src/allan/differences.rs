@@ -1,7 +1,5 @@
 //! Degrees of freedom of a deviation from the autocorrelation of its own differences, which needs no noise model.
 
-use std::ops::Range;
-
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
@@ -17,10 +15,11 @@ const LEAST_PER_LAG: usize = 16;
 /// Equivalent degrees of freedom at the averaging factor `m` for a record without gaps: M/Σ(1 − |l|/M)ρ(l)² over the lags l
 /// at which two of the M differences share angles. `None` where the record is too short to show ρ.
 pub(crate) fn freedom(angles: &Angles, deviation: Deviation, m: usize) -> Option<f64> {
-    let run = angles.solid_runs().into_iter().max_by_key(Range::len)?;
+    let solid = angles.bridged();
+    let run = solid.runs.iter().max_by_key(|run| run.len())?;
     let kept = run.len().min(MOST_ANGLES);
     let first = run.start + (run.len() - kept) / 2;
-    let d = of_every_sample(&angles.values()[first..first + kept], deviation, m);
+    let d = of_every_sample(&solid.values[first..first + kept], deviation, m);
     let (stride, terms) = (if deviation.overlaps() { 1 } else { m }, deviation.terms(angles.len(), m) as f64);
     let lags = deviation.span(m) / stride;
     if d.len() < LEAST_PER_LAG * lags * stride {

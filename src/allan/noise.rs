@@ -95,11 +95,16 @@ fn middle(groups: usize) -> Range<usize> {
     first..first + kept
 }
 
-/// Differences of angles m apart, NaN where increments between them are missing.
+/// Differences of angles m apart, by the mean of the known increments; NaN where fewer than half of them are known, or an angle is
+/// not.
 fn averages(angles: &Angles, groups: Range<usize>, m: usize) -> Vec<f64> {
     let (x, runs) = (angles.values(), angles.runs());
     let average = |group: usize| {
         let (start, end) = (group * m, (group + 1) * m);
+        if let Some(known) = angles.known() {
+            let count = f64::from(known[end] - known[start]);
+            return if 2.0 * count < m as f64 { f64::NAN } else { (x[end] - x[start]) * m as f64 / count };
+        }
         let run = runs.get(runs.partition_point(|run| run.end <= start));
         let unbroken = run.is_some_and(|run| run.contains(&start) && run.contains(&end));
         if unbroken { x[end] - x[start] } else { f64::NAN }

@@ -3,23 +3,34 @@
 //! The result is the same to the last bit for any number of threads: terms are added in a fixed number of lanes, lanes
 //! in tiles of a fixed length, and tiles in groups of a fixed number, all in the order of the record.
 
+use std::cell::OnceCell;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::allan::{Angles, Deviation};
+use crate::allan::angles::Solid;
+use crate::allan::{Angles, Deviation, Trend};
 
 /// The sum of the squares of all terms of one deviation at one averaging factor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Sum {
     pub terms: u64,
     pub squares: f64,
+    /// What missing samples add to the squares, as they leave the means of the others less certain; it is not in `squares`.
+    pub added: f64,
 }
 
 impl Sum {
     fn add(&mut self, other: Sum) {
         self.terms += other.terms;
         self.squares += other.squares;
+        self.added += other.added;
+    }
+
+    /// The part of the estimate that missing samples leave of its degrees of freedom, where it has this part of the terms.
+    pub(crate) fn left(&self, terms: usize) -> f64 {
+        let part = if self.added > 0.0 { self.squares / (self.squares + self.added) } else { 1.0 };
+        self.terms as f64 / terms.max(1) as f64 * part * part
     }
 }
 
@@ -41,14 +52,96 @@ struct Tile {
     run_end: usize,
 }
 
-/// The sums of a deviation at each of `factors`, all ≥ 1.
+/// The sums of a deviation at each of `factors`, all ≥ 1, over all terms that touch no gap.
+///
+/// Where missing increments leave few of these terms, means over the increments that are known, at least half of each, take the
+/// place of whole ones. A missing increment makes such a mean less certain as white noise does. What that adds to the squares
+/// follows from the scatter of the increments about their neighbourhood, and is taken off. Modified deviations bridge short
+/// gaps instead.
 pub(crate) fn sums(angles: &Angles, deviation: Deviation, factors: &[usize]) -> Vec<Sum> {
-    if deviation.is_modified() {
-        let runs = angles.solid_runs();
-        factors.iter().map(|&m| modified(angles.values(), &runs, m)).collect()
-    } else {
-        plain(angles, deviation, factors)
+    let whole = match deviation.is_modified() {
+        true => {
+            let solid = Solid { values: angles.values(), runs: &angles.solid_runs(), share: 1.0 };
+            factors.iter().map(|&m| modified(solid, m)).collect()
+        }
+        false => plain(angles, deviation, factors),
+    };
+    if angles.missing() == 0 {
+        return whole;
     }
+    let (scatter, share) = (angles.scatter(), angles.share());
+    let simulated = OnceCell::new();
+    let of_factor = |(sum, &m): (Sum, &usize)| {
+        let has_few = sum.left(deviation.terms(angles.len(), m)) < FEW.min(share * share);
+        match (has_few, deviation.is_modified(), angles.known()) {
+            (true, false, Some(known)) => partly_known(angles, known, deviation, m, scatter),
+            (true, true, Some(known)) => {
+                let sum = modified(angles.bridged(), m);
+                let added = scatter * added_to_white(simulated.get_or_init(|| white(known)), m);
+                Sum { squares: sum.squares - added, added, ..sum }
+            }
+            (true, true, None) => modified(angles.bridged(), m),
+            _ => sum,
+        }
+    };
+    whole.into_iter().zip(factors).map(of_factor).collect()
+}
+
+/// Part of the terms that gaps must leave for the others to be left out.
+const FEW: f64 = 0.25;
+
+/// The sum over the terms whose means have at least half of their increments.
+fn partly_known(angles: &Angles, known: &[u32], deviation: Deviation, m: usize, scatter: f64) -> Sum {
+    let x = angles.values();
+    let weights: &[f64] = if deviation.differences() == 2 { &[-1.0, 1.0] } else { &[1.0, -2.0, 1.0] };
+    let stride = if deviation.overlaps() { 1 } else { m };
+    let term = |k: usize| {
+        let (mut d, mut added) = (0.0, 0.0);
+        for (i, weight) in weights.iter().enumerate() {
+            let (from, to) = (k + i * m, k + (i + 1) * m);
+            let count = known[to] - known[from];
+            if 2 * u64::from(count) < m as u64 || count == 0 {
+                return None;
+            }
+            let times = m as f64 / f64::from(count);
+            d += weight * times * (x[to] - x[from]);
+            added += weight * weight * (times - 1.0) * m as f64 * scatter;
+        }
+        Some((d * d, added))
+    };
+    let terms = deviation.terms(angles.len(), m);
+    let of_tile = |tile: usize| {
+        let mut sum = Sum::default();
+        for (square, added) in (tile * TILE..((tile + 1) * TILE).min(terms)).filter_map(|j| term(j * stride)) {
+            sum.add(Sum { terms: 1, squares: square - added, added });
+        }
+        sum
+    };
+    let parts: Vec<Sum> = (0..terms.div_ceil(TILE)).into_par_iter().map(of_tile).collect();
+    let mut sum = Sum::default();
+    parts.into_iter().for_each(|part| sum.add(part));
+    sum
+}
+
+/// White noise of variance 1, whole and with the gaps of a record.
+fn white(known: &[u32]) -> [Angles; 2] {
+    // The minimal generator of Park and Miller; uniform numbers have a variance of 1/12.
+    let states = std::iter::successors(Some(987_654_321_u64), |n| Some(16_807 * n % 2_147_483_647));
+    let whole: Vec<f64> = states
+        .take(known.len() - 1)
+        .map(|n| libm::sqrt(12.0) * (n as f64 / 2_147_483_647.0 - 0.5))
+        .collect();
+    let is_known = |i: usize| known[i + 1] > known[i];
+    let gapped: Vec<f64> =
+        whole.iter().enumerate().map(|(i, x)| if is_known(i) { *x } else { f64::NAN }).collect();
+    [whole, gapped].map(|x| Angles::from_increments(&x, 1.0, 1.0, Trend::None))
+}
+
+/// What bridges add to the sum of a modified deviation of white noise of variance 1.
+fn added_to_white([whole, gapped]: &[Angles; 2], m: usize) -> f64 {
+    let bridged = gapped.bridged();
+    let whole = Solid { values: whole.values(), ..bridged };
+    modified(bridged, m).squares - modified(whole, m).squares
 }
 
 /// The sums of an unmodified deviation, computed tile by tile at all factors, since these share most of their angles.
@@ -150,11 +243,11 @@ fn in_lanes(count: usize, term: impl Fn(usize) -> f64) -> Sum {
         let d = term(k);
         lanes[lane] += d * d;
     }
-    Sum { terms: count as u64, squares: lanes.iter().sum() }
+    Sum { terms: count as u64, squares: lanes.iter().sum(), added: 0.0 }
 }
 
 /// Sum over the terms of the modified deviation, the second differences of means over m angles, by running sums.
-fn modified(x: &[f64], runs: &[Range<usize>], m: usize) -> Sum {
+fn modified(Solid { values: x, runs, .. }: Solid, m: usize) -> Sum {
     // A tile shorter than m would spend most of its time on its first sum.
     let parts: Vec<Sum> = tiles(runs, RESTART.max(m))
         .par_iter()
@@ -180,13 +273,12 @@ fn running(x: &[f64], m: usize, starts: Range<usize>) -> Sum {
         s += x[j + 3 * m] - 3.0 * x[j + 2 * m] + 3.0 * x[j + m] - x[j];
         squares += (s * scale) * (s * scale);
     }
-    Sum { terms: starts.len() as u64, squares }
+    Sum { terms: starts.len() as u64, squares, added: 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::allan::trend::Trend;
 
     /// White noise from the generator of the NBS sets.
     pub(super) fn noise(count: usize) -> Vec<f64> {
@@ -198,7 +290,8 @@ mod tests {
         (0..count).map(|_| next()).collect()
     }
 
-    /// Sums every term by its definition, without those for which any increment (or angle) is missing.
+    /// Sums every term by its definition, without those for which any increment (or angle) is missing; these are all terms at
+    /// averaging factors that gaps hardly affect.
     fn by_definition(increments: &[f64], deviation: Deviation, m: usize) -> (u64, f64) {
         let d = deviation.differences();
         let (mut terms, mut squares) = (0, 0.0);
@@ -234,6 +327,9 @@ mod tests {
                 let factors: Vec<usize> = (1..=deviation.largest_factor(angles.len())).collect();
                 for (sum, &m) in sums(&angles, deviation, &factors).iter().zip(&factors) {
                     let (terms, squares) = by_definition(&increments, deviation, m);
+                    if (terms as f64) < FEW * deviation.terms(angles.len(), m) as f64 {
+                        continue;
+                    }
                     assert_eq!(sum.terms, terms, "{deviation}, m = {m}");
                     assert!(
                         (sum.squares - squares).abs() <= 1e-10 * squares,

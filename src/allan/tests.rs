@@ -132,8 +132,43 @@ fn gaps_leave_out_terms_and_keep_values_and_intervals() {
         }
     }
     // Longer than any stretch between gaps.
-    let none = curve(&gapped, Deviation::Oadev, &[600], 0.95)[0];
-    assert_eq!((none.terms, none.value, none.interval), (0, None, None));
+    for deviation in Deviation::ALL {
+        let [a, b] = [&whole, &gapped].map(|angles| curve(angles, deviation, &[600], 0.95)[0]);
+        let ratio = b.value.unwrap() / a.value.unwrap();
+        assert!((0.95..1.05).contains(&ratio) && b.terms > a.terms / 2, "{deviation}: {ratio}");
+        assert!((0.97..1.0).contains(&b.left), "{deviation}: {}", b.left);
+    }
+}
+
+/// Of white noise, means over half of the samples have twice the variance.
+#[test]
+fn many_single_losses_neither_end_a_curve_nor_change_it() {
+    let mut numbers = nbs_set(40_000).into_iter();
+    let losses: Vec<bool> = numbers.by_ref().take(20_000).map(|y| y < 0.2).collect();
+    let rates: Vec<f64> = numbers.collect();
+    for alpha in [0, -2] {
+        let mut sum = 0.0;
+        let noise: Vec<f64> = rates
+            .iter()
+            .map(|y| {
+                sum += y - 0.5;
+                if alpha == 0 { *y } else { y + 0.03 * sum }
+            })
+            .collect();
+        let lossy: Vec<f64> =
+            noise.iter().zip(&losses).map(|(y, is_lost)| if *is_lost { f64::NAN } else { *y }).collect();
+        let [whole, lossy] = [noise, lossy].map(|y| Angles::from_increments(&y, 1.0, 1.0, Trend::None));
+        for deviation in Deviation::ALL {
+            for m in [1, 4, 32, 512] {
+                let [a, b] = [&whole, &lossy].map(|angles| curve(angles, deviation, &[m], 0.999)[0]);
+                let ratio = b.value.unwrap() / a.value.unwrap();
+                let (low, high) = b.interval.unwrap();
+                let value = a.value.unwrap();
+                assert!(low < value && value < high, "α = {alpha}, {deviation}, m = {m}: {ratio}");
+                assert!((0.12..1.01).contains(&b.left), "α = {alpha}, {deviation}, m = {m}: {}", b.left);
+            }
+        }
+    }
 }
 
 /// Records of one power law: white noise summed or differenced.

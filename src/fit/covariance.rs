@@ -60,7 +60,10 @@ impl Covariance {
             let step = curve.ms()[i - 1] as f64 / curve.ms()[i] as f64;
             values[i] = values[i].max(values[i - 1] * step * step);
         }
-        let own = |i: usize| 2.0 * curve.ms()[i] as f64 / curve.samples() as f64 * values[i] * values[i];
+        let own = |i: usize| {
+            let deviation = values[i] * curve.costs()[i];
+            2.0 * curve.ms()[i] as f64 / curve.samples() as f64 * deviation * deviation
+        };
         let cell = |i: usize, j: usize| if i == j { own(i) } else { 0.0 };
         let points = curve.ms().len();
         Covariance::new((0..points).map(|i| (0..points).map(|j| cell(i, j)).collect()).collect())
@@ -126,6 +129,8 @@ pub(crate) struct Growth {
     components: Components,
     /// What each term of unit square adds to the deviations that the estimates have in common; empty if they have none.
     common: Vec<Vec<f64>>,
+    /// Standard deviation of each estimate over that of a record without gaps.
+    costs: Vec<f64>,
 }
 
 impl Growth {
@@ -140,13 +145,15 @@ impl Growth {
         };
         let common =
             if curve.spread().most() > 0.0 { terms.iter().map(of_term).collect() } else { Vec::new() };
-        Growth { terms: terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect(), components, common }
+        let terms = terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect();
+        Growth { terms, components, common, costs: curve.costs().to_vec() }
     }
 
     /// The growth for the averaging factors from the position `start` on.
     pub(crate) fn from(&self, start: usize) -> Growth {
         let common = self.common.iter().map(|of_term| of_term[start..].to_vec()).collect();
-        Growth { terms: self.terms.clone(), components: self.components.from(start), common }
+        let (terms, components) = (self.terms.clone(), self.components.from(start));
+        Growth { terms, components, common, costs: self.costs[start..].to_vec() }
     }
 
     /// Whether it belongs to these terms and shapes.
@@ -157,12 +164,17 @@ impl Growth {
     /// The covariance for the squares of its terms.
     pub(crate) fn covariance(&self, terms: &[Fitted]) -> Result<Covariance, FitError> {
         let squares: Vec<f64> = terms.iter().map(|fitted| fitted.square).collect();
-        Covariance::new(self.components.covariance(&squares))
+        let mut rows = self.components.covariance(&squares);
+        for (row, own) in rows.iter_mut().zip(&self.costs) {
+            row.iter_mut().zip(&self.costs).for_each(|(cell, other)| *cell *= own * other);
+        }
+        Covariance::new(rows)
     }
 
     /// Variance of a weighted sum of estimates of Gaussian noise as a function of the square of one term, with the others given.
     pub(crate) fn variance(&self, term: Term, weights: &[f64], square_of: impl Fn(Term) -> f64) -> Variance {
-        let form = self.components.variance_of(weights);
+        let scaled: Vec<f64> = weights.iter().zip(&self.costs).map(|(weight, cost)| weight * cost).collect();
+        let form = self.components.variance_of(&scaled);
         let mut variance = [0.0; 3];
         for ((a, _), row) in self.terms.iter().zip(&form) {
             for ((b, _), cell) in self.terms.iter().zip(row) {

@@ -13,6 +13,8 @@ pub struct Curve {
     variances: Vec<f64>,
     octaves: usize,
     spread: Spread,
+    /// Standard deviation of each estimate over that of a record without gaps.
+    costs: Vec<f64>,
 }
 
 /// Why a curve cannot be fitted.
@@ -100,7 +102,18 @@ impl Curve {
             return Err(FitError::TooLong { m, samples });
         }
         let octaves = holds::octaves(samples).ok_or(FitError::TooManySamples(samples))?;
-        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread: Spread::default() })
+        let (spread, costs) = (Spread::default(), vec![1.0; ms.len()]);
+        Ok(Curve { sample_s, samples, difference, ms, variances, octaves, spread, costs })
+    }
+
+    /// The curve of a record whose gaps leave these parts of the degrees of freedom.
+    pub(crate) fn with_left(self, left: &[f64]) -> Curve {
+        Curve { costs: left.iter().map(|left| 1.0 / libm::sqrt(*left)).collect(), ..self }
+    }
+
+    /// Standard deviation of each estimate over that of a record without gaps.
+    pub(crate) fn costs(&self) -> &[f64] {
+        &self.costs
     }
 
     /// The curve with the spread of its record.
@@ -114,7 +127,7 @@ impl Curve {
     /// The number of values differs, or some are not above 0.
     pub fn with(&self, variances: &[f64]) -> Result<Curve, FitError> {
         check(&self.ms, variances)?;
-        Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), spread: self.spread.clone(), ..*self })
+        Ok(Curve { variances: variances.to_vec(), ..self.clone() })
     }
 
     /// The curve from the position `start` of its averaging factors on.
@@ -123,6 +136,7 @@ impl Curve {
             ms: self.ms[start..].to_vec(),
             variances: self.variances[start..].to_vec(),
             spread: self.spread.clone(),
+            costs: self.costs[start..].to_vec(),
             ..*self
         }
     }

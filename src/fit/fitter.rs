@@ -138,8 +138,9 @@ impl Fitter {
         let found = found.map(|part| Fitted { term: part.term, square: part.square(), shape: part.shape });
         let found: Vec<Fitted> = found.collect();
         let (growth, model) = self.model(&self.complete(&found), None)?;
-        let covariance = Covariance::of_realisations(realisations, &model)?;
-        let realisations = with_spread(realisations, &curve);
+        let realisations = with_costs(realisations, &curve);
+        let covariance = Covariance::of_realisations(&realisations, &model)?;
+        let realisations = with_spread(&realisations, &curve);
         self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), &realisations)
     }
 
@@ -211,6 +212,16 @@ impl Fitter {
         }
         at_hand.filter(|growth| growth.is_of(terms)).unwrap_or_else(new)
     }
+}
+
+/// Simulated curves that scatter as those of a record with gaps.
+fn with_costs(rows: &[Vec<f64>], curve: &Curve) -> Vec<Vec<f64>> {
+    let mut rows = rows.to_vec();
+    for (i, cost) in curve.costs().iter().enumerate().filter(|(_, cost)| **cost != 1.0) {
+        let mean = rows.iter().filter_map(|row| row.get(i)).sum::<f64>() / rows.len() as f64;
+        rows.iter_mut().filter_map(|row| row.get_mut(i)).for_each(|x| *x = mean + (*x - mean) * cost);
+    }
+    rows
 }
 
 /// Simulated curves of Gaussian noise with the deviations that the estimates of their record have in common. Any order of normal

@@ -8,9 +8,8 @@ use crate::theory::allan::Difference;
 /// short.
 const LONGEST: usize = 8;
 
-/// Inverse of the fewest differences of an averaging time that gaps may leave over. With fewer, as where many single samples are
-/// missing, intervals that suppose a record without gaps are far too short.
-const LEFT: u64 = 8;
+/// Least part of the degrees of freedom of an averaging time that gaps may leave.
+const LEFT: f64 = 0.125;
 
 /// The overlapping Allan variances at the octaves of τ up to an eighth of a record, for [`crate::fit::fitter::fit_record`].
 ///
@@ -27,12 +26,14 @@ pub fn curve_of(angles: &Angles) -> Result<Curve, FitError> {
 pub(crate) fn curve_at(angles: &Angles, factors: &[usize]) -> Result<Curve, FitError> {
     let samples = angles.len().saturating_sub(1);
     let points = curve(angles, Deviation::Oadev, factors, 0.95);
-    let is_left = |point: &&Point| LEFT * point.terms >= Deviation::Oadev.terms(angles.len(), point.m) as u64;
-    let square = |point: &Point| Some((point.m as u64, point.value? * point.value?));
-    let known: Vec<(u64, f64)> = points.iter().filter(is_left).filter_map(square).collect();
-    let (ms, variances) = known.into_iter().unzip();
+    let known: Vec<&Point> =
+        points.iter().filter(|point| point.left >= LEFT && point.value.is_some()).collect();
+    let variance = |point: &&Point| point.value.map(|value| value * value);
+    let (ms, variances) =
+        (known.iter().map(|point| point.m as u64).collect(), known.iter().filter_map(variance).collect());
     let curve = Curve::new(angles.step_s, samples as u64, Difference::Second, ms, variances)?;
-    Ok(curve.spread_by(angles.spread().clone()))
+    let left: Vec<f64> = known.iter().map(|point| point.left).collect();
+    Ok(curve.spread_by(angles.spread().clone()).with_left(&left))
 }
 
 /// The averaging factors of a fit to a record of `samples` samples.

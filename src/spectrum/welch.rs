@@ -117,7 +117,8 @@ impl Density {
     ///
     /// # Method
     /// The mean, or a line, is removed from segments that overlap by half. They get the periodic Hann window
-    /// ½(1 − cos 2πj/L), and the squares of their Fourier transforms are averaged. No segment crosses a gap. Values
+    /// ½(1 − cos 2πj/L), and the squares of their Fourier transforms are averaged. Gaps of up to 64 samples are bridged, and the density
+    /// is divided by the part of the samples that is known; no segment crosses a longer gap. Values
     /// equal those of `scipy.signal.welch` for a record without gaps to 1e-9. The transform is scalar code, so it does not
     /// depend on the vector units of the machine.
     ///
@@ -131,13 +132,14 @@ impl Density {
     /// The record is too short, or the requested segment does not fit.
     pub fn of(angles: &Angles, asked: &Welch) -> Result<Density, SpectrumError> {
         let step_s = angles.step_s;
+        let solid = angles.bridged();
         let stretches: Vec<Range<usize>> =
-            angles.solid_runs().into_iter().map(|run| run.start..run.end - 1).collect();
+            solid.runs.iter().map(|run| run.start..run.end - 1).collect();
         let segment = segment(&stretches, asked, step_s)?;
         let starts: Vec<usize> = stretches.iter().flat_map(|stretch| starts(stretch, segment)).collect();
         let window = hann(segment);
         let power: f64 = window.iter().map(|w| w * w).sum();
-        let sums = powers(angles.values(), &starts, &window, asked.trend);
+        let sums = powers(solid.values, &starts, &window, asked.trend);
         let freedom = freedom(&starts, &window, power);
         let [inner, last] = [freedom, 0.5 * freedom].map(|freedom| ends(freedom, asked.confidence));
         let point = |k: usize| {
@@ -145,7 +147,7 @@ impl Density {
             let is_last = 2 * k == segment;
             let sides = if is_last { 1.0 } else { 2.0 };
             // Rates are differences of angles over the step.
-            let value = sides * sums[k] / (power * step_s * starts.len() as f64);
+            let value = sides * sums[k] / (power * step_s * starts.len() as f64 * solid.share);
             let ends = if is_last { last } else { inner };
             let interval =
                 ends.filter(|_| k > 1 && value > 0.0).map(|(low, high)| (low * value, high * value));
