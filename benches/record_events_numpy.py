@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import zlib
+from collections import Counter
 
 import numpy as np
 
@@ -153,6 +154,38 @@ CELLS |= {"a rate in coarse units": coarse_rate, "an angle in coarse units": coa
 # Rounding of the rate is white noise too, of a twelfth of the squared unit.
 TRUE_N = {"a rate in coarse units": N * np.sqrt(1 + 4 / 12)}
 
+# Noise alone, of every kind. Q in arcsec is that of an angle in small units, K in °/h/√h, R in °/h/h.
+Q, K, R = 0.3, 20.0, 30.0
+
+
+def quantised(rng, x):
+    unit = Q * np.sqrt(12)
+    angle = np.concatenate([[0], np.cumsum(x / RATE_HZ)]) + unit * rng.random()
+    return np.diff(np.floor(angle / unit)) * unit * RATE_HZ
+
+
+def walk(rng, x):
+    return x + np.cumsum(rng.standard_normal(SAMPLES)) * K / np.sqrt(3600 * RATE_HZ)
+
+
+MODELS = {
+    "Q": lambda rng, x: quantised(rng, 0.02 * x),
+    "K": walk,
+    "R": lambda rng, x: x + R * TIME / 3600,
+    "K, R": lambda rng, x: walk(rng, x) + R * TIME / 3600,
+}
+CELLS |= {f"no event, but {terms}": model for terms, model in MODELS.items()}
+
+
+def truth(name, with_flicker):
+    """The true coefficients of a cell."""
+    terms = name.removeprefix("no event, but ").split(", ") if name.startswith("no event") else []
+    own = {"N": TRUE_N.get(name, N)} | ({"B": B} if with_flicker else {})
+    scale = 0.02 if "Q" in terms else 1
+    if name == "an angle in coarse units":
+        own["Q"] = 2 * SIGMA / RATE_HZ / np.sqrt(12)
+    return {term: scale * value for term, value in own.items()} | {term: globals()[term] for term in terms}
+
 
 def record(name, event, with_flicker, index):
     rng = np.random.default_rng([zlib.crc32(name.encode()), with_flicker, index])
@@ -160,7 +193,7 @@ def record(name, event, with_flicker, index):
 
 
 def analysed(records, folder):
-    """The coefficients of each record by name."""
+    """The coefficients of each record by name, with the names of its events."""
     path = folder / "records.npy"
     np.save(path, np.column_stack(records))
     columns = ",".join(str(1 + i) for i in range(len(records)))
@@ -168,7 +201,8 @@ def analysed(records, folder):
     words += ["--bootstrap", "0", "--unit-check", "off", "--json", "--out", folder / "out"]
     ended = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=True)
     columns = json.loads(ended.stdout)["columns"]
-    return [{row["coefficient"]: row for row in column["coefficients"]} for column in columns]
+    of = lambda column: {row["coefficient"]: row for row in column["coefficients"]}
+    return [of(column) | {"events": [event["event"] for event in column.get("events", [])]} for column in columns]
 
 
 def holds(row, true):
@@ -178,7 +212,7 @@ def holds(row, true):
 def main():
     words = sys.argv[1:]
     count = int(words.pop(0)) if words and words[0].isdigit() else 400
-    print(f"{'event':28} {'noise':6} {'false Q':>8} {'B':>6} {'K':>6} {'R':>6} {'N held':>8} {'B held':>8}", flush=True)
+    print(f"{'event':28} {'true':8} {'false: Q':>8} {'B':>5} {'K':>5} {'R':>5}  found and held; events", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for name, event in CELLS.items():
             if words and not any(word in name for word in words):
@@ -189,14 +223,17 @@ def main():
                     indices = range(start, min(count, start + AT_ONCE))
                     records = [record(name, event, with_flicker, index) for index in indices]
                     found += analysed(records, pathlib.Path(folder))
-                share = lambda test: f"{100 * sum(map(test, found)) / len(found):.1f}"
-                is_false = lambda term: share(lambda rows: rows.get(term, {}).get("verdict") == "identified")
-                false = [is_false(term) if term != "B" or not with_flicker else "" for term in "QBKR"]
-                held_b = share(lambda rows: holds(rows.get("B"), B)) if with_flicker else ""
-                held_n = share(lambda rows: holds(rows.get("N"), TRUE_N.get(name, N)))
-                noises = "N, B" if with_flicker else "N"
-                cells = " ".join(f"{text:>{width}}" for text, width in zip([*false, held_n, held_b], (8, 6, 6, 6, 8, 8)))
-                print(f"{name:28} {noises:6} {cells}", flush=True)
+                true = truth(name, with_flicker)
+                share = lambda test: 100 * sum(map(test, found)) / len(found)
+                is_found = lambda term: share(lambda rows: rows.get(term, {}).get("verdict") == "identified")
+                false = " ".join("     " if term in true else f"{is_found(term):5.1f}" for term in "QBKR")
+                held = [
+                    f"{term} {is_found(term):.1f} {share(lambda rows: holds(rows.get(term), value)):.1f}"
+                    for term, value in true.items()
+                ]
+                names = Counter(name for rows in found for name in set(rows["events"]))
+                named = [f"{name} {100 * times / len(found):.1f}" for name, times in names.most_common(5)]
+                print(f"{name:28} {' '.join(true):8}    {false}  {', '.join(held)}; {', '.join(named)}", flush=True)
 
 
 main()

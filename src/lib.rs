@@ -70,6 +70,7 @@
 pub mod allan;
 pub mod analysis;
 pub mod device;
+pub mod events;
 pub mod fit;
 pub mod progress;
 pub mod record;

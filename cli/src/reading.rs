@@ -69,6 +69,10 @@ pub struct Reading {
     /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
+    /// Remove what the record holds besides noise, as it is listed: spikes, steps, slow sines, warm-ups, the effect of temperature,
+    /// telegraph noise, lines of the spectrum
+    #[arg(long)]
+    remove_events: bool,
     /// Whether to note rates and accelerations that seem to be in another unit; see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
     unit_check: UnitCheck,
@@ -173,6 +177,7 @@ impl Reading {
             until_s: self.until,
             trend: self.detrend,
             outliers_removed: self.remove_outliers,
+            events_removed: self.remove_events,
             unit_check: self.unit_check,
             is_compensated: false,
         }

@@ -16,6 +16,7 @@ use sagnac::analysis::log::tables::least_or_bound;
 use sagnac::analysis::log::{Treatment, model, slope};
 use sagnac::analysis::page::of_noise;
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
+use sagnac::events::Events;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::range::Fitting;
@@ -54,6 +55,7 @@ type Fitted = (f64, f64, Option<f64>);
 struct Record {
     angles: Angles,
     outliers: Outliers,
+    outliers_removed: bool,
     missing: usize,
     mean_rate: Option<f64>,
     /// Slope in the unit of the curve per s.
@@ -64,6 +66,12 @@ struct Record {
 }
 
 impl Record {
+    /// What it holds besides noise.
+    fn events(&self) -> Events<'_> {
+        let none = Outliers::default();
+        Events::of(&self.angles, if self.outliers_removed { &none } else { &self.outliers }, &[])
+    }
+
     /// The record as it is held against limits, without what it shows.
     fn subject(&self, step_s: f64) -> Subject<'_> {
         Subject {
@@ -117,6 +125,7 @@ impl Reading {
             until_s: None,
             trend: self.trend(),
             outliers_removed: self.remove_outliers,
+            events_removed: false,
             unit_check: if self.unit_check { UnitCheck::On } else { UnitCheck::Off },
             is_compensated: false,
         }
@@ -175,6 +184,7 @@ impl Reading {
             mean_rate: samples.mean_rate(),
             slope: slope(&angles, &samples),
             outliers,
+            outliers_removed: self.remove_outliers,
             unit: unit.curves,
             angles,
         })
@@ -352,9 +362,10 @@ pub fn fit<'py>(
         let limits = limits_of(&limits, &known, Some(terms.all()), record.unit)?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
-        let sheet = DataSheet::of(&record.angles, &fitting, record.unit, simulated)
+        let events = record.events();
+        let sheet = DataSheet::of(&events, &fitting, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
-        let curve = curve_of(&record.angles)
+        let curve = curve_of(&events.without)
             .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;
         let fitted: Vec<Fitted> = curve
             .ms()

@@ -190,6 +190,67 @@ impl Angles {
         self.known.as_deref()
     }
 
+    /// The mean rate over some increments, in the unit of the angle per second, with the share of them that is known; `None` where
+    /// none is.
+    pub(crate) fn mean_rate(&self, range: Range<usize>) -> Option<(f64, f64)> {
+        if self.known.is_none() && range.end < self.len() {
+            let mean =
+                (self.values[range.end] - self.values[range.start]) / (range.len() as f64 * self.step_s);
+            if mean.is_finite() {
+                return Some((mean, 1.0));
+            }
+        }
+        let rates = self.rates(range);
+        let (count, sum) =
+            rates.iter().filter(|x| x.is_finite()).fold((0.0, 0.0), |(n, sum), x| (n + 1.0, sum + x));
+        (count > 0.0).then(|| (sum / count, count / rates.len() as f64))
+    }
+
+    /// The rates of some increments, in the unit of the angle per second; NaN where one is missing.
+    pub(crate) fn rates(&self, range: Range<usize>) -> Vec<f64> {
+        let is_known = |i: usize| self.known.as_ref().is_none_or(|known| known[i + 1] > known[i]);
+        let rate = |i: usize| (self.values[i + 1] - self.values[i]) / self.step_s;
+        range.map(|i| if is_known(i) { rate(i) } else { f64::NAN }).collect()
+    }
+
+    /// The record without the rate of an event at each increment, and without some increments, which are missing then.
+    pub(crate) fn without(&self, rates: Option<&[f64]>, missing: &[usize]) -> Angles {
+        let mut values = self.values.clone();
+        let (mut sum, mut missed) = (0.0, missing.iter().peekable());
+        for i in 0..self.len() - 1 {
+            let is_known = self.known.as_ref().is_none_or(|known| known[i + 1] > known[i]);
+            let increment = self.values[i + 1] - self.values[i];
+            if missed.next_if(|&&sample| sample == i).is_some() {
+                sum += if increment.is_finite() { increment } else { 0.0 };
+            } else if let Some(rates) = rates.filter(|_| is_known) {
+                sum += rates[i] * self.step_s;
+            }
+            values[i + 1] -= sum;
+        }
+        let (spread, bridged) = Default::default();
+        let mut without =
+            Angles { values, spread, bridged, runs: self.runs.clone(), known: self.known.clone(), ..*self };
+        // Unknown angles do not go with missing increments: there an increment of nothing takes the place.
+        if missing.is_empty() || self.has_unknown() {
+            return without;
+        }
+        let mut are = vec![true; self.len() - 1];
+        missing.iter().for_each(|&i| are[i] = false);
+        let known =
+            |(i, is): (usize, &bool)| *is && self.known.as_ref().is_none_or(|known| known[i + 1] > known[i]);
+        let known = counts(are.iter().enumerate().map(known));
+        without.missing = self.len() - 1 - known[self.len() - 1] as usize;
+        without.runs = Vec::new();
+        let mut start = 0;
+        for i in (0..self.len() - 1).filter(|&i| known[i + 1] == known[i]) {
+            without.runs.extend(worth_keeping(start..i + 1));
+            start = i + 1;
+        }
+        without.runs.extend(worth_keeping(start..self.len()));
+        without.known = Some(known);
+        without
+    }
+
     /// Share of the increments, or of the angles, that are known.
     pub(crate) fn share(&self) -> f64 {
         1.0 - self.missing as f64 / self.len().max(1) as f64
@@ -202,8 +263,7 @@ impl Angles {
         for start in (0..self.len().saturating_sub(1)).step_by(SCATTERED) {
             let places = || (start..(start + SCATTERED).min(self.len() - 1)).filter(|&i| known(i));
             let increment = |i: usize| self.values[i + 1] - self.values[i];
-            let (count, sum) =
-                places().fold((0, 0.0), |(count, sum), i| (count + 1, sum + increment(i)));
+            let (count, sum) = places().fold((0, 0.0), |(count, sum), i| (count + 1, sum + increment(i)));
             if count > 1 {
                 let mean = sum / f64::from(count);
                 squares += places().map(|i| (increment(i) - mean) * (increment(i) - mean)).sum::<f64>();
@@ -231,9 +291,8 @@ impl Angles {
         let is_known = |i: &usize| known[i + 1] > known[*i];
         let mean = |places: &mut dyn Iterator<Item = usize>| {
             let taken = places.filter(is_known).take(BESIDE);
-            let (count, sum) = taken.fold((0.0, 0.0), |(count, sum), i| {
-                (count + 1.0, sum + self.values[i + 1] - self.values[i])
-            });
+            let (count, sum) = taken
+                .fold((0.0, 0.0), |(count, sum), i| (count + 1.0, sum + self.values[i + 1] - self.values[i]));
             sum / count
         };
         let mut bridge = Bridged { values: vec![0.0], runs: vec![], share: 1.0 };

@@ -112,7 +112,8 @@ fn partly_known(angles: &Angles, known: &[u32], deviation: Deviation, m: usize, 
     let terms = deviation.terms(angles.len(), m);
     let of_tile = |tile: usize| {
         let mut sum = Sum::default();
-        for (square, added) in (tile * TILE..((tile + 1) * TILE).min(terms)).filter_map(|j| term(j * stride)) {
+        for (square, added) in (tile * TILE..((tile + 1) * TILE).min(terms)).filter_map(|j| term(j * stride))
+        {
             sum.add(Sum { terms: 1, squares: square - added, added });
         }
         sum
@@ -127,10 +128,8 @@ fn partly_known(angles: &Angles, known: &[u32], deviation: Deviation, m: usize, 
 fn white(known: &[u32]) -> [Angles; 2] {
     // The minimal generator of Park and Miller; uniform numbers have a variance of 1/12.
     let states = std::iter::successors(Some(987_654_321_u64), |n| Some(16_807 * n % 2_147_483_647));
-    let whole: Vec<f64> = states
-        .take(known.len() - 1)
-        .map(|n| libm::sqrt(12.0) * (n as f64 / 2_147_483_647.0 - 0.5))
-        .collect();
+    let whole: Vec<f64> =
+        states.take(known.len() - 1).map(|n| libm::sqrt(12.0) * (n as f64 / 2_147_483_647.0 - 0.5)).collect();
     let is_known = |i: usize| known[i + 1] > known[i];
     let gapped: Vec<f64> =
         whole.iter().enumerate().map(|(i, x)| if is_known(i) { *x } else { f64::NAN }).collect();

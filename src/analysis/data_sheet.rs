@@ -2,9 +2,13 @@
 //! simulated records.
 
 use crate::allan::{Angles, Unit};
-use crate::analysis::hump;
+use crate::analysis::{hump, shape};
 use crate::device::cpu::Cpu;
-use crate::fit::{Coefficient, Described, Fit, FitError, Fitting, Quantity, Verdict, describe};
+use crate::events::{Event, Events, What};
+use crate::fit::{
+    Coefficient, Described, Fit, FitError, Fitting, Quantity, Terms, Verdict, describe,
+    describe_without_shortest, with_correlation,
+};
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
 use crate::theory::allan::Term;
@@ -51,6 +55,8 @@ pub struct DataSheet {
     pub fit: Fit,
     /// Source of the intervals.
     pub intervals: Intervals,
+    /// What the fit and the spectrum show besides the events of the record.
+    pub events: Vec<Event>,
     /// Whether the curve falls as that of quantisation noise, but the spectrum contradicts it.
     pub is_hump: bool,
 }
@@ -98,7 +104,7 @@ impl Intervals {
 }
 
 impl DataSheet {
-    /// The noise of a record whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
+    /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
     /// octaves of τ that they [describe](crate::fit::range), with the intervals of
     /// [`Fitter::fit_realised`](crate::fit::Fitter::fit_realised) where records are simulated. The same record gives the same
     /// bits for any number of threads.
@@ -110,23 +116,55 @@ impl DataSheet {
     /// ```
     /// use sagnac::allan::{Angles, Trend, Unit};
     /// use sagnac::analysis::data_sheet::{DataSheet, Intervals};
+    /// use sagnac::events::Events;
     /// use sagnac::fit::Terms;
+    /// use sagnac::record::log::outliers::Outliers;
     ///
     /// let rates: Vec<f64> = (0_u64..4096).map(|i| (i * i * 48_271 % 65_537) as f64 / 65_537.0).collect();
     /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
     /// let closed = Intervals { records: 0, without: None };
-    /// let sheet = DataSheet::of(&angles, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
+    /// let events = Events::of(&angles, &Outliers::default(), &[]);
+    /// let sheet = DataSheet::of(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
     /// # Ok::<(), String>(())
     /// ```
     pub fn of(
-        angles: &Angles,
+        events: &Events,
         asked: &Fitting,
         unit: Unit,
         intervals: Intervals,
     ) -> Result<DataSheet, String> {
         let said = |error: FitError| error.to_string();
-        let described = describe(&asked.curve(angles).map_err(said)?, asked).map_err(said)?;
+        let angles: &Angles = &events.without;
+        let curve = asked.curve(angles).map_err(said)?;
+        let mut described = describe(&curve, asked).map_err(said)?;
+        let mut has_filter = false;
+        if let (Some(density), None, Terms::Auto(_)) = (&events.density, asked.from_s, &asked.terms) {
+            has_filter = described.is_described
+                && !hump::is_coarse(angles)
+                && shape::contradicts(density, &described.fit);
+            if has_filter && described.fit.tau_range[0] <= 1.01 * angles.step_s {
+                let agrees = |fit: &Fit| !shape::contradicts_range(density, fit);
+                described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);
+            }
+        }
+        let explains = &events.explains;
+        let (mut correlated, mut is_markov) = (None, false);
+        if matches!(asked.terms, Terms::Auto(_)) && described.is_described {
+            match with_correlation(&described, asked) {
+                Ok(other) => {
+                    let part = other.fit.process.parts.iter().find(|part| part.term == Term::Markov);
+                    correlated = part.map(|part| Event {
+                        // The coefficient of Markov noise is that of the noise that drives it.
+                        size: Some(part.size * libm::sqrt(0.5 * part.shape)),
+                        time_s: Some(part.shape),
+                        ..Event::of(What::Correlated)
+                    });
+                    described = other;
+                }
+                Err(is_rival) => is_markov = is_rival,
+            }
+        }
         let realised = match intervals.records {
             0 => Ok(described.fit.clone()),
             records => realised(&described, records),
@@ -138,13 +176,38 @@ impl DataSheet {
         let mut fit = described.judged(fit, asked.is_forced);
         let mut is_hump = false;
         if let Some(found) = fit.coefficients.iter_mut().find(|found| is_identified_quantisation(found)) {
-            is_hump = hump::is_hump(angles, &described.fit);
+            is_hump = has_filter || hump::is_hump(angles, &described.fit);
             if is_hump {
                 let below = found.interval.map(|ends| ends[1]);
                 *found = found.without_value(Verdict::NotIdentifiable { below });
             }
         }
-        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump })
+        let mut more: Vec<Event> =
+            has_filter.then(|| Event::of(What::Filter)).into_iter().chain(correlated).collect();
+        let instead = |event: &Event, term| Event { instead_of: Some(term), ..event.clone() };
+        for found in fit.coefficients.iter_mut().filter(|found| found.verdict == Verdict::Identified) {
+            let other = match found.term {
+                Term::RateRandomWalk => explains.walk.as_ref(),
+                Term::RateRamp => explains.ramp.as_ref(),
+                _ => None,
+            };
+            let is_explained = match found.term {
+                Term::BiasInstability => explains.is_telegraph || is_markov,
+                Term::RateRandomWalk => explains.is_telegraph || other.is_some(),
+                _ => other.is_some(),
+            };
+            if is_explained {
+                let below = found.interval.map(|ends| ends[1]);
+                let term = found.term;
+                *found = found.without_value(Verdict::NotIdentifiable { below });
+                more.extend(other.filter(|_| !explains.is_telegraph).map(|event| instead(event, term)));
+                more.extend(
+                    (is_markov && term == Term::BiasInstability)
+                        .then(|| instead(&Event::of(What::Correlated), term)),
+                );
+            }
+        }
+        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events: more })
     }
 }
 

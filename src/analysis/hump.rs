@@ -40,7 +40,8 @@ pub(crate) fn is_hump(angles: &Angles, fit: &Fit) -> bool {
     !is_coarse(angles) && lacks().unwrap_or(false)
 }
 
-fn is_coarse(angles: &Angles) -> bool {
+/// Whether many neighbouring increments are equal, as of pulses that are larger than the noise of a sample.
+pub(crate) fn is_coarse(angles: &Angles) -> bool {
     let differences = |run: &[f64]| -> Vec<f64> {
         run.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).filter(|x| x.is_finite()).collect()
     };

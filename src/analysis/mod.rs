@@ -15,5 +15,6 @@ pub mod model;
 pub mod page;
 pub mod requirement;
 pub mod sensitivity;
+pub(crate) mod shape;
 pub mod spectrum;
 pub mod temperature;

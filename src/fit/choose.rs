@@ -136,10 +136,24 @@ impl Choice {
     }
 }
 
+/// Increase of the least penalised χ² if one term is replaced by another.
+pub(crate) fn cost_of(system: &System, candidates: &[Term], term: Term, by: Term) -> f64 {
+    let scored = scored(system, candidates);
+    let least = |has: Term, lacks: Term| {
+        let are = scored.iter().filter(|(_, solution)| {
+            let used = used(solution);
+            used.contains(&has) && !used.contains(&lacks)
+        });
+        are.map(|(score, _)| *score).fold(f64::INFINITY, f64::min)
+    };
+    least(by, term) - least(term, by)
+}
+
 /// All subsets with their penalised χ².
 fn scored(system: &System, candidates: &[Term]) -> Vec<(f64, Solution)> {
     let (shaped, plain): (Vec<Term>, Vec<Term>) = candidates.iter().partition(|term| term.has_shape());
     let mut scored = Vec::new();
+    let is_cut = system.curve().ms().first().is_some_and(|&m| m > 1);
     for shaped in subsets(&shaped) {
         let with = |plain: &[Term]| [plain, &shaped].concat();
         let full = system.best(&with(&plain));
@@ -147,7 +161,7 @@ fn scored(system: &System, candidates: &[Term]) -> Vec<(f64, Solution)> {
         for plain in subsets(&plain) {
             let shapes = [&vec![1.0; plain.len()][..], &shapes].concat();
             let solution = system.given(&with(&plain), &shapes);
-            scored.push((score(&solution), solution));
+            scored.push((score(&solution, is_cut), solution));
         }
     }
     scored
@@ -157,10 +171,12 @@ fn used(solution: &Solution) -> Vec<Term> {
     solution.terms.iter().filter(|fitted| fitted.square > 0.0).map(|fitted| fitted.term).collect()
 }
 
-/// χ² with the penalties of the terms in use.
-fn score(solution: &Solution) -> f64 {
+/// χ² with the penalties of the terms in use. Where the shortest τ are left out, quantisation noise is also what the alias of a filter
+/// leaves of the highest frequencies, and as cheap as a band limit.
+fn score(solution: &Solution, is_cut: bool) -> f64 {
     let penalty = |term: Term| match term {
         Term::BandLimit => PENALTY_OF_LIMIT,
+        Term::Quantisation if is_cut => PENALTY_OF_LIMIT,
         _ if term.has_shape() => PENALTY_OF_SHAPE,
         _ => PENALTY,
     };

@@ -58,5 +58,6 @@ pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use crate::fit::nnls::nnls;
 pub use crate::fit::quantity::Quantity;
 pub use crate::fit::range::{Described, Fitting, describe};
+pub(crate) use crate::fit::range::{describe_without_shortest, with_correlation};
 pub use crate::fit::record::curve_of;
 pub use crate::theory::allan::terms::Term;

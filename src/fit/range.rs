@@ -37,6 +37,10 @@ const LOST: usize = 4;
 /// Variance at the shortest τ, over that of white noise behind a low-pass, from which on no filter explains it.
 const SURPLUS: f64 = 4.0;
 
+/// Increase of the penalised χ² with Markov noise instead of a bias instability below which it explains a curve as well. Of 100 records of an
+/// hour with N = 0.3 °/√h and B = 3 °/h, 5 are nearer than that, and most of telegraph noise are.
+const NEARLY: f64 = 1.0;
+
 /// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitting {
@@ -143,6 +147,37 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
             Ok(other.unwrap_or(Described { fitter: whole, fit, is_described, is_filter: true }))
         }
     }
+}
+
+/// Fits chosen terms over the longest range of `curve` that leaves out the shortest τ and whose fit is likely and `agrees` with what
+/// else is known, if any does. Quantisation noise and band limit are what is left there of the frequencies above.
+pub(crate) fn describe_without_shortest(
+    curve: &Curve,
+    asked: &Fitting,
+    agrees: impl Fn(&Fit) -> bool,
+) -> Option<Described> {
+    let filtered = Fitter::new(curve, &asked.terms.with(Term::BandLimit)).ok()?;
+    let starts = 1..=curve.ms().len().saturating_sub(FEWEST);
+    starts.into_iter().find_map(|start| {
+        let fitter = filtered.from(start);
+        let fit =
+            fitter.fit_record(fitter.curve().variances()).ok().filter(|fit| is_likely(fit) && agrees(fit))?;
+        Some(Described { fitter, fit, is_described: true, is_filter: false })
+    })
+}
+
+/// The fit of chosen terms and of Markov noise over the same range as another fit, if Markov noise explains the curve better; else
+/// whether it explains it as well as the bias instability.
+pub(crate) fn with_correlation(described: &Described, asked: &Fitting) -> Result<Described, bool> {
+    let curve = described.fitter.curve();
+    let fitted = Fitter::new(curve, &asked.terms.with(Term::Markov))
+        .and_then(|fitter| Ok((fitter.fit_record(curve.variances())?, fitter)));
+    let Ok((fit, fitter)) = fitted else { return Err(false) };
+    if fit.process.parts.iter().any(|part| part.term == Term::Markov) {
+        return Ok(Described { fitter, fit, is_described: true, is_filter: false });
+    }
+    let cost = fitter.cost_of(&described.fit, Term::BiasInstability, Term::Markov).unwrap_or(f64::INFINITY);
+    Err(cost < NEARLY)
 }
 
 /// The likeliest fit of chosen terms with a sine or Markov noise to the whole curve, if any describes it.

@@ -8,7 +8,7 @@ use crate::spectrum::Density;
 use crate::spectrum::median::Median;
 
 /// Most probability that a record of Gaussian noise with a smooth density shows any line at all.
-pub const FALSE_ALARM: f64 = 0.01;
+pub const FALSE_ALARM: f64 = 0.003;
 
 /// The first multiple of the spacing that the removed means do not affect.
 pub(crate) const FIRST: usize = 2;

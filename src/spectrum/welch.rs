@@ -66,6 +66,8 @@ pub struct Point {
     /// Lower and upper end of the interval. Absent at the lowest frequency, where the value is too low because the mean
     /// of each segment was removed: by a sixth for white noise.
     pub interval: Option<(f64, f64)>,
+    /// Degrees of freedom.
+    pub freedom: f64,
 }
 
 /// Why a record has no density. Lengths are in samples.
@@ -133,8 +135,7 @@ impl Density {
     pub fn of(angles: &Angles, asked: &Welch) -> Result<Density, SpectrumError> {
         let step_s = angles.step_s;
         let solid = angles.bridged();
-        let stretches: Vec<Range<usize>> =
-            solid.runs.iter().map(|run| run.start..run.end - 1).collect();
+        let stretches: Vec<Range<usize>> = solid.runs.iter().map(|run| run.start..run.end - 1).collect();
         let segment = segment(&stretches, asked, step_s)?;
         let starts: Vec<usize> = stretches.iter().flat_map(|stretch| starts(stretch, segment)).collect();
         let window = hann(segment);
@@ -151,7 +152,8 @@ impl Density {
             let ends = if is_last { last } else { inner };
             let interval =
                 ends.filter(|_| k > 1 && value > 0.0).map(|(low, high)| (low * value, high * value));
-            Point { frequency_hz: k as f64 / (segment as f64 * step_s), value, interval }
+            let freedom = if is_last { 0.5 * freedom } else { freedom };
+            Point { frequency_hz: k as f64 / (segment as f64 * step_s), value, interval, freedom }
         };
         Ok(Density {
             step_s,
@@ -182,7 +184,8 @@ impl Density {
         let is_known = points.iter().all(|point| point.interval.is_some());
         let ends = ends(freedom, self.confidence).filter(|_| is_known);
         let interval = ends.map(|(low, high)| (low * value, high * value));
-        Some(Point { frequency_hz: libm::sqrt(first.frequency_hz * last.frequency_hz), value, interval })
+        let frequency_hz = libm::sqrt(first.frequency_hz * last.frequency_hz);
+        Some(Point { frequency_hz, value, interval, freedom })
     }
 }
 

@@ -6,7 +6,9 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use sagnac::allan::{Angles, Trend, Unit};
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
+use sagnac::events::Events;
 use sagnac::fit::{Terms, Verdict};
+use sagnac::record::log::outliers::Outliers;
 use sagnac::theory::allan::Term;
 
 use crate::fitted::{covers, share};
@@ -17,7 +19,13 @@ const SAMPLES: usize = 1 << 15;
 fn sheet(rates: &[f64]) -> DataSheet {
     let angles = Angles::from_increments(rates, 1.0, 1.0, Trend::None);
     let closed = Intervals { records: 0, without: None };
-    DataSheet::of(&angles, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).unwrap()
+    DataSheet::of(
+        &Events::of(&angles, &Outliers::default(), &[]),
+        &Terms::of_model(Trend::None).into(),
+        Unit::Angular,
+        closed,
+    )
+    .unwrap()
 }
 
 fn white(seed: u64) -> Vec<f64> {
@@ -103,5 +111,13 @@ fn a_record_with_every_second_sample_missing_is_refused() {
     rates.iter_mut().step_by(2).for_each(|x| *x = f64::NAN);
     let angles = Angles::from_increments(&rates, 1.0, 1.0, Trend::None);
     let closed = Intervals { records: 0, without: None };
-    assert!(DataSheet::of(&angles, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).is_err());
+    assert!(
+        DataSheet::of(
+            &Events::of(&angles, &Outliers::default(), &[]),
+            &Terms::of_model(Trend::None).into(),
+            Unit::Angular,
+            closed
+        )
+        .is_err()
+    );
 }

@@ -8,7 +8,9 @@ use sagnac::allan::angles::Angles;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
+use sagnac::events::Events;
 use sagnac::fit::choose::Terms;
+use sagnac::record::log::outliers::Outliers;
 use sagnac::spectrum::{Density, Floor, Line, SpectrumError, Welch, lines};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::spectrum::density;
@@ -247,8 +249,13 @@ fn n_of_the_floor_is_within_the_interval_of_the_fit_and_its_own_contains_the_tru
         let found = Density::of(&angles, &Welch::default()).unwrap();
         let floor = Floor::of(&found, &lines(&found)).unwrap();
         let closed = Intervals { records: 0, without: None };
-        let sheet =
-            DataSheet::of(&angles, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).unwrap();
+        let sheet = DataSheet::of(
+            &Events::of(&angles, &Outliers::default(), &[]),
+            &Terms::of_model(Trend::None).into(),
+            Unit::Angular,
+            closed,
+        )
+        .unwrap();
         let row = sheet.rows.iter().find(|row| row.name == "N").unwrap();
         // In °/√h.
         let n = libm::sqrt(0.5 * floor.density) / 60.0;

@@ -30,6 +30,7 @@ fn treatment() -> Treatment {
         until_s: None,
         trend: Trend::None,
         outliers_removed: false,
+        events_removed: false,
         unit_check: UnitCheck::Off,
         is_compensated: false,
     }

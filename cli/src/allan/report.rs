@@ -6,7 +6,7 @@ use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::data_sheet::Row;
 use sagnac::analysis::log::notes::heading;
-use sagnac::analysis::log::{Analysis, Column, Curve};
+use sagnac::analysis::log::{Analysis, Column, Curve, events};
 use sagnac::fit::coefficient::Fit;
 use sagnac::quantity::number::significant;
 use sagnac::table::titled;
@@ -21,6 +21,7 @@ pub(super) const MOST_LINES: usize = 48;
 pub fn report(analysis: &Analysis) -> String {
     let mut text = format!("{}{}\n", heading(analysis), analysis.treatment.left_out());
     text += &format!("{}\n", analysis.treatment.effect(analysis.length_s()));
+    text += &events(analysis);
     let [column] = &analysis.columns[..] else {
         return text + &analysis.units().map(|unit| axes::report(analysis, unit)).collect::<String>();
     };
@@ -28,6 +29,17 @@ pub fn report(analysis: &Analysis) -> String {
         text += &format!("\n{}\n", of_curve(analysis, column, curve));
     }
     text + &coefficients(column)
+}
+
+/// What the record shows besides noise.
+pub fn events(analysis: &Analysis) -> String {
+    let lines = events::list(analysis);
+    let heading = events::HEADING;
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!("\nwhat this record shows\n{}", headed(heading, lines.into_iter()))
+    }
 }
 
 fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {

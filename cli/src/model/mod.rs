@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::tau::Taus;
-use sagnac::analysis::log::{self, Asked as OfLog};
+use sagnac::analysis::log::{self, Asked as OfLog, Treatment};
 use sagnac::analysis::model::noise::of_file;
 use sagnac::analysis::model::search::MOST_STATES;
 use sagnac::analysis::model::target::{Source, Target};
@@ -159,7 +159,8 @@ pub fn model(options: &Options) -> Result<(), Failure> {
 
 /// The curves of a log.
 fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
-    let treatment = options.reading.treatment();
+    // Events are no noise that a filter could have a state for.
+    let treatment = Treatment { events_removed: true, ..options.reading.treatment() };
     let log = treatment.read(&options.file, &options.reading.request()?)?;
     let asked = OfLog {
         taus: Taus::Decade(PER_DECADE),

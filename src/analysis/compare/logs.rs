@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::allan::{Angles, Unit};
 use crate::analysis::compare::{Comparison, NoCommonTime, compare};
+use crate::events::Event;
 use crate::fit::Fitting;
 use crate::record::log::channel::Log;
 use crate::record::log::measure::Data;
@@ -78,6 +79,8 @@ pub struct Side {
     pub missing: usize,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
+    /// What the record holds besides noise, which is not compared.
+    pub events: Vec<Event>,
     /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
     unit: Unit,
@@ -99,6 +102,8 @@ impl Side {
         };
         let samples = channel.view(log.data, log.step_s);
         let (angles, outliers) = treatment.angles(&samples);
+        let events = treatment.events(&angles, &outliers, &[]);
+        let (list, angles) = (events.list, events.without.into_owned());
         Ok(Side {
             path: path.to_owned(),
             column: channel.name.clone(),
@@ -109,6 +114,7 @@ impl Side {
             reading: log.notes.clone(),
             missing: treatment.missing(&samples, &outliers),
             outliers,
+            events: list,
             overruled: channel.overruled(),
             unit: channel.unit.curves,
             treatment: Treatment { skip_s: log.start_s, ..*treatment },

@@ -23,6 +23,9 @@ use std::path::{Path, PathBuf};
 use crate::allan::curve::{curve, suppose};
 use crate::allan::{Angles, Deviation, Line, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum};
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
+use crate::analysis::temperature::course::Course;
+use crate::analysis::temperature::{LEAST_CHANGE, averages};
+use crate::events::{Event, Events, What};
 use crate::fit::{Fitting, Terms, describe};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
@@ -96,6 +99,8 @@ pub struct Analysis {
     pub treatment: Treatment,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
     pub reading: Vec<String>,
+    /// Names of the columns of temperature.
+    pub thermometers: Vec<String>,
     /// Requested columns.
     pub columns: Vec<Column>,
 }
@@ -115,6 +120,8 @@ pub struct Column {
     pub gaps: Vec<Range<usize>>,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
+    /// What the record holds besides noise; empty where no coefficients were requested.
+    pub events: Vec<Event>,
     /// Mean rate or acceleration in the unit of the curve; absent for plain numbers that are not rates.
     pub mean_rate: Option<f64>,
     /// Deviations of its estimates beyond those of Gaussian noise, which intervals contain.
@@ -133,9 +140,9 @@ impl Column {
         self.noise.as_ref().ok()?.as_ref()
     }
 
-    /// Whether more than ten of the `samples` and more than 1 in 10,000 stand out, as of noise with long tails.
+    /// Whether outliers among the `samples` are no spikes, but the tails of the noise.
     pub fn has_long_tails(&self, samples: usize) -> bool {
-        self.outliers.samples.len() > 10.max(samples / 10_000)
+        !self.outliers.samples.is_empty() && !self.outliers.are_spikes(samples)
     }
 
     /// Its coefficients; empty where there are none.
@@ -166,6 +173,8 @@ pub struct Treatment {
     pub trend: Trend,
     /// Whether outliers are treated as gaps.
     pub outliers_removed: bool,
+    /// Whether the events that a record holds besides noise are removed.
+    pub events_removed: bool,
     /// Whether rates and accelerations that appear to be in a wrong unit are noted.
     pub unit_check: UnitCheck,
     /// Whether the dependence on temperature was subtracted; see [`temperature`](crate::analysis::temperature).
@@ -189,12 +198,32 @@ impl Treatment {
     /// The angles of some samples, without outliers where they are to be removed, and the outliers among the rates or
     /// increments.
     pub fn angles(&self, samples: &Samples) -> (Angles, Outliers) {
+        let (angles, outliers) = self.recorded(samples);
+        match self.events_removed {
+            true => (self.events(&angles, &outliers, &[]).without.into_owned(), outliers),
+            false => (angles, outliers),
+        }
+    }
+
+    /// The same with the events that the samples hold besides noise.
+    fn recorded(&self, samples: &Samples) -> (Angles, Outliers) {
         let outliers = samples.outliers();
         let angles = match self.outliers_removed {
             true => samples.angles_without(&outliers, self.trend),
             false => samples.angles(self.trend),
         };
         (angles, outliers)
+    }
+
+    /// What the angles of a record with these outliers hold besides noise. `temperatures` are °C at each increment.
+    pub fn events<'a>(
+        &self,
+        angles: &'a Angles,
+        outliers: &Outliers,
+        temperatures: &[Vec<f64>],
+    ) -> Events<'a> {
+        let none = Outliers::default();
+        Events::of(angles, if self.outliers_removed { &none } else { outliers }, temperatures)
     }
 
     /// The number of samples that are missing in the analysis: those of the file, and outliers that are removed.
@@ -209,6 +238,7 @@ impl Treatment {
             (self.skip_s > 0.0).then(|| part(self.skip_s, "from")),
             self.until_s.map(|until_s| part(until_s, "until")),
             self.outliers_removed.then(|| "outliers removed".to_owned()),
+            self.events_removed.then(|| "events removed".to_owned()),
             self.is_compensated.then(|| "temperature compensated".to_owned()),
         ];
         parts.into_iter().flatten().map(|part| format!("; {part}")).collect()
@@ -250,8 +280,11 @@ impl Analysis {
         asked: &Asked,
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
-        let column = |channel: &Channel| column(log, channel, treatment, asked, progress);
-        let columns = log.channels.iter().map(column).collect::<Result<_, _>>()?;
+        let courses = if !treatment.is_compensated { courses(log) } else { vec![] };
+        let (thermometers, temperatures): (Vec<String>, Vec<Vec<f64>>) = courses.into_iter().unzip();
+        let column = |channel: &Channel| column(log, channel, &temperatures, treatment, asked, progress);
+        let mut columns: Vec<Column> = log.channels.iter().map(column).collect::<Result<_, _>>()?;
+        note_equal(log, &mut columns);
         Ok(Analysis {
             path: path.to_owned(),
             data: log.data,
@@ -260,6 +293,7 @@ impl Analysis {
             confidence: asked.confidence,
             treatment: Treatment { skip_s: log.start_s, ..*treatment },
             reading: log.notes.clone(),
+            thermometers,
             columns,
         })
     }
@@ -295,22 +329,56 @@ impl Analysis {
     }
 }
 
+/// The temperatures at each increment of a log that change by more than the errors of their sensors, with their names.
+fn courses(log: &Log) -> Vec<(String, Vec<f64>)> {
+    let block = log.samples().div_ceil(averages::MOST_BLOCKS);
+    let asked = log.temperature.iter().map(|values| ("temperature".to_owned(), values));
+    let all = asked.chain(log.thermometers.iter().map(|(name, values)| (name.clone(), values)));
+    let course = |(name, measured): (String, &Vec<f64>)| {
+        let course = Course::of(measured, block);
+        let course = if log.data == Data::Angle { course.midway() } else { course };
+        let known: Vec<f64> = course.values.iter().copied().filter(|x| x.is_finite()).collect();
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        let square = known.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / known.len() as f64;
+        // A constant temperature differs from its mean by rounding.
+        let least = (LEAST_CHANGE * course.error_of_mean(block)).max(1e-9);
+        (libm::sqrt(square) > least).then_some((name, course.values))
+    };
+    all.filter_map(course).collect()
+}
+
+/// Notes columns whose samples are those of an earlier one.
+fn note_equal(log: &Log, columns: &mut [Column]) {
+    for (at, column) in columns.iter_mut().enumerate() {
+        // NaN differs from itself.
+        let bits = |i: usize| log.channels[i].samples.iter().map(|x| x.to_bits());
+        if let Some(other) = (0..at).find(|&other| bits(other).eq(bits(at))) {
+            column.events.insert(0, Event { other: Some(other), ..Event::of(What::Same) });
+        }
+    }
+}
+
 fn column(
     log: &Log,
     channel: &Channel,
+    temperatures: &[Vec<f64>],
     treatment: &Treatment,
     asked: &Asked,
     progress: &dyn Progress,
 ) -> Result<Column, TauError> {
     let (data, step_s) = (log.data, log.step_s);
     let samples = channel.view(data, step_s);
-    let (angles, outliers) = treatment.angles(&samples);
-    let model = (asked.intervals == Suppose::Record).then(|| model(&angles, treatment.trend));
+    let (recorded, outliers) = treatment.recorded(&samples);
+    let is_needed = asked.fitting.is_some() || treatment.events_removed;
+    let events = is_needed.then(|| treatment.events(&recorded, &outliers, temperatures));
+    let noise_only: &Angles = events.as_ref().map_or(&recorded, |events| &events.without);
+    let angles = if treatment.events_removed { noise_only } else { &recorded };
+    let model = (asked.intervals == Suppose::Record).then(|| model(noise_only, treatment.trend));
     let curves = asked.deviations.iter().map(|&deviation| {
         let factors = asked.taus.factors(angles.len(), step_s, deviation)?;
-        let mut points = curve(&angles, deviation, &factors, asked.confidence);
+        let mut points = curve(angles, deviation, &factors, asked.confidence);
         if let Some(model) = &model {
-            suppose(&mut points, &angles, deviation, asked.confidence, model.as_ref());
+            suppose(&mut points, angles, deviation, asked.confidence, model.as_ref());
         }
         let minimum = if deviation.is_of_angle() { None } else { minimum(&points) };
         Ok(Curve { deviation, minimum, points })
@@ -327,8 +395,8 @@ fn column(
             channel.name
         ));
     }
-    let noise =
-        asked.fitting.as_ref().map(|asked| DataSheet::of(&angles, asked, unit, simulated)).transpose();
+    let noise = asked.fitting.as_ref().zip(events.as_ref());
+    let noise = noise.map(|(asked, events)| DataSheet::of(events, asked, unit, simulated)).transpose();
     Ok(Column {
         name: channel.name.clone(),
         unit,
@@ -336,12 +404,19 @@ fn column(
         missing: treatment.missing(&samples, &outliers),
         gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),
-        slope: slope(&angles, &samples),
+        slope: slope(angles, &samples),
         spread: angles.spread().clone(),
         curves,
         outliers,
+        events: listed(events.map(|events| events.list), &noise),
         noise,
     })
+}
+
+/// The events of a record with those that its fit shows.
+fn listed(events: Option<Vec<Event>>, noise: &Result<Option<DataSheet>, String>) -> Vec<Event> {
+    let of_fit = noise.as_ref().ok().and_then(Option::as_ref).map(|noise| noise.events.clone());
+    events.into_iter().chain(of_fit).flatten().collect()
 }
 
 /// The noise that describes the curve of a record, with the shortest τ from which it does; `None` where none does.

@@ -7,7 +7,7 @@ use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
 
 use crate::analysis::log::notes::of_columns;
-use crate::analysis::log::{self, Analysis, Curve};
+use crate::analysis::log::{self, Analysis, Curve, events};
 use crate::analysis::requirement::Decision;
 
 /// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
@@ -235,6 +235,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
         "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
         "removed_slope_per_s": column.slope,
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
+        "events": events::document(column, analysis),
         "coefficients": column.coefficients().iter().map(document_of).collect::<Vec<_>>(),
         "coefficients_missing": column.noise.as_ref().err(),
         "fit": column.noise().map(|noise| json!({

@@ -268,8 +268,17 @@ mod tests {
             });
             let (file, notes) = (String::new(), vec![]);
             let channels = channels.into();
-            let log = Log { file, step_s: 1.0, data, start_s: 0.0, channels, temperature: None, notes };
-            let outliers = Outliers { samples: vec![], threshold: 1.0 };
+            let log = Log {
+                file,
+                step_s: 1.0,
+                data,
+                start_s: 0.0,
+                channels,
+                temperature: None,
+                thermometers: vec![],
+                notes,
+            };
+            let outliers = Outliers { threshold: 1.0, ..Outliers::default() };
             let recorded = log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[]));
             let axes: Vec<(String, String)> = charts(&recorded.collect::<Vec<_>>(), "columns")
                 .into_iter()

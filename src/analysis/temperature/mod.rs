@@ -28,7 +28,7 @@ use crate::record::log::measure::Data;
 
 /// Least standard deviation of the temperature of blocks, in errors of these means: below it, the errors of the sensor make
 /// a coefficient come out too small by more than a tenth.
-const LEAST_CHANGE: f64 = 3.0;
+pub(crate) const LEAST_CHANGE: f64 = 3.0;
 
 /// The dependence of all columns of a log.
 #[derive(Debug, Clone)]

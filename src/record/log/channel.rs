@@ -21,6 +21,8 @@ pub struct Log {
     pub channels: Vec<Channel>,
     /// The temperature at each sample, °C, NaN where it is missing; absent if it was not requested.
     pub temperature: Option<Vec<f64>>,
+    /// Other columns that are called like temperatures, with their names; NaN where one is missing.
+    pub thermometers: Vec<(String, Vec<f64>)>,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
     pub notes: Vec<String>,
 }
@@ -51,7 +53,16 @@ impl Log {
     pub fn of_column(name: &str, data: Data, unit: Unit, step_s: f64, samples: Vec<f64>) -> Log {
         let channel = Channel { name: name.to_owned(), unit, unit_in_header: None, samples, place: None };
         let (file, channels) = (name.to_owned(), vec![channel]);
-        Log { file, step_s, data, start_s: 0.0, channels, temperature: None, notes: vec![] }
+        Log {
+            file,
+            step_s,
+            data,
+            start_s: 0.0,
+            channels,
+            temperature: None,
+            thermometers: vec![],
+            notes: vec![],
+        }
     }
 
     /// The number of samples of a channel, including missing ones.
@@ -79,7 +90,8 @@ impl Log {
         }
         self.start_s = first as f64 * self.step_s;
         let channels = self.channels.iter_mut().map(|channel| &mut channel.samples);
-        for numbers in channels.chain(&mut self.temperature) {
+        let others = self.thermometers.iter_mut().map(|(_, numbers)| numbers);
+        for numbers in channels.chain(&mut self.temperature).chain(others) {
             numbers.truncate(end);
             numbers.drain(..first);
         }

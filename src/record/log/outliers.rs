@@ -6,6 +6,9 @@ use rayon::prelude::*;
 /// low-pass of any order and frequency, the farthest is at 6.2.
 pub const OUTLYING: f64 = 8.0;
 
+/// Part of that distance from which on samples belong to the tail of the noise; few of Gaussian noise are as far.
+const TAIL: f64 = 0.75;
+
 /// Number of samples on each side with which a sample is compared.
 const BESIDE: usize = 2;
 
@@ -20,12 +23,27 @@ const OF_MOST: f64 = 0.510_213;
 const OF_MEDIAN: f64 = 1.482_602;
 
 /// The outliers of a record.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outliers {
     /// Indices of the samples, rising.
     pub samples: Vec<usize>,
     /// Largest allowed distance from the median of the neighbourhood.
     pub threshold: f64,
+    /// Number of samples that are more than 0.75 as far, but no outliers.
+    pub tail: usize,
+}
+
+/// Most part of the samples that are spikes; more are noise that comes and goes.
+const MOST_SPIKES: f64 = 0.01;
+/// Fewest spikes for each sample that is nearly one.
+const OVER_TAIL: usize = 4;
+
+impl Outliers {
+    /// Whether they are spikes among so many samples, and not the tails of the noise, of which there would be as many a little nearer.
+    pub fn are_spikes(&self, samples: usize) -> bool {
+        let count = self.samples.len();
+        count > 0 && count as f64 <= MOST_SPIKES * samples as f64 && count >= OVER_TAIL * self.tail
+    }
 }
 
 /// Finds the samples whose distance from the median of themselves and two neighbours on each side is more than
@@ -46,8 +64,17 @@ pub fn outliers(samples: &[f64]) -> Outliers {
             places.filter(|&i| !is_near(samples, i, threshold) && distance(samples, i) > threshold).collect()
         })
         .collect();
-    let samples = if scatter > 0.0 { parts.concat() } else { vec![] };
-    Outliers { samples, threshold }
+    let found = if scatter > 0.0 { parts.concat() } else { vec![] };
+    let tail = if found.is_empty() { 0 } else { tail(samples, threshold).saturating_sub(found.len()) };
+    Outliers { samples: found, threshold, tail }
+}
+
+/// Number of samples whose distance is more than [`TAIL`] of the threshold.
+fn tail(samples: &[f64], threshold: f64) -> usize {
+    let places = (0..samples.len()).into_par_iter();
+    places
+        .filter(|&i| !is_near(samples, i, TAIL * threshold) && distance(samples, i) > TAIL * threshold)
+        .count()
 }
 
 /// The scatter of [`PART`] samples evenly spread over the record.

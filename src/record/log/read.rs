@@ -9,7 +9,7 @@ use crate::record::layout::Decimal;
 use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
-use crate::record::log::temperature::Thermometer;
+use crate::record::log::temperature::{Degree, Thermometer};
 use crate::record::log::timing::{Clock, found, is_time, spread};
 use crate::record::names::Name;
 use crate::record::recording::{Recording, Rules};
@@ -22,6 +22,9 @@ pub(crate) const RULES: Rules = Rules {
     has_gaps: true,
     uneven: "resample the log, or give `rate = 100Hz` too",
 };
+
+/// Most columns of temperature that are read without being asked for.
+const MOST_THERMOMETERS: usize = 4;
 
 /// The columns of a log to read, and their interpretation.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,6 +113,11 @@ impl Log {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(path: &Path, request: &Request) -> Result<Log, RecordError> {
+        // Columns of temperature that nobody asked for are no reason to refuse a log.
+        Log::read_with(path, request, true).or_else(|_| Log::read_with(path, request, false))
+    }
+
+    fn read_with(path: &Path, request: &Request, has_thermometers: bool) -> Result<Log, RecordError> {
         let mut file = Recording::open(path.display().to_string(), Origin::Path(path), &request.hints)?;
         let (mut faults, mut notes) = (Faults::default(), file.inferred());
         let named = request.hints.binary.iter().flat_map(|layout| layout.named(is_time)).collect::<Vec<_>>();
@@ -142,7 +150,11 @@ impl Log {
             faults.add(file.refuse(Some(twice), message, "this column", "name each column once"));
             return Err(faults.into_error(&file.file));
         }
-        let Some(mut samples) = faults.take(file.read(&all, &RULES)) else {
+        let is_other =
+            |column: &usize| !all.contains(column) && file.names().get(*column).is_some_and(is_temperature);
+        let others = if has_thermometers { 0..file.columns() } else { 0..0 };
+        let others: Vec<usize> = others.filter(is_other).take(MOST_THERMOMETERS).collect();
+        let Some(mut samples) = faults.take(file.read(&[&all[..], &others].concat(), &RULES)) else {
             return Err(faults.into_error(&file.file));
         };
         let stamps = time.map(|_| samples.remove(0));
@@ -160,7 +172,10 @@ impl Log {
         if !faults.is_empty() {
             return Err(faults.into_error(&file.file));
         }
-        // It was read behind the samples, so that gaps and duplicates are the same for it.
+        // They were read behind the samples, so that gaps and duplicates are the same for them.
+        let values = samples.split_off(samples.len().saturating_sub(others.len()));
+        let thermometers =
+            others.iter().map(|&column| file.names()[column].bare.clone()).zip(values).collect();
         let temperature = degree.and_then(|degree| Some(degree.celsius(samples.pop()?)));
         let channels = channels.into_iter().flatten().zip(samples);
         let mut channels: Vec<Channel> =
@@ -169,8 +184,23 @@ impl Log {
         if request.columns.is_empty() {
             notes.extend(without_samples(&mut channels));
         }
-        Ok(Log { file: file.file, step_s, data: request.data, start_s: 0.0, channels, temperature, notes })
+        Ok(Log {
+            file: file.file,
+            step_s,
+            data: request.data,
+            start_s: 0.0,
+            channels,
+            temperature,
+            thermometers,
+            notes,
+        })
     }
+}
+
+/// Whether a column is called like a temperature.
+fn is_temperature(name: &Name) -> bool {
+    name.whole.to_lowercase().contains("temp")
+        || name.unit.as_deref().is_some_and(|unit| unit.contains(['°', '℃']) && Degree::of(unit).is_some())
 }
 
 /// The columns of samples that are requested, or those `named` by a layout, or the only one besides those `taken` for time and

@@ -37,7 +37,7 @@ const DEGREES: [Degree; 3] = [
 const ACCEPTED: &str = "give its unit as in `temperature_unit = K`; accepted: °C (degC, C, celsius), K, °F (degF, F, fahrenheit)";
 
 impl Degree {
-    fn of(text: &str) -> Option<&'static Degree> {
+    pub(crate) fn of(text: &str) -> Option<&'static Degree> {
         let text: String = text.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect();
         DEGREES.iter().find(|degree| degree.spellings.contains(&text.as_str()))
     }

@@ -1,0 +1,33 @@
+//! Whole units of a readout.
+
+use crate::allan::Angles;
+use crate::events::{Event, What};
+
+/// Increments that are examined, evenly spread.
+const EXAMINED: usize = 1 << 14;
+/// Distance from a whole multiple, in units, that rounding may leave.
+const ROUNDING: f64 = 1e-3;
+/// Size of a unit that matters, in standard deviations of an increment about its neighbourhood.
+const LEAST: f64 = 0.5;
+
+/// The unit of which neighbouring increments differ by whole multiples, if it is not small against the noise.
+pub(crate) fn of(angles: &Angles) -> Option<Event> {
+    let count = angles.len().saturating_sub(1);
+    let stride = (count / EXAMINED).max(1);
+    let rates = |i: usize| angles.rates(i..(i + 2).min(count));
+    let differences: Vec<f64> = (0..count.saturating_sub(1))
+        .step_by(stride)
+        .map(|i| libm::fabs(rates(i)[1] - rates(i)[0]))
+        .filter(|x| x.is_finite())
+        .collect();
+    let scatter = libm::sqrt(angles.scatter()) / angles.step_s;
+    let noise = 1e-6 * scatter;
+    let unit = differences.iter().copied().filter(|x| *x > noise).fold(f64::INFINITY, f64::min);
+    let is_whole = |x: &f64| {
+        let times = x / unit;
+        libm::fabs(times - libm::round(times)) < ROUNDING * times.max(1.0)
+    };
+    let is_large = unit.is_finite() && unit > LEAST * scatter;
+    (is_large && differences.iter().all(is_whole))
+        .then(|| Event { size: Some(unit), ..Event::of(What::Units) })
+}
