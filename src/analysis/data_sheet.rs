@@ -140,9 +140,7 @@ impl DataSheet {
         let mut described = describe(&curve, asked).map_err(said)?;
         let mut has_filter = false;
         if let (Some(density), None, Terms::Auto(_)) = (&events.density, asked.from_s, &asked.terms) {
-            has_filter = described.is_described
-                && !hump::is_coarse(angles)
-                && shape::contradicts(density, &described.fit);
+            has_filter = described.is_described && shape::contradicts(density, &described.fit);
             if has_filter && described.fit.tau_range[0] <= 1.01 * angles.step_s {
                 let agrees = |fit: &Fit| !shape::contradicts_range(density, fit);
                 described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);

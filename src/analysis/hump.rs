@@ -6,17 +6,13 @@
 //! density is another one, and Q is not tested.
 
 use crate::allan::Angles;
+use crate::events::is_coarse;
 use crate::fit::Fit;
 use crate::spectrum::{Density, Floor, Welch, lines};
 use crate::theory::allan::{Part, Process, Term};
 
 /// Part of the density of the quantisation noise that the spectrum must have.
 const PART: f64 = 0.5;
-
-/// Part of equal neighbouring increments from which on pulses are so large: the noise of a sample is below 1.4 pulses.
-const COARSE: f64 = 0.2;
-/// Difference of neighbouring increments, relative to that of most, which counts as none.
-const EQUAL: f64 = 1e-6;
 
 /// Whether the density of a record above a third of its sampling rate is, with its 95 % interval, below half of that of the
 /// quantisation noise of a fit, beside the other noise. If the fit leaves out the shortest τ, where a filter may lower the other
@@ -38,16 +34,4 @@ pub(crate) fn is_hump(angles: &Angles, fit: &Fit) -> bool {
         Some(found.interval.1 < other + PART * expected(|part| part.term == Term::Quantisation))
     };
     !is_coarse(angles) && lacks().unwrap_or(false)
-}
-
-/// Whether many neighbouring increments are equal, as of pulses that are larger than the noise of a sample.
-pub(crate) fn is_coarse(angles: &Angles) -> bool {
-    let differences = |run: &[f64]| -> Vec<f64> {
-        run.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).filter(|x| x.is_finite()).collect()
-    };
-    let all: Vec<f64> =
-        angles.runs().iter().flat_map(|run| differences(&angles.values()[run.clone()])).collect();
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    let equal = all.iter().filter(|x| **x < EQUAL * mean).count();
-    equal as f64 > COARSE * all.len() as f64
 }

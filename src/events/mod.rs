@@ -14,6 +14,8 @@ mod units;
 
 use std::borrow::Cow;
 
+pub(crate) use crate::events::units::is_coarse;
+
 use crate::allan::Angles;
 use crate::events::slow::{Course, Found, Slow};
 use crate::record::log::outliers::Outliers;
@@ -148,6 +150,16 @@ impl<'a> Events<'a> {
         events
     }
 
+    /// The same list for a fit to the record as it is.
+    pub fn kept(self, angles: &'a Angles) -> Events<'a> {
+        Events {
+            list: self.list,
+            without: Cow::Borrowed(angles),
+            density: None,
+            explains: Explains::default(),
+        }
+    }
+
     fn slow(&mut self, temperatures: &[Vec<f64>]) {
         let record = self.without.clone();
         let Some(slow) = Slow::new(&record, temperatures) else { return };
@@ -173,6 +185,10 @@ impl<'a> Events<'a> {
     }
 
     fn lines(&mut self) {
+        // The errors of coarse pulses have lines of their own.
+        if is_coarse(&self.without) {
+            return;
+        }
         let Ok(density) = Density::of(&self.without, &Welch::default()) else { return };
         let mut found = lines(&density);
         found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));

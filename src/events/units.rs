@@ -10,6 +10,11 @@ const ROUNDING: f64 = 1e-3;
 /// Size of a unit that matters, in standard deviations of an increment about its neighbourhood.
 const LEAST: f64 = 0.5;
 
+/// Part of equal neighbouring increments from which on pulses are so large: the noise of a sample is below 1.4 pulses.
+const COARSE: f64 = 0.2;
+/// Difference of neighbouring increments, relative to that of most, which counts as none.
+const EQUAL: f64 = 1e-6;
+
 /// The unit of which neighbouring increments differ by whole multiples, if it is not small against the noise.
 pub(crate) fn of(angles: &Angles) -> Option<Event> {
     let count = angles.len().saturating_sub(1);
@@ -30,4 +35,16 @@ pub(crate) fn of(angles: &Angles) -> Option<Event> {
     let is_large = unit.is_finite() && unit > LEAST * scatter;
     (is_large && differences.iter().all(is_whole))
         .then(|| Event { size: Some(unit), ..Event::of(What::Units) })
+}
+
+/// Whether many neighbouring increments are equal, as of pulses that are larger than the noise of a sample.
+pub(crate) fn is_coarse(angles: &Angles) -> bool {
+    let differences = |run: &[f64]| -> Vec<f64> {
+        run.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).filter(|x| x.is_finite()).collect()
+    };
+    let all: Vec<f64> =
+        angles.runs().iter().flat_map(|run| differences(&angles.values()[run.clone()])).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let equal = all.iter().filter(|x| **x < EQUAL * mean).count();
+    equal as f64 > COARSE * all.len() as f64
 }

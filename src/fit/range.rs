@@ -162,7 +162,8 @@ pub(crate) fn describe_without_shortest(
         let fitter = filtered.from(start);
         let fit =
             fitter.fit_record(fitter.curve().variances()).ok().filter(|fit| is_likely(fit) && agrees(fit))?;
-        Some(Described { fitter, fit, is_described: true, is_filter: false })
+        let is_filter = is_filter(&fit, curve);
+        Some(Described { fitter, fit, is_described: true, is_filter })
     })
 }
 
@@ -170,10 +171,15 @@ pub(crate) fn describe_without_shortest(
 /// whether it explains it as well as the bias instability.
 pub(crate) fn with_correlation(described: &Described, asked: &Fitting) -> Result<Described, bool> {
     let curve = described.fitter.curve();
-    let fitted = Fitter::new(curve, &asked.terms.with(Term::Markov))
+    // What a filter leaves of white noise is Markov noise.
+    if is_limited(&described.fit) {
+        return Err(false);
+    }
+    let fitted = Fitter::new(curve, &asked.terms.with(Term::BandLimit).with(Term::Markov))
         .and_then(|fitter| Ok((fitter.fit_record(curve.variances())?, fitter)));
     let Ok((fit, fitter)) = fitted else { return Err(false) };
-    if fit.process.parts.iter().any(|part| part.term == Term::Markov) {
+    let white = fit.coefficient(Term::AngleRandomWalk).map(|found| found.verdict);
+    if white == Some(Verdict::Identified) && fit.process.parts.iter().any(|part| part.term == Term::Markov) {
         return Ok(Described { fitter, fit, is_described: true, is_filter: false });
     }
     let cost = fitter.cost_of(&described.fit, Term::BiasInstability, Term::Markov).unwrap_or(f64::INFINITY);

@@ -20,6 +20,7 @@ const ORDER: &[&str] = &[
     "record",
     "fit",
     "spectrum",
+    "events",
     "noise",
     "motion",
     "filler",

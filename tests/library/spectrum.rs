@@ -103,9 +103,30 @@ fn a_default_segment_is_an_eighth_of_the_record_or_fits_between_gaps() {
     assert_eq!(segment(&lehmer(10_000)), 1024);
     assert_eq!(segment(&lehmer(200_000)), 16_384);
     assert_eq!(segment(&lehmer(20)), 16);
+    // Single losses are bridged, and longer gaps are not.
     let mut gaps = lehmer(10_000);
     gaps.iter_mut().step_by(100).for_each(|rate| *rate = f64::NAN);
+    assert_eq!(segment(&gaps), 1024);
+    gaps.chunks_exact_mut(170).for_each(|chunk| chunk[..70].fill(f64::NAN));
     assert_eq!(segment(&gaps), 64);
+}
+
+/// The floor is that of the record without losses; straight lines between neighbours would take a fifth of it.
+#[test]
+fn lost_samples_leave_the_floor_and_a_line_where_they_are() {
+    let mut rates = lehmer(40_000);
+    rates.iter_mut().zip(1_u32..).for_each(|(rate, i)| *rate += 0.1 * libm::sin(2.0 * f64::from(i)));
+    let losses = lehmer(80_000);
+    let lossy: Vec<f64> =
+        rates.iter().zip(&losses[40_000..]).map(|(x, y)| if *y < 0.2 { f64::NAN } else { *x }).collect();
+    let [whole, found] = [rates, lossy].map(|rates| {
+        let density = Density::of(&angles(&rates), &Welch::default()).unwrap();
+        let lines = lines(&density);
+        (Floor::of(&density, &lines).unwrap().density, lines)
+    });
+    assert!((found.0 / whole.0 - 1.0).abs() < 0.06, "{} and {}", found.0, whole.0);
+    assert_eq!((found.1.len(), whole.1.len()), (1, 1));
+    assert!((found.1[0].amplitude / whole.1[0].amplitude - 1.0).abs() < 0.15, "{found:?}");
 }
 
 #[test]
@@ -115,7 +136,10 @@ fn what_has_no_density_is_refused_by_name() {
     };
     assert_eq!(refused(&lehmer(15), None), SpectrumError::RecordTooShort { longest: 15 });
     let mut gaps = lehmer(1000);
-    gaps.iter_mut().step_by(10).for_each(|rate| *rate = f64::NAN);
+    gaps.chunks_mut(75).for_each(|chunk| {
+        let missing = chunk.len().min(66);
+        chunk[..missing].fill(f64::NAN);
+    });
     assert_eq!(refused(&gaps, None), SpectrumError::RecordTooShort { longest: 9 });
     let long = SpectrumError::SegmentTooLong { segment: 101, longest: 100, step_s: STEP_S };
     assert_eq!(refused(&lehmer(100), Some(101)), long);

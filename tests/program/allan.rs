@@ -136,8 +136,10 @@ fn gaps_outliers_and_what_was_done_are_said() {
     assert_eq!(treatment, "from 20 s; until 180 s; linear trend removed: no R, K too low");
     let removed = done(&desk, "log.csv --data rate --time t --remove-outliers");
     assert!(removed.stderr.contains("treated as gaps"), "{}", removed.stderr);
-    let first =
-        |ended: &Ended| ended.stdout.lines().nth(5).unwrap().split_whitespace().nth(2).unwrap().to_owned();
+    let first = |ended: &Ended| {
+        let mut lines = ended.stdout.lines().skip_while(|line| !line.contains("τ, s"));
+        lines.nth(1).unwrap().split_whitespace().nth(2).unwrap().to_owned()
+    };
     let [kept, removed]: [f64; 2] = [kept, removed].map(|ended| first(&ended).parse().unwrap());
     assert!(kept > 5.0 && removed < 1.0, "{kept} with the outlier, {removed} without");
 }

@@ -271,11 +271,12 @@ fn what_cannot_be_in_an_imu_yaml_is_refused() {
     );
 }
 
-/// White noise with two slow sines, which Q, N, B, K, R and one sine describe over no range.
+/// White noise with two sines, too slow for the spectrum and too fast for the search of slow events, which Q, N, B, K, R and one sine
+/// describe over no range.
 fn undescribed() -> Vec<f64> {
     let mut rng = StdRng::seed_from_u64(3);
     let sine = |i: usize, hz: f64| 10.0 * (core::f64::consts::TAU * hz * i as f64).sin();
-    (0..16_384).map(|i| crate::noise::normal(&mut rng) + sine(i, 0.003) + sine(i, 0.0011)).collect()
+    (0..65_536).map(|i| crate::noise::normal(&mut rng) + sine(i, 0.0015) + sine(i, 0.0009)).collect()
 }
 
 #[test]

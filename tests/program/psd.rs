@@ -91,7 +91,7 @@ fn a_log_without_a_spectrum_is_refused_by_name_with_what_to_do() {
         text(&rates(200))
             .lines()
             .enumerate()
-            .map(|(i, y)| if i % 10 == 0 { "nan\n".into() } else { format!("{y}\n") })
+            .map(|(i, y)| if i % 80 > 9 { "nan\n".into() } else { format!("{y}\n") })
             .collect::<String>(),
     );
     for (desk, words, code, pieces) in [
@@ -111,7 +111,7 @@ fn a_log_without_a_spectrum_is_refused_by_name_with_what_to_do() {
             &gaps,
             "",
             3,
-            vec!["column 1: the record is too short for a spectrum", "has 9 samples", "leave out less"],
+            vec!["column 1: the record is too short for a spectrum", "has 10 samples", "leave out less"],
         ),
         (&short, "--segment fast", 2, vec!["--segment", "30 min"]),
         (&short, "--confidence 1", 2, vec!["not between 0 and 1"]),

@@ -36,6 +36,7 @@ impl Row<'_> {
             None if self.what == "outlier" && treatment.outliers_removed => "removed",
             None if self.what == "outlier" => "kept",
             None => "left out",
+            Some(_) if self.analysis.is_fit_given && !treatment.events_removed => "kept",
             Some(event) if event.instead_of.is_some() => match event.instead_of {
                 Some(Term::RateRamp) => "possible; R not identified",
                 Some(Term::RateRandomWalk) => "possible; K not identified",
@@ -106,7 +107,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Note, "Unit of `size`."),
         Of::new("f", Unit::HZ, "frequency", |row| row.of_event(|event| event.frequency_hz).into())
             .is(Role::Estimate, "Frequency of a sine or line, Hz."),
-        Of::new("tau", Unit::S, "time constant", |row| row.of_event(|event| event.time_s).into())
+        Of::new("time_constant", Unit::S, "time constant", |row| row.of_event(|event| event.time_s).into())
             .is(Role::Estimate, "Time of a warm-up or of correlated noise, or mean time between steps of telegraph noise, s."),
         Of::new("other", Unit::NONE, "refers to", |row| text(row.refers_to()))
             .is(Role::Note, "Column of the temperature, or the equal record."),

@@ -73,6 +73,12 @@ impl Default for Asked {
     }
 }
 
+impl Asked {
+    fn is_fit_given(&self) -> bool {
+        matches!(self.fitting, Some(Fitting { terms: Terms::Given(_), .. }))
+    }
+}
+
 /// The noise that the intervals of deviations suppose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Suppose {
@@ -99,6 +105,8 @@ pub struct Analysis {
     pub treatment: Treatment,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
     pub reading: Vec<String>,
+    /// Whether the terms of the fit were given, so that it is a fit to the record with its events.
+    pub is_fit_given: bool,
     /// Names of the columns of temperature.
     pub thermometers: Vec<String>,
     /// Requested columns.
@@ -293,6 +301,7 @@ impl Analysis {
             confidence: asked.confidence,
             treatment: Treatment { skip_s: log.start_s, ..*treatment },
             reading: log.notes.clone(),
+            is_fit_given: asked.is_fit_given(),
             thermometers,
             columns,
         })
@@ -370,7 +379,10 @@ fn column(
     let samples = channel.view(data, step_s);
     let (recorded, outliers) = treatment.recorded(&samples);
     let is_needed = asked.fitting.is_some() || treatment.events_removed;
-    let events = is_needed.then(|| treatment.events(&recorded, &outliers, temperatures));
+    let mut events = is_needed.then(|| treatment.events(&recorded, &outliers, temperatures));
+    if asked.is_fit_given() && !treatment.events_removed {
+        events = events.map(|events| events.kept(&recorded));
+    }
     let noise_only: &Angles = events.as_ref().map_or(&recorded, |events| &events.without);
     let angles = if treatment.events_removed { noise_only } else { &recorded };
     let model = (asked.intervals == Suppose::Record).then(|| model(noise_only, treatment.trend));
