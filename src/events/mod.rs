@@ -22,6 +22,8 @@ use crate::record::log::outliers::Outliers;
 use crate::spectrum::{Density, Line, Welch, lines};
 use crate::theory::allan::Term;
 
+/// Most angles in which lines are looked for, from the middle of the record.
+const MOST_EXAMINED: usize = 1 << 21;
 /// Most lines that are subtracted.
 const MOST_LINES: usize = 40;
 /// Numbers of blocks at which telegraph noise is looked for.
@@ -189,7 +191,15 @@ impl<'a> Events<'a> {
         if is_coarse(&self.without) {
             return;
         }
-        let Ok(density) = Density::of(&self.without, &Welch::default()) else { return };
+        let of = |angles: &Angles| {
+            let examined = angles.len().min(MOST_EXAMINED);
+            let first = (angles.len() - examined) / 2;
+            match examined == angles.len() {
+                true => Density::of(angles, &Welch::default()).ok(),
+                false => Density::of(&angles.part(first..first + examined), &Welch::default()).ok(),
+            }
+        };
+        let Some(density) = of(&self.without) else { return };
         let mut found = lines(&density);
         found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         found.truncate(MOST_LINES);
@@ -199,13 +209,13 @@ impl<'a> Events<'a> {
         }
         let rates = narrow::rates(&self.without, &density, &found);
         self.without = Cow::Owned(self.without.without(Some(&rates), &[]));
-        self.density = Density::of(&self.without, &Welch::default()).ok();
-        let of = |line: &Line| Event {
+        self.density = of(&self.without);
+        let event = |line: &Line| Event {
             size: Some(line.amplitude),
             frequency_hz: Some(line.frequency_hz),
             ..Event::of(What::Line)
         };
-        self.list.extend(found.iter().map(of));
+        self.list.extend(found.iter().map(event));
     }
 }
 

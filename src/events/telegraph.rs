@@ -15,7 +15,7 @@ const STARTS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 /// Fewest jumps; fewer are steps.
 const LEAST_JUMPS: f64 = 4.0;
 /// Variances of Markov noise relative to the white noise of a block, and correlation times in blocks.
-const RATIOS: [f64; 8] = [0.0, 0.02, 0.06, 0.2, 0.6, 2.0, 6.0, 20.0];
+const RATIOS: [f64; 6] = [0.0, 0.03, 0.12, 0.5, 2.0, 8.0];
 const TIMES: [f64; 7] = [0.5, 1.5, 4.0, 12.0, 36.0, 110.0, 330.0];
 
 /// Two levels.

@@ -3,7 +3,7 @@
 use crate::allan::Angles;
 use crate::events::{Event, What};
 
-/// Increments that are examined, evenly spread.
+/// Increments that are examined.
 const EXAMINED: usize = 1 << 14;
 /// Distance from a whole multiple, in units, that rounding may leave.
 const ROUNDING: f64 = 1e-3;
@@ -39,11 +39,10 @@ pub(crate) fn of(angles: &Angles) -> Option<Event> {
 
 /// Whether many neighbouring increments are equal, as of pulses that are larger than the noise of a sample.
 pub(crate) fn is_coarse(angles: &Angles) -> bool {
-    let differences = |run: &[f64]| -> Vec<f64> {
-        run.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).filter(|x| x.is_finite()).collect()
-    };
+    let longest = angles.runs().iter().max_by_key(|run| run.len()).cloned().unwrap_or_default();
+    let values = &angles.values()[longest.start..longest.end.min(longest.start + EXAMINED)];
     let all: Vec<f64> =
-        angles.runs().iter().flat_map(|run| differences(&angles.values()[run.clone()])).collect();
+        values.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).filter(|x| x.is_finite()).collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let equal = all.iter().filter(|x| **x < EQUAL * mean).count();
     equal as f64 > COARSE * all.len() as f64

@@ -29,6 +29,8 @@ pub const LEAST_P: f64 = 1e-3;
 /// Probability of the residuals below which a fit of all octaves is not the result either. It applies where no fit of a part of
 /// them is likely, because a single estimate at long τ that is far off spoils every range.
 pub const IMPOSSIBLE_P: f64 = 1e-9;
+/// Probability of the residuals from which on white noise alone is enough.
+const GOOD_P: f64 = 0.2;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
 
@@ -171,8 +173,9 @@ pub(crate) fn describe_without_shortest(
 /// whether it explains it as well as the bias instability.
 pub(crate) fn with_correlation(described: &Described, asked: &Fitting) -> Result<Described, bool> {
     let curve = described.fitter.curve();
-    // What a filter leaves of white noise is Markov noise.
-    if is_limited(&described.fit) {
+    // What a filter leaves of white noise is Markov noise, and white noise that describes a curve well needs none.
+    let is_white = described.fit.process.parts.iter().all(|part| part.term == Term::AngleRandomWalk);
+    if is_limited(&described.fit) || is_white && described.fit.p_value().is_some_and(|p| p > GOOD_P) {
         return Err(false);
     }
     let fitted = Fitter::new(curve, &asked.terms.with(Term::BandLimit).with(Term::Markov))

@@ -24,6 +24,7 @@ mod compare_statistics;
 mod damage;
 mod decision;
 mod device_faults;
+mod events;
 mod filler_memory;
 mod filters;
 mod fit_beside_model;

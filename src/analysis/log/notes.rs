@@ -25,7 +25,7 @@ pub(crate) fn of_columns(analysis: &Analysis) -> Vec<String> {
     found.into_iter().map(|(note, names)| format!("{}: {note}", names.join(", "))).collect()
 }
 
-fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 10] {
+fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
     let noise = column.noise();
     let misfit = noise.filter(|noise| !noise.fit.is_described()).map(|noise| {
         format!(
@@ -50,7 +50,6 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 10] {
             "what falls as 1/τ at short τ is no quantisation noise, which would show at the highest frequencies too: see the spectrum for a \
              line or a hump",
         ),
-        said(has_gaps && noise.is_some(), "intervals of coefficients are those of a record without gaps"),
         has_gaps.then(|| missing(column.missing, analysis.samples)),
         outliers(column, analysis),
         spread(column),
@@ -91,7 +90,9 @@ fn spread(column: &Column) -> Option<String> {
 
 fn missing(missing: usize, samples: usize) -> String {
     let percent = significant(100.0 * missing as f64 / samples.max(1) as f64, 2);
-    format!("{missing} of {samples} samples are missing ({percent} %); terms that touch a gap are left out")
+    format!(
+        "{missing} of {samples} samples are missing ({percent} %); intervals are as much wider as that costs"
+    )
 }
 
 fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
@@ -101,6 +102,7 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let more = if found.len() > MOST { ", …" } else { "" };
     let fate = match (analysis.treatment.outliers_removed, column.has_long_tails(analysis.samples)) {
         (true, _) => "treated as gaps",
+        (false, false) if column.noise().is_some() => "kept in the curve, and left out of the fit",
         (false, false) => "kept, unless outliers are removed",
         (false, true) => "kept; so many are long tails of the noise",
     };

@@ -99,6 +99,8 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
         unit: Unit::Angular,
         points: points.collect(),
         quantisation: (quantisation[0] > 0.0).then(|| quantisation.map(libm::sqrt)),
+        white: 0.0,
+        step_s: None,
         length_s: None,
         has_band,
     };

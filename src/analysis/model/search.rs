@@ -105,7 +105,7 @@ pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> 
         Aim::Describe | Aim::Bound => target.points.iter().map(|point| point.upper).collect(),
     };
     let problem = problem(target, &bounds, asked.aim);
-    let times = times(target.taus());
+    let times = times(target.taus(), target.step_s);
     let mut tried: Vec<Tried> = Vec::new();
     let mut best: Option<(f64, Model)> = None;
     for states in asked.states.map_or(0..=MOST_STATES, |states| states..=states) {
@@ -123,7 +123,9 @@ pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> 
     }
     match best {
         Some((_, model)) => {
-            let model = Model { quantisation: quantisation(target, asked.aim), ..model };
+            // A bound may rise, and white noise of the record is no Markov noise.
+            let white = if asked.aim == Aim::Describe { model.white } else { model.white.max(target.white) };
+            let model = Model { quantisation: quantisation(target, asked.aim), white, ..model };
             Ok(Found { model, tried, bounds })
         }
         None => Err(outside(target, &bounds, &times)),
@@ -168,10 +170,12 @@ fn quantisation(target: &Target, aim: Aim) -> f64 {
     if aim == Aim::Describe { value } else { upper }
 }
 
-/// The correlation times that are tried between two times.
-pub(crate) fn times([from_s, to_s]: [f64; 2]) -> Vec<f64> {
-    let count = libm::ceil(PER_DECADE * libm::log10(2.0 * to_s / from_s)) as u32;
-    (0..=count).map(|i| 0.5 * from_s * libm::exp10(f64::from(i) / PER_DECADE)).collect()
+/// The correlation times that are tried between two times: from half the shorter one on, but no shorter than two samples of a record,
+/// which a filter at its rate cannot follow.
+pub(crate) fn times([from_s, to_s]: [f64; 2], step_s: Option<f64>) -> Vec<f64> {
+    let least = libm::fmax(0.5 * from_s, 2.0 * step_s.unwrap_or(0.0));
+    let count = libm::ceil(PER_DECADE * libm::log10(to_s / least).max(0.0)) as u32;
+    (0..=count).map(|i| least * libm::exp10(f64::from(i) / PER_DECADE)).collect()
 }
 
 impl Problem {

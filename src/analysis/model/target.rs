@@ -65,6 +65,10 @@ pub struct Target {
     pub points: Vec<Point>,
     /// Quantisation that the curve shows, with the upper end of its interval, ″; absent where it shows none.
     pub quantisation: Option<[f64; 2]>,
+    /// N that the record has, in the unit of the curve times √s; 0 where it shows none.
+    pub white: f64,
+    /// Time from sample to sample of the record, s; absent without one.
+    pub step_s: Option<f64>,
     /// Length of the record, s; absent without one.
     pub length_s: Option<f64>,
     /// Whether the points have a band.
@@ -94,6 +98,8 @@ impl Target {
                 unit: column.unit,
                 points: points.collect(),
                 quantisation,
+                white: described.and_then(|fit| fit.coefficient(Term::AngleRandomWalk)?.value).unwrap_or(0.0),
+                step_s: Some(analysis.step_s),
                 length_s: Some(analysis.length_s()),
                 has_band: true,
             })

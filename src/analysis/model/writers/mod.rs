@@ -176,7 +176,7 @@ fn reduced(column: &Column, takes: Takes, time_s: Option<f64>) -> Model {
     most.push(at_1_s * (1.0 + AT_1_S) * (1.0 + AT_1_S));
     let scale: Vec<f64> = taus.iter().map(|&tau_s| of_rate.variance(tau_s)).collect();
     let free = Problem { taus, goal: scale.clone(), scale, least, most };
-    let times = time_s.map_or_else(|| times([from_s, 10.0 * to_s]), |time_s| vec![time_s]);
+    let times = time_s.map_or_else(|| times([from_s, 10.0 * to_s], None), |time_s| vec![time_s]);
     let allowed = Allowed { walk: takes.walk, states: takes.states, times: &times };
     let open = || Problem { most: vec![f64::INFINITY; free.taus.len()], ..free.clone() };
     let found = free.best(allowed).or_else(|| open().best(allowed)).unwrap_or(of_rate);

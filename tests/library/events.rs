@@ -1,0 +1,146 @@
+//! What a record holds besides noise: each kind is found and named, and no coefficient is made of it.
+//!
+//! `benches/record_events_numpy.py` counts the same over many records of NumPy.
+
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use sagnac::allan::angles::Angles;
+use sagnac::allan::trend::Trend;
+use sagnac::allan::unit::Unit;
+use sagnac::analysis::data_sheet::{DataSheet, Intervals};
+use sagnac::events::{Event, Events, What};
+use sagnac::fit::choose::Terms;
+use sagnac::fit::coefficient::Verdict;
+use sagnac::record::log::outliers::outliers;
+use sagnac::theory::allan::terms::Term;
+
+use crate::noise::normal;
+
+const SAMPLES: usize = 16_384;
+
+fn white(seed: u64) -> Vec<f64> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    (0..SAMPLES).map(|_| normal(&mut rng)).collect()
+}
+
+/// The events and the coefficients of rates of N = 1 with something else, one a second.
+fn found(rates: &[f64], temperatures: &[Vec<f64>]) -> (Vec<Event>, DataSheet) {
+    let angles = Angles::from_increments(rates, 1.0, 1.0, Trend::None);
+    let events = Events::of(&angles, &outliers(rates), temperatures);
+    let closed = Intervals { records: 0, without: None };
+    let sheet = DataSheet::of(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed).unwrap();
+    (events.list.iter().chain(&sheet.events).cloned().collect(), sheet)
+}
+
+/// Whether N is 1 within its interval and no other coefficient is identified.
+fn is_white(sheet: &DataSheet) -> bool {
+    sheet.fit.coefficients.iter().all(|found| match found.term {
+        Term::AngleRandomWalk => found.interval.is_some_and(|[low, high]| low < 1.0 && 1.0 < high),
+        Term::Markov => true,
+        _ => found.verdict != Verdict::Identified,
+    })
+}
+
+/// Three records with what `at` adds to a sample: the first events of a kind.
+fn named(what: What, at: impl Fn(usize) -> f64) -> Vec<Event> {
+    let of = |seed| {
+        let rates: Vec<f64> = white(seed).iter().enumerate().map(|(i, x)| x + at(i)).collect();
+        let (events, sheet) = found(&rates, &[]);
+        assert!(is_white(&sheet), "{what:?}, seed {seed}: {events:?} {:?}", sheet.rows);
+        events.into_iter().find(|event| event.what == what).unwrap_or_else(|| panic!("{what:?}, seed {seed}"))
+    };
+    (1..4).map(of).collect()
+}
+
+fn is_near(found: Option<f64>, expected: f64, part: f64) -> bool {
+    found.is_some_and(|found| (found / expected - 1.0).abs() < part)
+}
+
+#[test]
+fn noise_alone_has_no_events() {
+    let with_events = (0..40).filter(|&seed| !found(&white(100 + seed), &[]).0.is_empty()).count();
+    assert!(with_events <= 2, "{with_events} of 40");
+}
+
+#[test]
+fn a_step_is_found_where_it_is_and_is_no_random_walk() {
+    for event in named(What::Step, |i| if i < 5000 { 0.0 } else { 3.0 }) {
+        let [at, _] = event.samples.unwrap();
+        assert!(at.abs_diff(5000) <= 3 && is_near(event.size, 3.0, 0.1), "{event:?}");
+    }
+}
+
+#[test]
+fn a_slow_sine_is_no_ramp_and_a_warm_up_no_random_walk() {
+    let turn = core::f64::consts::TAU * 2.0 / SAMPLES as f64;
+    for event in named(What::Sine, |i| 0.5 * (turn * i as f64).sin()) {
+        assert!(is_near(event.size, 0.5, 0.15), "{event:?}");
+        assert!(is_near(event.frequency_hz, 2.0 / SAMPLES as f64, 0.15), "{event:?}");
+    }
+    for event in named(What::WarmUp, |i| 2.0 * (-(i as f64) / 2000.0).exp()) {
+        assert!(is_near(event.size, 2.0, 0.2) && is_near(event.time_s, 2000.0, 0.3), "{event:?}");
+    }
+}
+
+#[test]
+fn thirty_spikes_are_spikes_and_long_tails_are_none() {
+    for event in named(What::Spikes, |i| if i % 546 == 100 { 40.0 } else { 0.0 }) {
+        assert!(event.count == 30 && is_near(event.size, 40.0, 0.2), "{event:?}");
+    }
+    // Student's t with 3 degrees of freedom.
+    let mut rng = StdRng::seed_from_u64(9);
+    let mut t = || {
+        let squares: f64 = (0..3).map(|_| normal(&mut rng)).map(|x| x * x).sum();
+        normal(&mut rng) / (squares / 3.0).sqrt()
+    };
+    let (events, _) = found(&(0..4 * SAMPLES).map(|_| t()).collect::<Vec<f64>>(), &[]);
+    assert!(events.iter().all(|event| event.what != What::Spikes), "{events:?}");
+}
+
+#[test]
+fn telegraph_noise_is_told_from_flicker_by_its_levels() {
+    // A level for 300 samples in the mean.
+    let mut state = 1_u64;
+    let mut level = 0.4;
+    let levels: Vec<f64> = (0..SAMPLES)
+        .map(|_| {
+            state = 16_807 * state % 2_147_483_647;
+            level = if state % 300 == 0 { -level } else { level };
+            level
+        })
+        .collect();
+    for event in named(What::Telegraph, |i| levels[i]) {
+        assert!(is_near(event.size, 0.4, 0.2) && is_near(event.time_s, 300.0, 0.6), "{event:?}");
+    }
+}
+
+#[test]
+fn a_line_is_subtracted_and_an_alias_is_no_quantisation() {
+    for event in named(What::Line, |i| 0.3 * (1.1 * i as f64).sin()) {
+        assert!(is_near(event.size, 0.3, 0.1), "{event:?}");
+        assert!(is_near(event.frequency_hz, 1.1 / core::f64::consts::TAU, 1e-3), "{event:?}");
+    }
+    // Half of the noise is repeated with the opposite sign one sample later: neither white nor that of quantisation, and of N = 1 at
+    // long τ.
+    let x = white(7);
+    let rates: Vec<f64> = x.windows(3).map(|x| 1.4 * x[2] - 0.7 * x[1] + 0.3 * x[0]).collect();
+    let (events, sheet) = found(&rates, &[]);
+    assert!(is_white(&sheet), "{:?}", sheet.rows);
+    assert!(events.iter().any(|event| event.what == What::Filter), "{events:?}");
+}
+
+#[test]
+fn a_temperature_that_explains_the_rate_is_named() {
+    let temperature: Vec<f64> = (0..SAMPLES).map(|i| 20.0 + 5.0 * (i as f64 / 2500.0).sin()).collect();
+    let rates: Vec<f64> = white(3).iter().zip(&temperature).map(|(x, t)| x + 0.2 * (t - 20.0)).collect();
+    let (events, sheet) = found(&rates, &[temperature]);
+    assert_eq!(events.iter().map(|event| event.what).collect::<Vec<_>>(), [What::Temperature]);
+    assert!(is_near(events[0].size, 0.2, 0.1) && is_white(&sheet), "{events:?} {:?}", sheet.rows);
+}
+
+#[test]
+fn a_readout_in_whole_units_is_noted() {
+    let rates: Vec<f64> = white(4).iter().map(|x| 2.0 * (x / 2.0).round()).collect();
+    let (events, _) = found(&rates, &[]);
+    assert!(events[0].what == What::Units && is_near(events[0].size, 2.0, 1e-9), "{events:?}");
+}
