@@ -168,10 +168,10 @@ impl<'a> Events<'a> {
         let found = slow.events();
         let levels = telegraph_of(&record);
         let is_telegraph = Slow::is_telegraph(&found) || levels.is_some();
-        let walk = slow.instead_of_walk(&found).map(|found| event(&record, &found));
+        let walk = slow.instead_of_walk(&found).and_then(|found| event(&record, &found));
         let has_line = slow.gain_of_line(&found) >= OF_RAMP;
         let ramp = if has_line { None } else { slow.instead_of_line(&found) };
-        let ramp = ramp.map(|found| event(&record, &found));
+        let ramp = ramp.and_then(|found| event(&record, &found));
         self.explains = Explains { is_telegraph, walk, ramp };
         self.list.extend(levels);
         let is_line = |found: &Found| found.course == Course::Line;
@@ -182,8 +182,8 @@ impl<'a> Events<'a> {
         let is_step = |found: &&Found| is_telegraph && matches!(found.course, Course::Step { .. });
         let steps: Vec<&Found> = found.iter().filter(is_step).collect();
         self.list.extend(telegraph(&record, &steps));
-        let others = found.iter().filter(|found| !is_step(found) && !is_line(found));
-        self.list.extend(others.map(|found| event(&record, found)));
+        let others = found.iter().filter(|found| !is_step(found));
+        self.list.extend(others.filter_map(|found| event(&record, found)));
     }
 
     fn lines(&mut self) {
@@ -266,11 +266,12 @@ fn telegraph(angles: &Angles, steps: &[&Found]) -> Option<Event> {
     })
 }
 
-fn event(angles: &Angles, Found { course, sizes }: &Found) -> Event {
+/// The event of a course; a straight line is none.
+fn event(angles: &Angles, Found { course, sizes }: &Found) -> Option<Event> {
     let step_s = angles.step_s;
     let size = Some(sizes[0]);
     let last = angles.len() - 1;
-    match *course {
+    Some(match *course {
         Course::Step { at } => {
             Event { size, samples: Some([at as usize, at as usize + 1]), ..Event::of(What::Step) }
         }
@@ -284,6 +285,6 @@ fn event(angles: &Angles, Found { course, sizes }: &Found) -> Event {
         },
         Course::WarmUp { time } => Event { size, time_s: Some(time * step_s), ..Event::of(What::WarmUp) },
         Course::Temperature(other) => Event { size, other: Some(other), ..Event::of(What::Temperature) },
-        Course::Line => Event::of(What::Step),
-    }
+        Course::Line => return None,
+    })
 }
