@@ -281,7 +281,7 @@ pub fn curves<'py>(
     let limits = limits_of(&limits, &[Limited::Stability], None, record.unit)?;
     let (record, curves) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
-        let model = is_of_record.then(|| model(&record.angles, reading.trend()));
+        let model = is_of_record.then(|| model(&record.events().without, reading.trend()));
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
             let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
@@ -363,6 +363,11 @@ pub fn fit<'py>(
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
         let events = record.events();
+        // Terms that are asked for are fitted to the record as it is.
+        let events = match fitting.terms {
+            Terms::Given(_) => events.kept(&record.angles),
+            Terms::Auto(_) => events,
+        };
         let sheet = DataSheet::of(&events, &fitting, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&events.without)
