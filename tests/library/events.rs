@@ -105,7 +105,7 @@ fn telegraph_noise_is_told_from_flicker_by_its_levels() {
     let levels: Vec<f64> = (0..SAMPLES)
         .map(|_| {
             state = 16_807 * state % 2_147_483_647;
-            level = if state % 300 == 0 { -level } else { level };
+            level = if state.is_multiple_of(300) { -level } else { level };
             level
         })
         .collect();
