@@ -140,7 +140,7 @@ fn gaps_leave_out_terms_and_keep_values_and_intervals() {
     }
 }
 
-/// Of white noise, means over half of the samples have twice the variance.
+/// A mean over half of the samples of white noise has twice the variance, which must not show in the curve.
 #[test]
 fn many_single_losses_neither_end_a_curve_nor_change_it() {
     let mut numbers = nbs_set(40_000).into_iter();

@@ -56,7 +56,7 @@ pub enum What {
     Filter,
     /// Samples that are whole multiples of a unit.
     Units,
-    /// The same samples as another record.
+    /// The record has the samples of another record.
     Same,
 }
 
@@ -152,7 +152,7 @@ impl<'a> Events<'a> {
         events
     }
 
-    /// The same list for a fit to the record as it is.
+    /// Keeps the list, and gives the record back as it is, for a fit that does not leave the events out.
     pub fn kept(self, angles: &'a Angles) -> Events<'a> {
         Events {
             list: self.list,

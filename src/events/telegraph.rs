@@ -123,7 +123,8 @@ fn gaussian(values: &[f64]) -> f64 {
     all.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The same for white noise of variance 1 and two Markov processes of these times and variances, with the scale of all profiled.
+/// Returns minus twice the logarithm of the likelihood for white noise of variance 1 and two Markov processes of these times and
+/// variances, with the scale of all profiled.
 fn filtered(values: &[f64], times: [f64; 2], variances: [f64; 2]) -> f64 {
     let decay = times.map(|time| libm::exp(-1.0 / time));
     let added = [0, 1].map(|s| variances[s] * (1.0 - decay[s] * decay[s]));

@@ -213,7 +213,7 @@ impl Treatment {
         }
     }
 
-    /// The same with the events that the samples hold besides noise.
+    /// Returns the angles and outliers as [`Treatment::angles`] does, with the events that the samples hold besides noise.
     fn recorded(&self, samples: &Samples) -> (Angles, Outliers) {
         let outliers = samples.outliers();
         let angles = match self.outliers_removed {
