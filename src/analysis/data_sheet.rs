@@ -11,7 +11,7 @@ use crate::fit::{
 };
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
-use crate::theory::allan::Term;
+use crate::theory::allan::{Part, Term};
 
 /// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
@@ -147,21 +147,23 @@ impl DataSheet {
             }
         }
         let explains = &events.explains;
-        let (mut correlated, mut is_markov) = (None, false);
-        if matches!(asked.terms, Terms::Auto(_)) && described.is_described {
-            match with_correlation(&described, asked) {
-                Ok(other) => {
-                    let part = other.fit.process.parts.iter().find(|part| part.term == Term::Markov);
-                    correlated = part.map(|part| Event {
-                        // The coefficient of Markov noise is that of the noise that drives it.
-                        size: Some(part.size * libm::sqrt(0.5 * part.shape)),
-                        time_s: Some(part.shape),
-                        ..Event::of(What::Correlated)
-                    });
-                    described = other;
-                }
-                Err(is_rival) => is_markov = is_rival,
+        let mut correlated = None;
+        let is_slow =
+            |part: &Part| !matches!(part.term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit);
+        let is_chosen = matches!(asked.terms, Terms::Auto(_)) && described.is_described;
+        if is_chosen && !explains.is_telegraph && described.fit.process.parts.iter().any(is_slow) {
+            let time_s = events.correlation_time_s(described.fit.tau_range[0]);
+            correlated = time_s.map(|time_s| Event { time_s: Some(time_s), ..Event::of(What::Correlated) });
+        }
+        if let Some(event) = &mut correlated
+            && let Some(other) = with_correlation(&described, asked)
+        {
+            if let Some(part) = other.fit.process.parts.iter().find(|part| part.term == Term::Markov) {
+                // The coefficient of Markov noise is that of the noise that drives it.
+                event.size = Some(part.size * libm::sqrt(0.5 * part.shape));
+                event.time_s = Some(part.shape);
             }
+            described = other;
         }
         let realised = match intervals.records {
             0 => Ok(described.fit.clone()),
@@ -180,8 +182,8 @@ impl DataSheet {
                 *found = found.without_value(Verdict::NotIdentifiable { below });
             }
         }
-        let mut more: Vec<Event> =
-            has_filter.then(|| Event::of(What::Filter)).into_iter().chain(correlated).collect();
+        let filter = has_filter.then(|| Event::of(What::Filter));
+        let mut more: Vec<Event> = filter.into_iter().chain(correlated.clone()).collect();
         let instead = |event: &Event, term| Event { instead_of: Some(term), ..event.clone() };
         for found in fit.coefficients.iter_mut().filter(|found| found.verdict == Verdict::Identified) {
             let other = match found.term {
@@ -190,7 +192,7 @@ impl DataSheet {
                 _ => None,
             };
             let is_explained = match found.term {
-                Term::BiasInstability => explains.is_telegraph || is_markov,
+                Term::BiasInstability => explains.is_telegraph || correlated.is_some(),
                 Term::RateRandomWalk => explains.is_telegraph || other.is_some(),
                 _ => other.is_some(),
             };
@@ -199,10 +201,6 @@ impl DataSheet {
                 let term = found.term;
                 *found = found.without_value(Verdict::NotIdentifiable { below });
                 more.extend(other.filter(|_| !explains.is_telegraph).map(|event| instead(event, term)));
-                more.extend(
-                    (is_markov && term == Term::BiasInstability)
-                        .then(|| instead(&Event::of(What::Correlated), term)),
-                );
             }
         }
         Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events: more })

@@ -7,6 +7,7 @@
 //!                                              └─ lines of the spectrum ─ subtracted ─▶ Events: a list, and the record without them
 //! ```
 
+mod gaussian;
 mod narrow;
 mod slow;
 mod telegraph;
@@ -152,6 +153,16 @@ impl<'a> Events<'a> {
         events
     }
 
+    /// The correlation time of noise that explains the record without its events better than flicker noise, s, if any does. Blocks of
+    /// the record are no shorter than `shortest_s`.
+    pub(crate) fn correlation_time_s(&self, shortest_s: f64) -> Option<f64> {
+        let angles: &Angles = &self.without;
+        let most = BLOCKS[BLOCKS.len() - 1];
+        let m = (angles.len() - 1).div_ceil(most).max((shortest_s / angles.step_s) as usize);
+        let (values, block_s) = means(angles, m);
+        telegraph::correlation(&values).map(|blocks| blocks * block_s)
+    }
+
     /// Keeps the list, and gives the record back as it is, for a fit that does not leave the events out.
     pub fn kept(self, angles: &'a Angles) -> Events<'a> {
         Events {
@@ -241,18 +252,21 @@ fn spikes(angles: &Angles, outliers: &Outliers) -> Event {
 fn telegraph_of(angles: &Angles) -> Option<Event> {
     let samples = angles.len() - 1;
     let at = |blocks: usize| {
-        let m = samples / blocks;
-        let mean = |i: usize| angles.mean_rate(i * m..(i + 1) * m).map_or(f64::NAN, |(mean, _)| mean);
-        let (gain, found) = telegraph::levels(&(0..blocks).map(mean).collect::<Vec<f64>>())?;
-        let time_s = found.blocks * m as f64 * angles.step_s;
+        let (values, block_s) = means(angles, samples / blocks);
+        let (gain, found) = telegraph::levels(&values)?;
+        let time_s = found.blocks * block_s;
         let count = (samples as f64 * angles.step_s / time_s) as usize;
-        Some((
-            gain,
-            Event { size: Some(found.size), time_s: Some(time_s), count, ..Event::of(What::Telegraph) },
-        ))
+        let (size, time_s) = (Some(found.size), Some(time_s));
+        Some((gain, Event { size, time_s, count, ..Event::of(What::Telegraph) }))
     };
     let found = BLOCKS.iter().filter(|blocks| **blocks <= samples).filter_map(|&blocks| at(blocks));
     found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, event)| event)
+}
+
+/// The mean rates of whole blocks of `m` samples, NaN where none is known, and the length of a block, s.
+fn means(angles: &Angles, m: usize) -> (Vec<f64>, f64) {
+    let mean = |i: usize| angles.mean_rate(i * m..(i + 1) * m).map_or(f64::NAN, |(mean, _)| mean);
+    ((0..(angles.len() - 1) / m).map(mean).collect(), m as f64 * angles.step_s)
 }
 
 fn telegraph(angles: &Angles, steps: &[&Found]) -> Option<Event> {

@@ -33,6 +33,8 @@ const LEAST_QUARTERS: usize = 2;
 const TIMES: usize = 12;
 /// Increase of minus twice the logarithm of the likelihood, with penalties, by an explanation that is nearly as good.
 const RIVAL: f64 = 2.0;
+/// Decrease of minus twice the logarithm of the likelihood by two events instead of a random walk from which on they are as good.
+const OF_TWO: f64 = 36.0;
 
 /// The course of an event over time, in samples from the start of the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,12 +156,20 @@ impl<'a> Slow<'a> {
     /// Events that enter one after the other beside others while the best noise needs them.
     fn search(&self, mut found: Vec<Candidate>, is_meant: impl Fn(Course) -> bool) -> Vec<Candidate> {
         let gain = |found: &[Candidate], one: &Candidate| self.gain(found, one) - one.course.penalty();
+        let next = |found: &[Candidate]| {
+            let candidates = self.candidates(found, |_| true).into_iter().filter(|one| is_meant(one.course));
+            let best = candidates.map(|one| (gain(found, &one), one)).max_by(|a, b| a.0.total_cmp(&b.0));
+            best.map(|(gain, one)| (gain, self.refined(found, one)))
+        };
         while found.len() < MOST {
-            let candidates = self.candidates(&found, |_| true).into_iter().filter(|one| is_meant(one.course));
-            let best = candidates.map(|one| (gain(&found, &one), one)).max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, candidate)) = best.filter(|(gain, _)| *gain > 0.0) else { break };
-            let refined = self.refined(&found, candidate);
-            found.push(refined);
+            let Some((gain, one)) = next(&found) else { break };
+            let mut with = [&found[..], &[one]].concat();
+            if gain <= 0.0 {
+                // Slow noise explains one of two steps, but not both.
+                let Some((_, other)) = next(&with).filter(|(more, _)| gain + more > 0.0) else { break };
+                with.push(other);
+            }
+            found = with;
         }
         let mut at = 0;
         while at < found.len() {
@@ -184,12 +194,20 @@ impl<'a> Slow<'a> {
         self.gain(&found, &self.candidate(Course::Line))
     }
 
-    /// One more event that explains the record nearly as well as a random walk, if any does.
+    /// One more event that explains the record, alone or with another one, nearly as well as a random walk, if any does.
     pub(crate) fn instead_of_walk(&self, events: &[Found]) -> Option<Found> {
-        let found: Vec<Candidate> = events.iter().map(|event| self.candidate(event.course)).collect();
+        let mut found: Vec<Candidate> = events.iter().map(|event| self.candidate(event.course)).collect();
         let with = self.least(&found, |node| node.has_walk);
         let (lack, one) = self.likeliest_more(&found, |node| !node.has_walk)?;
-        (lack < with + RIVAL).then(|| self.sized(&[&found[..], &[one]].concat()).pop()).flatten()
+        found.push(one);
+        let is_one = lack < with + RIVAL;
+        let of_both = || {
+            self.likeliest_more(&found, |node| !node.has_walk)
+                .map(|(lack, other)| lack - other.course.penalty())
+        };
+        (is_one || of_both().is_some_and(|lack| lack + OF_TWO < with))
+            .then(|| self.sized(&found).pop())
+            .flatten()
     }
 
     /// One more event that explains a record whose straight line adds nothing to it.

@@ -136,19 +136,6 @@ impl Choice {
     }
 }
 
-/// Increase of the least penalised χ² if one term is replaced by another.
-pub(crate) fn cost_of(system: &System, candidates: &[Term], term: Term, by: Term) -> f64 {
-    let scored = scored(system, candidates);
-    let least = |has: Term, lacks: Term| {
-        let are = scored.iter().filter(|(_, solution)| {
-            let used = used(solution);
-            used.contains(&has) && !used.contains(&lacks)
-        });
-        are.map(|(score, _)| *score).fold(f64::INFINITY, f64::min)
-    };
-    least(by, term) - least(term, by)
-}
-
 /// All subsets with their penalised χ².
 fn scored(system: &System, candidates: &[Term]) -> Vec<(f64, Solution)> {
     let (shaped, plain): (Vec<Term>, Vec<Term>) = candidates.iter().partition(|term| term.has_shape());

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::allan::chi_squared::normal_quantile;
 use crate::fit::assess::Judge;
-use crate::fit::choose::{Choice, cost_of};
+use crate::fit::choose::Choice;
 use crate::fit::covariance::Growth;
 use crate::fit::search::{Basis, Fitted, Solution, System};
 use crate::fit::{Covariance, Curve, Fit, FitError, Terms};
@@ -158,15 +158,6 @@ impl Fitter {
             (growth, covariance) = (Some(of_best), model);
         }
         self.fit_with(&curve, &covariance, Errors::OfModel, growth, &[])
-    }
-
-    /// Increase of the least penalised χ² of the curve if one term is replaced by another, with the covariance of a fit.
-    pub(crate) fn cost_of(&self, fit: &Fit, term: Term, by: Term) -> Result<f64, FitError> {
-        let found = fit.process.parts.iter();
-        let found = found.map(|part| Fitted { term: part.term, square: part.square(), shape: part.shape });
-        let (_, covariance) = self.model(&self.complete(&found.collect::<Vec<Fitted>>()), None)?;
-        let system = System::new(&self.geometry, &covariance, &self.basis);
-        Ok(cost_of(&system, &self.candidates, term, by))
     }
 
     fn fit_with(

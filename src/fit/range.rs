@@ -29,8 +29,6 @@ pub const LEAST_P: f64 = 1e-3;
 /// Probability of the residuals below which a fit of all octaves is not the result either. It applies where no fit of a part of
 /// them is likely, because a single estimate at long τ that is far off spoils every range.
 pub const IMPOSSIBLE_P: f64 = 1e-9;
-/// Probability of the residuals from which on white noise alone is enough.
-const GOOD_P: f64 = 0.2;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
 pub const FEWEST: usize = 5;
 
@@ -38,10 +36,6 @@ pub const FEWEST: usize = 5;
 const LOST: usize = 4;
 /// Variance at the shortest τ, over that of white noise behind a low-pass, from which on no filter explains it.
 const SURPLUS: f64 = 4.0;
-
-/// Increase of the penalised χ² with Markov noise instead of a bias instability below which it explains a curve as well. Of 100 records of an
-/// hour with N = 0.3 °/√h and B = 3 °/h, 5 are nearer than that, and most of telegraph noise are.
-const NEARLY: f64 = 1.0;
 
 /// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,24 +163,14 @@ pub(crate) fn describe_without_shortest(
     })
 }
 
-/// The fit of chosen terms and of Markov noise over the same range as another fit, if Markov noise explains the curve better; else
-/// whether it explains it as well as the bias instability.
-pub(crate) fn with_correlation(described: &Described, asked: &Fitting) -> Result<Described, bool> {
+/// The fit of chosen terms and of Markov noise over the same range as another fit, if both white and Markov noise are found.
+pub(crate) fn with_correlation(described: &Described, asked: &Fitting) -> Option<Described> {
     let curve = described.fitter.curve();
-    // What a filter leaves of white noise is Markov noise, and white noise that describes a curve well needs none.
-    let is_white = described.fit.process.parts.iter().all(|part| part.term == Term::AngleRandomWalk);
-    if is_limited(&described.fit) || is_white && described.fit.p_value().is_some_and(|p| p > GOOD_P) {
-        return Err(false);
-    }
-    let fitted = Fitter::new(curve, &asked.terms.with(Term::BandLimit).with(Term::Markov))
-        .and_then(|fitter| Ok((fitter.fit_record(curve.variances())?, fitter)));
-    let Ok((fit, fitter)) = fitted else { return Err(false) };
-    let white = fit.coefficient(Term::AngleRandomWalk).map(|found| found.verdict);
-    if white == Some(Verdict::Identified) && fit.process.parts.iter().any(|part| part.term == Term::Markov) {
-        return Ok(Described { fitter, fit, is_described: true, is_filter: false });
-    }
-    let cost = fitter.cost_of(&described.fit, Term::BiasInstability, Term::Markov).unwrap_or(f64::INFINITY);
-    Err(cost < NEARLY)
+    let fitter = Fitter::new(curve, &asked.terms.with(Term::BandLimit).with(Term::Markov)).ok()?;
+    let fit = fitter.fit_record(curve.variances()).ok()?;
+    let is_white = fit.coefficient(Term::AngleRandomWalk)?.verdict == Verdict::Identified;
+    let is_markov = fit.process.parts.iter().any(|part| part.term == Term::Markov);
+    (is_white && is_markov).then_some(Described { fitter, fit, is_described: true, is_filter: false })
 }
 
 /// The likeliest fit of chosen terms with a sine or Markov noise to the whole curve, if any describes it.

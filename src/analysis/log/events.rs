@@ -39,14 +39,14 @@ impl Row<'_> {
             Some(_) if self.analysis.is_fit_given && !treatment.events_removed => "kept",
             Some(event) if event.instead_of.is_some() => match event.instead_of {
                 Some(Term::RateRamp) => "possible; R not identified",
-                Some(Term::RateRandomWalk) => "possible; K not identified",
-                _ => "possible; B not identified",
+                _ => "possible; K not identified",
             },
             Some(Event { what: What::Units | What::Same, .. }) => "noted",
             Some(_) if treatment.events_removed => "removed",
             Some(event) => match event.what {
                 What::Filter => "fit from longer τ; Q not identified",
-                What::Correlated => "part of the fit",
+                What::Correlated if event.size.is_some() => "part of the fit",
+                What::Correlated => "B not identified",
                 What::Telegraph => "B and K not identified",
                 What::Spikes => "left out of the fit",
                 _ => "subtracted for the fit",
