@@ -153,8 +153,7 @@ impl Options {
         }
         let treatment = self.reading.treatment();
         if request.data == Data::Angle && (treatment.outliers_removed || treatment.events_removed) {
-            let message = "--record cannot write angles that are not known relative to each other\nleave out --remove-outliers and \
-                           --remove-events, or record increments";
+            let message = "--record cannot write angles of which increments are missing\nleave out --remove-outliers and --remove-events";
             return Err(Failure::Usage(message.to_owned()));
         }
         Ok(())
