@@ -5,12 +5,15 @@ use crate::logs::{desk_with, noise};
 
 /// 4000 samples at 100 Hz in two columns, with gaps, outliers, a step, and a temperature on which the first column depends.
 fn desk() -> Desk {
+    // Nearly Gaussian: bounded noise is taken for telegraph noise.
+    let others: Vec<f64> = noise(20_000).skip(4000).collect();
+    let second: Vec<f64> = others.chunks(4).map(|four| four.iter().sum()).collect();
     let row = |(i, y): (usize, f64)| {
         let celsius = 20.0 + 5.0 * (i as f64 / 400.0).sin();
         let spike = if i % 1000 == 500 { 40.0 } else { 0.0 };
         let step = if i > 2500 { 1.5 } else { 0.0 };
         let first = if i % 700 == 3 { String::new() } else { (y + 0.5 * celsius + spike).to_string() };
-        format!("{},{first},{},{celsius}\n", i as f64 * 0.01, 3.0 * y * y + step)
+        format!("{},{first},{},{celsius}\n", i as f64 * 0.01, second[i] + step)
     };
     let rows: String = noise(4000).enumerate().map(row).collect();
     desk_with("log.csv", format!("time_s,a,b,temp [degC]\n{rows}"))

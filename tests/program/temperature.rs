@@ -173,8 +173,8 @@ fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence
         assert_eq!(share, 1.0, "{command}: share of 95 % intervals of the clean record around its values");
     }
     // The spectrum of the record as it is is another one at the lowest frequency.
-    desk.done(&format!("psd log.csv {READ} --out raw --segment \"2000 s\""));
-    desk.done(&format!("psd clean.csv {READ} --out clean --segment \"2000 s\""));
+    desk.done(&format!("psd log.csv {READ} --out raw --segment 2000s"));
+    desk.done(&format!("psd clean.csv {READ} --out clean --segment 2000s"));
     let [raw, clean] = ["raw/psd.csv", "clean/psd.csv"].map(|name| number(&desk.table(name)[0], "density"));
     assert!(raw > 100.0 * clean, "{raw} beside {clean}");
 }
