@@ -115,7 +115,7 @@ impl Options {
     /// Checks that the options agree with each other.
     ///
     /// # Errors
-    /// The results do not fit into one file for Kalibr, or a limit does not fit the fit.
+    /// Results of several logs do not fit into one file, the record cannot be written, or a limit does not fit the fit.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         limits::agree(&self.limit, &self.reading)?;
         if self.navigate.is_some() && self.reading.fitting().is_none() {
