@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::quantity::visible::{visible, visible_json};
-use sagnac::store::whole::{write_whole, write_whole_by};
+use sagnac::store::whole::write_whole_by;
 use sagnac::table::Table;
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
@@ -101,7 +101,15 @@ fn failure(error: io::Error) -> Failure {
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    write_whole(path, contents).map_err(unwritten(path))
+    write_by(path, |file| file.write_all(contents))
+}
+
+/// Writes a file as [`write`] does, with contents that need not be in memory together.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_by(path: &Path, contents: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
+    write_whole_by(path, contents).map_err(unwritten(path))
 }
 
 /// Makes a folder, and those that contain it.
@@ -136,7 +144,7 @@ pub fn write_table(path: &Path, table: &Table) -> Result<String, Failure> {
     make_folder(path.parent().unwrap_or(path))?;
     let mut digest = String::new();
     let write = |file: &mut File| table.write_csv(file).map(|written| digest = written);
-    write_whole_by(path, write).map_err(unwritten(path))?;
+    write_by(path, write)?;
     Ok(digest)
 }
 

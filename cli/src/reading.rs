@@ -1,17 +1,25 @@
 //! Options for reading recorded logs, common to all commands on logs.
 
+use std::path::Path;
+
 use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
+use sagnac::analysis::temperature::Temperature;
+use sagnac::analysis::temperature::effect::Effect;
+use sagnac::analysis::temperature::model::Effects;
+use sagnac::analysis::temperature::notes::notes;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::range::Fitting;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
+use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
+use sagnac::record::log::temperature::Thermometer;
 use sagnac::theory::allan::terms::Term;
 
 use crate::failure::{Failure, in_options};
@@ -89,6 +97,19 @@ pub struct Reading {
     /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *not described*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
+    /// Column of a temperature, by name or number, on which the rate depends: `sagnac allan` reports the dependence, other commands
+    /// need --compensate with it
+    #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
+    temperature: Option<String>,
+    /// Unit of the temperature: °C (degC, C), K, °F (degF, F) [default: that of the header, or °C]
+    #[arg(help_heading = "Temperature", long, value_name = "UNIT", requires = "temperature")]
+    temperature_unit: Option<String>,
+    /// Terms of the dependence: auto (T, and those of the others that the record needs), or a list of T, T2, dT, warm-up, aging
+    #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = effects)]
+    temperature_terms: Effects,
+    /// Compute all results from the record without the fitted dependence; a column without one stays as it is, and a note says why
+    #[arg(help_heading = "Temperature", long, requires = "temperature")]
+    pub compensate: bool,
 }
 
 /// Value of `--fit`.
@@ -125,6 +146,19 @@ fn fit_terms(text: &str) -> Result<Fitted, String> {
         "auto" => Ok(Fitted::Auto),
         list => list_of(list, &Term::ALL, Term::symbol, "auto, none").map(Fitted::Given),
     }
+}
+
+fn effects(text: &str) -> Result<Effects, String> {
+    if text == "auto" {
+        return Ok(Effects::Auto);
+    }
+    let named = list_of(text, &Effect::ALL, Effect::name, "auto")?;
+    // In the order of all of them, and each once.
+    let effects: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| named.contains(effect)).collect();
+    if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {
+        return Err("T2 needs T beside it, because its zero is arbitrary; write as in T,T2".to_owned());
+    }
+    Ok(Effects::Given(effects))
 }
 
 impl Reading {
@@ -167,7 +201,9 @@ impl Reading {
         };
         let (decimal, duplicates, binary) = (self.decimal, self.duplicates, self.binary.clone());
         let hints = Hints { decimal, duplicates, binary };
-        Ok(Request { columns: self.column.clone(), timing, data, units, temperature: None, hints })
+        let unit = self.temperature_unit.clone();
+        let temperature = self.temperature.clone().map(|column| Thermometer { column, unit });
+        Ok(Request { columns: self.column.clone(), timing, data, units, temperature, hints })
     }
 
     /// The treatment of each log before its analysis.
@@ -181,6 +217,39 @@ impl Reading {
             unit_check: self.unit_check,
             is_compensated: false,
         }
+    }
+
+    /// Reads a log for its analysis, without its dependence on the temperature if that is to be compensated.
+    ///
+    /// # Errors
+    /// The log is refused, or a temperature is given that is not to be compensated.
+    pub fn read(&self, path: &Path, request: &Request) -> Result<Log, Failure> {
+        if self.temperature.is_some() && !self.compensate {
+            let message = "--temperature without --compensate changes no result of this command\ngive --compensate too, or see \
+                           the dependence with sagnac allan";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        let (log, temperature) = self.read_as_recorded(path, request)?;
+        Ok(match temperature {
+            Some(temperature) => temperature.compensated(&log),
+            None => log,
+        })
+    }
+
+    /// Reads a log as it was recorded, with its dependence on the temperature if one is given.
+    ///
+    /// # Errors
+    /// The log is refused.
+    pub fn read_as_recorded(
+        &self,
+        path: &Path,
+        request: &Request,
+    ) -> Result<(Log, Option<Temperature>), Failure> {
+        let treatment = self.treatment();
+        let mut log = treatment.read(path, request)?;
+        let temperature = Temperature::of(&log, &treatment, &self.temperature_terms);
+        log.notes.extend(temperature.iter().flat_map(notes));
+        Ok((log, temperature))
     }
 }
 

@@ -53,7 +53,7 @@ impl<W: io::Write> io::Write for Hashed<W> {
 }
 
 /// The error of the file behind one of the CSV writer, which names a full disk.
-fn of_file(error: csv::Error) -> io::Error {
+pub(crate) fn of_file(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
         other => io::Error::other(format!("{other:?}")),

@@ -26,6 +26,7 @@ mod allan_bootstrap;
 mod allan_dynamic;
 mod allan_files;
 mod allan_navigators;
+mod allan_record;
 mod answers;
 mod bad_logs;
 mod bad_motions;

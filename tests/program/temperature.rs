@@ -1,8 +1,8 @@
-//! `sagnac allan --temperature`: files, report, JSON, and what is refused.
+//! `--temperature` and `--compensate`: files, report, JSON, all commands on logs, and what is refused.
 
 use serde_json::Value;
 
-use crate::desk::{Desk, number, row, table};
+use crate::desk::{Desk, Row, number, row, table};
 use crate::logs::{desk_with, noise};
 
 /// 4000 samples of 1 s in °/h with 0.5 °/h/K, `temp` of a unit, and a second column without dependence.
@@ -119,5 +119,105 @@ fn a_wrong_temperature_is_refused_with_what_is_accepted() {
         ("--compensate", 2, ["--temperature", "required"]),
     ] {
         desk.fails(&format!("{WORDS} --column gx {words}"), code, &pieces);
+    }
+    for command in ["psd log.csv", "compare log.csv log.csv", "lot log.csv", "model log.csv"] {
+        let words = format!("{command} --data rate --unit deg/h --column gx,gy --temperature temp");
+        desk.fails(&words, 2, &["--temperature without --compensate", "give --compensate too"]);
+    }
+}
+
+/// The log with a second file, `clean.csv`, of the same record without its dependence.
+fn log_and_clean() -> Desk {
+    let desk = log("time_s,gx,gy,temp [degC]", |celsius| celsius);
+    let clean = |row: Row| {
+        let of = |name: &str| number(&row, name);
+        let gx = of("gx") - 0.5 * of("temp [degC]");
+        format!("{},{gx},{},{}\n", of("time_s"), of("gy"), of("temp [degC]"))
+    };
+    let rows: String = desk.table("log.csv").into_iter().map(clean).collect();
+    desk.write("clean.csv", &format!("time_s,gx,gy,temp [degC]\n{rows}"));
+    desk
+}
+
+const READ: &str = "--data rate --unit deg/h --column gx";
+const COMPENSATE: &str = "--temperature temp --compensate";
+
+/// The share of rows whose value lies within the interval that another table has at the same place.
+fn share_within(values: &[Row], value: &str, intervals: &[Row]) -> f64 {
+    assert_eq!(values.len(), intervals.len());
+    let pairs = values.iter().zip(intervals).filter(|(_, interval)| !interval["lower"].is_empty());
+    let is_within = |(row, interval): (&Row, &Row)| {
+        (number(interval, "lower")..=number(interval, "upper")).contains(&number(row, value))
+    };
+    let within: Vec<bool> = pairs.map(is_within).collect();
+    assert!(within.len() > 10, "{} rows have an interval", within.len());
+    within.iter().filter(|is| **is).count() as f64 / within.len() as f64
+}
+
+#[test]
+fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence() {
+    let desk = log_and_clean();
+    for (command, table, value) in [
+        ("psd", "psd.csv", "density"),
+        // Of models the record, from which events are removed.
+        ("model", "model.csv", "record"),
+    ] {
+        let of = |words: &str| {
+            let bound = if command == "model" { " --bound" } else { "" };
+            let ended = desk.done(&format!("{command} {words} {READ}{bound} --out out"));
+            (ended.stdout, desk.table(&format!("out/{table}")))
+        };
+        let (clean, (said, rows)) = (of("clean.csv").1, of(&format!("log.csv {COMPENSATE}")));
+        assert!(said.contains("temperature compensated"), "{command}:\n{said}");
+        let share = share_within(&rows, value, &clean);
+        assert_eq!(share, 1.0, "{command}: share of 95 % intervals of the clean record around its values");
+    }
+    // The spectrum of the record as it is is another one at the lowest frequency.
+    desk.done(&format!("psd log.csv {READ} --out raw --segment 2000s"));
+    desk.done(&format!("psd clean.csv {READ} --out clean --segment 2000s"));
+    let [raw, clean] = ["raw/psd.csv", "clean/psd.csv"].map(|name| number(&desk.table(name)[0], "density"));
+    assert!(raw > 100.0 * clean, "{raw} beside {clean}");
+}
+
+#[test]
+fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() {
+    let desk = log_and_clean();
+    let words = format!("log.csv clean.csv {READ} {COMPENSATE} --json --out out");
+    let document = |command: &str| -> Value {
+        serde_json::from_str(&desk.done(&format!("{command} {words}")).stdout).unwrap()
+    };
+    let compared = document("compare");
+    assert_eq!(compared["treatment"], "temperature compensated; no trend removed");
+    assert!(compared["same_noise"]["p"].as_f64().unwrap() > 0.5, "{}", compared["same_noise"]);
+    for row in desk.table("out/compare.csv") {
+        assert!(number(&row, "lower") < 1.0 && 1.0 < number(&row, "upper"), "{row:?}");
+    }
+    // Both have the in-run stability of the lot, or neither shows one.
+    let words = format!("log.csv clean.csv {READ} {COMPENSATE} --out out");
+    assert!(desk.done(&format!("lot {words}")).stdout.contains("temperature compensated"));
+    let units = desk.table("out/units.csv");
+    for name in ["N", "in_run_stability"] {
+        let of = |label: &str| row(&units, &[("label", label), ("coefficient", name)]);
+        let [log, clean] = ["log", "clean"].map(of);
+        let ratio = number(log, "upper") / number(clean, "upper");
+        assert!((ratio - 1.0).abs() < 0.1, "{name}: {log:?} beside {clean:?}");
+    }
+}
+
+#[test]
+fn a_record_without_a_dependence_stays_as_it_is_and_every_command_says_so() {
+    let desk = log("time_s,gx,gy,temp [degC]", |_| 20.0);
+    for (command, of_column) in [
+        ("psd log.csv", ""),
+        ("compare log.csv log.csv", "log"),
+        ("model log.csv --bound", ""),
+        ("allan log.csv", ""),
+    ] {
+        let column = if of_column.is_empty() { "gx" } else { "gx,gy" };
+        let read = READ.replace("gx", column);
+        let ended = desk.done(&format!("{command} {read} {COMPENSATE} --out out"));
+        let note = "gx: no temperature coefficients, and no compensation: not identifiable";
+        assert!(ended.stderr.contains(note), "{command}:\n{}", ended.stderr);
+        assert!(!ended.stdout.contains("temperature compensated"), "{command}:\n{}", ended.stdout);
     }
 }

@@ -10,7 +10,7 @@ mod temperature;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::Dynamic;
-use sagnac::analysis::log::{Analysis, Treatment, events, figures, kalibr, noise_file, notes, tables};
+use sagnac::analysis::log::{Analysis, events, figures, kalibr, noise_file, notes, tables};
 use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::record::log::channel::Log;
@@ -27,13 +27,14 @@ use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
 use crate::limits;
 use crate::output::{
-    print, print_documents, print_drawn, remove, unwritten, whereabouts, write, write_page, write_table,
+    print, print_documents, print_drawn, remove, unwritten, whereabouts, write, write_by, write_page,
+    write_table,
 };
 use crate::results::sheet_text;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
-    let request = options.request()?;
+    let request = options.reading.request()?;
     options.check(&request)?;
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
@@ -51,12 +52,14 @@ fn of_log(
     folder: &Path,
 ) -> Result<Option<Value>, Failure> {
     let treatment = options.reading.treatment();
-    let mut log = treatment.read(path, request)?;
+    let (mut log, temperature) = options.reading.read_as_recorded(path, request)?;
     limits::apply(&options.limit, &log)?;
     let (asked, progress) = (options.asked(), options.output.progress());
-    let of = |log: &Log, treatment: &Treatment| Analysis::of(log, path, treatment, &asked, &progress);
-    let mut analysis = of(&log, &treatment)?;
-    let thermal = Thermal::of(options, &mut log, &mut analysis, &treatment, of)?;
+    let of = |log: &Log| Analysis::of(log, path, &treatment, &asked, &progress);
+    let mut analysis = of(&log)?;
+    let to_compensate = options.reading.compensate;
+    let thermal = temperature.map(|found| Thermal::of(found, to_compensate, &mut log, &mut analysis, of));
+    let thermal = thermal.transpose()?;
     let dynamic = options.dynamic.map(|window_s| Dynamic::of(&log, &treatment, window_s)).transpose()?;
     let welch = Welch { confidence: options.confidence, ..Welch::default() };
     let (densities, without) = match densities(&log, &treatment, &welch) {
@@ -86,10 +89,13 @@ fn of_log(
     }
     write_page(folder, &page)?;
     let mut notes = notes::notes(analysis);
-    notes.extend(thermal.iter().flat_map(Thermal::notes).chain(noise_file::notes(analysis)));
+    notes.extend(noise_file::notes(analysis));
     if let Some(path) = &options.kalibr {
         write(path, kalibr::text(analysis)?.as_bytes())?;
         notes.extend(kalibr::notes(analysis)?);
+    }
+    if let Some(path) = &options.record {
+        write_by(path, |file| treatment.applied(log).write_csv(file))?;
     }
     if options.output.json {
         let mut document = tables::document(analysis, &decision);
@@ -113,6 +119,9 @@ fn of_log(
         say!("{}", whereabouts(folder));
         if let Some(path) = &options.kalibr {
             say!("the Kalibr file is {}", path.display());
+        }
+        if let Some(path) = &options.record {
+            say!("the record as it is analysed is {}", path.display());
         }
     }
     Ok(None)

@@ -1,6 +1,6 @@
 //! Options of `sagnac allan`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::TypedValueParser;
@@ -9,18 +9,16 @@ use sagnac::allan::tau::Taus;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
 use sagnac::analysis::requirement::Limit;
-use sagnac::analysis::temperature::effect::Effect;
-use sagnac::analysis::temperature::model::Effects;
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
+use sagnac::record::log::measure::Data;
 use sagnac::record::log::read::Request;
-use sagnac::record::log::temperature::Thermometer;
 
 use crate::failure::Failure;
 use crate::limits;
 use crate::output::Output;
 use crate::reading::{Reading, seconds};
-use crate::words::{list_of, one_of};
+use crate::words::one_of;
 
 /// Examples, shown after the options.
 pub const EXAMPLES: &str = "\
@@ -32,6 +30,8 @@ Examples:
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
     --navigate \"1 h\" --position-limit \"0.5 nmi\"
   sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp
+  sagnac allan log.csv --data rate --unit rad/s --time-unit ns --column gz --temperature temp \\
+    --compensate --remove-outliers --record compensated.csv
   sagnac allan imu.mcap --data rate
   sagnac allan imu.csv --data rate --time time --column gx,gy,gz,ax,ay,az \\
     --unit deg/s,deg/s,deg/s,g,g,g
@@ -81,18 +81,6 @@ pub struct Options {
     /// Largest accepted position error of these navigators, which the decision is held against, as in "0.5 nmi"
     #[arg(long, value_name = "DISTANCE", requires = "navigate", value_parser = distance)]
     pub position_limit: Option<Quantity>,
-    /// Column of a temperature, by name or number: also fits the dependence of the rate on it
-    #[arg(help_heading = "Temperature", long, value_name = "COLUMN")]
-    temperature: Option<String>,
-    /// Unit of the temperature: °C (degC, C), K, °F (degF, F) [default: that of the header, or °C]
-    #[arg(help_heading = "Temperature", long, value_name = "UNIT", requires = "temperature")]
-    temperature_unit: Option<String>,
-    /// Terms of the dependence: auto (T, and those of the others that the record needs), or a list of T, T2, dT, warm-up, aging
-    #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = effects)]
-    pub temperature_terms: Effects,
-    /// Compute all results from the record without the fitted dependence
-    #[arg(help_heading = "Temperature", long, requires = "temperature")]
-    pub compensate: bool,
     /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
     /// in_run_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
@@ -102,6 +90,10 @@ pub struct Options {
     /// Also write an imu.yaml for Kalibr: noise density N and random walk K of gyros and accelerometers
     #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
     pub kalibr: Option<PathBuf>,
+    /// Also write the record as it is analysed, with outliers and events removed and the temperature compensated where that is asked
+    /// for, as CSV that is read again with --data alone
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub record: Option<PathBuf>,
     /// Also draw the chart as text
     #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
     pub plot: bool,
@@ -120,37 +112,51 @@ impl Options {
         }
     }
 
-    /// The request for each file.
-    ///
-    /// # Errors
-    /// It fails where [`Reading::request`] does.
-    pub fn request(&self) -> Result<Request, Failure> {
-        let unit = self.temperature_unit.clone();
-        let temperature = self.temperature.clone().map(|column| Thermometer { column, unit });
-        Ok(Request { temperature, ..self.reading.request()? })
-    }
-
     /// Checks that the options agree with each other.
     ///
     /// # Errors
-    /// The results do not fit into one file for Kalibr, or a limit does not fit the fit.
+    /// Results of several logs do not fit into one file, the record cannot be written, or a limit does not fit the fit.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         limits::agree(&self.limit, &self.reading)?;
         if self.navigate.is_some() && self.reading.fitting().is_none() {
             return Err(Failure::Usage("--navigate needs coefficients\nleave out --fit none".to_owned()));
         }
+        for (name, path) in [("--kalibr", &self.kalibr), ("--record", &self.record)] {
+            if path.is_some() && self.files.len() > 1 {
+                let message = format!(
+                    "{name} names one file, but there are several logs\ngive them one by one, each with its {name} FILE"
+                );
+                return Err(Failure::Usage(message));
+            }
+        }
+        self.check_record(request)?;
         let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
         match &self.kalibr {
             None => Ok(()),
-            Some(_) if self.files.len() > 1 => wrong(
-                "names one file, but there are several logs\ngive them one by one, each with its --kalibr FILE",
-            ),
             Some(_) if self.reading.fitting().is_none() => wrong("needs coefficients\nleave out --fit none"),
             Some(_) if request.units.iter().any(|unit| unit.curves == Unit::Plain) => wrong(
                 "needs rates, angles or accelerations, not plain numbers\ngive their --unit, as in deg/s",
             ),
             Some(_) => Ok(()),
         }
+    }
+
+    /// Checks that the record can be written.
+    fn check_record(&self, request: &Request) -> Result<(), Failure> {
+        let Some(record) = &self.record else { return Ok(()) };
+        let place = |path: &Path| path.canonicalize().ok();
+        if place(record)
+            .is_some_and(|record| self.files.iter().any(|file| place(file) == Some(record.clone())))
+        {
+            let message = format!("--record {} would replace the log\ngive another FILE", record.display());
+            return Err(Failure::Usage(message));
+        }
+        let treatment = self.reading.treatment();
+        if request.data == Data::Angle && (treatment.outliers_removed || treatment.events_removed) {
+            let message = "--record cannot write angles of which increments are missing\nleave out --remove-outliers and --remove-events";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        Ok(())
     }
 }
 
@@ -174,19 +180,6 @@ fn distance(text: &str) -> Result<Quantity, String> {
     let found = parse(text, &[Dimension::Distance])
         .map_err(|error| format!("{error}; write a distance, as in \"0.5 nmi\""))?;
     if found.value > 0.0 { Ok(found) } else { Err("the distance is not positive".to_owned()) }
-}
-
-fn effects(text: &str) -> Result<Effects, String> {
-    if text == "auto" {
-        return Ok(Effects::Auto);
-    }
-    let named = list_of(text, &Effect::ALL, Effect::name, "auto")?;
-    // In the order of all of them, and each once.
-    let effects: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| named.contains(effect)).collect();
-    if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {
-        return Err("T2 needs T beside it, because its zero is arbitrary; write as in T,T2".to_owned());
-    }
-    Ok(Effects::Given(effects))
 }
 
 fn taus(text: &str) -> Result<Taus, String> {

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use sagnac::allan::TauError;
 use sagnac::analysis::data_sheet;
-use sagnac::analysis::log::{self, Analysis, Treatment};
+use sagnac::analysis::log::{self, Analysis};
 use sagnac::analysis::page::of_temperature;
-use sagnac::analysis::temperature::notes::notes;
 use sagnac::analysis::temperature::tables::{self, Row, rows};
 use sagnac::analysis::temperature::{Column, Temperature, figures};
 use sagnac::quantity::number::significant;
@@ -14,7 +13,6 @@ use sagnac::record::log::channel::Log;
 use sagnac::view::report::sections::Section;
 use serde_json::Value;
 
-use crate::allan::Options;
 use crate::charts::write_figures;
 use crate::failure::Failure;
 use crate::output::write_or_remove;
@@ -24,51 +22,41 @@ use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
 pub struct Thermal {
     temperature: Temperature,
     other: Analysis,
-    is_compensated: bool,
 }
 
 impl Thermal {
-    /// The dependence that `options` ask for. To compensate, log and analysis are exchanged for those without it.
+    /// The dependence with both analyses. If it is `to_compensate`, log and analysis are exchanged for those without it.
     pub fn of(
-        options: &Options,
+        temperature: Temperature,
+        to_compensate: bool,
         log: &mut Log,
         analysis: &mut Analysis,
-        treatment: &Treatment,
-        of: impl Fn(&Log, &Treatment) -> Result<Analysis, TauError>,
-    ) -> Result<Option<Thermal>, TauError> {
-        let Some(temperature) = Temperature::of(log, treatment, &options.temperature_terms) else {
-            return Ok(None);
-        };
+        of: impl Fn(&Log) -> Result<Analysis, TauError>,
+    ) -> Result<Thermal, TauError> {
         let mut compensated = temperature.compensated(log);
-        let is_compensated = temperature.has_model();
-        let mut other = of(&compensated, &Treatment { is_compensated, ..*treatment })?;
-        if options.compensate {
+        let mut other = of(&compensated)?;
+        if to_compensate {
             std::mem::swap(log, &mut compensated);
             std::mem::swap(analysis, &mut other);
         }
-        Ok(Some(Thermal { temperature, other, is_compensated: options.compensate && is_compensated }))
+        Ok(Thermal { temperature, other })
     }
 
     /// The analyses before and after compensation.
     fn sides<'a>(&'a self, analysis: &'a Analysis) -> [&'a Analysis; 2] {
-        if self.is_compensated { [&self.other, analysis] } else { [analysis, &self.other] }
+        if analysis.treatment.is_compensated { [&self.other, analysis] } else { [analysis, &self.other] }
     }
 
     /// The dependence as JSON.
     pub fn document(&self, analysis: &Analysis) -> Value {
         let [_, after] = self.sides(analysis);
-        tables::document(&self.temperature, after, self.is_compensated)
+        tables::document(&self.temperature, after, analysis.treatment.is_compensated)
     }
 
     /// The section of the page.
     pub fn section(&self, analysis: &Analysis) -> Section {
         let [before, after] = self.sides(analysis);
         of_temperature(&self.temperature, before, after)
-    }
-
-    /// Notes on the dependence.
-    pub fn notes(&self) -> Vec<String> {
-        notes(&self.temperature)
     }
 
     /// The coefficients of all columns, and those of their noise before and after.

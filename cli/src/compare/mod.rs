@@ -83,7 +83,7 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
 /// Reads the logs.
 fn logs(options: &Options) -> Result<[Log; 2], Failure> {
     let reading = &options.reading;
-    let (request, treatment) = (reading.request()?, reading.treatment());
+    let request = reading.request()?;
     if request.columns.len() > 2 || request.units.len() > 2 {
         let list = if request.columns.len() > 2 {
             "--column names more than two columns"
@@ -95,7 +95,7 @@ fn logs(options: &Options) -> Result<[Log; 2], Failure> {
     let log = |path: &Path, [column, unit]: [usize; 2]| -> Result<Log, Failure> {
         let columns = request.columns.get(column).cloned().into_iter().collect();
         let units = request.units.get(unit).cloned().into_iter().collect();
-        Ok(treatment.read(path, &Request { columns, units, ..request.clone() })?)
+        reading.read(path, &Request { columns, units, ..request.clone() })
     };
     let last = [request.columns.len(), request.units.len()].map(|count| count.saturating_sub(1));
     Ok([log(&options.a, [0; 2])?, log(&options.b, last)?])

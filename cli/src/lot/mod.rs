@@ -72,7 +72,7 @@ fn analysis(options: &Options) -> Result<Lot, Failure> {
     let (request, treatment) = (reading.request()?, reading.treatment());
     let asked = Asked { fitting: reading.fitting(), simulated: Some(0), ..Asked::default() };
     let of = |path: &PathBuf| -> Result<log::Analysis, Failure> {
-        let log = treatment.read(path, &request)?;
+        let log = reading.read(path, &request)?;
         limits::apply(&options.limit, &log)?;
         Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)
     };

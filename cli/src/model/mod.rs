@@ -161,7 +161,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
 fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
     // Events are no noise that a filter could have a state for.
     let treatment = Treatment { events_removed: true, ..options.reading.treatment() };
-    let log = treatment.read(&options.file, &options.reading.request()?)?;
+    let log = options.reading.read(&options.file, &options.reading.request()?)?;
     let asked = OfLog {
         taus: Taus::Decade(PER_DECADE),
         confidence: options.confidence,

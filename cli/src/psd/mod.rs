@@ -75,9 +75,8 @@ fn trend() -> impl TypedValueParser<Value = Trend> {
 
 /// Computes the spectra of a log.
 pub fn psd(options: &Options) -> Result<(), Failure> {
-    let treatment = options.reading.treatment();
     limits::agree(&options.limit, &options.reading)?;
-    let log = treatment.read(&options.file, &options.reading.request()?)?;
+    let log = options.reading.read(&options.file, &options.reading.request()?)?;
     limits::apply(&options.limit, &log)?;
     let analysis = analysis(options, &log)?;
     let decision = analysis.decision(&options.limit);

@@ -117,7 +117,7 @@ impl Side {
             events: list,
             overruled: channel.overruled(),
             unit: channel.unit.curves,
-            treatment: Treatment { skip_s: log.start_s, ..*treatment },
+            treatment: treatment.of(log),
             angles,
         })
     }
@@ -145,8 +145,9 @@ impl Analysis {
     }
 
     /// The treatment of both records.
-    pub fn treatment(&self) -> &Treatment {
-        &self.sides[0].treatment
+    pub fn treatment(&self) -> Treatment {
+        let [a, b] = &self.sides;
+        a.treatment.common(b.treatment)
     }
 
     /// Length of the shorter record, s.

@@ -185,7 +185,7 @@ pub struct Treatment {
     pub events_removed: bool,
     /// Whether rates and accelerations that appear to be in a wrong unit are noted.
     pub unit_check: UnitCheck,
-    /// Whether the dependence on temperature was subtracted; see [`temperature`](crate::analysis::temperature).
+    /// Whether the dependence on temperature was subtracted, as the log says that is analysed.
     pub is_compensated: bool,
 }
 
@@ -201,6 +201,33 @@ impl Treatment {
         }
         log.check(self.unit_check)?;
         Ok(log)
+    }
+
+    /// The treatment of a log, with what was done to it already.
+    pub(crate) fn of(&self, log: &Log) -> Treatment {
+        Treatment { skip_s: log.start_s, is_compensated: log.is_compensated, ..*self }
+    }
+
+    /// The treatment that two logs have in common; one may lack a dependence on temperature, which its notes say.
+    pub(crate) fn common(self, other: Treatment) -> Treatment {
+        Treatment { is_compensated: self.is_compensated || other.is_compensated, ..self }
+    }
+
+    /// The log as it is analysed: where they are to be removed, outliers are missing, and rates or increments are without events.
+    /// Without outliers or events angles are not known relative to each other, so only logs of rates and increments can lack them.
+    pub fn applied(&self, mut log: Log) -> Log {
+        let (_, temperatures) = temperatures(&log);
+        for channel in &mut log.channels {
+            let samples = channel.view(log.data, log.step_s);
+            let (recorded, outliers) = self.recorded(&samples);
+            if self.events_removed {
+                let events = self.events(&recorded, &outliers, &temperatures);
+                channel.samples = samples.of_angles(&events.without);
+            } else if self.outliers_removed {
+                outliers.samples.iter().for_each(|&sample| channel.samples[sample] = f64::NAN);
+            }
+        }
+        log
     }
 
     /// The angles of some samples, without outliers where they are to be removed, and the outliers among the rates or
@@ -288,8 +315,7 @@ impl Analysis {
         asked: &Asked,
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
-        let courses = if !treatment.is_compensated { courses(log) } else { vec![] };
-        let (thermometers, temperatures): (Vec<String>, Vec<Vec<f64>>) = courses.into_iter().unzip();
+        let (thermometers, temperatures) = temperatures(log);
         let column = |channel: &Channel| column(log, channel, &temperatures, treatment, asked, progress);
         let mut columns: Vec<Column> = log.channels.iter().map(column).collect::<Result<_, _>>()?;
         note_equal(log, &mut columns);
@@ -299,7 +325,7 @@ impl Analysis {
             samples: log.samples(),
             step_s: log.step_s,
             confidence: asked.confidence,
-            treatment: Treatment { skip_s: log.start_s, ..*treatment },
+            treatment: treatment.of(log),
             reading: log.notes.clone(),
             is_fit_given: asked.is_fit_given(),
             thermometers,
@@ -338,8 +364,12 @@ impl Analysis {
     }
 }
 
-/// The temperatures at each increment of a log that change by more than the errors of their sensors, with their names.
-fn courses(log: &Log) -> Vec<(String, Vec<f64>)> {
+/// The names of the temperatures of a log that change by more than the errors of their sensors, and each at every increment; none
+/// for a log without its dependence on them.
+fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
+    if log.is_compensated {
+        return (vec![], vec![]);
+    }
     let block = log.samples().div_ceil(averages::MOST_BLOCKS);
     let asked = log.temperature.iter().map(|values| ("temperature".to_owned(), values));
     let all = asked.chain(log.thermometers.iter().map(|(name, values)| (name.clone(), values)));
@@ -353,7 +383,7 @@ fn courses(log: &Log) -> Vec<(String, Vec<f64>)> {
         let least = (LEAST_CHANGE * course.error_of_mean(block)).max(1e-9);
         (libm::sqrt(square) > least).then_some((name, course.values))
     };
-    all.filter_map(course).collect()
+    all.filter_map(course).unzip()
 }
 
 /// Notes columns whose samples are those of an earlier one.

@@ -214,6 +214,7 @@ pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
             "detrend": match treatment.trend { Trend::None => "none", Trend::Linear => "linear" },
             "effect": treatment.effect(analysis.length_s()),
             "outliers_removed": treatment.outliers_removed,
+            "temperature_compensated": treatment.is_compensated,
         },
         "reading": analysis.reading,
         "decision": decision.json(),

@@ -97,7 +97,7 @@ pub(crate) fn subtitle(lot: &Lot) -> String {
     let (shortest, longest) =
         lengths.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
     let of = if longest > 1.01 * shortest { format!(" to {}", duration(longest)) } else { String::new() };
-    let treatment = lot.logs.first().map_or_else(String::new, |log| log.treatment.summary());
+    let treatment = lot.treatment();
     format!("records of {}{of}; {treatment}", duration(shortest))
 }
 

@@ -25,7 +25,7 @@ pub mod words;
 use crate::allan::Unit as Curves;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::tables::least_or_bound;
-use crate::analysis::log::{self, Column, Curve};
+use crate::analysis::log::{self, Column, Curve, Treatment};
 
 use crate::analysis::lot::members::{Member, labels, twice, units, whole};
 use crate::analysis::lot::pool::{Estimate, Pooled};
@@ -245,6 +245,12 @@ impl Lot {
             one.judge(places, tests);
         }
         Ok(Lot { labels, coefficients, tests, logs })
+    }
+
+    /// The treatment of the logs.
+    pub(crate) fn treatment(&self) -> String {
+        let all = self.logs.iter().map(|log| log.treatment);
+        all.reduce(Treatment::common).map_or_else(String::new, |common| common.summary())
     }
 
     /// The units: each column of each log.

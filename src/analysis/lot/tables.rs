@@ -163,7 +163,7 @@ pub fn document(lot: &Lot, decision: &Decision) -> Value {
         .collect();
     json!({
         "units": units,
-        "treatment": lot.logs.first().map(|log| log.treatment.summary()),
+        "treatment": lot.treatment(),
         "tests": lot.tests,
         "coefficients": lot.coefficients.iter().map(of_coefficient).collect::<Vec<_>>(),
         "decision": decision.json(),

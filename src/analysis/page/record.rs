@@ -273,6 +273,7 @@ mod tests {
                 step_s: 1.0,
                 data,
                 start_s: 0.0,
+                is_compensated: false,
                 channels,
                 temperature: None,
                 thermometers: vec![],

@@ -81,16 +81,12 @@ impl Temperature {
         Some(Temperature { step_s: log.step_s, missing, columns, course })
     }
 
-    /// Whether the dependence of any column was found.
-    pub fn has_model(&self) -> bool {
-        self.columns.iter().any(|column| column.found.is_ok())
-    }
-
     /// The log without the effects that were found; samples without temperature are missing. Columns without a model stay
     /// as they are.
     pub fn compensated(&self, log: &Log) -> Log {
         let course = course_of(log.data, &self.course);
         let mut log = log.clone();
+        log.is_compensated = self.columns.iter().any(|column| column.found.is_ok());
         for (channel, column) in log.channels.iter_mut().zip(&self.columns) {
             let Ok(found) = &column.found else { continue };
             let rate = |i: usize| found.rate(&course, i) / channel.unit.factor;

@@ -27,7 +27,7 @@ pub fn notes(temperature: &Temperature) -> Vec<String> {
 fn of_column(column: &Column) -> Vec<String> {
     let said = |note: String| format!("{}: {note}", column.name);
     match &column.found {
-        Err(why) => vec![said(format!("no temperature coefficients: {why}"))],
+        Err(why) => vec![said(format!("no temperature coefficients, and no compensation: {why}"))],
         Ok(found) if found.model.is_robust => vec![said(format!(
             "white noise, flicker and random walk do not describe the residual of the temperature model (p = {}): the intervals of \
              its coefficients are robust ones, from the correlation of the residual",

@@ -17,6 +17,8 @@ pub struct Log {
     pub data: Data,
     /// Time of the first sample from the start of the file, s.
     pub start_s: f64,
+    /// Whether the dependence on temperature was subtracted; see [`temperature`](crate::analysis::temperature).
+    pub is_compensated: bool,
     /// Channels, one for each requested column.
     pub channels: Vec<Channel>,
     /// The temperature at each sample, °C, NaN where it is missing; absent if it was not requested.
@@ -58,6 +60,7 @@ impl Log {
             step_s,
             data,
             start_s: 0.0,
+            is_compensated: false,
             channels,
             temperature: None,
             thermometers: vec![],

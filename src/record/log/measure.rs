@@ -71,6 +71,14 @@ impl Unit {
         )
     }
 
+    /// Reads the unit in a header, which may be the size of a pulse, as in `gz [0.5 arcsec/pulse]`.
+    ///
+    /// # Errors
+    /// It is no unit or size of a pulse that measures this `data`.
+    pub fn of_header(text: &str, data: Data) -> Result<Unit, UnitMismatch> {
+        Unit::parse(text, data).or_else(|mismatch| Unit::parse_scale(text, data).map_err(|_| mismatch))
+    }
+
     /// The unit for its size in the base unit of `dimension`.
     fn sized(text: &str, size: f64, dimension: Dimension) -> Unit {
         let (factor, curves) = match dimension {

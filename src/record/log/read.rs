@@ -189,6 +189,7 @@ impl Log {
             step_s,
             data: request.data,
             start_s: 0.0,
+            is_compensated: false,
             channels,
             temperature,
             thermometers,
@@ -246,7 +247,7 @@ fn wanted(
 
 /// The columns whose units are those of such data.
 fn measuring(file: &Recording, data: Data) -> Vec<usize> {
-    let unit = |name: &Name| name.unit.as_ref().is_some_and(|unit| Unit::parse(unit, data).is_ok());
+    let unit = |name: &Name| name.unit.as_ref().is_some_and(|unit| Unit::of_header(unit, data).is_ok());
     (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
 }
 
@@ -295,7 +296,7 @@ fn channel(
     let unit_in_header = name.and_then(|name| name.unit.clone());
     let unit = match (given, &unit_in_header) {
         (Some(unit), _) => unit.clone(),
-        (None, Some(text)) => Unit::parse(text, data)
+        (None, Some(text)) => Unit::of_header(text, data)
             .map_err(|wrong| file.refuse(Some(column), &wrong.message, "no such unit", &wrong.help))?,
         (None, None) => {
             let message = format!("the unit of {} is missing", file.title(column));

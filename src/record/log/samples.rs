@@ -94,6 +94,14 @@ impl<'a> Samples<'a> {
         Angles::from_increments(&increments, self.scale(), self.step_s, trend)
     }
 
+    /// The rates or increments of angles as [`Samples::angles`] has them, with the line that was removed, in the unit of the samples;
+    /// NaN where one is missing.
+    pub(crate) fn of_angles(&self, angles: &Angles) -> Vec<f64> {
+        let (line, factor) = (angles.removed(), self.step_s / self.scale());
+        let rates = angles.rates(0..angles.len() - 1).into_iter();
+        rates.enumerate().map(|(i, rate)| rate * factor + line.at(i)).collect()
+    }
+
     /// Factor from a sample, or from the difference of two angles, to ″ or µg·s.
     fn scale(&self) -> f64 {
         if self.data == Data::Rate { self.unit.factor * self.step_s } else { self.unit.factor }
