@@ -56,8 +56,6 @@ pub enum What {
     Filter,
     /// Samples that are whole multiples of a unit.
     Units,
-    /// The record has the samples of another record.
-    Same,
 }
 
 impl What {
@@ -75,7 +73,6 @@ impl What {
             What::Line => "line",
             What::Filter => "filter or hump",
             What::Units => "whole units",
-            What::Same => "same record",
         }
     }
 }
@@ -96,7 +93,7 @@ pub struct Event {
     pub time_s: Option<f64>,
     /// Number of spikes or steps.
     pub count: usize,
-    /// The temperature or the record that it refers to, by number.
+    /// The temperature that it refers to, by number.
     pub other: Option<usize>,
     /// The coefficient that it explains as well, if that is all that it does: it is not certain, and stays in the record.
     pub instead_of: Option<Term>,
