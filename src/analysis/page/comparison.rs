@@ -44,7 +44,16 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
     let sides = || analysis.sides.iter();
     let recorded = sides().zip(logs).zip(&missing);
     let recorded: Vec<Recorded> = recorded
-        .map(|((side, log), gaps)| Recorded::of(&side.label, log, &log.channels[0], &side.outliers, gaps))
+        .map(|((side, log), gaps)| {
+            Recorded::of(
+                &side.label,
+                log,
+                &log.channels[0],
+                &side.outliers,
+                gaps,
+                analysis.treatment().outliers_removed,
+            )
+        })
         .collect();
     let mut blocks = charts(&recorded, "records");
     let of = |said: &dyn Fn(&Side, &Recorded) -> String| {
