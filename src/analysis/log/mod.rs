@@ -380,7 +380,7 @@ fn note_equal(columns: &mut [Column], earlier: &mut Vec<(u64, String)>, name: im
     }
 }
 
-/// The hash of some samples; that of missing ones does not differ from itself.
+/// The hash of some samples.
 fn digest(samples: &[f64]) -> u64 {
     let mut hasher = DefaultHasher::new();
     samples.iter().for_each(|sample| hasher.write_u64(sample.to_bits()));

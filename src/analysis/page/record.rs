@@ -192,12 +192,11 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
     let ys =
         || series.iter().flat_map(|series| &series.points).map(|point| point.y).filter(|y| y.is_finite());
     let (Some(low), Some(high)) = (ys().reduce(f64::min), ys().reduce(f64::max)) else { return vec![] };
-    let missing = |record: &Recorded| record.gaps.to_vec();
-    let removed = |record: &Recorded| record.removed.iter().map(|&sample| sample..sample + 1).collect();
-    let law = |label: &str, ranges: &dyn Fn(&Recorded) -> Vec<Range<usize>>, [foot, top]: [f64; 2]| {
-        let lines = records.iter().flat_map(|(_, record)| {
+    let all = || records.iter().map(|(_, record)| record);
+    let law = |count: usize, label: &str, is_lost: fn(&Recorded, usize) -> bool, [foot, top]: [f64; 2]| {
+        let lines = all().flat_map(|record| {
             let time = |sample: usize| record.time(sample as f64) / size;
-            let shares = shares(record.values.len(), parts, ranges(record).into_iter());
+            let shares = shares(record.values.len(), parts, |sample| is_lost(record, sample));
             let runs = shares.chunk_by(|a, b| (a.1 > 0.0) == (b.1 > 0.0)).filter(|run| run[0].1 > 0.0);
             let bars = runs.map(|run| {
                 let ends = [run[0].0.start, run[run.len() - 1].0.end].map(|end| (time(end), foot));
@@ -209,14 +208,16 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
             });
             bars.collect::<Vec<_>>()
         });
-        let lines: Vec<LawLine> = lines.collect();
-        let count: usize =
-            records.iter().flat_map(|(_, record)| ranges(record)).map(|range| range.len()).sum();
-        (count > 0).then(|| Law { label: format!("{label}: {count}"), lines, is_area: true })
+        let lines = lines.collect();
+        (count > 0).then(|| Law { label: format!("{count} {label}"), lines, is_area: true })
     };
+    let missing = all().flat_map(|record| record.gaps).map(Range::len).sum();
+    let removed = all().map(|record| record.removed.len()).sum();
+    let is_missing = |record: &Recorded, sample: usize| record.values[sample].is_nan();
+    let is_removed = |record: &Recorded, sample| record.removed.binary_search(&sample).is_ok();
     [
-        law("share of samples missing, from below", &missing, [low, high]),
-        law("share of outliers removed, from above", &removed, [high, low]),
+        law(missing, "samples missing, share from below", is_missing, [low, high]),
+        law(removed, "outliers removed, share from above", is_removed, [high, low]),
     ]
     .into_iter()
     .flatten()
@@ -278,18 +279,20 @@ mod tests {
     #[test]
     fn bars_are_as_high_as_the_share_that_is_missing_or_removed() {
         let unit = Unit::parse("deg/s", Data::Rate).unwrap();
-        let log = Log::of_column("gz", Data::Rate, unit, 0.5, vec![0.0; 40]);
-        let outliers = Outliers { samples: vec![31], ..Outliers::default() };
         let gaps = [1..2, 4..9];
+        let mut values = vec![0.0; 40];
+        gaps.iter().for_each(|gap| values[gap.clone()].fill(f64::NAN));
+        let log = Log::of_column("gz", Data::Rate, unit, 0.5, values);
+        let outliers = Outliers { samples: vec![31], ..Outliers::default() };
         let one = Recorded::of("gz", &log, &log.channels[0], &outliers, &gaps, true);
         let points = [0.0, 8.0].map(|y| SeriesPoint { x: 0.0, y, band: None, key: None }).into();
         let series = [Series { colour: 0, dash: 0, points, law: vec![] }];
         let [missing, removed] = &marks(&[(0, &one)], &series, 1.0, 10)[..] else { panic!() };
-        assert_eq!(missing.label, "share of samples missing, from below: 6");
+        assert_eq!(missing.label, "6 samples missing, share from below");
         let steps = [(0.0, 2.0), (2.0, 2.0), (2.0, 8.0), (4.0, 8.0), (4.0, 2.0), (6.0, 2.0)];
         let [bar] = &missing.lines[..] else { panic!("{missing:?}") };
         assert_eq!(bar.points, [&[(0.0, 0.0)], &steps[..], &[(6.0, 0.0)]].concat());
-        assert_eq!(removed.label, "share of outliers removed, from above: 1");
+        assert_eq!(removed.label, "1 outliers removed, share from above");
         assert_eq!(removed.lines[0].points, [(14.0, 8.0), (14.0, 6.0), (16.0, 6.0), (16.0, 8.0)]);
     }
 
