@@ -81,7 +81,8 @@ class Curves {
     const { figure } = this;
     for (const { line, at } of this.laws()) {
       const colour = line.colour === null ? "grey" : `c${line.colour % 8}`;
-      this.line(plot, under, line.points, { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) });
+      const look = figure.laws[at].is_area ? { class: `band ${colour}` } : { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) };
+      this.line(plot, under, line.points, look);
     }
     const series = this.series();
     if (this.on("bands")) series.forEach((each) => this.bands(plot, under, each));
@@ -291,7 +292,8 @@ class Curves {
       const [first, ...others] = law.lines.map((line) => line.colour);
       const one = first !== null && others.every((other) => other === first);
       const colour = one ? `c${first % 8}` : "grey";
-      return entry(`law ${at}`, [sampleLine({ class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) })], law.label);
+      const sample = law.is_area ? sampleBand(colour) : sampleLine({ class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) });
+      return entry(`law ${at}`, [sample], law.label);
     });
     const parts = figure.parts.lines.map((part, at) => entry(`part ${at}`,
       [sampleLine({ class: `part c${part.colour % 8}`, "stroke-dasharray": styled(looks.thin_dashes, at) })], part.label));
@@ -299,7 +301,7 @@ class Curves {
     if (figure.points) reading.push(entry("points", [sampleMarker("curve grey", 0)], figure.points));
     if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: "curve grey" })], figure.lines));
     if (figure.series.some((series) => series.points.some((point) => point.band))) {
-      reading.push(entry("bands", [shape("rect", { class: "band grey", x: 0, y: 4, width: 36, height: 10 })], figure.bands || "interval"));
+      reading.push(entry("bands", [sampleBand("grey")], figure.bands || "interval"));
     }
     if (figure.limit) reading.push(entry("limit", [sampleLine({ class: "limit" })], figure.limit.label));
     const chosen = figure.chosen.map((text) => element("p", {}, text));
@@ -341,6 +343,10 @@ class Curves {
 
 function sampleLine(look) {
   return shape("path", { fill: "none", d: "M0,9H36", ...look });
+}
+
+function sampleBand(colour) {
+  return shape("rect", { class: `band ${colour}`, x: 0, y: 4, width: 36, height: 10 });
 }
 
 function sampleMarker(look, style) {

@@ -48,6 +48,7 @@ mod schemas;
 mod sensitivity;
 mod shaders;
 mod shells;
+mod shown;
 mod terminal;
 mod verify;
 mod whole;

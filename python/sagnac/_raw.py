@@ -71,6 +71,7 @@ class RawRecord(TypedDict):
     outliers: Counts
     outlier_threshold: float
     unit: str
+    events: str
 
 
 class RawCurves(RawRecord):

@@ -84,6 +84,9 @@ class Allan(Mapping[str, Curve]):
     """Indices of the samples, or for angles of the increments, that are outliers; the curves include them unless
     ``remove_outliers`` is given."""
     outlier_threshold: float
+    events: list[dict[str, Any]]
+    """What the record shows besides noise, as ``sagnac allan --json`` lists it: ``event``, ``size`` in ``unit``, ``time_s``, ``f_hz`` and
+    others, and in ``done`` what was done with it."""
 
     @property
     def answer(self) -> str:
@@ -179,6 +182,8 @@ class Fit(Mapping[str, Coefficient]):
     removed_slope_per_s: float
     outliers: Counts
     """The same as in :class:`Allan`."""
+    events: list[dict[str, Any]]
+    """The same as in :class:`Allan`, with what the fit shows besides."""
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draws the curve and the fit with matplotlib, which has to be installed; returns the axes."""

@@ -124,6 +124,7 @@ def allan(
         removed_slope_per_s=found["removed_slope_per_s"],
         outliers=found["outliers"],
         outlier_threshold=found["outlier_threshold"],
+        events=json.loads(found["events"]),
     )
 
 
@@ -224,4 +225,5 @@ def fit(
         mean_rate=found["mean_rate"],
         removed_slope_per_s=found["removed_slope_per_s"],
         outliers=found["outliers"],
+        events=json.loads(found["events"]),
     )

@@ -13,10 +13,10 @@ use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::tables::least_or_bound;
-use sagnac::analysis::log::{Treatment, model, slope};
+use sagnac::analysis::log::{Treatment, events, model, slope};
 use sagnac::analysis::page::of_noise;
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
-use sagnac::events::Events;
+use sagnac::events::{Event, Events};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::range::Fitting;
@@ -32,6 +32,7 @@ use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::samples::{Fault, Samples};
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
+use serde_json::Value;
 
 use super::compute::{compute_on, read_on};
 use super::failure::{Failure, in_python};
@@ -255,6 +256,13 @@ fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict
     Ok(document)
 }
 
+/// The events of a record as JSON.
+fn shown(record: &Record, reading: &Reading, events: &[Event], is_fit_given: bool) -> String {
+    let (unit, step_s, treatment) = (record.unit, reading.step_s, &reading.treatment());
+    let of = events::Record { name: "", unit, treatment, step_s, is_fit_given, thermometers: &[] };
+    Value::from(events::document(&of.rows(events))).to_string()
+}
+
 /// Deviations of an array, each as a tuple of its name, its unit, its columns and its minimum.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
@@ -279,9 +287,11 @@ pub fn curves<'py>(
     };
     let record = read_on(py, reading.threads, || reading.record(values))?;
     let limits = limits_of(&limits, &[Limited::Stability], None, record.unit)?;
-    let (record, curves) = compute_on(py, reading.threads, || {
+    let (record, curves, events) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
-        let model = is_of_record.then(|| model(&record.events().without, reading.trend()));
+        let events = record.events();
+        let model = is_of_record.then(|| model(&events.without, reading.trend()));
+        let events = shown(&record, &reading, &events.list, false);
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
             let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
@@ -292,9 +302,10 @@ pub fn curves<'py>(
             Ok((deviation, points))
         };
         let curves = deviations.iter().map(of).collect::<Result<Vec<_>, Failure>>()?;
-        Ok((record, curves))
+        Ok((record, curves, events))
     })?;
     let document = document(py, &record)?;
+    document.set_item("events", events)?;
     let stability = curves.iter().find(|(deviation, _)| !deviation.is_of_angle());
     let samples = record.angles.len().saturating_sub(1);
     let stability =
@@ -356,7 +367,7 @@ pub fn fit<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = side_by_side(&data)?;
     let record = read_on(py, reading.threads, || reading.record(values))?;
-    let (record, sheet, fitted, decision) = compute_on(py, reading.threads, || {
+    let (record, sheet, fitted, decision, events) = compute_on(py, reading.threads, || {
         let terms = terms_of(terms.as_deref(), reading.trend())?;
         let known = Term::ALL.map(Limited::Coefficient);
         let limits = limits_of(&limits, &known, Some(terms.all()), record.unit)?;
@@ -364,10 +375,8 @@ pub fn fit<'py>(
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
         let events = record.events();
         // Terms that are asked for are fitted to the record as it is.
-        let events = match fitting.terms {
-            Terms::Given(_) => events.kept(&record.angles),
-            Terms::Auto(_) => events,
-        };
+        let is_fit_given = matches!(fitting.terms, Terms::Given(_));
+        let events = if is_fit_given { events.kept(&record.angles) } else { events };
         let sheet = DataSheet::of(&events, &fitting, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&events.without)
@@ -385,9 +394,12 @@ pub fn fit<'py>(
             .collect();
         let subject = Subject { noise: Ok(Some(&sheet)), ..record.subject(reading.step_s) };
         let decision = decide(&[subject], &limits, "record");
-        Ok((record, sheet, fitted, decision))
+        let all = [&events.list[..], &sheet.events].concat();
+        let events = shown(&record, &reading, &all, is_fit_given);
+        Ok((record, sheet, fitted, decision, events))
     })?;
     let document = document(py, &record)?;
+    document.set_item("events", events)?;
     let rows = sheet.rows.iter().map(|row| {
         let [lower, upper] = row.interval.map_or([None; 2], |ends| ends.map(Some));
         (row.name, row.unit, row.value, lower, upper, row.verdict)

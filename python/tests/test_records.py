@@ -104,6 +104,16 @@ def test_trends_outliers_pulses_and_times_are_those_of_the_program(program: Prog
         check_curves(sagnac.allan(counts, 100.0, unit="none", taus=taus), expected)
 
 
+def test_the_list_of_events_is_that_of_the_program(program: Program, tmp_path: Path) -> None:
+    data = record() + 0.3 * np.sin(2 * np.pi * 20.0 * np.arange(20_000) / 100.0)
+    expected = analysed(program, tmp_path, data, "--data", "rate", "--unit", "deg/h", "--bootstrap", 0)["events"]
+    events = sagnac.allan(data, 100.0, unit="deg/h").events
+    assert [event["event"] for event in events] == ["spikes", "line"]
+    assert events == expected[: len(events)]
+    assert sagnac.fit(data, 100.0, unit="deg/h", bootstrap=0).events == expected
+    assert sagnac.compare(data, data, 100.0, unit="deg/h").data["b"]["events"][0]["event"] == "same record"
+
+
 def check_fit(found: sagnac.Fit, column: Any) -> None:
     assert list(found) == [row["coefficient"] for row in column["coefficients"]]
     for expected in column["coefficients"]:
@@ -111,6 +121,7 @@ def check_fit(found: sagnac.Fit, column: Any) -> None:
         assert (row.value, row.lower, row.upper) == (expected["value"], expected["lower"], expected["upper"])
         assert (row.unit, row.verdict) == (expected["unit"], expected["verdict"])
     assert found.intervals == column["coefficient_intervals"]["from"]
+    assert found.events == column["events"]
     of_fit = column["fit"]
     assert (found.described, found.fit_from, found.fit_to) == (of_fit["described"], of_fit["from_s"], of_fit["to_s"])
 

@@ -57,8 +57,6 @@ pub enum What {
     Filter,
     /// Samples that are whole multiples of a unit.
     Units,
-    /// The record has the samples of another record.
-    Same,
 }
 
 impl What {
@@ -76,7 +74,6 @@ impl What {
             What::Line => "line",
             What::Filter => "filter or hump",
             What::Units => "whole units",
-            What::Same => "same record",
         }
     }
 }
@@ -97,7 +94,7 @@ pub struct Event {
     pub time_s: Option<f64>,
     /// Number of spikes or steps.
     pub count: usize,
-    /// The temperature or the record that it refers to, by number.
+    /// The temperature that it refers to, by number.
     pub other: Option<usize>,
     /// The coefficient that it explains as well, if that is all that it does: it is not certain, and stays in the record.
     pub instead_of: Option<Term>,
@@ -184,17 +181,14 @@ impl<'a> Events<'a> {
         let ramp = if has_line { None } else { slow.instead_of_line(&found) };
         let ramp = ramp.and_then(|found| event(&record, &found));
         self.explains = Explains { is_telegraph, walk, ramp };
-        self.list.extend(levels);
-        let is_line = |found: &Found| found.course == Course::Line;
-        if found.iter().all(is_line) {
-            return;
-        }
-        self.without = Cow::Owned(record.without(Some(&slow.rates(&found)), &[]));
         let is_step = |found: &&Found| is_telegraph && matches!(found.course, Course::Step { .. });
         let steps: Vec<&Found> = found.iter().filter(is_step).collect();
-        self.list.extend(telegraph(&record, &steps));
+        self.list.extend(levels.or_else(|| telegraph(&record, &steps)));
         let others = found.iter().filter(|found| !is_step(found));
         self.list.extend(others.filter_map(|found| event(&record, found)));
+        if found.iter().any(|found| found.course != Course::Line) {
+            self.without = Cow::Owned(record.without(Some(&slow.rates(&found)), &[]));
+        }
     }
 
     fn lines(&mut self) {

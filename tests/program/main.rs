@@ -43,6 +43,7 @@ mod design_choices;
 mod documents;
 #[cfg(unix)]
 mod escapes;
+mod events;
 mod exact_studies;
 mod filler;
 mod folders;

@@ -38,18 +38,20 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     options.check(&request)?;
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
+    let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
-        documents.extend(of_log(options, &request, path, folder)?);
+        documents.extend(of_log(options, &request, path, folder, &mut earlier)?);
     }
     print_documents(&documents, options.files.len())
 }
 
-/// Analyses a log and writes its results; prints them, or returns them as JSON.
+/// Analyses a log and writes its results; prints them, or returns them as JSON. Notes columns that are those of an `earlier` log.
 fn of_log(
     options: &Options,
     request: &Request,
     path: &Path,
     folder: &Path,
+    earlier: &mut Vec<(u64, String)>,
 ) -> Result<Option<Value>, Failure> {
     let treatment = options.reading.treatment();
     let (mut log, temperature) = options.reading.read_as_recorded(path, request)?;
@@ -60,6 +62,7 @@ fn of_log(
     let to_compensate = options.reading.compensate;
     let thermal = temperature.map(|found| Thermal::of(found, to_compensate, &mut log, &mut analysis, of));
     let thermal = thermal.transpose()?;
+    analysis.note_equal(earlier);
     let dynamic = options.dynamic.map(|window_s| Dynamic::of(&log, &treatment, window_s)).transpose()?;
     let welch = Welch { confidence: options.confidence, ..Welch::default() };
     let (densities, without) = match densities(&log, &treatment, &welch) {

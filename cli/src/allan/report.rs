@@ -12,6 +12,7 @@ use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
 use crate::allan::axes;
+use crate::shown::{THIS, shown};
 use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
 
 /// Most lines of a curve; of longer curves every second, third, … point is shown.
@@ -21,7 +22,7 @@ pub(super) const MOST_LINES: usize = 48;
 pub fn report(analysis: &Analysis) -> String {
     let mut text = format!("{}{}\n", heading(analysis), analysis.treatment.left_out());
     text += &format!("{}\n", analysis.treatment.effect(analysis.length_s()));
-    text += &events(analysis);
+    text += &shown(THIS, &events::rows(analysis));
     let [column] = &analysis.columns[..] else {
         return text + &analysis.units().map(|unit| axes::report(analysis, unit)).collect::<String>();
     };
@@ -29,17 +30,6 @@ pub fn report(analysis: &Analysis) -> String {
         text += &format!("\n{}\n", of_curve(analysis, column, curve));
     }
     text + &coefficients(column)
-}
-
-/// What the record shows besides noise.
-pub fn events(analysis: &Analysis) -> String {
-    let lines = events::list(analysis);
-    let heading = events::HEADING;
-    if lines.is_empty() {
-        String::new()
-    } else {
-        format!("\nwhat this record shows\n{}", headed(heading, lines.into_iter()))
-    }
 }
 
 fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {

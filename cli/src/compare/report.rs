@@ -8,6 +8,7 @@ use sagnac::analysis::compare::words::{duration, length, probability, sentences,
 use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
+use crate::shown::{THESE, shown};
 use crate::terminal::{headed, number};
 
 /// Both records, the ratios, the coefficients and their statement.
@@ -15,7 +16,9 @@ pub fn report(analysis: &Analysis) -> String {
     let [a, b] = &analysis.sides;
     let treatment = analysis.treatment();
     let mut text = format!("A  {}\nB  {}{}\n", heading(a), heading(b), treatment.left_out());
-    text += &format!("{}\n\n{}", treatment.effect(analysis.shorter_s()), ratios(analysis));
+    text += &format!("{}\n", treatment.effect(analysis.shorter_s()));
+    text += &shown(THESE, &analysis.events().concat());
+    text += &format!("\n{}", ratios(analysis));
     text += &coefficients(analysis);
     text + "\n" + &sentences(analysis).join("\n")
 }

@@ -7,6 +7,7 @@ use sagnac::analysis::model::{Aim, Analysis, Column, tables};
 use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
+use crate::shown::{THIS, shown};
 use crate::terminal::headed;
 
 /// Most lines of a curve; of longer curves every second, third, … point is shown, and the last.
@@ -15,7 +16,8 @@ const MOST_LINES: usize = 24;
 /// The coefficients of each column, and its curve beside the model.
 pub fn report(analysis: &Analysis) -> String {
     let columns = analysis.columns.iter().map(|column| coefficients(column) + &curve(analysis, column));
-    format!("{}\n{}", analysis.source.heading, columns.collect::<String>())
+    let shown = shown(THIS, &analysis.events());
+    format!("{}\n{shown}{}", analysis.source.heading, columns.collect::<String>())
 }
 
 fn coefficients(column: &Column) -> String {

@@ -2,8 +2,8 @@
 
 use sagnac::allan::deviation::Deviation;
 use sagnac::analysis::data_sheet::Row;
-use sagnac::analysis::log::Column;
 use sagnac::analysis::log::notes::heading;
+use sagnac::analysis::log::{Column, events};
 use sagnac::analysis::spectrum::notes::{method, symbol};
 use sagnac::analysis::spectrum::{Analysis, Spectrum, White};
 use sagnac::quantity::number::significant;
@@ -11,6 +11,7 @@ use sagnac::spectrum::lines::{FALSE_ALARM, Line};
 use sagnac::table::titled;
 
 use crate::psd::axes;
+use crate::shown::{THIS, shown};
 use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
 
 /// Lines of a density per octave.
@@ -20,6 +21,7 @@ const PER_OCTAVE: f64 = 2.0;
 pub fn report(analysis: &Analysis) -> String {
     let noise = &analysis.noise;
     let mut text = format!("{}{}\n", heading(noise), noise.treatment.left_out());
+    text += &shown(THIS, &events::rows(noise));
     if let [_, _, ..] = analysis.spectra[..] {
         return text + &noise.units().map(|unit| axes::report(analysis, unit)).collect::<String>();
     }

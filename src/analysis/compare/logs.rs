@@ -12,6 +12,7 @@ use crate::record::log::outliers::Outliers;
 
 use crate::analysis::compare::rows::{Row, rows};
 use crate::analysis::log::Treatment;
+use crate::analysis::log::events::{Record, Row as Shown};
 
 /// Why two logs cannot be compared.
 #[derive(Debug, thiserror::Error)]
@@ -101,7 +102,7 @@ impl Side {
             return Err(CompareError::Columns { path: path.to_owned(), columns: names.join(", "), first });
         };
         let samples = channel.view(log.data, log.step_s);
-        let (angles, outliers) = treatment.angles(&samples);
+        let (angles, outliers) = treatment.recorded(&samples);
         let events = treatment.events(&angles, &outliers, &[]);
         let (list, angles) = (events.list, events.without.into_owned());
         Ok(Side {
@@ -142,6 +143,25 @@ impl Analysis {
         let comparison = compare(&a.angles, &b.angles, fitting)?;
         let rows = rows(&comparison, a.unit);
         Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
+    }
+
+    /// What each record shows besides noise, under its label.
+    pub fn events(&self) -> [Vec<Shown>; 2] {
+        [0, 1].map(|i| {
+            let Side { label: name, unit, treatment, step_s, events, .. } = &self.sides[i];
+            // Events are not compared.
+            let treatment = &Treatment { events_removed: true, ..*treatment };
+            let record = Record {
+                name,
+                unit: *unit,
+                treatment,
+                step_s: *step_s,
+                is_fit_given: false,
+                thermometers: &[],
+            };
+            let same = (i == 1 && self.is_one_record).then(|| record.same(&self.sides[0].label));
+            same.into_iter().chain(record.rows(events)).collect()
+        })
     }
 
     /// The treatment of both records.

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::sentences;
+use crate::analysis::log::events;
 use crate::analysis::log::tables::text;
 use crate::analysis::requirement::Decision;
 
@@ -135,13 +136,14 @@ fn beyond(length: Length) -> Option<f64> {
 pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
     let comparison = &analysis.comparison;
     let [a, b] = &analysis.sides;
+    let [of_a, of_b] = analysis.events();
     let same = comparison.same.map(|same| {
         let by = if same.chi_squared.is_some() { "chi_squared" } else { "least_p" };
         json!({ "p": same.p, "times": same.times, "shortest_s": same.shortest_s, "longest_s": same.longest_s, "by": by, "chi_squared": same.chi_squared })
     });
     json!({
-        "a": of_side(a, &comparison.curves[0]),
-        "b": of_side(b, &comparison.curves[1]),
+        "a": of_side(a, &of_a, &comparison.curves[0]),
+        "b": of_side(b, &of_b, &comparison.curves[1]),
         "one_record": analysis.is_one_record,
         "treatment": analysis.treatment().summary(),
         "unit": analysis.unit.in_files(Deviation::Oadev),
@@ -157,7 +159,7 @@ pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
     })
 }
 
-fn of_side(side: &Side, curve: &[Point]) -> Value {
+fn of_side(side: &Side, events: &[events::Row], curve: &[Point]) -> Value {
     let points: Vec<Value> = curve.iter().map(of_point).collect();
     json!({
         "file": side.path.display().to_string(),
@@ -170,6 +172,7 @@ fn of_side(side: &Side, curve: &[Point]) -> Value {
         "missing": side.missing,
         "reading": side.reading,
         "outliers": side.outliers.samples.len(),
+        "events": events::document(events),
         "points": points,
     })
 }

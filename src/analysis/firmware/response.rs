@@ -56,7 +56,8 @@ impl Firmware {
                 });
             }
         }
-        let law = |label, points| Law { label, lines: vec![LawLine { colours: vec![], points }] };
+        let law =
+            |label, points| Law { label, lines: vec![LawLine { colours: vec![], points }], is_area: false };
         let nothing = Weights { ticks: vec![], numerators: vec![], denominator: 1 };
         let gap = (0..=STEPS).map(|i| (frequency(i), of(&nothing, frequency(i)))).collect();
         let mut laws = vec![law("the gap itself, not filled".to_owned(), gap)];

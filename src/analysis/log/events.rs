@@ -1,191 +1,246 @@
 //! What a record shows besides noise: `events.csv`, and the list at the head of a report.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use serde_json::Value;
 
-use crate::allan::Deviation;
+use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::tables::{key, text};
-use crate::analysis::log::{Analysis, Column};
+use crate::analysis::log::{Analysis, Column, Treatment};
 use crate::events::{Event, What};
 use crate::quantity::number::significant;
 use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::theory::allan::Term;
 
-/// A row of `events.csv`.
-pub(crate) struct Row<'a> {
-    column: &'a Column,
+/// A gap, an outlier or an event of a record with what was done with it: a row of `events.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The column of the log, or the log.
+    record: String,
+    unit: Curves,
     what: &'static str,
-    samples: Option<Range<usize>>,
+    time_s: Option<f64>,
+    length_s: Option<f64>,
     /// Number of samples, or of events of which the row consists.
     count: usize,
-    event: Option<&'a Event>,
-    analysis: &'a Analysis,
+    event: Option<Event>,
+    /// The temperature or the record that it refers to.
+    other: String,
+    done: &'static str,
+    /// The option that removes it from curves and spectra too.
+    option: String,
 }
 
-impl Row<'_> {
+impl Row {
     fn of_event<T>(&self, of: impl Fn(&Event) -> Option<T>) -> Option<T> {
-        self.event.and_then(of)
+        self.event.as_ref().and_then(of)
     }
 
-    /// What the analysis does with it.
-    fn done(&self) -> &'static str {
-        let treatment = &self.analysis.treatment;
-        match self.event {
-            None if self.what == "outlier" && treatment.outliers_removed => "removed",
-            None if self.what == "outlier" => "kept",
-            None => "left out",
-            Some(_) if self.analysis.is_fit_given && !treatment.events_removed => "kept",
-            Some(event) if event.instead_of.is_some() => match event.instead_of {
+    /// The row as cells of the list.
+    fn line(&self) -> Vec<String> {
+        let unit = self.unit.symbol(Deviation::Oadev);
+        let per = if self.of_event(|event| Some(event.what)) == Some(What::Temperature) { "/K" } else { "" };
+        let size =
+            self.of_event(|event| event.size).map(|size| format!("{} {unit}{per}", significant(size, 3)));
+        let time = self.time_s.map(|time_s| format!("{} s", significant(time_s, 6)));
+        let frequency =
+            self.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
+        let constant =
+            self.of_event(|event| event.time_s).map(|time_s| format!("{} s", significant(time_s, 3)));
+        let other = Some(self.other.clone()).filter(|other| !other.is_empty());
+        let at = other.or(frequency).or(constant).or(time);
+        let number = if self.count > 1 { self.count.to_string() } else { String::new() };
+        let [size, at] = [size, at].map(Option::unwrap_or_default);
+        let (what, done) = (self.what.to_owned(), self.done.to_owned());
+        vec![self.record.clone(), what, size, at, number, done, self.option.clone()]
+    }
+}
+
+/// A record with what its rows need besides its events.
+pub struct Record<'a> {
+    /// The column of the log, or the log.
+    pub name: &'a str,
+    /// Unit of its curves.
+    pub unit: Curves,
+    /// Treatment of the log.
+    pub treatment: &'a Treatment,
+    /// Time from sample to sample, s.
+    pub step_s: f64,
+    /// Whether it was fitted with its events.
+    pub is_fit_given: bool,
+    /// Names of the columns of temperature.
+    pub thermometers: &'a [String],
+}
+
+impl Record<'_> {
+    fn row(&self, what: &'static str, samples: Option<Range<usize>>, done: &'static str) -> Row {
+        Row {
+            record: self.name.to_owned(),
+            unit: self.unit,
+            what,
+            time_s: samples.as_ref().map(|samples| self.treatment.time(samples.start, self.step_s)),
+            length_s: samples.as_ref().map(|samples| samples.len() as f64 * self.step_s),
+            count: samples.map_or(1, |samples| samples.len()),
+            event: None,
+            other: String::new(),
+            done,
+            option: String::new(),
+        }
+    }
+
+    fn gap(&self, samples: &Range<usize>) -> Row {
+        self.row("gap", Some(samples.clone()), "left out")
+    }
+
+    fn outlier(&self, sample: usize) -> Row {
+        let samples = Some(sample..sample + 1);
+        match self.treatment.outliers_removed {
+            true => self.row("outlier", samples, "removed"),
+            false => Row { option: "--remove-outliers".to_owned(), ..self.row("outlier", samples, "kept") },
+        }
+    }
+
+    /// The row of a record whose samples are those of an `other` one.
+    pub(crate) fn same(&self, other: &str) -> Row {
+        Row { other: other.to_owned(), ..self.row("same record", None, "noted") }
+    }
+
+    /// The rows of its events.
+    pub fn rows<'e>(&self, events: impl IntoIterator<Item = &'e Event>) -> Vec<Row> {
+        events.into_iter().map(|event| self.event(event)).collect()
+    }
+
+    fn event(&self, event: &Event) -> Row {
+        let samples = event.samples.map(|[from, to]| from..to);
+        let done = self.done(event);
+        let other = event.other.and_then(|other| self.thermometers.get(other)).cloned().unwrap_or_default();
+        Row {
+            count: event.count,
+            event: Some(event.clone()),
+            option: if done == REMOVED { String::new() } else { option(event, &other) },
+            other,
+            ..self.row(event.what.name(), samples, done)
+        }
+    }
+
+    /// What the analysis does with an event.
+    fn done(&self, event: &Event) -> &'static str {
+        match event.what {
+            _ if self.is_fit_given && !self.treatment.events_removed => "kept",
+            _ if event.instead_of.is_some() => match event.instead_of {
                 Some(Term::RateRamp) => "possible; R not identified",
                 _ => "possible; K not identified",
             },
-            Some(Event { what: What::Units | What::Same, .. }) => "noted",
-            Some(_) if treatment.events_removed => "removed",
-            Some(event) => match event.what {
-                What::Filter => "fit from longer τ; Q not identified",
-                What::Correlated if event.size.is_some() => "part of the fit",
-                What::Correlated => "B not identified",
-                What::Telegraph => "B and K not identified",
-                What::Spikes => "left out of the fit",
-                _ => "subtracted for the fit",
-            },
+            What::Units => "noted",
+            What::Filter => "fit from longer τ; Q not identified",
+            What::Correlated if event.size.is_some() => "part of the fit",
+            What::Correlated => "B not identified",
+            What::Telegraph => "B and K not identified",
+            _ if self.treatment.events_removed => REMOVED,
+            What::Spikes => "left out of the fit",
+            _ => "subtracted for the fit",
         }
     }
+}
 
-    /// The option that removes it from curves and spectra too.
-    fn option(&self) -> String {
-        let other = self.of_event(|event| event.other);
-        let thermometer = other.and_then(|other| self.analysis.thermometers.get(other));
-        match (self.event.map(|event| event.what), thermometer) {
-            (Some(What::Temperature), Some(name)) => format!("--temperature {name} --compensate"),
-            (Some(What::Spikes), _) => "--remove-outliers".to_owned(),
-            (Some(What::Units | What::Same | What::Filter | What::Correlated | What::Telegraph), _) => {
-                String::new()
-            }
-            _ if self.event.is_some_and(|event| event.instead_of.is_some()) => String::new(),
-            (Some(_), _) => "--remove-events".to_owned(),
-            (None, _) if self.what == "outlier" => "--remove-outliers".to_owned(),
-            (None, _) => String::new(),
-        }
-    }
+/// What is done with events that are in no curve.
+const REMOVED: &str = "removed";
 
-    /// The temperature or the record that it refers to.
-    fn refers_to(&self) -> &str {
-        let other = self.of_event(|event| Some((event.what, event.other?)));
-        match other {
-            Some((What::Temperature, other)) => {
-                self.analysis.thermometers.get(other).map_or("", String::as_str)
-            }
-            Some((_, other)) => self.analysis.columns.get(other).map_or("", |column| &column.name),
-            None => "",
-        }
+/// The option that removes an event from curves and spectra too; empty where none does.
+fn option(event: &Event, thermometer: &str) -> String {
+    match event.what {
+        What::Temperature if !thermometer.is_empty() => format!("--temperature {thermometer} --compensate"),
+        What::Spikes => "--remove-outliers".to_owned(),
+        What::Units | What::Filter | What::Correlated | What::Telegraph => String::new(),
+        _ if event.instead_of.is_some() => String::new(),
+        _ => "--remove-events".to_owned(),
     }
 }
 
 /// The columns of `events.csv`, in the order of the file.
 #[rustfmt::skip]
-pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
-    type Of<'a> = ColumnOf<Row<'a>>;
+pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
+    type Of = ColumnOf<Row>;
     vec![
-        key(|row| text(&row.column.name)),
+        key(|row| text(&row.record)),
         Of::new("event", Unit::NONE, "event", |row| text(row.what))
             .is(Role::Key, "`gap` for missing samples, `outlier` for a sample that stands out from its neighbours, else the kind of the event: \
                 spikes, step, burst, slow sine, warm-up, temperature, telegraph noise, correlated noise, line, filter or hump, whole units, \
                 same record."),
-        Of::new("time", Unit::S, "time", |row| row.samples.as_ref().map(|samples| row.analysis.time(samples.start)).into())
+        Of::new("time", Unit::S, "time", |row| row.time_s.into())
             .is(Role::Coordinate, "Time of the first of the samples from the start of the file, s; blank for what lasts through the record."),
-        Of::new("length", Unit::S, "length", |row| row.samples.as_ref().map(|samples| samples.len() as f64 * row.analysis.step_s).into())
+        Of::new("length", Unit::S, "length", |row| row.length_s.into())
             .is(Role::Estimate, "Duration of the samples, s."),
         Of::new("samples", Unit::NONE, "samples", |row| Cell::Integer(row.count as i64))
             .is(Role::Count, "Number of samples of a gap, of spikes, or of steps."),
         Of::new("size", Unit::NONE, "size", |row| row.of_event(|event| event.size).into())
             .is(Role::Estimate, "Change of a step or burst, amplitude of a sine or line, rate at the start of a warm-up, half the distance of the \
                 levels of telegraph noise, largest distance of a spike, unit of the readout, in `unit`; for a temperature in `unit` per K."),
-        Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(Deviation::Oadev)))
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of `size`."),
         Of::new("f", Unit::HZ, "frequency", |row| row.of_event(|event| event.frequency_hz).into())
             .is(Role::Estimate, "Frequency of a sine or line, Hz."),
         Of::new("time_constant", Unit::S, "time constant", |row| row.of_event(|event| event.time_s).into())
             .is(Role::Estimate, "Time of a warm-up or of correlated noise, or mean time between steps of telegraph noise, s."),
-        Of::new("other", Unit::NONE, "refers to", |row| text(row.refers_to()))
+        Of::new("other", Unit::NONE, "refers to", |row| text(&row.other))
             .is(Role::Note, "Column of the temperature, or the equal record."),
-        Of::new("done", Unit::NONE, "done", |row| text(row.done()))
+        Of::new("done", Unit::NONE, "done", |row| text(row.done))
             .is(Role::Note, "What the analysis did with it."),
-        Of::new("option", Unit::NONE, "to remove", |row| text(&row.option()))
-            .is(Role::Note, "The option that removes it from curves and spectra too."),
+        Of::new("option", Unit::NONE, "to remove", |row| text(&row.option))
+            .is(Role::Note, "The option that removes it from curves and spectra too; blank where none does, or it is removed."),
     ]
 }
 
 /// The gaps, outliers and events of all columns, column by column.
 pub fn table(analysis: &Analysis) -> Table {
-    let of_column = |column| {
-        let row = move |what, samples: Range<usize>| Row {
-            column,
-            what,
-            count: samples.len(),
-            samples: Some(samples),
-            event: None,
-            analysis,
-        };
-        let gaps = column.gaps.iter().map(move |gap| row("gap", gap.clone()));
-        let outliers = column.outliers.samples.iter().map(move |&sample| row("outlier", sample..sample + 1));
-        let mut rows: Vec<Row> = gaps.chain(outliers).collect();
-        rows.sort_by_key(|row| row.samples.as_ref().map(|samples| samples.start));
-        rows.extend(shown(column, analysis));
+    let all = |column| {
+        let record = record(analysis, column);
+        let gaps = column.gaps.iter().map(|gap| record.gap(gap));
+        let mut rows: Vec<Row> =
+            gaps.chain(column.outliers.samples.iter().map(|&sample| record.outlier(sample))).collect();
+        rows.sort_by(|a, b| a.time_s.partial_cmp(&b.time_s).unwrap_or(Ordering::Equal));
+        rows.extend(of_column(analysis, column));
         rows
     };
-    let rows: Vec<Row> = analysis.columns.iter().flat_map(of_column).collect();
+    let rows: Vec<Row> = analysis.columns.iter().flat_map(all).collect();
     Table { columns: columns_of(&columns(), &rows) }
 }
 
-/// The events of a column, without single gaps and outliers.
-fn shown<'a>(column: &'a Column, analysis: &'a Analysis) -> impl Iterator<Item = Row<'a>> {
-    column.events.iter().map(move |event| Row {
-        column,
-        what: event.what.name(),
-        samples: event.samples.map(|[from, to]| from..to),
-        count: event.count,
-        event: Some(event),
-        analysis,
-    })
+fn record<'a>(analysis: &'a Analysis, column: &'a Column) -> Record<'a> {
+    Record {
+        name: &column.name,
+        unit: column.unit,
+        treatment: &analysis.treatment,
+        step_s: analysis.step_s,
+        is_fit_given: analysis.is_fit_given,
+        thermometers: &analysis.thermometers,
+    }
 }
 
-/// The heading of the list of what a log shows.
+/// The events of all columns, without single gaps and outliers.
+pub fn rows(analysis: &Analysis) -> Vec<Row> {
+    analysis.columns.iter().flat_map(|column| of_column(analysis, column)).collect()
+}
+
+/// The events of a column, without single gaps and outliers.
+pub(crate) fn of_column(analysis: &Analysis, column: &Column) -> Vec<Row> {
+    let record = record(analysis, column);
+    let same = column.same_as.iter().map(|other| record.same(other));
+    same.chain(record.rows(&column.events)).collect()
+}
+
+/// The heading of the list of what a record shows.
 pub const HEADING: [&str; 7] = ["", "event", "size", "at", "number", "done", "to remove"];
 
-/// What a log shows besides noise, a line for each event.
-pub fn list(analysis: &Analysis) -> Vec<Vec<String>> {
-    let line = |row: Row| {
-        let unit = row.column.unit.symbol(Deviation::Oadev);
-        let per = if row.event.is_some_and(|event| event.what == What::Temperature) { "/K" } else { "" };
-        let size =
-            row.of_event(|event| event.size).map(|size| format!("{} {unit}{per}", significant(size, 3)));
-        let time =
-            row.samples.as_ref().map(|samples| format!("{} s", significant(analysis.time(samples.start), 6)));
-        let frequency = row.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
-        let constant =
-            row.of_event(|event| event.time_s).map(|time_s| format!("{} s", significant(time_s, 3)));
-        let other = Some(row.refers_to().to_owned()).filter(|other| !other.is_empty());
-        let at = other.or(frequency).or(constant).or(time);
-        let number = if row.count > 1 { row.count.to_string() } else { String::new() };
-        let [size, at] = [size, at].map(Option::unwrap_or_default);
-        vec![
-            row.column.name.clone(),
-            row.what.to_owned(),
-            size,
-            at,
-            number,
-            row.done().to_owned(),
-            row.option(),
-        ]
-    };
-    analysis.columns.iter().flat_map(|column| shown(column, analysis)).map(line).collect()
+/// What records show besides noise, a line for each event.
+pub fn list(rows: &[Row]) -> Vec<Vec<String>> {
+    rows.iter().map(Row::line).collect()
 }
 
-/// The events of a column as JSON.
-pub(crate) fn document(column: &Column, analysis: &Analysis) -> Vec<Value> {
+/// The events of a record as JSON.
+pub fn document(rows: &[Row]) -> Vec<Value> {
     let columns = columns();
-    shown(column, analysis).map(|row| object(&columns, &row, &["column"])).collect()
+    rows.iter().map(|row| object(&columns, row, &["column"])).collect()
 }

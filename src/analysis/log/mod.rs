@@ -17,6 +17,7 @@ pub mod noise_file;
 pub mod notes;
 pub mod tables;
 
+use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,7 @@ use crate::allan::{Angles, Deviation, Line, Minimum, Point, Spread, TauError, Ta
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::{LEAST_CHANGE, averages};
-use crate::events::{Event, Events, What};
+use crate::events::{Event, Events};
 use crate::fit::{Fitting, Terms, describe};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
@@ -124,6 +125,10 @@ pub struct Column {
     pub overruled: Option<String>,
     /// Number of samples missing in the file, and of outliers that were removed.
     pub missing: usize,
+    /// Hash of its samples, which is that of an equal record.
+    pub digest: u64,
+    /// The earlier record that has the same samples.
+    pub same_as: Option<String>,
     /// Stretches of samples that are missing in the file.
     pub gaps: Vec<Range<usize>>,
     /// Outliers of the rates or increments in the file.
@@ -241,7 +246,7 @@ impl Treatment {
     }
 
     /// Returns the angles and outliers as [`Treatment::angles`] does, with the events that the samples hold besides noise.
-    fn recorded(&self, samples: &Samples) -> (Angles, Outliers) {
+    pub(crate) fn recorded(&self, samples: &Samples) -> (Angles, Outliers) {
         let outliers = samples.outliers();
         let angles = match self.outliers_removed {
             true => samples.angles_without(&outliers, self.trend),
@@ -259,6 +264,11 @@ impl Treatment {
     ) -> Events<'a> {
         let none = Outliers::default();
         Events::of(angles, if self.outliers_removed { &none } else { outliers }, temperatures)
+    }
+
+    /// Time of a sample from the start of the file, s.
+    pub(crate) fn time(&self, sample: usize, step_s: f64) -> f64 {
+        self.skip_s + sample as f64 * step_s
     }
 
     /// The number of samples that are missing in the analysis: those of the file, and outliers that are removed.
@@ -318,7 +328,7 @@ impl Analysis {
         let (thermometers, temperatures) = temperatures(log);
         let column = |channel: &Channel| column(log, channel, &temperatures, treatment, asked, progress);
         let mut columns: Vec<Column> = log.channels.iter().map(column).collect::<Result<_, _>>()?;
-        note_equal(log, &mut columns);
+        note_equal(&mut columns, &mut vec![], |column| column.name.clone());
         Ok(Analysis {
             path: path.to_owned(),
             data: log.data,
@@ -350,7 +360,12 @@ impl Analysis {
 
     /// Time of a sample from the start of the file, s.
     pub(crate) fn time(&self, sample: usize) -> f64 {
-        self.treatment.skip_s + sample as f64 * self.step_s
+        self.treatment.time(sample, self.step_s)
+    }
+
+    /// Notes columns whose samples are those of an `earlier` record, by its digest and name, and adds them to these.
+    pub fn note_equal(&mut self, earlier: &mut Vec<(u64, String)>) {
+        note_equal(&mut self.columns, earlier, |column| format!("{} {}", self.path.display(), column.name));
     }
 
     /// Times of samples from the start of the file, s.
@@ -386,15 +401,20 @@ fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
     all.filter_map(course).unzip()
 }
 
-/// Notes columns whose samples are those of an earlier one.
-fn note_equal(log: &Log, columns: &mut [Column]) {
-    for (at, column) in columns.iter_mut().enumerate() {
-        // NaN differs from itself.
-        let bits = |i: usize| log.channels[i].samples.iter().map(|x| x.to_bits());
-        if let Some(other) = (0..at).find(|&other| bits(other).eq(bits(at))) {
-            column.events.insert(0, Event { other: Some(other), ..Event::of(What::Same) });
-        }
+/// Notes columns whose samples are those of an earlier one or of an `earlier` record, and adds them to these.
+fn note_equal(columns: &mut [Column], earlier: &mut Vec<(u64, String)>, name: impl Fn(&Column) -> String) {
+    for column in columns {
+        let same = earlier.iter().find(|(digest, _)| *digest == column.digest);
+        column.same_as = column.same_as.take().or_else(|| same.map(|(_, name)| name.clone()));
+        earlier.push((column.digest, name(column)));
     }
+}
+
+/// The hash of some samples.
+fn digest(samples: &[f64]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    samples.iter().for_each(|sample| hasher.write_u64(sample.to_bits()));
+    hasher.finish()
 }
 
 fn column(
@@ -444,6 +464,8 @@ fn column(
         unit,
         overruled: channel.overruled(),
         missing: treatment.missing(&samples, &outliers),
+        digest: digest(&channel.samples),
+        same_as: None,
         gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),
         slope: slope(angles, &samples),

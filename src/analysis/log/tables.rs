@@ -236,7 +236,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
         "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
         "removed_slope_per_s": column.slope,
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
-        "events": events::document(column, analysis),
+        "events": events::document(&events::of_column(analysis, column)),
         "coefficients": column.coefficients().iter().map(document_of).collect::<Vec<_>>(),
         "coefficients_missing": column.noise.as_ref().err(),
         "fit": column.noise().map(|noise| json!({

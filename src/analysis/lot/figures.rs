@@ -84,7 +84,11 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
         y,
         colours: Grouping::of("coefficients", shown.iter().map(|(one, ..)| one.title())),
         bands: "95 % intervals".to_owned(),
-        laws: vec![Law { label: "limits of the next unit".to_owned(), lines: lines.collect() }],
+        laws: vec![Law {
+            label: "limits of the next unit".to_owned(),
+            lines: lines.collect(),
+            is_area: false,
+        }],
         limit: Some(Limit { value: 1.0, label: "the lot".to_owned() }),
         series,
         ..Figure::default()

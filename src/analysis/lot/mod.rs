@@ -230,13 +230,13 @@ impl Lot {
     pub fn of(logs: Vec<log::Analysis>) -> Result<Lot, LotError> {
         let units: Vec<Member<'_>> = units(&logs).collect();
         let [(_, first), _, ..] = units[..] else { return Err(LotError::TooFew(units.len())) };
-        if let Some([first, again]) = twice(&units) {
-            return Err(LotError::Twice(whole(units[first]), whole(units[again])));
-        }
         let labels = labels(&units, logs.len());
         if let Some(other) = units.iter().position(|(_, column)| column.unit != first.unit) {
             let units = [first.unit, units[other].1.unit];
             return Err(LotError::Units { first: labels[0].clone(), other: labels[other].clone(), units });
+        }
+        if let Some([first, again]) = twice(&units) {
+            return Err(LotError::Twice(whole(units[first]), whole(units[again])));
         }
         let mut coefficients = coefficients(&units);
         let places: Vec<Vec<(usize, f64)>> = coefficients.iter().map(Coefficient::places).collect();

@@ -39,6 +39,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
     let laws = Law {
         label: "bounded: the band of another record".to_owned(),
         lines: all.iter().enumerate().map(bound).collect(),
+        is_area: false,
     };
     let title = match (analysis.asked.aim, unit) {
         (Aim::Describe, Unit::Acceleration) => "Acceleration noise for a filter",

@@ -32,6 +32,7 @@ pub mod target;
 pub mod words;
 pub mod writers;
 
+use crate::analysis::log::events::Row;
 use crate::analysis::model::search::{Found, find};
 use crate::analysis::model::target::{Source, Target};
 use crate::source::diagnose::StudyError;
@@ -191,6 +192,11 @@ impl Analysis {
         };
         let columns = targets.into_iter().map(column).collect::<Result<_, ModelError>>()?;
         Ok(Analysis { source, asked: asked.clone(), columns })
+    }
+
+    /// What the columns show besides noise.
+    pub fn events(&self) -> Vec<Row> {
+        self.columns.iter().flat_map(|column| column.target.events.clone()).collect()
     }
 
     /// The rate of the filter, Hz; absent where neither it nor the rate of the record is known.

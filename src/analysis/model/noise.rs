@@ -103,6 +103,7 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
         step_s: None,
         length_s: None,
         has_band,
+        events: vec![],
     };
     let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let heading = format!(

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::allan::{Deviation, Unit as Curves};
+use crate::analysis::log::events;
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::states::{discrete, si};
@@ -160,6 +161,7 @@ fn of_column(analysis: &Analysis, column: &Column) -> Value {
         "largest_excess": largest,
         "largest_excess_tau_s": at_s,
         "largest_excess_over_bound": is_bound.then(|| found.over_bound(target)[0]),
+        "events": events::document(&target.events),
         "tried": found.tried.iter().map(tried).collect::<Vec<_>>(),
         "continuous": of_continuous(column),
         "discrete": analysis.filter_hz().map(|filter_hz| of_discrete(column, 1.0 / filter_hz)),

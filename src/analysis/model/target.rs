@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::allan::Unit;
 use crate::analysis::log;
+use crate::analysis::log::events::{Row, of_column};
 use crate::analysis::log::notes::{heading, notes};
 use crate::analysis::model::{Asked, ModelError, Quantisation};
 use crate::fit::Term;
@@ -73,6 +74,8 @@ pub struct Target {
     pub length_s: Option<f64>,
     /// Whether the points have a band.
     pub has_band: bool,
+    /// What the record shows besides noise.
+    pub events: Vec<Row>,
 }
 
 impl Target {
@@ -102,6 +105,7 @@ impl Target {
                 step_s: Some(analysis.step_s),
                 length_s: Some(analysis.length_s()),
                 has_band: true,
+                events: of_column(analysis, column),
             })
         };
         analysis.columns.iter().map(of).collect()

@@ -5,8 +5,8 @@ use crate::analysis::compare::notes::notes;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{interval, length, probability, sentences, times};
 use crate::analysis::compare::{figures, tables};
-use crate::analysis::page::chart;
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, sampling};
+use crate::analysis::page::{chart, shown};
 use crate::analysis::requirement::Decision;
 use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
@@ -30,6 +30,7 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
         sentences: sentences.collect(),
         notes: notes(analysis),
         sections: vec![
+            shown("What these records show", &analysis.events().concat()),
             Section { id: "record", heading: "Records", blocks: records(logs, analysis) },
             Section { id: "deviations", heading: "Deviations", blocks: deviations },
             Section { id: "coefficients", heading: "Coefficients", blocks: coefficients },
@@ -43,7 +44,16 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
     let sides = || analysis.sides.iter();
     let recorded = sides().zip(logs).zip(&missing);
     let recorded: Vec<Recorded> = recorded
-        .map(|((side, log), gaps)| Recorded::of(&side.label, log, &log.channels[0], &side.outliers, gaps))
+        .map(|((side, log), gaps)| {
+            Recorded::of(
+                &side.label,
+                log,
+                &log.channels[0],
+                &side.outliers,
+                gaps,
+                analysis.treatment().outliers_removed,
+            )
+        })
         .collect();
     let mut blocks = charts(&recorded, "records");
     let of = |said: &dyn Fn(&Side, &Recorded) -> String| {

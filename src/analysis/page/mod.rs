@@ -42,7 +42,7 @@ use crate::study::Study;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
-use crate::view::report::sections::{Block, Page, Section};
+use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of a log from its analysis and the lines of the decision to which it leads, with the sections of `further`
 /// analyses. If it has no spectra, `without` says why.
@@ -63,6 +63,7 @@ pub fn of_log(
         ("events.csv", events::table(noise)),
     ];
     let sections = [
+        shown("What this record shows", &events::rows(noise)),
         record::section(log, noise),
         deviations(noise),
         spectrum::section(analysis, without),
@@ -78,6 +79,15 @@ pub fn of_log(
         sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),
         tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
     }
+}
+
+/// The section on what records show besides noise.
+fn shown(heading: &'static str, rows: &[events::Row]) -> Section {
+    let head = events::HEADING.map(str::to_owned).into();
+    let rows = events::list(rows).into_iter().map(|line| line.into_iter().map(Cell::from).collect());
+    let grid = Grid { head, rows: rows.collect() };
+    let blocks = if grid.rows.is_empty() { vec![] } else { vec![Block::Grid(grid)] };
+    Section { id: "events", heading, blocks }
 }
 
 /// The section on the curves, with the range of the fit if there is a single column.

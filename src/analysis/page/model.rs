@@ -5,7 +5,7 @@ use crate::analysis::model::states::discrete;
 use crate::analysis::model::words::{bounded, decision, headline, notes, sentence};
 use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Analysis, Column, figures, tables};
-use crate::analysis::page::chart;
+use crate::analysis::page::{chart, shown};
 use crate::quantity::number::significant;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
@@ -31,6 +31,7 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
         sentences: columns().filter(|_| several).map(sentence).collect(),
         notes: notes(analysis),
         sections: vec![
+            shown("What this record shows", &analysis.events()),
             section("curve", "Record and model", charts),
             section("coefficients", "Coefficients", coefficients),
             section("discrete", "At the rate of the filter", at_rate),

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::answer::in_unit;
-use crate::analysis::page::trace::{extremes, means};
+use crate::analysis::page::trace::{extremes, means, shares};
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::record::log::channel::{Channel, Log};
@@ -19,8 +19,6 @@ use crate::view::report::sections::{Block, Section};
 
 /// Most stretches of all records together, which leaves room for the other charts of a page, and of each record.
 const MOST_PARTS: [usize; 2] = [4000, 1000];
-/// Most gaps that a chart marks; a chart has no room for more.
-const MOST_MARKED: usize = 200;
 
 /// A record to draw.
 pub(crate) struct Recorded<'a> {
@@ -31,13 +29,15 @@ pub(crate) struct Recorded<'a> {
     pub values: Cow<'a, [f64]>,
     pub outliers: &'a Outliers,
     pub gaps: &'a [Range<usize>],
+    /// Outliers that are treated as gaps.
+    pub removed: &'a [usize],
 }
 
 /// The section on the record of a log.
 pub(crate) fn section(log: &Log, analysis: &Analysis) -> Section {
     let recorded = log.channels.iter().zip(&analysis.columns).map(|(channel, column)| {
         let Column { name, outliers, gaps, .. } = column;
-        Recorded::of(name, log, channel, outliers, gaps)
+        Recorded::of(name, log, channel, outliers, gaps, analysis.treatment.outliers_removed)
     });
     let mut blocks = charts(&recorded.collect::<Vec<_>>(), "columns");
     blocks.push(Block::Facts(facts(analysis)));
@@ -135,7 +135,7 @@ fn of_samples(records: &[(usize, &Recorded)], called: &str, parts: usize) -> Dra
     let thinned = stretch(records, parts);
     let note =
         thinned.map(|length| format!("The least and the largest sample of every {length} s are drawn."));
-    Drawn { note, ..drawn(records, called, "As recorded", &series) }
+    Drawn { note, ..drawn(records, called, parts, "As recorded", &series) }
 }
 
 /// Means of stretches of the samples without outliers, less the mean of the whole.
@@ -157,13 +157,14 @@ fn of_means(records: &[(usize, &Recorded)], called: &str, parts: usize) -> Drawn
         Some(length) => format!("Means over {length} s without outliers, less the mean of the record"),
         None => "Samples without outliers, less the mean of the record".to_owned(),
     };
-    drawn(records, called, &title, &series)
+    drawn(records, called, parts, &title, &series)
 }
 
 /// A chart over time with the gaps of its records.
 fn drawn(
     records: &[(usize, &Recorded)],
     called: &str,
+    parts: usize,
     title: &str,
     series: &dyn Fn(&(usize, &Recorded), f64) -> Series,
 ) -> Drawn {
@@ -178,31 +179,49 @@ fn drawn(
         x: linear("time", unit),
         y: linear(label, unit_of_values),
         colours: Grouping { title: called.to_owned(), entries: records.iter().map(entry).collect() },
-        laws: marks(records, &series, size).into_iter().collect(),
+        laws: marks(records, &series, size, parts),
         series,
         ..Figure::default()
     };
     Drawn { stem: String::new(), picture: Picture::Curves(figure), note: None }
 }
 
-/// A stripe over the whole height at the start and at the end of each gap, of many of the longest; `None` without gaps.
-fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64) -> Option<Law> {
+/// Bars over the stretches of records: from below the share of samples that are missing, and from above the share of outliers that
+/// are removed.
+fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: usize) -> Vec<Law> {
     let ys =
         || series.iter().flat_map(|series| &series.points).map(|point| point.y).filter(|y| y.is_finite());
-    let (low, high) = (ys().reduce(f64::min)?, ys().reduce(f64::max)?);
-    let mut gaps: Vec<[f64; 2]> = records
-        .iter()
-        .flat_map(|(_, record)| {
-            record.gaps.iter().map(|gap| [gap.start, gap.end].map(|sample| record.time(sample as f64) / size))
-        })
-        .collect();
-    gaps.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])).then(a[0].total_cmp(&b[0])));
-    gaps.dedup();
-    gaps.truncate(MOST_MARKED);
-    let ends = gaps.iter().flatten();
-    let lines: Vec<LawLine> =
-        ends.map(|&at| LawLine { colours: vec![], points: vec![(at, low), (at, high)] }).collect();
-    (!lines.is_empty()).then(|| Law { label: "gaps".to_owned(), lines })
+    let (Some(low), Some(high)) = (ys().reduce(f64::min), ys().reduce(f64::max)) else { return vec![] };
+    let all = || records.iter().map(|(_, record)| record);
+    let law = |count: usize, label: &str, is_lost: fn(&Recorded, usize) -> bool, [foot, top]: [f64; 2]| {
+        let lines = all().flat_map(|record| {
+            let time = |sample: usize| record.time(sample as f64) / size;
+            let shares = shares(record.values.len(), parts, |sample| is_lost(record, sample));
+            let runs = shares.chunk_by(|a, b| (a.1 > 0.0) == (b.1 > 0.0)).filter(|run| run[0].1 > 0.0);
+            let bars = runs.map(|run| {
+                let ends = [run[0].0.start, run[run.len() - 1].0.end].map(|end| (time(end), foot));
+                let over = run.iter().flat_map(|(samples, share)| {
+                    [samples.start, samples.end].map(|end| (time(end), foot + share * (top - foot)))
+                });
+                let points = [ends[0]].into_iter().chain(over).chain([ends[1]]).collect();
+                LawLine { colours: vec![], points }
+            });
+            bars.collect::<Vec<_>>()
+        });
+        let lines = lines.collect();
+        (count > 0).then(|| Law { label: format!("{count} {label}"), lines, is_area: true })
+    };
+    let missing = all().flat_map(|record| record.gaps).map(Range::len).sum();
+    let removed = all().map(|record| record.removed.len()).sum();
+    let is_missing = |record: &Recorded, sample: usize| record.values[sample].is_nan();
+    let is_removed = |record: &Recorded, sample| record.removed.binary_search(&sample).is_ok();
+    [
+        law(missing, "samples missing, share from below", is_missing, [low, high]),
+        law(removed, "outliers removed, share from above", is_removed, [high, low]),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The length of a stretch, s; `None` where it is a sample.
@@ -229,9 +248,11 @@ impl<'a> Recorded<'a> {
         channel: &'a Channel,
         outliers: &'a Outliers,
         gaps: &'a [Range<usize>],
+        are_outliers_removed: bool,
     ) -> Recorded<'a> {
         let values = channel.view(log.data, log.step_s).increments();
-        Recorded { name, log, unit: &channel.unit, values, outliers, gaps }
+        let removed = if are_outliers_removed { &outliers.samples[..] } else { &[] };
+        Recorded { name, log, unit: &channel.unit, values, outliers, gaps, removed }
     }
 
     /// What the values are, and their unit.
@@ -254,6 +275,26 @@ impl<'a> Recorded<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bars_are_as_high_as_the_share_that_is_missing_or_removed() {
+        let unit = Unit::parse("deg/s", Data::Rate).unwrap();
+        let gaps = [1..2, 4..9];
+        let mut values = vec![0.0; 40];
+        gaps.iter().for_each(|gap| values[gap.clone()].fill(f64::NAN));
+        let log = Log::of_column("gz", Data::Rate, unit, 0.5, values);
+        let outliers = Outliers { samples: vec![31], ..Outliers::default() };
+        let one = Recorded::of("gz", &log, &log.channels[0], &outliers, &gaps, true);
+        let points = [0.0, 8.0].map(|y| SeriesPoint { x: 0.0, y, band: None, key: None }).into();
+        let series = [Series { colour: 0, dash: 0, points, law: vec![] }];
+        let [missing, removed] = &marks(&[(0, &one)], &series, 1.0, 10)[..] else { panic!() };
+        assert_eq!(missing.label, "6 samples missing, share from below");
+        let steps = [(0.0, 2.0), (2.0, 2.0), (2.0, 8.0), (4.0, 8.0), (4.0, 2.0), (6.0, 2.0)];
+        let [bar] = &missing.lines[..] else { panic!("{missing:?}") };
+        assert_eq!(bar.points, [&[(0.0, 0.0)], &steps[..], &[(6.0, 0.0)]].concat());
+        assert_eq!(removed.label, "1 outliers removed, share from above");
+        assert_eq!(removed.lines[0].points, [(14.0, 8.0), (14.0, 6.0), (16.0, 6.0), (16.0, 8.0)]);
+    }
 
     #[test]
     fn records_of_a_unit_share_charts_that_name_what_they_show() {
@@ -280,7 +321,8 @@ mod tests {
                 notes,
             };
             let outliers = Outliers { threshold: 1.0, ..Outliers::default() };
-            let recorded = log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[]));
+            let recorded =
+                log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[], false));
             let axes: Vec<(String, String)> = charts(&recorded.collect::<Vec<_>>(), "columns")
                 .into_iter()
                 .map(|block| match block {

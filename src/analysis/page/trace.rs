@@ -3,30 +3,42 @@
 use std::ops::Range;
 
 /// The samples to draw: of each of at most `parts` stretches of equal length the least and the largest, in the order of
-/// time. `None` stands for missing samples, where a line is interrupted.
+/// time. `None` stands for as many missing samples as a stretch has, where a line is interrupted.
 pub(crate) fn extremes(values: &[f64], parts: usize) -> Vec<Option<usize>> {
-    let mut drawn = Vec::new();
-    let interrupt = |drawn: &mut Vec<Option<usize>>, skipped: Range<usize>| {
-        if values[skipped].iter().any(|value| !value.is_finite()) && drawn.last() != Some(&None) {
-            drawn.push(None);
-        }
-    };
-    for part in stretches(values.len(), parts) {
+    let of_part = |part: Range<usize>| {
         let known = || part.clone().filter(|&i| values[i].is_finite());
         let least = known().min_by(|&a, &b| values[a].total_cmp(&values[b]));
         let largest = known().max_by(|&a, &b| values[a].total_cmp(&values[b]));
         let mut both: Vec<usize> = least.into_iter().chain(largest).collect();
         both.sort_unstable();
         both.dedup();
-        let mut from = part.start;
-        for place in both {
-            interrupt(&mut drawn, from..place);
-            drawn.push(Some(place));
-            from = place + 1;
+        both
+    };
+    let length = (values.len() / parts).max(1);
+    let is_gap = |run: &[f64]| run.len() >= length && !run[0].is_finite();
+    let mut drawn: Vec<Option<usize>> = Vec::new();
+    let mut from = 0;
+    for place in stretches(values.len(), parts).flat_map(of_part) {
+        if values[from..place].chunk_by(|a, b| a.is_finite() == b.is_finite()).any(is_gap) {
+            drawn.push(None);
         }
-        interrupt(&mut drawn, from..part.end);
+        drawn.push(Some(place));
+        from = place + 1;
     }
     drawn
+}
+
+/// The shares of lost samples in at most `parts` stretches of equal length, each with its samples.
+pub(crate) fn shares(
+    count: usize,
+    parts: usize,
+    is_lost: impl Fn(usize) -> bool,
+) -> Vec<(Range<usize>, f64)> {
+    let share = |part: Range<usize>| {
+        let lost = part.clone().filter(|&i| is_lost(i)).count();
+        (part.clone(), lost as f64 / part.len() as f64)
+    };
+    stretches(count, parts).map(share).collect()
 }
 
 /// The means of at most `parts` stretches of equal length, each with its samples; `None` where all are missing.
@@ -60,6 +72,20 @@ mod tests {
         assert_eq!(drawn.iter().filter(|place| place.is_none()).count(), 1, "{drawn:?}");
         let known: Vec<usize> = drawn.iter().flatten().copied().collect();
         assert!(known.is_sorted() && known.iter().all(|i| !(550..650).contains(i)), "{known:?}");
+    }
+
+    #[test]
+    fn a_stretch_without_some_of_its_samples_is_no_gap() {
+        let values: Vec<f64> = (0..1000).map(|i| if i % 25 == 7 { GAP } else { i as f64 }).collect();
+        assert!(extremes(&values, 10).iter().all(Option::is_some), "{:?}", extremes(&values, 10));
+    }
+
+    #[test]
+    fn shares_are_the_lost_parts_of_stretches() {
+        let shares = shares(1000, 10, |i| i % 25 == 7 || (600..750).contains(&i));
+        let expected = [0.04, 0.04, 0.04, 0.04, 0.04, 0.04, 1.0, 0.52, 0.04, 0.04];
+        assert_eq!(shares.iter().map(|(_, share)| *share).collect::<Vec<f64>>(), expected);
+        assert_eq!(shares[6].0, 600..700);
     }
 
     #[test]

@@ -50,7 +50,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
         bands: format!("{} intervals", analysis.noise.percent()),
         lines: "fit of the Allan curve".to_owned(),
         series,
-        laws: vec![Law { label: "each frequency".to_owned(), lines: full.collect() }],
+        laws: vec![Law { label: "each frequency".to_owned(), lines: full.collect(), is_area: false }],
         parts: if several { Parts::default() } else { parts(first, spectrum) },
         ..Figure::default()
     })

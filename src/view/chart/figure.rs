@@ -133,13 +133,15 @@ pub struct SeriesPoint {
     pub key: Option<f64>,
 }
 
-/// A law that is not the closed form of the curves, such as a published one, drawn as broad pale lines under them.
+/// A law that is not the closed form of the curves, such as a published one, drawn as broad pale lines or as areas under them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Law {
     /// Its name in the legend.
     pub label: String,
     /// Lines for the curves of each style; [`Figure::merge_laws`] joins equal ones.
     pub lines: Vec<LawLine>,
+    /// Whether each line is the outline of an area.
+    pub is_area: bool,
 }
 
 /// One line of a law.

@@ -91,6 +91,7 @@ impl Figure {
             .iter()
             .map(|law| Law {
                 label: law.label.clone(),
+                is_area: false,
                 lines: curves
                     .iter()
                     .map(|((colour, _), rows)| LawLine {

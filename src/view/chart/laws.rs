@@ -87,7 +87,7 @@ mod tests {
     }
 
     fn merged(lines: Vec<LawLine>) -> Vec<(Vec<usize>, usize)> {
-        let laws = vec![Law { label: String::new(), lines }];
+        let laws = vec![Law { label: String::new(), lines, is_area: false }];
         let mut figure = Figure { laws, ..Figure::default() };
         figure.merge_laws();
         let lines = figure.laws.into_iter().flat_map(|law| law.lines);

@@ -66,8 +66,13 @@ impl Legend {
             curve_sample(style, MUTED, has_line(figure, |series| series.dash == style))
         });
         let laws = figure.laws.iter().enumerate();
-        let laws =
-            laws.flat_map(|(i, law)| wrapped_entry(Sample::Line(law_stroke(i, colour_of(law))), &law.label));
+        let laws = laws.flat_map(|(i, law)| {
+            let sample = match law.is_area {
+                true => Sample::Band(area_colour(colour_of(law))),
+                false => Sample::Line(law_stroke(i, colour_of(law))),
+            };
+            wrapped_entry(sample, &law.label)
+        });
         legend.part(None, laws.collect());
         legend.part(None, reading_entries(figure));
         let parts = figure.parts.lines.iter().enumerate();
@@ -190,6 +195,11 @@ fn colour_of(law: &Law) -> Option<usize> {
 pub(crate) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
     let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
     Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+}
+
+/// The colour of the areas of a law.
+pub(crate) fn area_colour(colour: Option<usize>) -> &'static str {
+    colour.map_or(MUTED, palette::colour)
 }
 
 /// The style of a part of a sum: dashed, and thinner than the sum.

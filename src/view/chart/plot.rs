@@ -2,9 +2,9 @@
 
 use crate::key::scale::Scale;
 use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
-use crate::view::chart::figure::{Figure, Limit, Series, SeriesPoint};
+use crate::view::chart::figure::{Figure, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::layout::{Area, Frame};
-use crate::view::chart::legend::{law_stroke, part_stroke};
+use crate::view::chart::legend::{area_colour, law_stroke, part_stroke};
 use crate::view::chart::palette::{self, LIMIT};
 use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::text;
@@ -69,7 +69,10 @@ impl Plot<'_> {
             for (i, law) in self.figure.laws.iter().enumerate() {
                 canvas.group(&law.label, |canvas| {
                     for line in &law.lines {
-                        self.draw_line(canvas, &line.points, law_stroke(i, line.colour()));
+                        match law.is_area {
+                            true => self.draw_area(canvas, line),
+                            false => self.draw_line(canvas, &line.points, law_stroke(i, line.colour())),
+                        }
                     }
                 });
             }
@@ -159,6 +162,12 @@ impl Plot<'_> {
             let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();
             self.draw_line(canvas, &places, Stroke { colour, width: 1.8, dash });
         }
+    }
+
+    /// The area within a line, where the axes can show it.
+    fn draw_area(&self, canvas: &mut Canvas, line: &LawLine) {
+        let shown = line.points.iter().filter(|place| self.figure.shows(**place));
+        canvas.area(shown.map(|&place| self.area.place(place)).collect(), area_colour(line.colour()));
     }
 
     /// A line through data, interrupted where the axes cannot show it.

@@ -96,6 +96,7 @@ mod tests {
             laws: vec![Law {
                 label: "x³/6".to_owned(),
                 lines: vec![line(vec![1], 0.3), line(vec![0, 1], 1.0)],
+                is_area: false,
             }],
             parts: Parts::default(),
             limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".to_owned() }),

@@ -184,7 +184,8 @@ pub(crate) fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
         series.points = thin(&series.points, step, |point| point.y);
         series.law = thin(&series.law, step, |point| point.1);
     }
-    for line in figure.laws.iter_mut().flat_map(|law| &mut law.lines) {
+    let lines = figure.laws.iter_mut().filter(|law| !law.is_area);
+    for line in lines.flat_map(|law| &mut law.lines) {
         line.points = thin(&line.points, step, |point| point.1);
     }
     Cow::Owned(Picture::Curves(figure))

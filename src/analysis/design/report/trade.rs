@@ -178,7 +178,11 @@ pub fn pareto_figure(found: &Design) -> Option<Figure> {
         let [low, high] = [drifts().fold(f64::INFINITY, f64::min), drifts().fold(0.0, f64::max)];
         let x = 1e3 * latency_s;
         let line = LawLine { colours: vec![], points: vec![(x, low), (x, high)] };
-        Law { label: format!("latency of at most {}", milliseconds(latency_s)), lines: vec![line] }
+        Law {
+            label: format!("latency of at most {}", milliseconds(latency_s)),
+            lines: vec![line],
+            is_area: false,
+        }
     });
     // A line of its own under the points, which are not joined then.
     series.insert(0, Series { colour: FRONT, dash: FRONT, points: vec![], law: front });

@@ -1,0 +1,77 @@
+//! What a record shows besides noise heads the output of every command that reads a log, and its page.
+
+use serde_json::Value;
+
+use crate::desk::Desk;
+use crate::logs::{desk_with, noise};
+
+const READ: &str = "--data rate --unit deg/h --rate 100Hz";
+
+/// White noise with a sine of 20 Hz.
+fn with_line() -> String {
+    let numbers: Vec<f64> = noise(12 * 8192).collect();
+    let sums = numbers.chunks(12).map(|chunk| chunk.iter().sum::<f64>());
+    sums.enumerate()
+        .map(|(i, y)| format!("{}\n", y + (0.4 * std::f64::consts::PI * i as f64).sin()))
+        .collect()
+}
+
+fn document(desk: &Desk, words: &str) -> Value {
+    serde_json::from_str(&desk.done(&format!("{words} --json")).stdout).unwrap()
+}
+
+/// The kinds of a list of events, with what was done with them.
+fn kinds(events: &Value) -> Vec<[&str; 2]> {
+    let rows = events.as_array().unwrap();
+    rows.iter().map(|row| [row["event"].as_str().unwrap(), row["done"].as_str().unwrap()]).collect()
+}
+
+#[test]
+fn psd_model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
+    let desk = desk_with("gyro.csv", with_line());
+    for (command, folder, done) in [
+        ("allan gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
+        ("psd gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
+        ("model gyro.csv --bound", "gyro_model", "removed"),
+    ] {
+        let words = format!("{command} {READ}");
+        let text = desk.done(&words).stdout;
+        assert!(text.contains("\nwhat this record shows\n") && text.contains(done), "{command}: {text}");
+        let page = desk.read(&format!("results/{folder}/report.html"));
+        assert!(page.contains("<h2>What this record shows</h2>"), "{command}");
+        let found = document(&desk, &words);
+        assert_eq!(kinds(&found["columns"][0]["events"]), [["line", done]], "{command}");
+    }
+}
+
+#[test]
+fn what_is_removed_has_no_option_that_removes_it() {
+    let desk = desk_with("gyro.csv", with_line());
+    let words = format!("allan gyro.csv {READ} --bootstrap 0");
+    let option =
+        |more: &str| document(&desk, &format!("{words} {more}"))["columns"][0]["events"][0]["option"].clone();
+    assert_eq!(option(""), "--remove-events");
+    assert_eq!(option("--remove-events"), Value::Null);
+}
+
+#[test]
+fn a_record_given_twice_is_noted_with_the_name_of_the_first() {
+    let desk = desk_with("a.csv", with_line());
+    desk.write("b.csv", &with_line());
+    let found = document(&desk, &format!("allan a.csv b.csv {READ} --bootstrap 0"));
+    let [first, again] = [0, 1].map(|log| &found[log]["columns"][0]["events"]);
+    assert_eq!(kinds(first)[0][0], "line");
+    assert_eq!((kinds(again)[0], &again[0]["other"]), (["same record", "noted"], &"a.csv 1".into()));
+
+    let words = format!("compare a.csv b.csv {READ}");
+    let found = document(&desk, &words);
+    assert_eq!(kinds(&found["a"]["events"]), [["line", "removed"]]);
+    assert_eq!(kinds(&found["b"]["events"]), [["same record", "noted"], ["line", "removed"]]);
+    let text = desk.done(&words).stdout;
+    let list = text.split("\nwhat these records show\n").nth(1).unwrap();
+    let rows: Vec<Vec<&str>> =
+        list.lines().skip(1).take(3).map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<&str>>(), ["a", "b", "b"], "{text}");
+    let page = desk.read("results/a_vs_b/report.html");
+    assert!(page.contains("<h2>What these records show</h2>"));
+}
