@@ -11,6 +11,7 @@ use sagnac::allan::angles::Angles;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::difference::SIGNIFICANT;
 use sagnac::analysis::compare::{Comparison, compare};
+use sagnac::events::Events;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::quantity::Quantity;
 use sagnac::theory::allan::part::Part;
@@ -80,7 +81,7 @@ fn comparisons(truth: Truth, samplings: [Sampling; 2], terms: &Terms) -> Vec<Com
             let process = Process { sample_s, parts: parts.clone() };
             Angles::from_angles(&noise::record(&process, samples, &mut rng), 1.0, sample_s, Trend::None)
         });
-        compare(&a, &b, Some(&terms.clone().into()))
+        compare(&Events::from(&a), &Events::from(&b), Some(&terms.clone().into()))
     };
     (0..PAIRS).into_par_iter().filter_map(|seed| pair(seed).ok()).collect()
 }

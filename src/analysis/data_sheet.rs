@@ -1,17 +1,13 @@
 //! Noise coefficients of a record as in a data sheet: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
-use crate::allan::{Angles, Unit};
-use crate::analysis::{hump, shape};
+use crate::allan::Unit;
+use crate::analysis::shape::Noise;
 use crate::device::cpu::Cpu;
-use crate::events::{Event, Events, What};
-use crate::fit::{
-    Coefficient, Described, Fit, FitError, Fitting, Quantity, Terms, Verdict, describe,
-    describe_without_shortest, with_correlation,
-};
+use crate::events::{Event, Events};
+use crate::fit::{Coefficient, Described, Fit, Fitting, Quantity, Verdict};
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
-use crate::theory::allan::{Part, Term};
 
 /// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
@@ -134,81 +130,20 @@ impl DataSheet {
         unit: Unit,
         intervals: Intervals,
     ) -> Result<DataSheet, String> {
-        let said = |error: FitError| error.to_string();
-        let angles: &Angles = &events.without;
-        let curve = asked.curve(angles).map_err(said)?;
-        let mut described = describe(&curve, asked).map_err(said)?;
-        let mut has_filter = false;
-        if let (Some(density), None, Terms::Auto(_)) = (&events.density, asked.from_s, &asked.terms) {
-            has_filter = described.is_described && shape::contradicts(density, &described.fit);
-            if has_filter && described.fit.tau_range[0] <= 1.01 * angles.step_s {
-                let agrees = |fit: &Fit| !shape::contradicts_range(density, fit);
-                described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);
-            }
-        }
-        let explains = &events.explains;
-        let mut correlated = None;
-        let is_slow =
-            |part: &Part| !matches!(part.term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit);
-        let is_chosen = matches!(asked.terms, Terms::Auto(_)) && described.is_described;
-        if is_chosen && !explains.is_telegraph && described.fit.process.parts.iter().any(is_slow) {
-            let time_s = events.correlation_time_s(described.fit.tau_range[0]);
-            correlated = time_s.map(|time_s| Event { time_s: Some(time_s), ..Event::of(What::Correlated) });
-        }
-        if let Some(event) = &mut correlated
-            && let Some(other) = with_correlation(&described, asked)
-        {
-            if let Some(part) = other.fit.process.parts.iter().find(|part| part.term == Term::Markov) {
-                // The coefficient of Markov noise is that of the noise that drives it.
-                event.size = Some(part.size * libm::sqrt(0.5 * part.shape));
-                event.time_s = Some(part.shape);
-            }
-            described = other;
-        }
+        let mut noise = Noise::of(events, asked).map_err(|error| error.to_string())?;
+        let described = &noise.described;
         let realised = match intervals.records {
             0 => Ok(described.fit.clone()),
-            records => realised(&described, records),
+            records => realised(described, records),
         };
         let (fit, intervals) = realised.map(|fit| (fit, intervals)).unwrap_or_else(|why| {
             let without = Some(format!("the fit cannot be simulated: {why}"));
             (described.fit.clone(), Intervals { records: 0, without })
         });
-        let mut fit = described.judged(fit, asked.is_forced);
-        let mut is_hump = false;
-        if let Some(found) = fit.coefficients.iter_mut().find(|found| is_identified_quantisation(found)) {
-            is_hump = has_filter || hump::is_hump(angles, &described.fit);
-            if is_hump {
-                let below = found.interval.map(|ends| ends[1]);
-                *found = found.without_value(Verdict::NotIdentifiable { below });
-            }
-        }
-        let filter = has_filter.then(|| Event::of(What::Filter));
-        let mut more: Vec<Event> = filter.into_iter().chain(correlated.clone()).collect();
-        let instead = |event: &Event, term| Event { instead_of: Some(term), ..event.clone() };
-        for found in fit.coefficients.iter_mut().filter(|found| found.verdict == Verdict::Identified) {
-            let other = match found.term {
-                Term::RateRandomWalk => explains.walk.as_ref(),
-                Term::RateRamp => explains.ramp.as_ref(),
-                _ => None,
-            };
-            let is_explained = match found.term {
-                Term::BiasInstability => explains.is_telegraph || correlated.is_some(),
-                Term::RateRandomWalk => explains.is_telegraph || other.is_some(),
-                _ => other.is_some(),
-            };
-            if is_explained {
-                let below = found.interval.map(|ends| ends[1]);
-                let term = found.term;
-                *found = found.without_value(Verdict::NotIdentifiable { below });
-                more.extend(other.filter(|_| !explains.is_telegraph).map(|event| instead(event, term)));
-            }
-        }
-        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events: more })
+        let fit = noise.judged(fit, asked.is_forced);
+        let Noise { shown: events, is_hump, .. } = noise;
+        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals, is_hump, events })
     }
-}
-
-fn is_identified_quantisation(found: &Coefficient) -> bool {
-    found.term == Term::Quantisation && found.verdict == Verdict::Identified
 }
 
 /// Repeats the fit with intervals from simulated records of the first fit.

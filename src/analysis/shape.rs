@@ -1,11 +1,16 @@
-//! Whether the spectrum of a record has the shape of the noise that a fit to its Allan curve finds.
+//! The noise of a record by its Allan curve and its spectrum, whose shape has to be that of the noise that the fit finds.
 //!
 //! At the octaves of τ an Allan curve hardly tells what a filter, its alias or a hump does to the highest frequencies: it takes that
 //! for quantisation noise or for a part of N. The spectrum shows it.
 
-use crate::fit::{Fit, survival};
+use crate::analysis::hump;
+use crate::events::{Event, Events, What};
+use crate::fit::{
+    Described, Fit, FitError, Fitting, Terms, Verdict, describe, describe_without_shortest, survival,
+    with_correlation,
+};
 use crate::spectrum::Density;
-use crate::theory::allan::{Process, Term};
+use crate::theory::allan::{Part, Process, Term};
 
 /// Number of bands that are compared, and the least number of frequencies of each.
 const BANDS: usize = 12;
@@ -15,15 +20,108 @@ const FIRST: usize = 16;
 /// Probability of so different a shape, below which it contradicts.
 const LEAST_P: f64 = 1e-5;
 
+/// The noise of a record without its events.
+pub(crate) struct Noise<'a> {
+    events: &'a Events<'a>,
+    /// The fit over the τ that its terms describe.
+    pub described: Described,
+    /// What the fit and the spectrum show besides the events of the record.
+    pub shown: Vec<Event>,
+    /// Whether the curve falls as that of quantisation noise, but the spectrum contradicts it.
+    pub is_hump: bool,
+}
+
+impl Noise<'_> {
+    /// Fits the terms to the curve of a record over the τ that they describe. Where the spectrum contradicts chosen terms, the
+    /// fit leaves out the shortest τ. Where noise with a correlation time explains the record better than flicker noise, it is a
+    /// part of the fit.
+    pub(crate) fn of<'a>(events: &'a Events, asked: &Fitting) -> Result<Noise<'a>, FitError> {
+        let curve = asked.curve(&events.without)?;
+        let mut described = describe(&curve, asked)?;
+        let mut shown = vec![];
+        let is_chosen = matches!(asked.terms, Terms::Auto(_)) && described.is_described;
+        if let (Some(density), None, true) = (&events.density, asked.from_s, is_chosen)
+            && contradicts(density, &described.fit)
+        {
+            shown.push(Event::of(What::Filter));
+            if described.fit.tau_range[0] <= 1.01 * events.without.step_s {
+                let agrees = |fit: &Fit| !contradicts_range(density, fit);
+                described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);
+            }
+        }
+        let is_slow =
+            |part: &Part| !matches!(part.term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit);
+        let has_slow = described.fit.process.parts.iter().any(is_slow);
+        if is_chosen
+            && has_slow
+            && !events.explains.is_telegraph
+            && let Some(time_s) = events.correlation_time_s(described.fit.tau_range[0])
+        {
+            let mut event = Event { time_s: Some(time_s), ..Event::of(What::Correlated) };
+            if let Some(other) = with_correlation(&described, asked) {
+                if let Some(part) = other.fit.process.parts.iter().find(|part| part.term == Term::Markov) {
+                    // The coefficient of Markov noise is that of the noise that drives it.
+                    event.size = Some(part.size * libm::sqrt(0.5 * part.shape));
+                    event.time_s = Some(part.shape);
+                }
+                described = other;
+            }
+            shown.push(event);
+        }
+        Ok(Noise { events, described, shown, is_hump: false })
+    }
+
+    /// The result of a fit of this noise, without the values that events explain as well; [`Noise::shown`] then has events that
+    /// are possible in place of a coefficient.
+    pub(crate) fn judged(&mut self, fit: Fit, is_forced: bool) -> Fit {
+        let mut fit = self.described.judged(fit, is_forced);
+        for found in fit.coefficients.iter_mut().filter(|found| found.verdict == Verdict::Identified) {
+            let term = found.term;
+            if self.explains(term) {
+                let below = found.interval.map(|ends| ends[1]);
+                *found = found.without_value(Verdict::NotIdentifiable { below });
+                self.is_hump |= term == Term::Quantisation;
+                let other = self.other(term).filter(|_| !self.events.explains.is_telegraph);
+                let event = other.map(|other| Event { instead_of: Some(term), ..other.clone() });
+                self.shown.extend(event);
+            }
+        }
+        fit
+    }
+
+    /// Whether an event explains a term as well.
+    pub(crate) fn explains(&self, term: Term) -> bool {
+        let shows = |what: What| self.shown.iter().any(|event| event.what == what);
+        let is_telegraph = self.events.explains.is_telegraph;
+        match term {
+            Term::Quantisation => {
+                shows(What::Filter) || hump::is_hump(&self.events.without, &self.described.fit)
+            }
+            Term::BiasInstability => is_telegraph || shows(What::Correlated),
+            Term::RateRandomWalk => is_telegraph || self.other(term).is_some(),
+            _ => self.other(term).is_some(),
+        }
+    }
+
+    /// The event that may be there in place of a term.
+    fn other(&self, term: Term) -> Option<&Event> {
+        match term {
+            Term::RateRandomWalk => self.events.explains.walk.as_ref(),
+            Term::RateRamp => self.events.explains.ramp.as_ref(),
+            _ => None,
+        }
+    }
+}
+
 /// Whether the density of a record has another shape than the terms of a fit to its curve, whatever its level: up to half the sampling
 /// rate.
-pub(crate) fn contradicts(density: &Density, fit: &Fit) -> bool {
+fn contradicts(density: &Density, fit: &Fit) -> bool {
     differs(density, fit, 0.5 / density.step_s, |term| term != Term::BandLimit)
 }
 
 /// Whether it differs from those terms of a fit that describe the shortest τ of its range, up to the frequencies of that τ.
 /// Quantisation noise and band limit are what filters leave there of the higher frequencies, and no part of that shape.
-pub(crate) fn contradicts_range(density: &Density, fit: &Fit) -> bool {
+fn contradicts_range(density: &Density, fit: &Fit) -> bool {
     differs(density, fit, 0.5 / fit.tau_range[0], |term| {
         !matches!(term, Term::Quantisation | Term::BandLimit)
     })

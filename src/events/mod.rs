@@ -109,6 +109,7 @@ impl Event {
 }
 
 /// The events of a record, and the record without them.
+#[derive(Debug)]
 pub struct Events<'a> {
     /// The events, spikes first and lines last.
     pub list: Vec<Event>,
@@ -131,15 +132,18 @@ pub struct Explains {
     pub ramp: Option<Event>,
 }
 
+impl<'a> From<&'a Angles> for Events<'a> {
+    /// A record as it is, in which no events are looked for.
+    fn from(angles: &'a Angles) -> Events<'a> {
+        let (list, explains) = Default::default();
+        Events { list, without: Cow::Borrowed(angles), density: None, explains }
+    }
+}
+
 impl<'a> Events<'a> {
     /// The events of a record with these outliers. `temperatures` are °C at each increment, NaN where unknown.
     pub fn of(angles: &'a Angles, outliers: &Outliers, temperatures: &[Vec<f64>]) -> Events<'a> {
-        let mut events = Events {
-            list: vec![],
-            without: Cow::Borrowed(angles),
-            density: None,
-            explains: Explains::default(),
-        };
+        let mut events = Events::from(angles);
         events.list.extend(units::of(angles));
         if outliers.are_spikes(angles.len()) {
             events.list.push(spikes(angles, outliers));
@@ -162,12 +166,13 @@ impl<'a> Events<'a> {
 
     /// Keeps the list, and gives the record back as it is, for a fit that does not leave the events out.
     pub fn kept(self, angles: &'a Angles) -> Events<'a> {
-        Events {
-            list: self.list,
-            without: Cow::Borrowed(angles),
-            density: None,
-            explains: Explains::default(),
-        }
+        Events { list: self.list, ..Events::from(angles) }
+    }
+
+    /// The events with a record of their own.
+    pub(crate) fn owned(self) -> Events<'static> {
+        let Events { list, without, density, explains } = self;
+        Events { list, without: Cow::Owned(without.into_owned()), density, explains }
     }
 
     fn slow(&mut self, temperatures: &[Vec<f64>]) {

@@ -8,6 +8,7 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::difference::{Difference, SIGNIFICANT};
 use sagnac::analysis::compare::length::Length;
 use sagnac::analysis::compare::{Comparison, compare};
+use sagnac::events::Events;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::quantity::Quantity;
 use sagnac::theory::allan::part::Part;
@@ -39,7 +40,7 @@ fn comparisons(two: [(&Process, usize); 2], pairs: u64, seed: u64, terms: &Terms
             let angles = crate::noise::record(process, samples, &mut rng);
             Angles::from_angles(&angles, 1.0, process.sample_s, Trend::None)
         });
-        compare(&a, &b, Some(&terms.clone().into())).unwrap()
+        compare(&Events::from(&a), &Events::from(&b), Some(&terms.clone().into())).unwrap()
     };
     (0..pairs).into_par_iter().map(pair).collect()
 }

@@ -7,6 +7,7 @@ use rand::rngs::StdRng;
 use sagnac::allan::angles::Angles;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::compare;
+use sagnac::events::Events;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::coefficient::{Fit, Verdict};
 use sagnac::fit::fitter::fit_record;
@@ -76,7 +77,7 @@ fn a_record_without_a_filter_is_fitted_from_the_first_octave_on() {
 fn equal_noise_behind_a_filter_is_not_told_apart() {
     let same = |pair: u64| {
         let [a, b] = [0, 1].map(|i| filtered(FILTERS[1], 1000 + 2 * pair + i));
-        compare(&a, &b, Some(&model())).unwrap().same.unwrap()
+        compare(&Events::from(&a), &Events::from(&b), Some(&model())).unwrap().same.unwrap()
     };
     let all: Vec<_> = (0..RECORDS).map(same).collect();
     let apart = all.iter().filter(|same| same.p < 0.05).count();
@@ -102,7 +103,9 @@ fn terms_that_describe_no_range_have_no_value_unless_forced() {
     }
     let forced = fitted(&angles, &Fitting { is_forced: true, ..model() });
     assert!(!forced.is_described() && forced.coefficients.iter().any(|found| found.value.is_some()));
-    assert!(compare(&angles, &angles, Some(&model())).unwrap().differences.is_err());
+    assert!(
+        compare(&Events::from(&angles), &Events::from(&angles), Some(&model())).unwrap().differences.is_err()
+    );
     // Below the periods there is white noise alone.
     let short = fitted(&angles, &Fitting { to_s: Some(8.0), ..model() });
     assert!(short.tau_range == [1.0, 8.0] && short.is_described(), "{short:?}");

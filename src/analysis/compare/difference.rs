@@ -3,8 +3,10 @@
 use crate::analysis::compare::estimate::{Estimate, Two};
 use crate::analysis::compare::length;
 use crate::analysis::compare::{Length, NEAREST};
+use crate::analysis::shape::Noise;
+use crate::events::{Event, Events};
 use crate::fit::interval::WITHIN_95;
-use crate::fit::{Curve, Described, Fit, FitError, Fitting, Quantity, Terms, describe, fit_record};
+use crate::fit::{Curve, Fit, FitError, Fitting, Quantity, Terms, fit_record};
 use crate::theory::allan::Term;
 
 /// Significance level: differences with a smaller p are significant.
@@ -32,7 +34,7 @@ pub struct Difference {
     /// 95 % interval of the ratio.
     pub ratio_interval: [Option<f64>; 2],
     /// Probability of estimates at least as far apart if the true values are equal; absent where no record shows the
-    /// quantity.
+    /// quantity, or an event of one explains it as well.
     pub p: Option<f64>,
 }
 
@@ -45,28 +47,31 @@ pub(crate) struct Fits {
     pub terms: Vec<Term>,
     /// Terms that at least one record shows if its fit may choose.
     shown: Vec<Term>,
+    /// Terms that an event of each record explains as well.
+    explained: [Vec<Term>; 2],
+    /// What the fit and the spectrum of each record show besides its events.
+    pub events: [Vec<Event>; 2],
     /// Whether the terms describe the curve of each record; if not, the fit was forced.
     pub described: [bool; 2],
 }
 
 impl Fits {
-    /// The fits of two curves. With [`Terms::Auto`] the terms are those used by the best fit of either record. A band limit that
+    /// The fits of two records without their events. With [`Terms::Auto`] the terms are those used by the best fit of either record. A band limit that
     /// either needs is fitted to both.
     ///
     /// # Errors
     /// A curve cannot be fitted, or is described over no range of τ.
-    pub(crate) fn of(curves: [&Curve; 2], asked: &Fitting) -> Result<Fits, FitError> {
-        let (a, b) = rayon::join(|| describe(curves[0], asked), || describe(curves[1], asked));
-        let chosen = [a?, b?];
-        if !asked.is_forced && chosen.iter().any(|one| !one.is_described) {
+    pub(crate) fn of([a, b]: [&Events; 2], asked: &Fitting) -> Result<Fits, FitError> {
+        let (a, b) = rayon::join(|| Noise::of(a, asked), || Noise::of(b, asked));
+        let mut noise = [a?, b?];
+        if !asked.is_forced && noise.iter().any(|one| !one.described.is_described) {
             return Err(FitError::NotDescribed);
         }
-        let is_used = |term: &Term| {
-            let mut parts = chosen.iter().flat_map(|one| &one.fit.process.parts);
-            parts.any(|part| part.term == *term)
-        };
+        let chosen = noise.each_mut().map(|one| one.judged(one.described.fit.clone(), asked.is_forced));
+        let is_used =
+            |term: &Term| chosen.iter().flat_map(|fit| &fit.process.parts).any(|part| part.term == *term);
         let shows = |term: &Term| {
-            chosen.iter().any(|one| one.fit.coefficient(*term).is_some_and(|found| found.value.is_some()))
+            chosen.iter().any(|fit| fit.coefficient(*term).is_some_and(|found| found.value.is_some()))
         };
         let used: Vec<Term> = Term::EVERY.into_iter().filter(is_used).collect();
         let (terms, shown): (Vec<Term>, Vec<Term>) = match &asked.terms {
@@ -76,23 +81,29 @@ impl Fits {
             }
             Terms::Auto(_) => (used.clone(), used.into_iter().filter(shows).collect()),
         };
-        let from_s = chosen.iter().map(|one| one.fit.tau_range[0]).fold(0.0, f64::max);
-        let over_both = |i: usize| {
-            let Described { fitter, .. } = &chosen[i];
-            let is_short = |m: &u64| (*m as f64) * curves[i].sample_s() < from_s * (1.0 - NEAREST);
-            let start = fitter.curve().ms().partition_point(is_short);
-            fitter.curve().from(start)
-        };
-        let curves = [over_both(0), over_both(1)];
+        let from_s = chosen.iter().map(|fit| fit.tau_range[0]).fold(0.0, f64::max);
+        let curves = noise.each_ref().map(|one| {
+            let curve = one.described.fitter.curve();
+            let is_short = |m: &u64| (*m as f64) * curve.sample_s() < from_s * (1.0 - NEAREST);
+            curve.from(curve.ms().partition_point(is_short))
+        });
         let given = Terms::Given(terms.clone());
         let (a, b) = rayon::join(|| fit_record(&curves[0], &given), || fit_record(&curves[1], &given));
-        let described = chosen.map(|one| one.is_described);
-        Ok(Fits { fits: [a?, b?], curves, terms, shown, described })
+        let explained = |one: &Noise| terms.iter().copied().filter(|term| one.explains(*term)).collect();
+        let explained = noise.each_ref().map(explained);
+        let described = noise.each_ref().map(|one| one.described.is_described);
+        let events = noise.map(|one| one.shown);
+        Ok(Fits { fits: [a?, b?], curves, terms, shown, explained, events, described })
     }
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.
     pub(crate) fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
         two(&self.fits, Quantity::Coefficient(term), widening)
+    }
+
+    /// Whether an event of a record explains a term as well.
+    pub(crate) fn is_explained(&self, term: Term) -> bool {
+        self.explained.iter().any(|terms| terms.contains(&term))
     }
 
     /// The differences of all quantities of the terms.
@@ -122,10 +133,13 @@ impl Fits {
     fn difference(&self, quantity: Quantity, two: &Two) -> Difference {
         let (term, _) = quantity.parts();
         let is_shown = self.shown.contains(&term);
-        let value = |fit: &Fit| quantity.of(fit.coefficient(term).filter(|_| is_shown)?).0;
-        let values = [value(&self.fits[0]), value(&self.fits[1])];
+        let value = |i: usize| {
+            let is_shown = is_shown && !self.explained[i].contains(&term);
+            quantity.of(self.fits[i].coefficient(term).filter(|_| is_shown)?).0
+        };
+        let values = [value(0), value(1)];
         let both = values[0].zip(values[1]);
-        let is_there = values.iter().any(Option::is_some);
+        let is_there = values.iter().any(Option::is_some) && !self.is_explained(term);
         let finite = |end: f64| (is_there && end.is_finite()).then_some(end);
         let unbounded = f64::INFINITY;
         let interval = two.interval(WITHIN_95, |a, b| b.unwrap_or(unbounded) - a.unwrap_or(unbounded));

@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::allan::{Angles, Unit};
+use crate::allan::Unit;
 use crate::analysis::compare::{Comparison, NoCommonTime, compare};
-use crate::events::Event;
+use crate::events::Events;
 use crate::fit::Fitting;
 use crate::record::log::channel::Log;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
 
 use crate::analysis::compare::rows::{Row, rows};
-use crate::analysis::log::Treatment;
 use crate::analysis::log::events::{Record, Row as Shown};
+use crate::analysis::log::{Treatment, temperatures};
 
 /// Why two logs cannot be compared.
 #[derive(Debug, thiserror::Error)]
@@ -80,13 +80,14 @@ pub struct Side {
     pub missing: usize,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
-    /// What the record holds besides noise, which is not compared.
-    pub events: Vec<Event>,
+    /// What the record holds besides noise, which is not compared, and the record without it.
+    pub events: Events<'static>,
+    /// Names of the columns of temperature.
+    pub thermometers: Vec<String>,
     /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
     unit: Unit,
     treatment: Treatment,
-    angles: Angles,
 }
 
 impl Side {
@@ -103,8 +104,8 @@ impl Side {
         };
         let samples = channel.view(log.data, log.step_s);
         let (angles, outliers) = treatment.recorded(&samples);
-        let events = treatment.events(&angles, &outliers, &[]);
-        let (list, angles) = (events.list, events.without.into_owned());
+        let (thermometers, temperatures) = temperatures(log);
+        let events = treatment.events(&angles, &outliers, &temperatures).owned();
         Ok(Side {
             path: path.to_owned(),
             column: channel.name.clone(),
@@ -115,11 +116,11 @@ impl Side {
             reading: log.notes.clone(),
             missing: treatment.missing(&samples, &outliers),
             outliers,
-            events: list,
+            events,
+            thermometers,
             overruled: channel.overruled(),
             unit: channel.unit.curves,
             treatment: treatment.of(log),
-            angles,
         })
     }
 }
@@ -140,7 +141,7 @@ impl Analysis {
             return Err(CompareError::Units { units: [a.unit, b.unit], paths: [a.path, b.path] });
         }
         [a.label, b.label] = labels(&a, &b);
-        let comparison = compare(&a.angles, &b.angles, fitting)?;
+        let comparison = compare(&a.events, &b.events, fitting)?;
         let rows = rows(&comparison, a.unit);
         Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
     }
@@ -148,19 +149,13 @@ impl Analysis {
     /// What each record shows besides noise, under its label.
     pub fn events(&self) -> [Vec<Shown>; 2] {
         [0, 1].map(|i| {
-            let Side { label: name, unit, treatment, step_s, events, .. } = &self.sides[i];
+            let Side { label: name, unit, treatment, step_s, events, thermometers, .. } = &self.sides[i];
             // Events are not compared.
             let treatment = &Treatment { events_removed: true, ..*treatment };
-            let record = Record {
-                name,
-                unit: *unit,
-                treatment,
-                step_s: *step_s,
-                is_fit_given: false,
-                thermometers: &[],
-            };
+            let record =
+                Record { name, unit: *unit, treatment, step_s: *step_s, is_fit_given: false, thermometers };
             let same = (i == 1 && self.is_one_record).then(|| record.same(&self.sides[0].label));
-            same.into_iter().chain(record.rows(events)).collect()
+            same.into_iter().chain(record.rows(events.list.iter().chain(self.comparison.shown(i)))).collect()
         })
     }
 
@@ -188,6 +183,6 @@ fn labels(a: &Side, b: &Side) -> [String; 2] {
 
 fn is_one_record(a: &Side, b: &Side) -> bool {
     let file = |side: &Side| side.path.canonicalize().ok();
-    a.angles.values() == b.angles.values()
+    a.events.without.values() == b.events.without.values()
         || (a.column == b.column && file(a).is_some_and(|path| Some(path) == file(b)))
 }

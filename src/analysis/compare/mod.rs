@@ -9,6 +9,7 @@
 //! ```
 //! use sagnac::allan::{Angles, Trend};
 //! use sagnac::analysis::compare::compare;
+//! use sagnac::events::Events;
 //! use sagnac::fit::{Quantity, Term, Terms};
 //!
 //! // Scattered rates, and the same at half the size.
@@ -16,7 +17,7 @@
 //! let rates: Vec<f64> = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5).take(4096).collect();
 //! let [a, b] = [1.0, 0.5].map(|scale| Angles::from_increments(&rates, scale, 1.0, Trend::None));
 //!
-//! let compared = compare(&a, &b, Some(&Terms::Given(vec![Term::AngleRandomWalk]).into()))?;
+//! let compared = compare(&Events::from(&a), &Events::from(&b), Some(&Terms::Given(vec![Term::AngleRandomWalk]).into()))?;
 //! assert_eq!(compared.ratios[3].value, Some(0.5));
 //! let n = &compared.differences.unwrap()[0];
 //! assert_eq!(n.quantity, Quantity::Coefficient(Term::AngleRandomWalk));
@@ -34,7 +35,7 @@
 //! whose variance depends on the true value. The distance between two estimates is that from the common value for which
 //! they are least rare together. p, the interval of the difference and that of the ratio follow from this distance, so
 //! p < 5 % exactly where the 95 % interval excludes 0. A square estimated below 0 counts as 0, so p errs towards "no
-//! difference" for terms that a record does not show.
+//! difference" for terms that a record does not show. A coefficient that an event of a record explains as well is not compared.
 
 pub mod decision;
 pub mod difference;
@@ -58,6 +59,7 @@ use crate::allan::curve::{curve, suppose};
 use crate::allan::{Angles, Deviation, Point, Taus, Trend};
 use crate::analysis::compare::difference::Fits;
 use crate::analysis::log::model;
+use crate::events::{Event, Events};
 use crate::fit::{Fit, FitError, Fitting};
 
 /// The comparison of two records, the first of which has index 0.
@@ -87,6 +89,11 @@ impl Comparison {
         self.fits.as_ref().map_or([true; 2], |fits| fits.described)
     }
 
+    /// What the fit and the spectrum of a record show besides its events.
+    pub fn shown(&self, record: usize) -> &[Event] {
+        self.fits.as_ref().map_or(&[], |fits| &fits.events[record])
+    }
+
     /// The record length required for each of the differences; takes a second or two.
     pub fn lengths(&self) -> Vec<Length> {
         let differences = self.differences.as_deref().unwrap_or_default();
@@ -108,12 +115,13 @@ pub struct NoCommonTime {
     pub longest: [f64; 2],
 }
 
-/// Compares two records whose angles are in the same unit. Without a `fitting`, only the curves are compared.
+/// Compares two records without their events, whose angles are in the same unit. Without a `fitting`, only the curves are compared.
 ///
 /// # Errors
 /// The records have no averaging time in common.
-pub fn compare(a: &Angles, b: &Angles, fitting: Option<&Fitting>) -> Result<Comparison, NoCommonTime> {
-    let records = [a, b];
+pub fn compare(a: &Events, b: &Events, fitting: Option<&Fitting>) -> Result<Comparison, NoCommonTime> {
+    let events = [a, b];
+    let records = events.map(|events| &*events.without);
     let sampling = records.map(|angles| (angles.step_s, angles.len().saturating_sub(1)));
     let common = Common::of(sampling[0], sampling[1]);
     if common.factors.is_empty() {
@@ -123,9 +131,9 @@ pub fn compare(a: &Angles, b: &Angles, fitting: Option<&Fitting>) -> Result<Comp
     }
     let factors = |i: usize| common.factors.iter().map(|pair| pair[i]).collect::<Vec<usize>>();
     let ((curve_a, points_a), (curve_b, points_b)) =
-        rayon::join(|| points(a, &factors(0)), || points(b, &factors(1)));
+        rayon::join(|| points(records[0], &factors(0)), || points(records[1], &factors(1)));
     let ratios: Vec<Ratio> = points_a.into_iter().zip(points_b).map(|(a, b)| Ratio::of(a, b)).collect();
-    let found = fitting.map(|asked| of_fits(records, asked, &ratios)).transpose();
+    let found = fitting.map(|asked| of_fits(events, asked, &ratios)).transpose();
     let (differences, by_fits, fits) = match found {
         Ok(None) => (Ok(vec![]), None, None),
         Ok(Some((differences, same, fits))) => (Ok(differences), same, Some(fits)),
@@ -151,11 +159,12 @@ fn points(angles: &Angles, common: &[usize]) -> (Vec<Point>, Vec<Point>) {
 }
 
 fn of_fits(
-    records: [&Angles; 2],
+    events: [&Events; 2],
     asked: &Fitting,
     ratios: &[Ratio],
 ) -> Result<(Vec<Difference>, Option<Same>, Fits), FitError> {
-    let fits = Fits::of([&asked.curve(records[0])?, &asked.curve(records[1])?], asked)?;
+    let fits = Fits::of(events, asked)?;
+    let records = events.map(|events| &*events.without);
     // A gap costs as much information as the samples missing in it.
     let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));
     let differences = fits.differences(widening);

@@ -33,6 +33,8 @@ pub enum Verdict {
     Equal,
     /// Neither record shows the quantity.
     Neither,
+    /// An event of a record explains the quantity as well.
+    Explained,
 }
 
 impl Verdict {
@@ -44,6 +46,7 @@ impl Verdict {
             Verdict::NotToldApart => "not told apart",
             Verdict::Equal => "equal",
             Verdict::Neither => "in neither record",
+            Verdict::Explained => "not compared",
         }
     }
 }
@@ -52,6 +55,7 @@ impl Row {
     /// The verdict that follows from p.
     pub fn verdict(&self) -> Verdict {
         match self.found.p {
+            None if self.found.values.iter().any(Option::is_some) => Verdict::Explained,
             None => Verdict::Neither,
             Some(p) if p < SIGNIFICANT => match self.found.interval[0] {
                 Some(low) if low >= 0.0 => Verdict::Higher,

@@ -32,6 +32,9 @@ pub struct Same {
 ///
 /// The deviations beyond those of Gaussian noise that the estimates of a record have in common are added to it.
 ///
+/// What a filter leaves in either record, 1/τ² of quantisation noise or of a band limit, is that of its own fit. Because it is
+/// fitted, a difference of that shape is taken out of the χ², which has a degree of freedom less.
+///
 /// `left` is the fraction of the differences of each record that remain despite gaps, for each ratio.
 pub(crate) fn by_fits(
     ratios: &[Ratio],
@@ -48,15 +51,22 @@ pub(crate) fn by_fits(
     let (used, left): (Vec<&Ratio>, Vec<[f64; 2]>) =
         ratios.iter().zip(left).filter(|(ratio, _)| is_used(ratio)).unzip();
     let Some(last) = used.last() else { return Ok(None) };
-    let model: Vec<(Term, f64, f64)> =
-        fits.terms.iter().filter_map(|&term| pooled(fits, term, widening)).collect();
+    let is_of_filter =
+        |term: &Term| *term == Term::BandLimit || *term == Term::Quantisation && fits.is_explained(*term);
+    let (of_filter, of_noise): (Vec<Term>, Vec<Term>) =
+        fits.terms.iter().partition(|term| is_of_filter(term));
+    let common: Vec<(Term, f64, f64)> =
+        of_noise.iter().filter_map(|&term| pooled(fits, term, widening)).collect();
+    let mut trace = vec![];
     let mut rows = vec![vec![0.0; used.len()]; used.len()];
     let mut logarithms: Vec<f64> =
         used.iter().filter_map(|ratio| Some(2.0 * libm::log(ratio.value?))).collect();
     // Two records of equal length share the covariance.
     let mut known = None;
     for (i, sign) in [(0, -1.0), (1, 1.0)] {
-        let process = curves[i].process(&model);
+        let own = fits.fits[i].process.parts.iter().filter(|part| of_filter.contains(&part.term));
+        let own = own.map(|part| (part.term, part.square(), part.shape));
+        let process = curves[i].process(&common.iter().copied().chain(own).collect::<Vec<_>>());
         let samples = curves[i].samples();
         let ms: Vec<u64> = used.iter().map(|ratio| ratio.points[i].m as u64).collect();
         let of_this = (process.sample_s, samples, ms.clone());
@@ -69,6 +79,7 @@ pub(crate) fn by_fits(
             .iter()
             .map(|&m| process.expected(Estimator::OVERLAPPING, samples, m).unwrap_or(f64::NAN))
             .collect();
+        trace = ms.iter().zip(&means).map(|(&m, mean)| 1.0 / (mean * (m * m) as f64)).collect();
         let relative = |j: usize, k: usize| {
             covariance[j][k] / (means[j] * means[k] * libm::sqrt(left[j][i] * left[k][i]))
         };
@@ -83,10 +94,19 @@ pub(crate) fn by_fits(
             }
         }
     }
-    let whitened = Covariance::new(rows)?.whiten(&logarithms);
-    let chi_squared = whitened.iter().map(|x| x * x).sum();
+    let covariance = Covariance::new(rows)?;
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let whitened = covariance.whiten(&logarithms);
+    let mut chi_squared = product(&whitened, &whitened);
+    let mut freedom = used.len();
+    if !of_filter.is_empty() {
+        let trace = covariance.whiten(&trace);
+        let part = product(&whitened, &trace);
+        chi_squared -= part * part / product(&trace, &trace);
+        freedom -= 1;
+    }
     Ok(Some(Same {
-        p: survival(chi_squared, used.len()).max(LEAST_P),
+        p: survival(chi_squared, freedom).max(LEAST_P),
         times: used.len(),
         shortest_s: used[0].tau_s(),
         longest_s: last.tau_s(),

@@ -81,7 +81,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
         Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.length).into())
             .is(Role::Estimate, "Length of records, s, that distinguishes such values in 9 of 10 cases."),
         Of::new("verdict", Unit::NONE, "verdict", |row| text(row.verdict().name()))
-            .is(Role::Note, "`B higher`, `B lower`, `not told apart`, `equal` or `in neither record`."),
+            .is(Role::Note, "`B higher`, `B lower`, `not told apart`, `equal`, `in neither record`, or `not compared` if an event of a record explains it as well."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.found.ratio.into())
             .is(Role::Estimate, "Value of B divided by that of A."),
         Of::new("ratio_lower", Unit::NONE, "ratio_lower", |row| row.found.ratio_interval[0].into())

@@ -95,6 +95,9 @@ fn of_row(row: &Row, unit: Unit, [a, b]: [&str; 2], shorter_s: f64) -> String {
             let [a_most, b_most] = found.at_most.map(|most| at_most(row, most));
             format!("Neither record shows {name}: {a} has {a_most}, {b} {b_most}.")
         }
+        (Verdict::Explained, _) => {
+            format!("{name} is not compared: an event of {other} explains it as well.")
+        }
         (Verdict::Equal, _) => {
             format!("Both have the same {name}: no length of records would show a difference.")
         }

@@ -381,7 +381,7 @@ impl Analysis {
 
 /// The names of the temperatures of a log that change by more than the errors of their sensors, and each at every increment; none
 /// for a log without its dependence on them.
-fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
+pub(crate) fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
     if log.is_compensated {
         return (vec![], vec![]);
     }

@@ -194,7 +194,7 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
     let (Some(low), Some(high)) = (ys().reduce(f64::min), ys().reduce(f64::max)) else { return vec![] };
     let all = || records.iter().map(|(_, record)| record);
     let law = |count: usize, label: &str, is_lost: fn(&Recorded, usize) -> bool, [foot, top]: [f64; 2]| {
-        let lines = all().flat_map(|record| {
+        let lines = records.iter().flat_map(|(style, record)| {
             let time = |sample: usize| record.time(sample as f64) / size;
             let shares = shares(record.values.len(), parts, |sample| is_lost(record, sample));
             let runs = shares.chunk_by(|a, b| (a.1 > 0.0) == (b.1 > 0.0)).filter(|run| run[0].1 > 0.0);
@@ -204,7 +204,7 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
                     [samples.start, samples.end].map(|end| (time(end), foot + share * (top - foot)))
                 });
                 let points = [ends[0]].into_iter().chain(over).chain([ends[1]]).collect();
-                LawLine { colours: vec![], points }
+                LawLine { colours: vec![*style], points }
             });
             bars.collect::<Vec<_>>()
         });
