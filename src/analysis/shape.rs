@@ -93,10 +93,10 @@ impl Noise<'_> {
     pub(crate) fn explains(&self, term: Term) -> bool {
         let shows = |what: What| self.shown.iter().any(|event| event.what == what);
         let is_telegraph = self.events.explains.is_telegraph;
+        let fit = &self.described.fit;
+        let is_found = fit.process.parts.iter().any(|part| part.term == term);
         match term {
-            Term::Quantisation => {
-                shows(What::Filter) || hump::is_hump(&self.events.without, &self.described.fit)
-            }
+            Term::Quantisation => shows(What::Filter) || is_found && hump::is_hump(&self.events.without, fit),
             Term::BiasInstability => is_telegraph || shows(What::Correlated),
             Term::RateRandomWalk => is_telegraph || self.other(term).is_some(),
             _ => self.other(term).is_some(),

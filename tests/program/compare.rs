@@ -260,3 +260,62 @@ fn the_help_has_examples() {
         assert!(unwrapped(&help).contains(piece), "{piece} is missing in\n{help}");
     }
 }
+
+/// Rates at 1 Hz from rates at 2 Hz behind a Butterworth low-pass of the second order at 0.6 Hz, with what it leaves above 0.5 Hz.
+fn filtered(rates: &[f64]) -> Vec<f64> {
+    let c = 1.0 / (0.3 * std::f64::consts::PI).tan();
+    let (d, r) = (c * c + 2_f64.sqrt() * c + 1.0, c * c - 2_f64.sqrt() * c + 1.0);
+    let [mut x1, mut x2, mut y1, mut y2] = [0.0; 4];
+    let next = |&x: &f64| {
+        let y = (x + 2.0 * x1 + x2 - 2.0 * (1.0 - c * c) * y1 - r * y2) / d;
+        (x2, x1, y2, y1) = (x1, x, y1, y);
+        y
+    };
+    rates.iter().map(next).step_by(2).collect()
+}
+
+fn stamped(rates: &[f64], step_s: f64) -> String {
+    let line = |(i, rate): (usize, &f64)| format!("{:.1},{rate:.4}\n", i as f64 * step_s);
+    format!("t [s],gz [deg/h]\n{}", rates.iter().enumerate().map(line).collect::<String>())
+}
+
+#[test]
+fn a_filter_of_one_log_is_no_difference_and_hides_none_of_n() {
+    const SAMPLES: usize = 1 << 17;
+    for (seed, sigma, is_equal) in [(1, 10.0, true), (2, 10.0, true), (3, 11.0, false)] {
+        let desk = two(
+            stamped(&filtered(&white(SAMPLES, 10.0, seed)), 1.0),
+            stamped(&white(SAMPLES, sigma, 100 + seed), 0.5),
+        );
+        let ended = done(&desk, "a.csv b.csv --data rate --column gz --json");
+        let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+        let p = document["same_noise"]["p"].as_f64().unwrap();
+        assert_eq!(document["a"]["events"][0]["event"], "filter or hump", "{document}");
+        assert_eq!(document["b"]["events"], serde_json::json!([]));
+        let rows = document["coefficients"].as_array().unwrap();
+        let n = rows.iter().find(|row| row["coefficient"] == "N").unwrap();
+        let expected = if is_equal { "not told apart" } else { "B higher" };
+        assert!(p < 1e-6 || is_equal, "{p}");
+        assert!((p > 0.05) == is_equal && n["verdict"] == expected, "seed {seed}: p = {p}, {n}");
+    }
+}
+
+#[test]
+fn a_column_of_temperature_is_found_and_its_effect_is_not_compared() {
+    let log = |per_kelvin: f64, seed: u64| {
+        let line = |(i, rate): (usize, f64)| {
+            let kelvin = 5.0 * (i as f64 / 700.0).sin();
+            format!("{:.4},{:.4}\n", rate + per_kelvin * kelvin, 20.0 + kelvin)
+        };
+        let lines: String = white(8192, 1.0, seed).into_iter().enumerate().map(line).collect();
+        format!("gz [deg/h],temp [degC]\n{lines}")
+    };
+    let desk = two(log(0.0, 1), log(0.5, 2));
+    let ended = done(&desk, "a.csv b.csv --data rate --rate 1Hz --json");
+    let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let event = &document["b"]["events"][0];
+    assert_eq!((event["event"].as_str(), event["other"].as_str()), (Some("temperature"), Some("temp")));
+    assert!((event["size"].as_f64().unwrap() / 0.5 - 1.0).abs() < 0.1, "{event}");
+    assert_eq!(document["a"]["events"], serde_json::json!([]));
+    assert!(document["same_noise"]["p"].as_f64().unwrap() > 0.05, "{document}");
+}
