@@ -295,7 +295,7 @@ fn a_filter_of_one_log_is_no_difference_and_hides_none_of_n() {
         let rows = document["coefficients"].as_array().unwrap();
         let n = rows.iter().find(|row| row["coefficient"] == "N").unwrap();
         let expected = if is_equal { "not told apart" } else { "B higher" };
-        assert!(p < 1e-6 || is_equal, "{p}");
+        assert!(p < 1e-4 || is_equal, "seed {seed}: p = {p}");
         assert!((p > 0.05) == is_equal && n["verdict"] == expected, "seed {seed}: p = {p}, {n}");
     }
 }
