@@ -257,9 +257,9 @@ fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict
 }
 
 /// The events of a record as JSON.
-fn shown(record: &Record, reading: &Reading, events: &[Event], is_fit_given: bool) -> String {
+fn shown(record: &Record, reading: &Reading, events: &[Event], keeps_events: bool) -> String {
     let (unit, step_s, treatment) = (record.unit, reading.step_s, &reading.treatment());
-    let of = events::Record { name: "", unit, treatment, step_s, is_fit_given, thermometers: &[] };
+    let of = events::Record { name: "", unit, treatment, step_s, keeps_events, thermometers: &[] };
     Value::from(events::document(&of.rows(events))).to_string()
 }
 
@@ -375,8 +375,8 @@ pub fn fit<'py>(
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
         let events = record.events();
         // Terms that are asked for are fitted to the record as it is.
-        let is_fit_given = matches!(fitting.terms, Terms::Given(_));
-        let events = if is_fit_given { events.kept(&record.angles) } else { events };
+        let keeps_events = matches!(fitting.terms, Terms::Given(_));
+        let events = if keeps_events { events.kept(&record.angles) } else { events };
         let sheet = DataSheet::of(&events, &fitting, record.unit, simulated)
             .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
         let curve = curve_of(&events.without)
@@ -395,7 +395,7 @@ pub fn fit<'py>(
         let subject = Subject { noise: Ok(Some(&sheet)), ..record.subject(reading.step_s) };
         let decision = decide(&[subject], &limits, "record");
         let all = [&events.list[..], &sheet.events].concat();
-        let events = shown(&record, &reading, &all, is_fit_given);
+        let events = shown(&record, &reading, &all, keeps_events);
         Ok((record, sheet, fitted, decision, events))
     })?;
     let document = document(py, &record)?;

@@ -31,8 +31,6 @@ const TELEGRAPH: usize = 4;
 const LEAST_QUARTERS: usize = 2;
 /// Times of a warm-up.
 const TIMES: usize = 12;
-/// Increase of minus twice the logarithm of the likelihood, with penalties, by an explanation that is nearly as good.
-const RIVAL: f64 = 2.0;
 /// Decrease of minus twice the logarithm of the likelihood by two events instead of a random walk from which on they are as good.
 const OF_TWO: f64 = 36.0;
 
@@ -59,7 +57,7 @@ impl Course {
     fn penalty(self) -> f64 {
         match self {
             Course::Step { .. } | Course::Burst { .. } => 22.0,
-            Course::Sine { cycles } => 16.0 + 2.0 * libm::log(4.0 * cycles),
+            Course::Sine { cycles } => 17.5 + 2.0 * libm::log(4.0 * cycles),
             Course::WarmUp { .. } => 17.0,
             Course::Temperature(_) => 16.0,
             Course::Line => 12.0,
@@ -194,13 +192,13 @@ impl<'a> Slow<'a> {
         self.gain(&found, &self.candidate(Course::Line))
     }
 
-    /// One more event that explains the record, alone or with another one, nearly as well as a random walk, if any does.
+    /// One more event that explains the record, alone or with another one, as well as a random walk, if any does.
     pub(crate) fn instead_of_walk(&self, events: &[Found]) -> Option<Found> {
         let mut found: Vec<Candidate> = events.iter().map(|event| self.candidate(event.course)).collect();
         let with = self.least(&found, |node| node.has_walk);
         let (lack, one) = self.likeliest_more(&found, |node| !node.has_walk)?;
         found.push(one);
-        let is_one = lack < with + RIVAL;
+        let is_one = lack < with;
         let of_both = || {
             self.likeliest_more(&found, |node| !node.has_walk)
                 .map(|(lack, other)| lack - other.course.penalty())
@@ -491,45 +489,32 @@ impl<'a> Slow<'a> {
 
     /// The rate of some events at each sample, ″/s.
     pub(crate) fn rates(&self, events: &[Found]) -> Vec<f64> {
-        let count = self.angles.len() - 1;
-        let mut rates = vec![0.0; count];
-        for Found { course, sizes } in events {
-            let mean = match course {
-                Course::Temperature(which) => mean_of(&self.temperatures[*which]),
+        let mut rates = vec![0.0; self.angles.len() - 1];
+        for event in events {
+            let mean = match event.course {
+                Course::Temperature(which) => event.sizes[0] * mean_of(&self.temperatures[which]),
                 _ => 0.0,
             };
-            let at = |i: usize| {
-                let t = i as f64 + 0.5;
-                match *course {
-                    Course::Step { at } => {
-                        if i as f64 >= at {
-                            sizes[0]
-                        } else {
-                            0.0
-                        }
-                    }
-                    Course::Burst { from, to } => {
-                        if i as f64 >= from && (i as f64) < to {
-                            sizes[0]
-                        } else {
-                            0.0
-                        }
-                    }
-                    Course::Sine { cycles } => {
-                        let phase = TAU * cycles * t / count as f64;
-                        sizes[0] * libm::sin(phase) + sizes[1] * libm::cos(phase)
-                    }
-                    Course::WarmUp { time } => sizes[0] * libm::exp(-t / time),
-                    Course::Line => 0.0,
-                    Course::Temperature(which) => {
-                        let from = self.temperatures[which][i] - mean;
-                        if from.is_nan() { 0.0 } else { sizes[0] * from }
-                    }
-                }
-            };
-            rates.par_iter_mut().enumerate().for_each(|(i, rate)| *rate += at(i));
+            let rate = |i: usize| Some(self.rate(event, i) - mean).filter(|x| x.is_finite()).unwrap_or(0.0);
+            rates.par_iter_mut().enumerate().for_each(|(i, sum)| *sum += rate(i));
         }
         rates
+    }
+
+    /// The rate of an event at a sample, ″/s, that of a temperature up to a constant.
+    fn rate(&self, &Found { course, sizes }: &Found, i: usize) -> f64 {
+        let t = i as f64 + 0.5;
+        match course {
+            Course::Step { at } => sizes[0] * f64::from(t > at),
+            Course::Burst { from, to } => sizes[0] * f64::from(t > from && t < to),
+            Course::Sine { cycles } => {
+                let (sin, cos) = libm::sincos(TAU * cycles * t / (self.angles.len() - 1) as f64);
+                sizes[0] * sin + sizes[1] * cos
+            }
+            Course::WarmUp { time } => sizes[0] * libm::exp(-t / time),
+            Course::Line => 0.0,
+            Course::Temperature(which) => sizes[0] * self.temperatures[which][i],
+        }
     }
 
     /// Whether steps are so many that they are telegraph noise.

@@ -153,7 +153,7 @@ impl Analysis {
             // Events are not compared.
             let treatment = &Treatment { events_removed: true, ..*treatment };
             let record =
-                Record { name, unit: *unit, treatment, step_s: *step_s, is_fit_given: false, thermometers };
+                Record { name, unit: *unit, treatment, step_s: *step_s, keeps_events: false, thermometers };
             let same = (i == 1 && self.is_one_record).then(|| record.same(&self.sides[0].label));
             same.into_iter().chain(record.rows(events.list.iter().chain(self.comparison.shown(i)))).collect()
         })

@@ -68,8 +68,8 @@ pub struct Record<'a> {
     pub treatment: &'a Treatment,
     /// Time from sample to sample, s.
     pub step_s: f64,
-    /// Whether it was fitted with its events.
-    pub is_fit_given: bool,
+    /// Whether events stay in the record.
+    pub keeps_events: bool,
     /// Names of the columns of temperature.
     pub thermometers: &'a [String],
 }
@@ -128,7 +128,7 @@ impl Record<'_> {
     /// What the analysis does with an event.
     fn done(&self, event: &Event) -> &'static str {
         match event.what {
-            _ if self.is_fit_given && !self.treatment.events_removed => "kept",
+            _ if self.keeps_events && !self.treatment.events_removed => "kept",
             _ if event.instead_of.is_some() => match event.instead_of {
                 Some(Term::RateRamp) => "possible; R not identified",
                 _ => "possible; K not identified",
@@ -214,7 +214,7 @@ fn record<'a>(analysis: &'a Analysis, column: &'a Column) -> Record<'a> {
         unit: column.unit,
         treatment: &analysis.treatment,
         step_s: analysis.step_s,
-        is_fit_given: analysis.is_fit_given,
+        keeps_events: analysis.keeps_events,
         thermometers: &analysis.thermometers,
     }
 }

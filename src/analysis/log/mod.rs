@@ -27,7 +27,7 @@ use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::{LEAST_CHANGE, averages};
 use crate::events::{Event, Events};
-use crate::fit::{Fitting, Terms, describe};
+use crate::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::record::error::RecordError;
@@ -37,7 +37,7 @@ use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
 use crate::record::log::read::Request;
 use crate::record::log::samples::Samples;
-use crate::theory::allan::Process;
+use crate::theory::allan::{Process, Term};
 
 /// Number of simulated samples from which on the simulation is announced.
 const LONG: usize = 1_000_000_000;
@@ -75,8 +75,9 @@ impl Default for Asked {
 }
 
 impl Asked {
-    fn is_fit_given(&self) -> bool {
-        matches!(self.fitting, Some(Fitting { terms: Terms::Given(_), .. }))
+    /// Whether events stay in the record: there is no fit, or its terms are given.
+    fn keeps_events(&self) -> bool {
+        !matches!(self.fitting, Some(Fitting { terms: Terms::Auto(_), .. }))
     }
 }
 
@@ -106,8 +107,8 @@ pub struct Analysis {
     pub treatment: Treatment,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
     pub reading: Vec<String>,
-    /// Whether the terms of the fit were given, so that it is a fit to the record with its events.
-    pub is_fit_given: bool,
+    /// Whether events stay in the record, because there is no fit or its terms were given.
+    pub keeps_events: bool,
     /// Names of the columns of temperature.
     pub thermometers: Vec<String>,
     /// Requested columns.
@@ -133,7 +134,7 @@ pub struct Column {
     pub gaps: Vec<Range<usize>>,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
-    /// What the record holds besides noise; empty where no coefficients were requested.
+    /// What the record holds besides noise.
     pub events: Vec<Event>,
     /// Mean rate or acceleration in the unit of the curve; absent for plain numbers that are not rates.
     pub mean_rate: Option<f64>,
@@ -337,7 +338,7 @@ impl Analysis {
             confidence: asked.confidence,
             treatment: treatment.of(log),
             reading: log.notes.clone(),
-            is_fit_given: asked.is_fit_given(),
+            keeps_events: asked.keeps_events(),
             thermometers,
             columns,
         })
@@ -428,14 +429,9 @@ fn column(
     let (data, step_s) = (log.data, log.step_s);
     let samples = channel.view(data, step_s);
     let (recorded, outliers) = treatment.recorded(&samples);
-    let is_needed = asked.fitting.is_some() || treatment.events_removed;
-    let mut events = is_needed.then(|| treatment.events(&recorded, &outliers, temperatures));
-    if asked.is_fit_given() && !treatment.events_removed {
-        events = events.map(|events| events.kept(&recorded));
-    }
-    let noise_only: &Angles = events.as_ref().map_or(&recorded, |events| &events.without);
-    let angles = if treatment.events_removed { noise_only } else { &recorded };
-    let model = (asked.intervals == Suppose::Record).then(|| model(noise_only, treatment.trend));
+    let mut events = treatment.events(&recorded, &outliers, temperatures);
+    let angles = if treatment.events_removed { &*events.without } else { &recorded };
+    let model = (asked.intervals == Suppose::Record).then(|| model(&events.without, treatment.trend));
     let curves = asked.deviations.iter().map(|&deviation| {
         let factors = asked.taus.factors(angles.len(), step_s, deviation)?;
         let mut points = curve(angles, deviation, &factors, asked.confidence);
@@ -457,8 +453,13 @@ fn column(
             channel.name
         ));
     }
-    let noise = asked.fitting.as_ref().zip(events.as_ref());
-    let noise = noise.map(|(asked, events)| DataSheet::of(events, asked, unit, simulated)).transpose();
+    let slope = slope(angles, &samples);
+    let spread = angles.spread().clone();
+    if asked.keeps_events() && !treatment.events_removed {
+        events = events.kept(&recorded);
+    }
+    let noise =
+        asked.fitting.as_ref().map(|asked| DataSheet::of(&events, asked, unit, simulated)).transpose();
     Ok(Column {
         name: channel.name.clone(),
         unit,
@@ -468,26 +469,30 @@ fn column(
         same_as: None,
         gaps: samples.gaps(),
         mean_rate: samples.mean_rate(),
-        slope: slope(angles, &samples),
-        spread: angles.spread().clone(),
+        slope,
+        spread,
         curves,
         outliers,
-        events: listed(events.map(|events| events.list), &noise),
+        events: listed(events.list, &noise),
         noise,
     })
 }
 
 /// The events of a record with those that its fit shows.
-fn listed(events: Option<Vec<Event>>, noise: &Result<Option<DataSheet>, String>) -> Vec<Event> {
+fn listed(events: Vec<Event>, noise: &Result<Option<DataSheet>, String>) -> Vec<Event> {
     let of_fit = noise.as_ref().ok().and_then(Option::as_ref).map(|noise| noise.events.clone());
-    events.into_iter().chain(of_fit).flatten().collect()
+    events.into_iter().chain(of_fit.into_iter().flatten()).collect()
 }
 
 /// The noise that describes the curve of a record, with the shortest τ from which it does; `None` where none does.
 pub fn model(angles: &Angles, trend: Trend) -> Option<(Process, f64)> {
     let asked = Fitting::from(Terms::of_model(trend));
-    let described = describe(&asked.curve(angles).ok()?, &asked).ok()?;
-    described.is_described.then(|| (described.fit.process, described.fit.tau_range[0]))
+    let Described { mut fit, is_described, .. } = describe(&asked.curve(angles).ok()?, &asked).ok()?;
+    let is_ramp = |found: &Coefficient| found.term == Term::RateRamp && found.verdict == Verdict::Identified;
+    // A ramp within its bound would make estimates at long τ look certain.
+    let has_ramp = fit.coefficients.iter().any(is_ramp);
+    fit.process.parts.retain(|part| part.term != Term::RateRamp || has_ramp);
+    is_described.then_some((fit.process, fit.tau_range[0]))
 }
 
 /// The slope removed from some samples, in the unit of the curve per s.
