@@ -94,9 +94,13 @@ impl Record<'_> {
         self.row("gap", Some(samples.clone()), "left out")
     }
 
-    fn outlier(&self, sample: usize) -> Row {
+    fn outlier(&self, sample: usize, events: &[Event]) -> Row {
         let samples = Some(sample..sample + 1);
-        match self.treatment.outliers_removed {
+        // One of a long tail is no event.
+        let is_in = |event: &Event| {
+            event.what == What::Spikes && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
+        };
+        match self.treatment.outliers_removed || self.treatment.events_removed && events.iter().any(is_in) {
             true => self.row("outlier", samples, "removed"),
             false => Row { option: "--remove-outliers".to_owned(), ..self.row("outlier", samples, "kept") },
         }
@@ -198,8 +202,9 @@ pub fn table(analysis: &Analysis) -> Table {
     let all = |column| {
         let record = record(analysis, column);
         let gaps = column.gaps.iter().map(|gap| record.gap(gap));
-        let mut rows: Vec<Row> =
-            gaps.chain(column.outliers.samples.iter().map(|&sample| record.outlier(sample))).collect();
+        let mut rows: Vec<Row> = gaps
+            .chain(column.outliers.samples.iter().map(|&sample| record.outlier(sample, &column.events)))
+            .collect();
         rows.sort_by(|a, b| a.time_s.partial_cmp(&b.time_s).unwrap_or(Ordering::Equal));
         rows.extend(of_column(analysis, column));
         rows
