@@ -98,7 +98,8 @@ impl Record<'_> {
         let samples = Some(sample..sample + 1);
         // One of a long tail is no event.
         let is_in = |event: &Event| {
-            event.what == What::Spikes && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
+            matches!(event.what, What::NoiseBurst | What::Spikes)
+                && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
         };
         match self.treatment.outliers_removed || self.treatment.events_removed && events.iter().any(is_in) {
             true => self.row("outlier", samples, "removed"),
@@ -143,7 +144,7 @@ impl Record<'_> {
             What::Correlated => "B not identified",
             What::Telegraph => "B and K not identified",
             _ if self.treatment.events_removed => REMOVED,
-            What::Spikes => "left out of the fit",
+            What::NoiseBurst | What::Spikes => "left out of the fit",
             _ => "subtracted for the fit",
         }
     }
@@ -171,8 +172,8 @@ pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
         key(|row| text(&row.record)),
         Of::new("event", Unit::NONE, "event", |row| text(row.what))
             .is(Role::Key, "`gap` for missing samples, `outlier` for a sample that stands out from its neighbours, else the kind of the event: \
-                spikes, step, burst, slow sine, warm-up, temperature, telegraph noise, correlated noise, line, filter or hump, whole units, \
-                same record."),
+                noise burst, spikes, step, burst, slow sine, warm-up, temperature, telegraph noise, correlated noise, line, filter or hump, \
+                whole units, same record."),
         Of::new("time", Unit::S, "time", |row| row.time_s.into())
             .is(Role::Coordinate, "Time of the first of the samples from the start of the file, s; blank for what lasts through the record."),
         Of::new("length", Unit::S, "length", |row| row.length_s.into())
@@ -180,8 +181,9 @@ pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
         Of::new("samples", Unit::NONE, "samples", |row| Cell::Integer(row.count as i64))
             .is(Role::Count, "Number of samples of a gap, of spikes, or of steps."),
         Of::new("size", Unit::NONE, "size", |row| row.of_event(|event| event.size).into())
-            .is(Role::Estimate, "Change of a step or burst, amplitude of a sine or line, rate at the start of a warm-up, half the distance of the \
-                levels of telegraph noise, largest distance of a spike, unit of the readout, in `unit`; for a temperature in `unit` per K."),
+            .is(Role::Estimate, "Standard deviation of a sample of the noise that a noise burst adds, change of a step or burst, amplitude of a sine or \
+                line, rate at the start of a warm-up, half the distance of the levels of telegraph noise, largest distance of a spike, unit of \
+                the readout, in `unit`; for a temperature in `unit` per K."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of `size`."),
         Of::new("f", Unit::HZ, "frequency", |row| row.of_event(|event| event.frequency_hz).into())
