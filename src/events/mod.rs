@@ -1,14 +1,15 @@
-//! What a record holds besides noise: spikes, steps, bursts, slow sines, warm-ups, the effect of a temperature, telegraph noise,
-//! lines of the spectrum and whole units of the readout.
+//! What a record holds besides steady noise: noise bursts, spikes, steps, bursts, slow sines, warm-ups, the effect of a temperature,
+//! telegraph noise, lines of the spectrum and whole units of the readout.
 //!
 //! ```text
-//! Angles, Outliers, temperatures ─ Events::of ─┬─ spikes: left out
+//! Angles, Outliers, temperatures ─ Events::of ─┬─ noise bursts, spikes: left out
 //!                                              ├─ slow: steps, bursts, sines, warm-ups, temperature ─ subtracted
 //!                                              └─ lines of the spectrum ─ subtracted ─▶ Events: a list, and the record without them
 //! ```
 
 mod gaussian;
 mod narrow;
+mod noise_bursts;
 mod slow;
 mod telegraph;
 mod units;
@@ -19,7 +20,7 @@ pub(crate) use crate::events::units::is_coarse;
 
 use crate::allan::Angles;
 use crate::events::slow::{Course, Found, Slow};
-use crate::record::log::outliers::Outliers;
+use crate::record::log::outliers::{self, Outliers};
 use crate::spectrum::{Density, Line, Welch, lines};
 use crate::theory::allan::Term;
 
@@ -35,6 +36,8 @@ const OF_RAMP: f64 = 6.0;
 /// The kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
+    /// A stretch in which the white noise is larger.
+    NoiseBurst,
     /// Samples that stand out from their neighbours.
     Spikes,
     /// A change of the mean rate that lasts.
@@ -63,6 +66,7 @@ impl What {
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
+            What::NoiseBurst => "noise burst",
             What::Spikes => "spikes",
             What::Step => "step",
             What::Burst => "burst",
@@ -83,8 +87,9 @@ impl What {
 pub struct Event {
     /// Kind.
     pub what: What,
-    /// Its size, ″/s: the change of a step, the amplitude of a sine or a line, half the distance of the levels of telegraph noise, the
-    /// rate at the start of a warm-up, the largest distance of spikes, the unit of the readout; per K for a temperature.
+    /// Its size, ″/s: the standard deviation of a sample of the noise that a noise burst adds, the change of a step, the amplitude of a
+    /// sine or a line, half the distance of the levels of telegraph noise, the rate at the start of a warm-up, the largest distance of
+    /// spikes, the unit of the readout; per K for a temperature.
     pub size: Option<f64>,
     /// Its first sample and the end of the last one; absent where it lasts through the record.
     pub samples: Option<[usize; 2]>,
@@ -111,9 +116,9 @@ impl Event {
 /// The events of a record, and the record without them.
 #[derive(Debug)]
 pub struct Events<'a> {
-    /// The events, spikes first and lines last.
+    /// The events, whole units, noise bursts and spikes first and lines last.
     pub list: Vec<Event>,
-    /// The record without the spikes, the slow events and the lines.
+    /// The record without the noise bursts, the spikes, the slow events and the lines.
     pub without: Cow<'a, Angles>,
     /// The density of the record without them; absent for a short record.
     pub(crate) density: Option<Density>,
@@ -145,9 +150,19 @@ impl<'a> Events<'a> {
     pub fn of(angles: &'a Angles, outliers: &Outliers, temperatures: &[Vec<f64>]) -> Events<'a> {
         let mut events = Events::from(angles);
         events.list.extend(units::of(angles));
+        let bursts = noise_bursts::stretches(angles);
+        let mut again = None;
+        if !bursts.is_empty() {
+            let without = angles.without(None, &bursts.iter().cloned().flatten().collect::<Vec<usize>>());
+            events.list.extend(bursts.iter().map(|samples| noise_bursts::event(angles, samples, &without)));
+            // The others stand out from less noise.
+            again = Some(outliers::outliers(&without.rates(0..without.len() - 1)));
+            events.without = Cow::Owned(without);
+        }
+        let outliers = again.as_ref().unwrap_or(outliers);
         if outliers.are_spikes(angles.len()) {
-            events.list.push(spikes(angles, outliers));
-            events.without = Cow::Owned(angles.without(None, &outliers.samples));
+            events.list.push(spikes(&events.without, outliers));
+            events.without = Cow::Owned(events.without.without(None, &outliers.samples));
         }
         events.slow(temperatures);
         events.lines();

@@ -23,6 +23,8 @@ const LEAST_SHARE: f64 = 0.25;
 const FLICKER: [f64; 6] = [0.0, 0.25, 2.0, 16.0, 128.0, 1024.0];
 const WALK: [f64; 8] = [0.0, 0.03, 0.25, 2.0, 16.0, 128.0, 1024.0, 8192.0];
 
+/// Fewest samples of a burst within one block: the mean of fewer has the tails of the noise.
+const LEAST_BURST: usize = 16;
 /// Most events.
 const MOST: usize = 40;
 /// Fewest steps that are telegraph noise.
@@ -333,11 +335,10 @@ impl<'a> Slow<'a> {
             }
         }
         let start = |j: usize| (self.places[j] * self.m) as f64;
-        let mut courses = vec![
-            Course::Step { at: start(step.1.max(1)) },
-            Course::Burst { from: start(burst.1), to: start(burst.1) + self.m as f64 },
-            Course::Line,
-        ];
+        let mut courses = vec![Course::Step { at: start(step.1.max(1)) }, Course::Line];
+        if self.m >= LEAST_BURST {
+            courses.push(Course::Burst { from: start(burst.1), to: start(burst.1) + self.m as f64 });
+        }
         let cycles = (LEAST_QUARTERS..3 * count / 2).map(|quarters| 0.25 * quarters as f64);
         let of_sine = |cycles: f64| {
             let [s, c] = self.sine(cycles);

@@ -2,8 +2,8 @@
 //!
 //! `benches/record_events_numpy.py` counts the same over many records of NumPy.
 
-use rand::SeedableRng;
 use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 use sagnac::allan::angles::Angles;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
@@ -143,4 +143,68 @@ fn a_readout_in_whole_units_is_noted() {
     let rates: Vec<f64> = white(4).iter().map(|x| 2.0 * (x / 2.0).round()).collect();
     let (events, _) = found(&rates, &[]);
     assert!(events[0].what == What::Units && is_near(events[0].size, 2.0, 1e-9), "{events:?}");
+}
+
+/// Noise that is not Gaussian, independent from sample to sample.
+fn not_gaussian(noise: &str, samples: usize, seed: u64) -> Vec<f64> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    let mut uniform = || rng.random_range(-1.0..1.0_f64);
+    let sample = || match noise {
+        "uniform" => uniform(),
+        "Laplace" => uniform().signum() * (1.0 - uniform().abs()).ln(),
+        // Two values and a little noise.
+        _ => uniform().signum() + 0.2 * (uniform() + uniform()),
+    };
+    std::iter::repeat_with(sample).take(samples).collect()
+}
+
+#[test]
+fn noise_that_is_not_gaussian_has_no_events() {
+    for noise in ["uniform", "Laplace", "two values"] {
+        let count = |samples: usize| {
+            let has_events = |seed: &u64| {
+                found(&not_gaussian(noise, samples, *seed), &[])
+                    .0
+                    .iter()
+                    .any(|event| event.what != What::Units)
+            };
+            (0..10).filter(has_events).count()
+        };
+        for samples in [500, 5000, 50_000] {
+            let with_events = count(samples);
+            assert!(with_events <= 1, "{noise}, {samples} samples: {with_events} of 10");
+        }
+    }
+}
+
+#[test]
+fn a_noise_burst_is_found_and_left_out() {
+    let louder = 5000..7000;
+    let is_right = |seed: u64| {
+        let mut rates = white(seed);
+        rates[louder.clone()].iter_mut().for_each(|x| *x *= 3.0);
+        let (events, sheet) = found(&rates, &[]);
+        assert_eq!(events[0].what, What::NoiseBurst, "seed {seed}: {events:?}");
+        let [from, to] = events[0].samples.unwrap();
+        assert!(from.abs_diff(5000) <= 48 && to.abs_diff(7000) <= 48, "seed {seed}: {events:?}");
+        // Noise of 3 is noise of 1 and of √8.
+        assert!(is_near(events[0].size, 8.0_f64.sqrt(), 0.1), "seed {seed}: {events:?}");
+        events.len() == 1 && is_white(&sheet)
+    };
+    let right = (1..9).filter(|&seed| is_right(seed)).count();
+    assert!(right >= 6, "{right} of 8");
+}
+
+#[test]
+fn spikes_within_a_noise_burst_belong_to_it_and_loud_halves_are_none() {
+    let mut rates = white(5);
+    rates[1000..1160].iter_mut().for_each(|x| *x *= 30.0);
+    rates[9000] += 60.0;
+    let (events, _) = found(&rates, &[]);
+    assert_eq!(events.iter().map(|event| event.what).collect::<Vec<_>>(), [What::NoiseBurst, What::Spikes]);
+    assert_eq!(events[1].samples, Some([9000, 9001]), "{events:?}");
+    let mut rates = white(6);
+    rates[2000..SAMPLES - 2000].iter_mut().for_each(|x| *x *= 3.0);
+    let (events, _) = found(&rates, &[]);
+    assert!(events.iter().all(|event| event.what != What::NoiseBurst), "{events:?}");
 }

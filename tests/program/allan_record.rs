@@ -5,7 +5,7 @@ use crate::logs::{desk_with, noise};
 
 /// 4000 samples at 100 Hz in two columns, with gaps, outliers, a step, and a temperature on which the first column depends.
 fn desk() -> Desk {
-    // Nearly Gaussian: bounded noise is taken for telegraph noise.
+    // Nearly Gaussian.
     let others: Vec<f64> = noise(20_000).skip(4000).collect();
     let second: Vec<f64> = others.chunks(4).map(|four| four.iter().sum()).collect();
     let row = |(i, y): (usize, f64)| {
@@ -61,6 +61,16 @@ fn a_record_without_events_has_none() {
     desk.done(&format!("allan again.csv --out again {words}"));
     assert!(desk.read("log/events.csv").contains(",step,"));
     assert!(!desk.read("again/events.csv").contains(",step,"), "{}", desk.read("again/events.csv"));
+    desk.done(&format!(
+        "allan log.csv --unit deg/h --column a --temperature temp --remove-events --out spikes {words}"
+    ));
+    let outliers: Vec<String> = desk
+        .table("spikes/events.csv")
+        .iter()
+        .filter(|row| row["event"] == "outlier")
+        .map(|row| row["done"].clone())
+        .collect();
+    assert_eq!(outliers, ["removed"; 4]);
     // Sums of rates are rounded, so values are the same to nine digits, as files have them.
     let curves = ["log", "again"].map(|folder| desk.table(&format!("{folder}/curve.csv")));
     for (log, again) in curves[0].iter().zip(&curves[1]) {

@@ -94,9 +94,14 @@ impl Record<'_> {
         self.row("gap", Some(samples.clone()), "left out")
     }
 
-    fn outlier(&self, sample: usize) -> Row {
+    fn outlier(&self, sample: usize, events: &[Event]) -> Row {
         let samples = Some(sample..sample + 1);
-        match self.treatment.outliers_removed {
+        // One of a long tail is no event.
+        let is_in = |event: &Event| {
+            matches!(event.what, What::NoiseBurst | What::Spikes)
+                && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
+        };
+        match self.treatment.outliers_removed || self.treatment.events_removed && events.iter().any(is_in) {
             true => self.row("outlier", samples, "removed"),
             false => Row { option: "--remove-outliers".to_owned(), ..self.row("outlier", samples, "kept") },
         }
@@ -139,7 +144,7 @@ impl Record<'_> {
             What::Correlated => "B not identified",
             What::Telegraph => "B and K not identified",
             _ if self.treatment.events_removed => REMOVED,
-            What::Spikes => "left out of the fit",
+            What::NoiseBurst | What::Spikes => "left out of the fit",
             _ => "subtracted for the fit",
         }
     }
@@ -167,8 +172,8 @@ pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
         key(|row| text(&row.record)),
         Of::new("event", Unit::NONE, "event", |row| text(row.what))
             .is(Role::Key, "`gap` for missing samples, `outlier` for a sample that stands out from its neighbours, else the kind of the event: \
-                spikes, step, burst, slow sine, warm-up, temperature, telegraph noise, correlated noise, line, filter or hump, whole units, \
-                same record."),
+                noise burst, spikes, step, burst, slow sine, warm-up, temperature, telegraph noise, correlated noise, line, filter or hump, \
+                whole units, same record."),
         Of::new("time", Unit::S, "time", |row| row.time_s.into())
             .is(Role::Coordinate, "Time of the first of the samples from the start of the file, s; blank for what lasts through the record."),
         Of::new("length", Unit::S, "length", |row| row.length_s.into())
@@ -176,8 +181,9 @@ pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
         Of::new("samples", Unit::NONE, "samples", |row| Cell::Integer(row.count as i64))
             .is(Role::Count, "Number of samples of a gap, of spikes, or of steps."),
         Of::new("size", Unit::NONE, "size", |row| row.of_event(|event| event.size).into())
-            .is(Role::Estimate, "Change of a step or burst, amplitude of a sine or line, rate at the start of a warm-up, half the distance of the \
-                levels of telegraph noise, largest distance of a spike, unit of the readout, in `unit`; for a temperature in `unit` per K."),
+            .is(Role::Estimate, "Standard deviation of a sample of the noise that a noise burst adds, change of a step or burst, amplitude of a sine or \
+                line, rate at the start of a warm-up, half the distance of the levels of telegraph noise, largest distance of a spike, unit of \
+                the readout, in `unit`; for a temperature in `unit` per K."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of `size`."),
         Of::new("f", Unit::HZ, "frequency", |row| row.of_event(|event| event.frequency_hz).into())
@@ -198,8 +204,9 @@ pub fn table(analysis: &Analysis) -> Table {
     let all = |column| {
         let record = record(analysis, column);
         let gaps = column.gaps.iter().map(|gap| record.gap(gap));
-        let mut rows: Vec<Row> =
-            gaps.chain(column.outliers.samples.iter().map(|&sample| record.outlier(sample))).collect();
+        let mut rows: Vec<Row> = gaps
+            .chain(column.outliers.samples.iter().map(|&sample| record.outlier(sample, &column.events)))
+            .collect();
         rows.sort_by(|a, b| a.time_s.partial_cmp(&b.time_s).unwrap_or(Ordering::Equal));
         rows.extend(of_column(analysis, column));
         rows
