@@ -39,6 +39,8 @@ use crate::record::log::read::Request;
 use crate::record::log::samples::Samples;
 use crate::theory::allan::{Process, Term};
 
+/// Number of samples by which records are told apart.
+const HASHED: usize = 1 << 16;
 /// Number of simulated samples from which on the simulation is announced.
 const LONG: usize = 1_000_000_000;
 
@@ -411,10 +413,12 @@ fn note_equal(columns: &mut [Column], earlier: &mut Vec<(u64, String)>, name: im
     }
 }
 
-/// The hash of some samples.
+/// The hash of the number of some samples and of [`HASHED`] of them.
 fn digest(samples: &[f64]) -> u64 {
     let mut hasher = DefaultHasher::new();
-    samples.iter().for_each(|sample| hasher.write_u64(sample.to_bits()));
+    hasher.write_usize(samples.len());
+    let hashed = samples.iter().step_by((samples.len() / HASHED).max(1));
+    hashed.for_each(|sample| hasher.write_u64(sample.to_bits()));
     hasher.finish()
 }
 
