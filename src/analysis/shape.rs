@@ -17,6 +17,8 @@ const BANDS: usize = 12;
 const LEAST_IN_BAND: usize = 8;
 /// Lowest frequency that is compared, in spacings of the density: below, its window mixes slow noise.
 const FIRST: usize = 16;
+/// Least share of the samples that must be known for a shape.
+const LEAST_SHARE: f64 = 0.999;
 /// Probability of so different a shape, below which it contradicts.
 const LEAST_P: f64 = 1e-5;
 
@@ -40,7 +42,9 @@ impl Noise<'_> {
         let mut described = describe(&curve, asked)?;
         let mut shown = vec![];
         let is_chosen = matches!(asked.terms, Terms::Auto(_)) && described.is_described;
-        if let (Some(density), None, true) = (&events.density, asked.from_s, is_chosen)
+        // Bridges over gaps are smoother than noise.
+        let is_whole = events.without.bridged().share > LEAST_SHARE;
+        if let (Some(density), None, true) = (&events.density, asked.from_s, is_chosen && is_whole)
             && contradicts(density, &described.fit)
         {
             shown.push(Event::of(What::Filter));

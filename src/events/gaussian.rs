@@ -26,6 +26,11 @@ pub(crate) fn markov(values: &[f64]) -> (f64, f64) {
     best.map_or((f64::INFINITY, 0.0), |(lack, [time, ..])| (lack, libm::exp2(time)))
 }
 
+/// Minus twice the logarithm of the likelihood with white noise alone.
+pub(crate) fn white(values: &[f64]) -> f64 {
+    lack(values, [], [])
+}
+
 /// Minus twice the logarithm of the likelihood with the best flicker noise and random walk.
 pub(crate) fn flicker(values: &[f64]) -> f64 {
     let mut times = [values.len() as f64; FLICKER + 1];

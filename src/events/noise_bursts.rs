@@ -16,7 +16,7 @@ use crate::events::{Event, What};
 const MOST_BLOCKS: usize = 1024;
 const LEAST_BLOCKS: usize = 32;
 const LEAST_SAMPLES: usize = 16;
-const EXAMINED: usize = 2048;
+const EXAMINED: usize = 512;
 /// Least share of the squares of a block that must be known.
 const LEAST_SHARE: f64 = 0.25;
 /// Most that a square counts, relative to the median of the means of blocks, so that a spike makes no block loud.

@@ -313,11 +313,8 @@ impl<'a> Slow<'a> {
     fn likeliest(&self, found: &[Candidate], at: usize) -> Vec<Course> {
         let count = self.values.len();
         let Some(matrix) = self.beside(found, at) else { return vec![] };
-        let residual: Vec<f64> =
-            (0..count).map(|i| dot(&matrix[i * count..(i + 1) * count], &self.values)).collect();
-        let times = |x: &[f64]| -> Vec<f64> {
-            (0..count).map(|i| dot(&matrix[i * count..(i + 1) * count], x)).collect()
-        };
+        let residual = product(&matrix, &self.values);
+        let times = |x: &[f64]| product(&matrix, x);
         // Steps, from the last block on.
         let (mut sum, mut square) = (0.0, 0.0);
         let (mut step, mut burst) = ((0.0, 0), (0.0, 0));
@@ -373,8 +370,7 @@ impl<'a> Slow<'a> {
         let count = self.values.len();
         let mut matrix = self.nodes[at].precision.clone();
         for column in found.iter().flat_map(|candidate| &candidate.columns) {
-            let product: Vec<f64> =
-                (0..count).map(|i| dot(&matrix[i * count..(i + 1) * count], &column.x)).collect();
+            let product = product(&matrix, &column.x);
             let square = dot(&product, &column.x);
             if square <= 0.0 {
                 return None;
@@ -387,12 +383,8 @@ impl<'a> Slow<'a> {
     }
 
     fn candidate(&self, course: Course) -> Candidate {
-        let count = self.values.len();
         let of = |x: Vec<f64>| {
-            let product = |node: &Node| -> Vec<f64> {
-                (0..count).map(|i| dot(&node.precision[i * count..(i + 1) * count], &x)).collect()
-            };
-            let products = self.nodes.iter().map(product).collect();
+            let products = self.nodes.iter().map(|node| product(&node.precision, &x)).collect();
             Column { x, products }
         };
         Candidate { course, columns: self.columns(course).into_iter().map(of).collect() }
@@ -544,14 +536,13 @@ impl Node {
         };
         let factor = cholesky::definite(count, cell)?;
         let determinant: f64 = factor.iter().enumerate().map(|(i, row)| 2.0 * libm::log(row[i])).sum();
-        let unit = |i: usize| (0..count).map(|j| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
-        let mut precision: Vec<f64> = (0..count).flat_map(|i| cholesky::solve(&factor, unit(i))).collect();
+        let mut precision = cholesky::inverse(&factor);
         let sums: Vec<f64> = precision.chunks(count).map(|row| row.iter().sum()).collect();
         let whole: f64 = sums.iter().sum();
         for (row, a) in precision.chunks_mut(count).zip(&sums) {
             row.iter_mut().zip(&sums).for_each(|(cell, b)| *cell -= a * b / whole);
         }
-        let towards: Vec<f64> = precision.chunks(count).map(|row| dot(row, values)).collect();
+        let towards = product(&precision, values);
         Some(Node {
             has_flicker: flicker > 0.0,
             has_walk: walk > 0.0,
@@ -561,6 +552,15 @@ impl Node {
             precision,
         })
     }
+}
+
+/// A symmetric matrix times a column.
+fn product(matrix: &[f64], x: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; x.len()];
+    for (row, x) in matrix.chunks(x.len()).zip(x) {
+        sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell * x);
+    }
+    sums
 }
 
 /// The mean of those that are known.

@@ -11,6 +11,8 @@ use crate::events::gaussian;
 /// Increase of twice the logarithm of the likelihood by two levels over Gaussian noise. The false alarms of records of the models of
 /// docs/numerics.md were counted.
 const PENALTY: f64 = 12.0;
+/// Least increase by Markov noise over white noise, without which there are no levels.
+const LEAST_OF_MARKOV: f64 = 6.0;
 /// Increase of twice the logarithm of the likelihood by noise with a correlation time over flicker noise, and the part of the increase by
 /// two levels that counts. Of 250 records of an hour with N = 0.3 °/√h, 3 % of those with B = 3 °/h are above it, and 94 % of those with
 /// telegraph noise of ±5 °/h and 20 s.
@@ -38,11 +40,15 @@ pub(crate) struct Telegraph {
 /// The levels of the means of blocks, NaN where one is missing, if they explain them better than Gaussian noise, and by how much.
 pub(crate) fn levels(values: &[f64]) -> Option<(f64, Telegraph)> {
     let (scaled, deviation) = scaled(values)?;
+    let (markov, _) = gaussian::markov(&scaled);
+    // Telegraph noise has the spectrum of Markov noise.
+    if gaussian::white(&scaled) - markov < LEAST_OF_MARKOV {
+        return None;
+    }
     let (lack, size, jump) = likeliest_levels(&scaled)?;
     let over = |gaussian: f64| gaussian - lack - PENALTY;
-    let gain = over(gaussian::markov(&scaled).0);
     // Flicker noise takes longer.
-    let gain = if gain > 0.0 { gain.min(over(gaussian::flicker(&scaled))) } else { gain };
+    let gain = if over(markov) > 0.0 { over(markov.min(gaussian::flicker(&scaled))) } else { over(markov) };
     let is_telegraph = gain > 0.0 && jump * scaled.len() as f64 >= LEAST_JUMPS;
     is_telegraph.then_some((gain, Telegraph { size: size * deviation, blocks: 1.0 / jump }))
 }

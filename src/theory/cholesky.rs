@@ -75,9 +75,42 @@ pub fn solve_transposed(factor: &[impl AsRef<[f64]>], mut x: Vec<f64>) -> Vec<f6
     x
 }
 
+/// The inverse of L Lᵀ, row by row.
+pub fn inverse(factor: &[Vec<f64>]) -> Vec<f64> {
+    let count = factor.len();
+    let mut inverse = vec![0.0; count * count];
+    // The rows of the inverse of L.
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(count);
+    for (i, of_factor) in factor.iter().enumerate() {
+        let mut row = vec![0.0; i + 1];
+        for (above, size) in rows.iter().zip(of_factor) {
+            row.iter_mut().zip(above).for_each(|(x, y)| *x -= size * y);
+        }
+        row[i] = 1.0;
+        row.iter_mut().for_each(|x| *x /= of_factor[i]);
+        for (j, x) in row.iter().enumerate() {
+            inverse[j * count..].iter_mut().zip(&row).for_each(|(sum, y)| *sum += x * y);
+        }
+        rows.push(row);
+    }
+    inverse
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_inverse_times_the_matrix_is_one() {
+        let at = |i: usize, j: usize| 1.0 / (1 + i + j) as f64 + f64::from(u8::from(i == j));
+        let inverse = inverse(&definite(6, at).unwrap());
+        for i in 0..6 {
+            for j in 0..6 {
+                let cell: f64 = (0..6).map(|k| inverse[6 * i + k] * at(k, j)).sum();
+                assert!((cell - f64::from(u8::from(i == j))).abs() < 1e-14, "{i}, {j}: {cell}");
+            }
+        }
+    }
 
     #[test]
     fn rows_of_a_singular_matrix_have_its_numbers_as_products() {

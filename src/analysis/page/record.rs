@@ -208,8 +208,7 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
             });
             bars.collect::<Vec<_>>()
         });
-        let lines = lines.collect();
-        (count > 0).then(|| Law { label: format!("{count} {label}"), lines, is_area: true })
+        (count > 0).then(|| Law { label: format!("{count} {label}"), lines: lines.collect(), is_area: true })
     };
     let missing = all().flat_map(|record| record.gaps).map(Range::len).sum();
     let removed = all().map(|record| record.removed.len()).sum();

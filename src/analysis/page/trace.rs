@@ -15,11 +15,12 @@ pub(crate) fn extremes(values: &[f64], parts: usize) -> Vec<Option<usize>> {
         both
     };
     let length = (values.len() / parts).max(1);
+    let has_gaps = values.iter().fold(false, |has, value| has | !value.is_finite());
     let is_gap = |run: &[f64]| run.len() >= length && !run[0].is_finite();
     let mut drawn: Vec<Option<usize>> = Vec::new();
     let mut from = 0;
     for place in stretches(values.len(), parts).flat_map(of_part) {
-        if values[from..place].chunk_by(|a, b| a.is_finite() == b.is_finite()).any(is_gap) {
+        if has_gaps && values[from..place].chunk_by(|a, b| a.is_finite() == b.is_finite()).any(is_gap) {
             drawn.push(None);
         }
         drawn.push(Some(place));
