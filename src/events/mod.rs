@@ -25,7 +25,7 @@ use crate::spectrum::{Density, Line, Welch, lines};
 use crate::theory::allan::Term;
 
 /// Most angles in which lines are looked for, from the middle of the record.
-const MOST_EXAMINED: usize = 1 << 21;
+const MOST_EXAMINED: usize = 1 << 20;
 /// Most lines that are subtracted.
 const MOST_LINES: usize = 40;
 /// Numbers of blocks at which telegraph noise is looked for.
