@@ -25,6 +25,8 @@ pub struct Row {
     pub symbol: &'static str,
     /// Value; absent where it is not identified.
     pub value: Option<f64>,
+    /// What it is in the fit and in the curve of the fit, also where it is not identified; absent where the fit does without it.
+    pub fitted: Option<f64>,
     /// 95 % interval.
     pub interval: Option<[f64; 2]>,
     /// Verdict, such as `identified`.
@@ -158,11 +160,17 @@ fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
         let of_quantity = |quantity: Quantity| {
             let (factor, unit, symbol) = quantity.unit(unit);
             let (value, interval) = quantity.of(coefficient);
+            let fitted = fit.process.parts.iter().find(|part| part.term == coefficient.term);
+            let fitted = fitted.map(|part| match quantity {
+                Quantity::Coefficient(_) => part.size,
+                Quantity::Shape(_) => part.shape,
+            });
             Row {
                 name: quantity.name(),
                 unit,
                 symbol,
                 value: value.map(|value| factor * value),
+                fitted: fitted.map(|fitted| factor * fitted),
                 interval: interval.map(|ends| ends.map(|end| factor * end)),
                 verdict: verdict(coefficient),
             }

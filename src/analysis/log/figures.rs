@@ -1,11 +1,11 @@
 //! The charts of `sagnac allan`.
 
 use crate::allan::{Deviation, Point, Unit};
-use crate::fit::{Coefficient, Fit, Quantity};
+use crate::fit::{Fit, Quantity};
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Shape;
-use crate::theory::allan::{Process, Term, holds};
-use crate::view::chart::figure::{Axis, Figure, Grouping, Part, Parts, Series, SeriesPoint};
+use crate::theory::allan::{Part, Process, Term};
+use crate::view::chart::figure::{self, Axis, Figure, Grouping, Parts, Series, SeriesPoint};
 
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};
@@ -134,51 +134,46 @@ pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: 
     ms.into_iter().filter_map(at).collect()
 }
 
-/// The identified terms of the single column, where its Allan deviation is among those of a figure.
+/// The terms of the fit of the single column, where its Allan deviation is among those of a figure.
 fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Parts {
     let is_allan = |curve: &&Curve| {
         deviations.contains(&curve.deviation) && matches!(curve.deviation, Deviation::Adev | Deviation::Oadev)
     };
     let curve = column.curves.iter().find(is_allan);
     let (Some(curve), Some(noise)) = (curve, column.noise()) else { return Parts::default() };
-    let octaves = holds::octaves(analysis.samples as u64).unwrap_or(holds::OCTAVES);
-    let part = |coefficient: &Coefficient| {
-        let (term, value) = (coefficient.term, coefficient.value?);
-        // Its contribution is negative.
-        (term != Term::BandLimit).then_some(())?;
-        let shape = coefficient.shape.map_or(1.0, |shape| shape.value);
-        let part = term.part(value * value, shape, octaves);
-        let process = Process { sample_s: analysis.step_s, parts: vec![part] };
+    let of = |part: &Part| {
+        // The contribution of a band limit is negative.
+        let coefficient = noise.fit.coefficient(part.term).filter(|found| found.term != Term::BandLimit)?;
+        let process = Process { sample_s: analysis.step_s, parts: vec![*part] };
         let points = described(&noise.fit, &curve.points);
         let mut points = line(&process, curve.deviation, points, analysis.samples);
-        if term == Term::Sine {
-            points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
+        if part.term == Term::Sine {
+            points.retain(|(tau_s, _)| part.shape * tau_s <= MOST_RIPPLES);
         }
-        Some(Part {
-            label: label(coefficient, value, Quantity::Coefficient(term).unit(column.unit)),
-            // Earlier colours are those of the curves.
-            colour: deviations.len() + Term::ALL.iter().position(|other| *other == term)?,
-            points,
-        })
+        let label = label(part, Quantity::Coefficient(part.term).unit(column.unit));
+        let is_known = coefficient.value.is_some();
+        // Earlier colours are those of the curves.
+        let colour = deviations.len() + Term::ALL.iter().position(|other| *other == part.term)?;
+        let label = if is_known { label } else { format!("{label}, not identified") };
+        Some(figure::Part { label, colour, points })
     };
     let title = match deviations {
         [_] => "parts of the fit".to_owned(),
         _ => format!("parts of the fit of {}", curve.deviation.name()),
     };
-    Parts { title, lines: noise.fit.coefficients.iter().filter_map(part).collect() }
+    Parts { title, lines: noise.fit.process.parts.iter().filter_map(of).collect() }
 }
 
 /// A label such as `N = 0.003 °/√h`.
-fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &str)) -> String {
+fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
     let shown = |value: f64| significant(value, 3);
-    let value = format!("{} {unit}", shown(factor * value));
+    let value = format!("{} {unit}", shown(factor * part.size));
     // No-break spaces keep each value with its unit.
-    let text = match coefficient.term.shape() {
+    let text = match part.term.shape() {
         Some(Shape { letters: [size, letter], unit, .. }) => {
-            let shape = coefficient.shape.map_or_else(String::new, |shape| shown(shape.value));
-            format!("{size} = {value}, {letter} = {shape} {unit}")
+            format!("{size} = {value}, {letter} = {} {unit}", shown(part.shape))
         }
-        None => format!("{} = {value}", coefficient.term.symbol()),
+        None => format!("{} = {value}", part.term.symbol()),
     };
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
 }

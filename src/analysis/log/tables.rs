@@ -127,6 +127,8 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
             .is(Role::Coordinate, "Shortest τ of the fit, s: the shortest from which its terms describe the curve."),
         Of::new("fit_to", Unit::S, "fit_to", |line| line.range.map(|range| range[1]).into())
             .is(Role::Coordinate, "Longest τ of the fit, s."),
+        Of::new("fitted", Unit::NONE, "fitted", |line| line.row.fitted.into())
+            .is(Role::Estimate, "What the coefficient is in the fit, in `unit`, also where it is not identified; blank where the fit does without it."),
     ]
 }
 
@@ -146,6 +148,7 @@ fn stability(column: &log::Column) -> Vec<Row> {
         unit: "s",
         symbol: "s",
         value: Some(minimum.point.tau_s),
+        fitted: None,
         interval: None,
         verdict: row.verdict,
     };
@@ -159,6 +162,7 @@ pub(crate) fn in_run_stability(unit: Curves, deviation: Deviation, minimum: &Min
         unit: unit.in_files(deviation),
         symbol: unit.symbol(deviation),
         value: minimum.point.value,
+        fitted: None,
         interval: minimum.point.interval.map(|(lower, upper)| [lower, upper]),
         verdict: if minimum.at_end { "at the end of the curve" } else { "" },
     }
@@ -185,6 +189,7 @@ pub(crate) fn document_of(row: &Row) -> Value {
         "upper": row.interval.map(|ends| ends[1]),
         "unit": row.unit,
         "verdict": row.verdict,
+        "fitted": row.fitted,
     })
 }
 

@@ -69,7 +69,7 @@ fn series(colour: usize, spectrum: &Spectrum) -> Series {
     Series { colour, dash: 0, law: law.collect(), points: means.iter().map(point).collect() }
 }
 
-/// The terms of the fitted model that have a density and an identified coefficient.
+/// The terms of the fitted model that have a density.
 fn parts(column: &Column, spectrum: &Spectrum) -> Parts {
     let means = spectrum.means(PER_OCTAVE);
     let line = |part: &Part| {
@@ -90,6 +90,7 @@ fn parts(column: &Column, spectrum: &Spectrum) -> Parts {
 
 /// A label such as `N = 0.003 °/√h`, with no-break spaces that keep the value with its unit.
 fn label(row: &Row) -> Option<String> {
-    let label = format!("{} = {} {}", row.name, significant(row.value?, 3), row.symbol);
-    Some(label.trim_end().replace(' ', "\u{a0}"))
+    let label = format!("{} = {} {}", row.name, significant(row.fitted?, 3), row.symbol);
+    let label = label.trim_end().replace(' ', "\u{a0}");
+    Some(if row.value.is_some() { label } else { format!("{label}, not identified") })
 }

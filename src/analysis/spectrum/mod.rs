@@ -169,6 +169,7 @@ impl White {
             unit,
             symbol,
             value: Some(n(floor.density)),
+            fitted: None,
             interval: Some([n(floor.interval.0), n(floor.interval.1)]),
             verdict: "",
         });
