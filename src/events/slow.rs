@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use crate::allan::Angles;
 use crate::fit::nnls::dot;
+use crate::fit::search::golden;
 use crate::theory::allan::{Part, blocks, holds};
 use crate::theory::cholesky;
 
@@ -573,23 +574,4 @@ fn mean_of(x: &[f64]) -> f64 {
 fn about_mean(noise: &[f64], places: &[usize]) -> f64 {
     let sum: f64 = places.iter().flat_map(|a| places.iter().map(|b| noise[a.abs_diff(*b)])).sum();
     noise[0] - sum / (places.len() * places.len()) as f64
-}
-
-/// The place of the minimum between two ends, by golden sections.
-fn golden(mut low: f64, mut high: f64, steps: usize, of: impl Fn(f64) -> f64) -> f64 {
-    let ratio = 0.5 * (libm::sqrt(5.0) - 1.0);
-    let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];
-    let mut values = inner.map(&of);
-    for _ in 0..steps {
-        if values[0] <= values[1] {
-            high = inner[1];
-            inner = [high - ratio * (high - low), inner[0]];
-            values = [of(inner[0]), values[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + ratio * (high - low)];
-            values = [values[1], of(inner[1])];
-        }
-    }
-    0.5 * (low + high)
 }

@@ -185,7 +185,6 @@ impl<'a> System<'a> {
 
     /// Refines one shape after the other by golden sections within one grid step to either side, until none moves.
     fn refine(&self, terms: &[Term], places: &[usize], shapes: &mut [f64], columns: &mut [Vec<f64>]) {
-        let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
         let mut at = |place: usize, logarithm: f64| {
             columns[place] = self.column(terms[place], libm::exp(logarithm));
             self.solve(columns).1
@@ -197,21 +196,9 @@ impl<'a> System<'a> {
                 let [least, most] = shape_range(self.curve, terms[place]).map(libm::log);
                 let step = core::f64::consts::LN_10 / per_decade(terms[place]);
                 let start = libm::log(shapes[place]);
-                let (mut low, mut high) = ((start - step).max(least), (start + step).min(most));
-                let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-                let mut values = inner.map(|logarithm| at(place, logarithm));
-                for _ in 0..SECTIONS {
-                    if values[0] <= values[1] {
-                        high = inner[1];
-                        inner = [high - golden * (high - low), inner[0]];
-                        values = [at(place, inner[0]), values[0]];
-                    } else {
-                        low = inner[0];
-                        inner = [inner[1], low + golden * (high - low)];
-                        values = [values[1], at(place, inner[1])];
-                    }
-                }
-                shapes[place] = libm::exp(0.5 * (low + high));
+                let (low, high) = ((start - step).max(least), (start + step).min(most));
+                let logarithm = golden(low, high, SECTIONS, |logarithm| at(place, logarithm));
+                shapes[place] = libm::exp(logarithm);
                 at(place, libm::log(shapes[place]));
             }
             let change = |(shape, before): (&f64, &f64)| libm::fabs(libm::log(shape / before));
@@ -220,4 +207,23 @@ impl<'a> System<'a> {
             }
         }
     }
+}
+
+/// The place of the minimum between two ends, by golden sections.
+pub(crate) fn golden(mut low: f64, mut high: f64, sections: usize, mut of: impl FnMut(f64) -> f64) -> f64 {
+    let ratio = 0.5 * (libm::sqrt(5.0) - 1.0);
+    let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];
+    let mut values = inner.map(&mut of);
+    for _ in 0..sections {
+        if values[0] <= values[1] {
+            high = inner[1];
+            inner = [high - ratio * (high - low), inner[0]];
+            values = [of(inner[0]), values[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + ratio * (high - low)];
+            values = [values[1], of(inner[1])];
+        }
+    }
+    0.5 * (low + high)
 }
