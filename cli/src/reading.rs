@@ -78,7 +78,7 @@ pub struct Reading {
     #[arg(long)]
     remove_outliers: bool,
     /// Remove what the record holds besides noise, as it is listed: noise bursts, spikes, steps, slow sines, warm-ups, the effect of
-    /// temperature, telegraph noise, lines of the spectrum
+    /// temperature, lines of the spectrum
     #[arg(long)]
     remove_events: bool,
     /// Whether to note rates and accelerations that seem to be in another unit; see docs/reference.md

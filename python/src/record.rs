@@ -178,7 +178,7 @@ impl Reading {
         let (data, unit) = self.checked(values)?;
         let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
         let treatment = self.treatment();
-        let (angles, outliers) = treatment.angles(&samples);
+        let (angles, outliers) = treatment.angles(&samples, &[]);
         Ok(Record {
             doubt: samples.doubt().filter(|_| self.unit_check).map(|doubt| warning(doubt, &unit)),
             missing: treatment.missing(&samples, &outliers),
@@ -291,7 +291,7 @@ pub fn curves<'py>(
         let taus = taus.taus()?;
         let events = record.events();
         let model = is_of_record.then(|| model(&events.without, reading.trend()));
-        let events = shown(&record, &reading, &events.list, false);
+        let events = shown(&record, &reading, &events.list, true);
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
             let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;

@@ -6,7 +6,7 @@
 //! density is another one, and Q is not tested.
 
 use crate::allan::Angles;
-use crate::events::is_coarse;
+use crate::events::Events;
 use crate::fit::Fit;
 use crate::spectrum::{Density, Floor, Welch, lines};
 use crate::theory::allan::{Part, Process, Term};
@@ -17,7 +17,8 @@ const PART: f64 = 0.5;
 /// Whether the density of a record above a third of its sampling rate is, with its 95 % interval, below half of that of the
 /// quantisation noise of a fit, beside the other noise. If the fit leaves out the shortest τ, where a filter may lower the other
 /// noise, that counts as none. The density is a median, which lines do not change.
-pub(crate) fn is_hump(angles: &Angles, fit: &Fit) -> bool {
+pub(crate) fn is_hump(events: &Events, fit: &Fit) -> bool {
+    let angles: &Angles = &events.without;
     let lacks = || {
         let density = Density::of(angles, &Welch::default()).ok()?;
         let places = density.segment / 3..density.segment.div_ceil(2) - 1;
@@ -33,5 +34,5 @@ pub(crate) fn is_hump(angles: &Angles, fit: &Fit) -> bool {
         let found = Floor::over(&density, &lines(&density), places)?;
         Some(found.interval.1 < other + PART * expected(|part| part.term == Term::Quantisation))
     };
-    !is_coarse(angles) && lacks().unwrap_or(false)
+    !events.is_coarse && lacks().unwrap_or(false)
 }

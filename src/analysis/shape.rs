@@ -55,23 +55,26 @@ impl Noise<'_> {
         }
         let is_slow =
             |part: &Part| !matches!(part.term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit);
-        let has_slow = described.fit.process.parts.iter().any(is_slow);
-        if is_chosen
-            && has_slow
-            && !events.explains.is_telegraph
-            && let Some(time_s) = events.correlation_time_s(described.fit.tau_range[0])
+        let has_slow = is_chosen && described.fit.process.parts.iter().any(is_slow);
+        let is_telegraph = events.explains.is_telegraph;
+        let find = || events.correlation_time_s(described.fit.tau_range[0]);
+        let time_s = if has_slow && !is_telegraph { find() } else { None };
+        let mut correlated =
+            time_s.map(|time_s| Event { time_s: Some(time_s), ..Event::of(What::Correlated) });
+        // Telegraph noise has the curve of Markov noise.
+        if has_slow
+            && (is_telegraph || correlated.is_some())
+            && let Some(other) = with_correlation(&described, asked)
         {
-            let mut event = Event { time_s: Some(time_s), ..Event::of(What::Correlated) };
-            if let Some(other) = with_correlation(&described, asked) {
-                if let Some(part) = other.fit.process.parts.iter().find(|part| part.term == Term::Markov) {
-                    // The coefficient of Markov noise is that of the noise that drives it.
-                    event.size = Some(part.size * libm::sqrt(0.5 * part.shape));
-                    event.time_s = Some(part.shape);
-                }
-                described = other;
+            let part = other.fit.process.parts.iter().find(|part| part.term == Term::Markov);
+            if let Some((event, part)) = correlated.as_mut().zip(part) {
+                // The coefficient of Markov noise is that of the noise that drives it.
+                event.size = Some(part.size * libm::sqrt(0.5 * part.shape));
+                event.time_s = Some(part.shape);
             }
-            shown.push(event);
+            described = other;
         }
+        shown.extend(correlated);
         Ok(Noise { events, described, shown, is_hump: false })
     }
 
@@ -100,7 +103,7 @@ impl Noise<'_> {
         let fit = &self.described.fit;
         let is_found = fit.process.parts.iter().any(|part| part.term == term);
         match term {
-            Term::Quantisation => shows(What::Filter) || is_found && hump::is_hump(&self.events.without, fit),
+            Term::Quantisation => shows(What::Filter) || is_found && hump::is_hump(self.events, fit),
             Term::BiasInstability => is_telegraph || shows(What::Correlated),
             Term::RateRandomWalk => is_telegraph || self.other(term).is_some(),
             _ => self.other(term).is_some(),

@@ -57,9 +57,7 @@ fn descent<const D: usize>(mut at: [f64; D], of: impl Fn([f64; D]) -> f64) -> (f
                 (least, at) = (value, next);
             }
         }
-        if least >= before {
-            step *= 0.5;
-        }
+        step *= if least < before { 1.0 } else { 0.5 };
     }
     (least, at)
 }

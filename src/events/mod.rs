@@ -16,8 +16,6 @@ mod units;
 
 use std::borrow::Cow;
 
-pub(crate) use crate::events::units::is_coarse;
-
 use crate::allan::Angles;
 use crate::events::slow::{Course, Found, Slow};
 use crate::record::log::outliers::{self, Outliers};
@@ -120,6 +118,8 @@ pub struct Events<'a> {
     pub list: Vec<Event>,
     /// The record without the noise bursts, the spikes, the slow events and the lines.
     pub without: Cow<'a, Angles>,
+    /// Whether the record is of pulses that are larger than the noise of a sample.
+    pub(crate) is_coarse: bool,
     /// The density of the record without them; absent for a short record.
     pub(crate) density: Option<Density>,
     /// What explains the record as well as a coefficient.
@@ -141,7 +141,8 @@ impl<'a> From<&'a Angles> for Events<'a> {
     /// A record as it is, in which no events are looked for.
     fn from(angles: &'a Angles) -> Events<'a> {
         let (list, explains) = Default::default();
-        Events { list, without: Cow::Borrowed(angles), density: None, explains }
+        let is_coarse = units::is_coarse(angles);
+        Events { list, without: Cow::Borrowed(angles), is_coarse, density: None, explains }
     }
 }
 
@@ -174,7 +175,7 @@ impl<'a> Events<'a> {
     pub(crate) fn correlation_time_s(&self, shortest_s: f64) -> Option<f64> {
         let angles: &Angles = &self.without;
         let most = BLOCKS[BLOCKS.len() - 1];
-        let m = (angles.len() - 1).div_ceil(most).max((shortest_s / angles.step_s) as usize);
+        let m = (angles.len() - 1).div_ceil(most).max(libm::round(shortest_s / angles.step_s) as usize);
         let (values, block_s) = means(angles, m);
         telegraph::correlation(&values).map(|blocks| blocks * block_s)
     }
@@ -186,19 +187,18 @@ impl<'a> Events<'a> {
 
     /// The events with a record of their own.
     pub(crate) fn owned(self) -> Events<'static> {
-        let Events { list, without, density, explains } = self;
-        Events { list, without: Cow::Owned(without.into_owned()), density, explains }
+        Events { without: Cow::Owned(self.without.into_owned()), ..self }
     }
 
     fn slow(&mut self, temperatures: &[Vec<f64>]) {
         let record = self.without.clone();
         let Some(slow) = Slow::new(&record, temperatures) else { return };
-        let found = slow.events();
+        let (found, as_line) = slow.events();
         let levels = telegraph_of(&record);
         let is_telegraph = Slow::is_telegraph(&found) || levels.is_some();
         let walk = slow.instead_of_walk(&found).and_then(|found| event(&record, &found));
         let has_line = slow.gain_of_line(&found) >= OF_RAMP;
-        let ramp = if has_line { None } else { slow.instead_of_line(&found) };
+        let ramp = as_line.or_else(|| if has_line { None } else { slow.instead_of_line(&found) });
         let ramp = ramp.and_then(|found| event(&record, &found));
         self.explains = Explains { is_telegraph, walk, ramp };
         let is_step = |found: &&Found| is_telegraph && matches!(found.course, Course::Step { .. });
@@ -213,7 +213,7 @@ impl<'a> Events<'a> {
 
     fn lines(&mut self) {
         // The errors of coarse pulses have lines of their own.
-        if is_coarse(&self.without) {
+        if self.is_coarse {
             return;
         }
         let of = |angles: &Angles| {

@@ -34,6 +34,8 @@ const TELEGRAPH: usize = 4;
 const LEAST_QUARTERS: usize = 2;
 /// Times of a warm-up.
 const TIMES: usize = 12;
+/// Increase of minus twice the logarithm of the likelihood by a straight line instead of a temperature up to which they are not told apart.
+const OF_LINE: f64 = 6.0;
 /// Decrease of minus twice the logarithm of the likelihood by two events instead of a random walk from which on they are as good.
 const OF_TWO: f64 = 36.0;
 
@@ -148,10 +150,21 @@ impl<'a> Slow<'a> {
         Some(Slow { angles, temperatures, m, places, values, nodes: nodes? })
     }
 
-    /// The events, by the time that they entered; the effect of a temperature first, because a warm-up is one, too.
-    pub(crate) fn events(&self) -> Vec<Found> {
-        let of_temperature = self.search(vec![], |course| matches!(course, Course::Temperature(_)));
-        self.sized(&self.search(of_temperature, |_| true))
+    /// The events, by the time that they entered; the effect of a temperature first, because a warm-up is one, too. A temperature
+    /// that a straight line replaces is none of them, and comes second.
+    pub(crate) fn events(&self) -> (Vec<Found>, Option<Found>) {
+        let mut found = self.search(vec![], |course| matches!(course, Course::Temperature(_)));
+        let line = self.candidate(Course::Line);
+        let lack = |found: &[Candidate]| self.least(found, |_| true);
+        let is_line = |at: usize| {
+            let mut others = found.clone();
+            others[at] = line.clone();
+            lack(&others) < lack(&found) + OF_LINE
+        };
+        let as_line = (0..found.len()).find(|&at| is_line(at)).map(|at| found.remove(at));
+        let is_other = |course| as_line.as_ref().is_none_or(|line| line.course != course);
+        let as_line = as_line.as_ref().and_then(|line| self.sized(std::slice::from_ref(line)).pop());
+        (self.sized(&self.search(found, is_other)), as_line)
     }
 
     /// Events that enter one after the other beside others while the best noise needs them.
@@ -428,9 +441,9 @@ impl<'a> Slow<'a> {
     /// A candidate with its time or frequency between those of the grid.
     fn refined(&self, found: &[Candidate], candidate: Candidate) -> Candidate {
         let course = match candidate.course {
-            Course::Step { at } => Course::Step { at: self.edge(at, at) },
+            Course::Step { at } => Course::Step { at: self.edge(at) },
             Course::Burst { from, to } => {
-                let (first, last) = (self.edge(from, from), self.edge(to, to));
+                let (first, last) = (self.edge(from), self.edge(to));
                 Course::Burst { from: first, to: last.max(first + 1.0) }
             }
             Course::Sine { cycles } => {
@@ -453,18 +466,20 @@ impl<'a> Slow<'a> {
         let refined = self.candidate(course);
         let of =
             |candidate: &Candidate| self.least(&[found, std::slice::from_ref(candidate)].concat(), |_| true);
-        if of(&refined) < of(&candidate) { refined } else { candidate }
+        // Samples tell the place of a step better than the means of blocks.
+        let is_better = matches!(course, Course::Step { .. }) || of(&refined) < of(&candidate);
+        if is_better { refined } else { candidate }
     }
 
-    /// The sample within a block of `from` and `to` before and behind which the means differ most.
-    fn edge(&self, from: f64, to: f64) -> f64 {
+    /// The sample within a block of `at` before and behind which the means differ most.
+    fn edge(&self, at: f64) -> f64 {
         let last = self.angles.len() - 1;
-        let start = (from as usize).saturating_sub(self.m + self.m / 2);
-        let end = (to as usize + self.m + self.m / 2).min(last);
+        let start = (at as usize).saturating_sub(self.m + self.m / 2);
+        let end = (at as usize + self.m + self.m / 2).min(last);
         let rates = self.angles.rates(start..end);
         let (count, sum) =
             rates.iter().filter(|x| x.is_finite()).fold((0.0, 0.0), |(n, s), x| (n + 1.0, s + x));
-        let (mut before, mut partial, mut best) = (0.0, 0.0, (0.0, from));
+        let (mut before, mut partial, mut best) = (0.0, 0.0, (0.0, at));
         for (i, rate) in rates.iter().enumerate() {
             if before > 0.0 && before < count {
                 let difference = partial / before - (sum - partial) / (count - before);

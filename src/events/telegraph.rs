@@ -18,6 +18,8 @@ const LEAST_OF_MARKOV: f64 = 6.0;
 /// telegraph noise of ±5 °/h and 20 s.
 const PENALTY_OF_CORRELATION: f64 = 9.0;
 const PART_OF_LEVELS: f64 = 0.3;
+/// Least density of a block, far from both levels.
+const LEAST_DENSITY: f64 = 1e-300;
 /// Fewest blocks.
 const LEAST_BLOCKS: f64 = 32.0;
 /// Steps of the iteration, and probabilities of a jump from which it starts.
@@ -69,7 +71,7 @@ fn scaled(values: &[f64]) -> Option<(Vec<f64>, f64)> {
     let count = known().count() as f64;
     let mean = known().sum::<f64>() / count;
     let deviation = libm::sqrt(known().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count);
-    let is_enough = count >= LEAST_BLOCKS && deviation > 0.0;
+    let is_enough = count >= LEAST_BLOCKS && deviation > 0.0 && deviation.is_finite();
     is_enough.then(|| (values.iter().map(|x| (x - mean) / deviation).collect(), deviation))
 }
 
@@ -94,7 +96,7 @@ fn two_levels(values: &[f64], start: f64) -> (f64, f64, f64) {
             if x.is_finite() {
                 let of = |level: f64| {
                     let away = x - level;
-                    libm::exp(-0.5 * away * away / variance) / libm::sqrt(variance)
+                    (libm::exp(-0.5 * away * away / variance) / libm::sqrt(variance)).max(LEAST_DENSITY)
                 };
                 density[i] = [of(middle - half), of(middle + half)];
             }

@@ -13,7 +13,7 @@ const LEAST: f64 = 0.5;
 /// Part of equal neighbouring increments from which on pulses are so large: the noise of a sample is below 1.4 pulses.
 const COARSE: f64 = 0.2;
 /// Difference of neighbouring increments, relative to that of most, which counts as none.
-const EQUAL: f64 = 1e-6;
+const EQUAL: f64 = 1e-2;
 
 /// The unit of which neighbouring increments differ by whole multiples, if it is not small against the noise.
 pub(crate) fn of(angles: &Angles) -> Option<Event> {

@@ -201,6 +201,6 @@ fn the_temperature_is_cut_with_the_samples() {
     let samples: Vec<f64> = (0..100).map(|i| f64::from(i * 37 % 11)).collect();
     let mut log = log(Data::Rate, &samples, |i| Some(i as f64));
     log.cut(10.0, Some(60.0)).unwrap();
-    assert_eq!(log.temperature.as_ref().unwrap(), &(10..60).map(f64::from).collect::<Vec<_>>());
+    assert_eq!(log.temperature.as_ref().unwrap().1, (10..60).map(f64::from).collect::<Vec<_>>());
     assert_eq!(log.notes, Vec::<String>::new());
 }

@@ -37,6 +37,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
     options.check(&request)?;
     let folders = folders(options)?;
+    options.check_results(&folders)?;
     let mut documents: Vec<Value> = Vec::new();
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {

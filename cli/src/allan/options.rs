@@ -141,13 +141,24 @@ impl Options {
         }
     }
 
+    /// Checks that the record is none of the results, which are in these folders.
+    pub fn check_results(&self, folders: &[PathBuf]) -> Result<(), Failure> {
+        let Some(record) = &self.record else { return Ok(()) };
+        let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let is_in = |folder: &PathBuf| record.parent().is_some_and(|parent| place(parent) == place(folder));
+        if self.kalibr.as_ref() == Some(record) || folders.iter().any(is_in) {
+            let message = format!("--record {} would replace results\ngive another FILE", record.display());
+            return Err(Failure::Usage(message));
+        }
+        Ok(())
+    }
+
     /// Checks that the record can be written.
     fn check_record(&self, request: &Request) -> Result<(), Failure> {
         let Some(record) = &self.record else { return Ok(()) };
         let place = |path: &Path| path.canonicalize().ok();
-        if place(record)
-            .is_some_and(|record| self.files.iter().any(|file| place(file) == Some(record.clone())))
-        {
+        let is_log = |record| self.files.iter().any(|file| place(file).as_ref() == Some(&record));
+        if place(record).is_some_and(is_log) {
             let message = format!("--record {} would replace the log\ngive another FILE", record.display());
             return Err(Failure::Usage(message));
         }

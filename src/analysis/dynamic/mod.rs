@@ -12,7 +12,7 @@ pub mod words;
 
 use crate::allan::curve::{curve, suppose};
 use crate::allan::{Angles, Deviation, Point, Unit};
-use crate::analysis::log::{Treatment, model};
+use crate::analysis::log::{Treatment, model, temperatures};
 use crate::quantity::number::significant;
 use crate::record::log::channel::{Channel, Log};
 use crate::theory::allan::Process;
@@ -140,8 +140,9 @@ impl Dynamic {
             let least_s = (2 * samples).div_ceil(MOST) as f64 * step_s;
             return Err(DynamicError::Many { window_s, length_s, least_s });
         }
+        let (_, temperatures) = temperatures(log);
         let column = |channel: &Channel| {
-            let (angles, _) = treatment.angles(&channel.view(log.data, step_s));
+            let (angles, _) = treatment.angles(&channel.view(log.data, step_s), &temperatures);
             let model = model(&angles, treatment.trend);
             Column {
                 name: channel.name.clone(),

@@ -38,12 +38,17 @@ impl Row {
         self.event.as_ref().and_then(of)
     }
 
+    /// What the size is per, behind its unit.
+    fn per(&self) -> &'static str {
+        if self.of_event(|event| Some(event.what)) == Some(What::Temperature) { "/K" } else { "" }
+    }
+
     /// The row as cells of the list.
     fn line(&self) -> Vec<String> {
         let unit = self.unit.symbol(Deviation::Oadev);
-        let per = if self.of_event(|event| Some(event.what)) == Some(What::Temperature) { "/K" } else { "" };
-        let size =
-            self.of_event(|event| event.size).map(|size| format!("{} {unit}{per}", significant(size, 3)));
+        let size = self
+            .of_event(|event| event.size)
+            .map(|size| format!("{} {unit}{}", significant(size, 3), self.per()));
         let time = self.time_s.map(|time_s| format!("{} s", significant(time_s, 6)));
         let frequency =
             self.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
@@ -156,12 +161,19 @@ const REMOVED: &str = "removed";
 /// The option that removes an event from curves and spectra too; empty where none does.
 fn option(event: &Event, thermometer: &str) -> String {
     match event.what {
-        What::Temperature if !thermometer.is_empty() => format!("--temperature {thermometer} --compensate"),
+        What::Temperature if !thermometer.is_empty() => {
+            format!("--temperature {} --compensate", quoted(thermometer))
+        }
         What::Spikes => "--remove-outliers".to_owned(),
         What::Units | What::Filter | What::Correlated | What::Telegraph => String::new(),
         _ if event.instead_of.is_some() => String::new(),
         _ => "--remove-events".to_owned(),
     }
+}
+
+/// A name as a shell takes it.
+fn quoted(name: &str) -> String {
+    if name.contains(char::is_whitespace) { format!("\"{name}\"") } else { name.to_owned() }
 }
 
 /// The columns of `events.csv`, in the order of the file.
@@ -183,8 +195,8 @@ pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
         Of::new("size", Unit::NONE, "size", |row| row.of_event(|event| event.size).into())
             .is(Role::Estimate, "Standard deviation of a sample of the noise that a noise burst adds, change of a step or burst, amplitude of a sine or \
                 line, rate at the start of a warm-up, half the distance of the levels of telegraph noise, largest distance of a spike, unit of \
-                the readout, in `unit`; for a temperature in `unit` per K."),
-        Of::new("unit", Unit::NONE, "unit", |row| text(row.unit.in_files(Deviation::Oadev)))
+                the readout, in `unit`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(&(row.unit.in_files(Deviation::Oadev).to_owned() + row.per())))
             .is(Role::Note, "Unit of `size`."),
         Of::new("f", Unit::HZ, "frequency", |row| row.of_event(|event| event.frequency_hz).into())
             .is(Role::Estimate, "Frequency of a sine or line, Hz."),

@@ -215,8 +215,8 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
     let is_missing = |record: &Recorded, sample: usize| record.values[sample].is_nan();
     let is_removed = |record: &Recorded, sample| record.removed.binary_search(&sample).is_ok();
     [
-        law(missing, "samples missing, share from below", is_missing, [low, high]),
-        law(removed, "outliers removed, share from above", is_removed, [high, low]),
+        law(missing, "missing, share from below", is_missing, [low, high]),
+        law(removed, "removed as outliers, share from above", is_removed, [high, low]),
     ]
     .into_iter()
     .flatten()
@@ -287,11 +287,11 @@ mod tests {
         let points = [0.0, 8.0].map(|y| SeriesPoint { x: 0.0, y, band: None, key: None }).into();
         let series = [Series { colour: 0, dash: 0, points, law: vec![] }];
         let [missing, removed] = &marks(&[(0, &one)], &series, 1.0, 10)[..] else { panic!() };
-        assert_eq!(missing.label, "6 samples missing, share from below");
+        assert_eq!(missing.label, "6 missing, share from below");
         let steps = [(0.0, 2.0), (2.0, 2.0), (2.0, 8.0), (4.0, 8.0), (4.0, 2.0), (6.0, 2.0)];
         let [bar] = &missing.lines[..] else { panic!("{missing:?}") };
         assert_eq!(bar.points, [&[(0.0, 0.0)], &steps[..], &[(6.0, 0.0)]].concat());
-        assert_eq!(removed.label, "1 outliers removed, share from above");
+        assert_eq!(removed.label, "1 removed as outliers, share from above");
         assert_eq!(removed.lines[0].points, [(14.0, 8.0), (14.0, 6.0), (16.0, 6.0), (16.0, 8.0)]);
     }
 

@@ -14,7 +14,7 @@ pub mod tables;
 use rayon::prelude::*;
 
 use crate::analysis::data_sheet::Row;
-use crate::analysis::log::{self, Column, Treatment};
+use crate::analysis::log::{self, Column, Treatment, temperatures};
 use crate::fit::Quantity;
 use crate::record::log::channel::{Channel, Log};
 use crate::spectrum::{Density, Floor, Line, Point, SpectrumError, Welch, lines};
@@ -96,8 +96,9 @@ pub struct NoSpectrum {
 /// # Errors
 /// A column is too short, or for the requested segment.
 pub fn densities(log: &Log, treatment: &Treatment, welch: &Welch) -> Result<Vec<Density>, NoSpectrum> {
+    let (_, temperatures) = temperatures(log);
     let density = |channel: &Channel| {
-        let (angles, _) = treatment.angles(&channel.view(log.data, log.step_s));
+        let (angles, _) = treatment.angles(&channel.view(log.data, log.step_s), &temperatures);
         Density::of(&angles, welch).map_err(|why| NoSpectrum { column: channel.name.clone(), why })
     };
     let densities: Vec<_> = log.channels.par_iter().map(density).collect();

@@ -66,7 +66,7 @@ pub struct Dependence {
 impl Temperature {
     /// The dependence of a log that was read with its temperature; nothing for a log without one.
     pub fn of(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
-        let measured = log.temperature.as_ref()?;
+        let (_, measured) = log.temperature.as_ref()?;
         let block = log.samples().div_ceil(averages::MOST_BLOCKS);
         let course = Course::of(measured, block);
         let unknown = |x: &[f64]| x.iter().filter(|x| x.is_nan()).count();
@@ -141,7 +141,7 @@ fn dependence(
     let per_sample = if log.data == Data::Rate { 1.0 } else { log.step_s };
     let mut rates: Vec<f64> =
         samples.increments().iter().map(|x| x * channel.unit.factor / per_sample).collect();
-    let (angles, outliers) = treatment.angles(&samples);
+    let (angles, outliers) = treatment.angles(&samples, &[]);
     if treatment.outliers_removed {
         outliers.samples.iter().for_each(|&i| rates[i] = f64::NAN);
     }

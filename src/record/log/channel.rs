@@ -21,8 +21,8 @@ pub struct Log {
     pub is_compensated: bool,
     /// Channels, one for each requested column.
     pub channels: Vec<Channel>,
-    /// The temperature at each sample, °C, NaN where it is missing; absent if it was not requested.
-    pub temperature: Option<Vec<f64>>,
+    /// The column of the temperature with its name, °C at each sample, NaN where it is missing; absent if it was not requested.
+    pub temperature: Option<(String, Vec<f64>)>,
     /// Other columns that are called like temperatures, with their names; NaN where one is missing.
     pub thermometers: Vec<(String, Vec<f64>)>,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
@@ -93,8 +93,8 @@ impl Log {
         }
         self.start_s = first as f64 * self.step_s;
         let channels = self.channels.iter_mut().map(|channel| &mut channel.samples);
-        let others = self.thermometers.iter_mut().map(|(_, numbers)| numbers);
-        for numbers in channels.chain(&mut self.temperature).chain(others) {
+        let thermometers = self.temperature.iter_mut().chain(&mut self.thermometers);
+        for numbers in channels.chain(thermometers.map(|(_, numbers)| numbers)) {
             numbers.truncate(end);
             numbers.drain(..first);
         }

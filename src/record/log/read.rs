@@ -174,9 +174,9 @@ impl Log {
         }
         // They were read behind the samples, so that gaps and duplicates are the same for them.
         let values = samples.split_off(samples.len().saturating_sub(others.len()));
-        let thermometers =
-            others.iter().map(|&column| file.names()[column].bare.clone()).zip(values).collect();
+        let thermometers = others.iter().map(|&column| name_of(&file, column)).zip(values).collect();
         let temperature = degree.and_then(|degree| Some(degree.celsius(samples.pop()?)));
+        let temperature = taken.map(|column| name_of(&file, column)).zip(temperature);
         let channels = channels.into_iter().flatten().zip(samples);
         let mut channels: Vec<Channel> =
             channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
@@ -196,6 +196,11 @@ impl Log {
             notes,
         })
     }
+}
+
+/// The name of a column without its unit, else its number.
+fn name_of(file: &Recording, column: usize) -> String {
+    file.names().get(column).map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
 }
 
 /// Whether a column is called like a temperature.
