@@ -87,7 +87,6 @@ fn a_record_never_replaces_a_log_and_is_refused_where_it_cannot_be_written() {
         ("log.csv --data rate --record log.csv", ["--record log.csv would replace the log", "another FILE"]),
         ("log.csv --data rate --record ./results/../log.csv", ["would replace the log", "another FILE"]),
         ("log.csv --data rate --out log --record log/curve.csv", ["would replace results", "another FILE"]),
-        ("log.csv --data rate --record a --kalibr a", ["would replace results", "another FILE"]),
         ("log.csv log.csv --data rate --record again.csv", ["--record names one file", "one by one"]),
         (
             "log.csv --data angle --remove-outliers --record again.csv",
