@@ -138,7 +138,7 @@ fn two_columns_of_one_log_are_called_by_their_names() {
     let desk = desk_with("log.csv", format!("gx [deg/h],gy [deg/h]\n{text}"));
     let ended = done(&desk, "log.csv log.csv --data rate --rate 1Hz --column gx,gy");
     assert!(
-        ended.stdout.contains("log gy has 1.9") && ended.stdout.contains("of log gx"),
+        ended.stdout.contains("log gy has 1.97 times") && ended.stdout.contains("of log gx"),
         "{}",
         ended.stdout
     );

@@ -140,7 +140,7 @@ impl Dynamic {
             let least_s = (2 * samples).div_ceil(MOST) as f64 * step_s;
             return Err(DynamicError::Many { window_s, length_s, least_s });
         }
-        let (_, temperatures) = temperatures(log);
+        let temperatures = if treatment.events_removed { temperatures(log).1 } else { vec![] };
         let column = |channel: &Channel| {
             let (angles, _) = treatment.angles(&channel.view(log.data, step_s), &temperatures);
             let model = model(&angles, treatment.trend);

@@ -155,7 +155,7 @@ impl Record<'_> {
     }
 }
 
-/// What is done with events that are in no curve.
+/// The word for events that are taken out of the curves too.
 const REMOVED: &str = "removed";
 
 /// The option that removes an event from curves and spectra too; empty where none does.

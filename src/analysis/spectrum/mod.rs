@@ -96,7 +96,7 @@ pub struct NoSpectrum {
 /// # Errors
 /// A column is too short, or for the requested segment.
 pub fn densities(log: &Log, treatment: &Treatment, welch: &Welch) -> Result<Vec<Density>, NoSpectrum> {
-    let (_, temperatures) = temperatures(log);
+    let temperatures = if treatment.events_removed { temperatures(log).1 } else { vec![] };
     let density = |channel: &Channel| {
         let (angles, _) = treatment.angles(&channel.view(log.data, log.step_s), &temperatures);
         Density::of(&angles, welch).map_err(|why| NoSpectrum { column: channel.name.clone(), why })
