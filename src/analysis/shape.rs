@@ -6,8 +6,8 @@
 use crate::analysis::hump;
 use crate::events::{Event, Events, What};
 use crate::fit::{
-    Described, Fit, FitError, Fitting, Terms, Verdict, describe, describe_without_shortest, survival,
-    with_correlation,
+    Coefficient, Described, Fit, FitError, Fitting, Terms, Verdict, describe, describe_without_shortest,
+    is_fast, room_for_correlation, survival, white_beside_correlation, with_correlation,
 };
 use crate::spectrum::Density;
 use crate::theory::allan::{Part, Process, Term};
@@ -31,6 +31,8 @@ pub(crate) struct Noise<'a> {
     pub shown: Vec<Event>,
     /// Whether the curve falls as that of quantisation noise, but the spectrum contradicts it.
     pub is_hump: bool,
+    /// The interval of N beside noise with a correlation time, where the curve leaves room for it.
+    white: Option<[f64; 2]>,
 }
 
 impl Noise<'_> {
@@ -53,35 +55,44 @@ impl Noise<'_> {
                 described = describe_without_shortest(&curve, asked, agrees).unwrap_or(described);
             }
         }
-        let is_slow =
-            |part: &Part| !matches!(part.term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit);
-        let has_slow = is_chosen && described.fit.process.parts.iter().any(is_slow);
+        let has_slow = !described.fit.process.parts.iter().all(|part| is_fast(part.term));
         let is_telegraph = events.explains.is_telegraph;
         let find = || events.correlation_time_s(described.fit.tau_range[0]);
-        let time_s = if has_slow && !is_telegraph { find() } else { None };
-        let mut correlated =
-            time_s.map(|time_s| Event { time_s: Some(time_s), ..Event::of(What::Correlated) });
-        // Telegraph noise has the curve of Markov noise.
-        if has_slow
-            && (is_telegraph || correlated.is_some())
-            && let Some(other) = with_correlation(&described, asked)
-        {
-            let part = other.fit.process.parts.iter().find(|part| part.term == Term::Markov);
-            if let Some((event, part)) = correlated.as_mut().zip(part) {
-                // The coefficient of Markov noise is that of the noise that drives it.
-                event.size = Some(part.size * libm::sqrt(0.5 * part.shape));
-                event.time_s = Some(part.shape);
+        let time_s = if is_chosen && has_slow && !is_telegraph { find() } else { None };
+        // Telegraph noise has the curve of Markov noise. What is correlated within a block only adds to white noise at long τ.
+        let is_unknown = is_chosen && shown.is_empty() && !is_telegraph;
+        let room = if is_unknown { room_for_correlation(&curve, &described) } else { None };
+        let other = match has_slow {
+            true if is_chosen && is_telegraph || time_s.is_some() => {
+                with_correlation(described.fitter.curve(), asked)
             }
-            described = other;
+            false if room.is_some() => with_correlation(&curve, asked),
+            _ => None,
+        };
+        if !is_telegraph && (time_s.is_some() || other.is_some()) {
+            let is_markov = |part: &&Part| part.term == Term::Markov;
+            let part = other.as_ref().and_then(|other| other.fit.process.parts.iter().find(is_markov));
+            shown.push(Event {
+                // The coefficient of Markov noise is that of the noise that drives it.
+                size: part.map(|part| part.size * libm::sqrt(0.5 * part.shape)),
+                time_s: part.map(|part| part.shape).or(time_s),
+                ..Event::of(What::Correlated)
+            });
         }
-        shown.extend(correlated);
-        Ok(Noise { events, described, shown, is_hump: false })
+        described = other.unwrap_or(described);
+        let white = room.filter(|_| shown.is_empty()).and_then(|fitter| white_beside_correlation(&fitter));
+        Ok(Noise { events, described, shown, is_hump: false, white })
     }
 
     /// The result of a fit of this noise, without the values that events explain as well; [`Noise::shown`] then has events that
     /// are possible in place of a coefficient.
     pub(crate) fn judged(&mut self, fit: Fit, is_forced: bool) -> Fit {
         let mut fit = self.described.judged(fit, is_forced);
+        let is_white = |found: &&mut Coefficient| found.term == Term::AngleRandomWalk;
+        let interval = fit.coefficients.iter_mut().find(is_white).and_then(|found| found.interval.as_mut());
+        if let Some(([low, high], [least, most])) = interval.zip(self.white) {
+            (*low, *high) = (low.min(least), high.max(most));
+        }
         for found in fit.coefficients.iter_mut().filter(|found| found.verdict == Verdict::Identified) {
             let term = found.term;
             if self.explains(term) {

@@ -8,7 +8,7 @@ use crate::fit::choose::Choice;
 use crate::fit::covariance::Growth;
 use crate::fit::search::{Basis, Fitted, Solution, System};
 use crate::fit::{Covariance, Curve, Fit, FitError, Terms};
-use crate::theory::allan::Term;
+use crate::theory::allan::{Part, Term};
 
 /// The source of the covariance between the estimates, which determines the errors of the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,10 +134,7 @@ impl Fitter {
         realisations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let curve = self.geometry.with(variances)?;
-        let found = first.process.parts.iter();
-        let found = found.map(|part| Fitted { term: part.term, square: part.square(), shape: part.shape });
-        let found: Vec<Fitted> = found.collect();
-        let (growth, model) = self.model(&self.complete(&found), None)?;
+        let (growth, model) = self.model(&self.complete(&found(first)), None)?;
         let realisations = with_costs(realisations, &curve);
         let covariance = Covariance::of_realisations(&realisations, &model)?;
         let realisations = with_spread(&realisations, &curve);
@@ -158,6 +155,16 @@ impl Fitter {
             (growth, covariance) = (Some(of_best), model);
         }
         self.fit_with(&curve, &covariance, Errors::OfModel, growth, &[])
+    }
+
+    /// The covariance of the curve if it were that of the process of a fit.
+    pub(crate) fn covariance(&self, fit: &Fit) -> Result<Covariance, FitError> {
+        self.model(&self.complete(&found(fit)), None).map(|(_, covariance)| covariance)
+    }
+
+    /// The least χ² of the curve with a covariance.
+    pub(crate) fn least_chi_squared(&self, covariance: &Covariance) -> f64 {
+        System::new(&self.geometry, covariance, &self.basis).best(&self.candidates).chi_squared
     }
 
     fn fit_with(
@@ -212,6 +219,12 @@ impl Fitter {
         }
         at_hand.filter(|growth| growth.is_of(terms)).unwrap_or_else(new)
     }
+}
+
+/// The terms of a fit.
+fn found(fit: &Fit) -> Vec<Fitted> {
+    let of = |part: &Part| Fitted { term: part.term, square: part.square(), shape: part.shape };
+    fit.process.parts.iter().map(of).collect()
 }
 
 /// Simulated curves that scatter as those of a record with gaps.

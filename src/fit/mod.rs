@@ -58,6 +58,8 @@ pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use crate::fit::nnls::nnls;
 pub use crate::fit::quantity::Quantity;
 pub use crate::fit::range::{Described, Fitting, describe};
-pub(crate) use crate::fit::range::{describe_without_shortest, with_correlation};
+pub(crate) use crate::fit::range::{
+    describe_without_shortest, is_fast, room_for_correlation, white_beside_correlation, with_correlation,
+};
 pub use crate::fit::record::curve_of;
 pub use crate::theory::allan::terms::Term;

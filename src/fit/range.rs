@@ -19,6 +19,7 @@
 //! larger than what such a filter leaves, as where noise with a correlation time is added to white noise.
 
 use crate::allan::{Angles, Deviation};
+use crate::fit::choose::PENALTY;
 use crate::fit::record::{curve_at, factors};
 use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Terms, Verdict};
 use crate::theory::allan::{Part, Term};
@@ -36,6 +37,9 @@ pub const FEWEST: usize = 5;
 const LOST: usize = 4;
 /// Variance at the shortest τ, over that of white noise behind a low-pass, from which on no filter explains it.
 const SURPLUS: f64 = 4.0;
+
+/// Least correlation time, in samples, of noise that is no filter.
+const LEAST_SAMPLES: f64 = 4.0;
 
 /// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,14 +167,43 @@ pub(crate) fn describe_without_shortest(
     })
 }
 
-/// The fit of chosen terms and of Markov noise over the same range as another fit, if both white and Markov noise are found.
-pub(crate) fn with_correlation(described: &Described, asked: &Fitting) -> Option<Described> {
-    let curve = described.fitter.curve();
+/// The fit of chosen terms and of Markov noise to a curve, if both white and Markov noise are found.
+pub(crate) fn with_correlation(curve: &Curve, asked: &Fitting) -> Option<Described> {
     let fitter = Fitter::new(curve, &asked.terms.with(Term::BandLimit).with(Term::Markov)).ok()?;
     let fit = fitter.fit_record(curve.variances()).ok()?;
     let is_white = fit.coefficient(Term::AngleRandomWalk)?.verdict == Verdict::Identified;
     let is_markov = fit.process.parts.iter().any(|part| part.term == Term::Markov);
     (is_white && is_markov).then_some(Described { fitter, fit, is_described: true, is_filter: false })
+}
+
+/// The fitter of white noise, Markov noise and the slow terms of a described fit for the whole curve, if the curve leaves room for such
+/// Markov noise. What is correlated over several samples and not found adds to N.
+pub(crate) fn room_for_correlation(curve: &Curve, described: &Described) -> Option<Fitter> {
+    let parts = || described.fit.process.parts.iter().map(|part| part.term);
+    let slow = parts().filter(|&term| !is_fast(term) && term != Term::Markov);
+    let terms = [Term::AngleRandomWalk, Term::Markov].into_iter().chain(slow).collect();
+    let fitter = Fitter::new(curve, &Terms::Given(terms)).ok()?;
+    if described.fitter.curve().ms() != curve.ms() {
+        return Some(fitter);
+    }
+    // With one covariance, a term gains nothing by making points uncertain.
+    let covariance = described.fitter.covariance(&described.fit).ok()?;
+    let without = Fitter::new(curve, &Terms::Given(parts().collect())).ok()?;
+    let gain = without.least_chi_squared(&covariance) - fitter.least_chi_squared(&covariance);
+    (gain > PENALTY).then_some(fitter)
+}
+
+/// The interval of N in a fit with Markov noise, if the fit is likely and the noise is no filter.
+pub(crate) fn white_beside_correlation(fitter: &Fitter) -> Option<[f64; 2]> {
+    let fit = fitter.fit_record(fitter.curve().variances()).ok().filter(is_likely)?;
+    let is_long = |part: &Part| part.term == Term::Markov && part.shape > LEAST_SAMPLES * fit.tau_range[0];
+    let is_room = fit.process.parts.iter().any(is_long);
+    fit.coefficient(Term::AngleRandomWalk)?.interval.filter(|_| is_room)
+}
+
+/// Whether a term falls with τ at least as fast as white noise.
+pub(crate) fn is_fast(term: Term) -> bool {
+    matches!(term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit)
 }
 
 /// The likeliest fit of chosen terms with a sine or Markov noise to the whole curve, if any describes it.
