@@ -3,6 +3,7 @@
 use core::f64::consts::TAU;
 use std::ops::Range;
 
+use rayon::prelude::*;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
@@ -16,6 +17,8 @@ pub const LEAST_SEGMENT: usize = 16;
 const MOST_USUAL: usize = 1 << 14;
 /// Number of default segments, without overlap, in a record of moderate length.
 const USUAL_SEGMENTS: usize = 8;
+/// Number of pairs of segments that are transformed at once.
+const AT_ONCE: usize = 64;
 
 /// How a density is estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -255,24 +258,30 @@ fn freedom(starts: &[usize], window: &[f64], power: f64) -> f64 {
 fn powers(angles: &[f64], starts: &[usize], window: &[f64], trend: Trend) -> Vec<f64> {
     let length = window.len();
     let fft = FftPlanner::new().plan_fft_forward(length);
-    let mut buffer = vec![Complex::default(); length];
-    let mut scratch = vec![Complex::default(); fft.get_inplace_scratch_len()];
-    let mut sums = vec![0.0; length / 2 + 1];
     let increments = |start: usize| {
         let increment = move |j: usize| angles[start + j + 1] - angles[start + j];
         let line = Trendline::of(trend, length, increment);
         move |j: usize| window[j] * (increment(j) - line.at(j))
     };
-    for pair in starts.chunks(2) {
+    let space = || {
+        let empty = |length| vec![Complex::default(); length];
+        (empty(length), empty(fft.get_inplace_scratch_len()))
+    };
+    let transformed = |(buffer, scratch): &mut (Vec<_>, Vec<_>), pair: &[usize]| {
         let first = increments(pair[0]);
         let second = pair.get(1).map(|&start| increments(start));
         for (j, value) in buffer.iter_mut().enumerate() {
             *value = Complex::new(first(j), second.as_ref().map_or(0.0, |second| second(j)));
         }
-        fft.process_with_scratch(&mut buffer, &mut scratch);
-        for (k, sum) in sums.iter_mut().enumerate() {
-            *sum += 0.5 * (buffer[k].norm_sqr() + buffer[(length - k) % length].norm_sqr());
-        }
+        fft.process_with_scratch(buffer, scratch);
+        let power = |k: usize| 0.5 * (buffer[k].norm_sqr() + buffer[(length - k) % length].norm_sqr());
+        (0..=length / 2).map(power).collect()
+    };
+    let mut sums = vec![0.0; length / 2 + 1];
+    // In the order of time, so that the sums do not depend on the number of threads.
+    for starts in starts.chunks(2 * AT_ONCE) {
+        let powers: Vec<Vec<f64>> = starts.par_chunks(2).map_init(space, transformed).collect();
+        powers.iter().for_each(|powers| sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power));
     }
     sums
 }
