@@ -64,7 +64,7 @@ impl Course {
             Course::Step { .. } | Course::Burst { .. } => 22.0,
             Course::Sine { cycles } => 17.5 + 2.0 * libm::log(4.0 * cycles),
             Course::WarmUp { .. } => 17.0,
-            Course::Temperature(_) => 16.0,
+            Course::Temperature(_) => 12.0,
             Course::Line => 12.0,
         }
     }
