@@ -10,6 +10,7 @@ use core::f64::consts::TAU;
 use rayon::prelude::*;
 
 use crate::allan::Angles;
+use crate::fit::PENALTY;
 use crate::fit::nnls::dot;
 use crate::fit::search::golden;
 use crate::theory::allan::{Part, blocks, holds};
@@ -211,7 +212,8 @@ impl<'a> Slow<'a> {
     /// One more event that explains the record, alone or with another one, as well as a random walk, if any does.
     pub(crate) fn instead_of_walk(&self, events: &[Found]) -> Option<Found> {
         let mut found: Vec<Candidate> = events.iter().map(|event| self.candidate(event.course)).collect();
-        let with = self.least(&found, |node| node.has_walk);
+        // A random walk has the price that terms have in fits.
+        let with = self.least(&found, |node| node.has_walk) + PENALTY;
         let (lack, one) = self.likeliest_more(&found, |node| !node.has_walk)?;
         found.push(one);
         let is_one = lack < with;
