@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::{self, Column, Treatment, temperatures};
+use crate::events::{Event, What};
 use crate::fit::Quantity;
 use crate::record::log::channel::{Channel, Log};
 use crate::spectrum::{Density, Floor, Line, Point, SpectrumError, Welch, lines};
@@ -121,7 +122,16 @@ impl Analysis {
 
 impl Spectrum {
     fn of(column: &Column, density: Density) -> Spectrum {
-        let lines = lines(&density);
+        let mut lines = lines(&density);
+        let are = |what: What| column.events.iter().filter(move |event| event.what == what);
+        if are(What::NoiseBurst).next().is_some() {
+            // The few segments of a burst scatter by more than a density of so many segments does.
+            let is_near = |line: &Line, event: &Event| {
+                let apart = event.frequency_hz.map(|frequency_hz| libm::fabs(frequency_hz - line.frequency_hz));
+                apart.is_some_and(|apart| apart < 3.0 * density.spacing_hz())
+            };
+            lines.retain(|line| are(What::Line).any(|event| is_near(line, event)));
+        }
         let fit = column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described());
         let model = fit.map(|fit| Model {
             process: fit.process.clone(),
