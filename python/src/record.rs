@@ -181,7 +181,7 @@ impl Reading {
         let (angles, outliers) = treatment.angles(&samples, &[]);
         Ok(Record {
             doubt: samples.doubt().filter(|_| self.unit_check).map(|doubt| warning(doubt, &unit)),
-            missing: treatment.missing(&samples, &outliers),
+            missing: angles.missing(),
             mean_rate: samples.mean_rate(),
             slope: slope(&angles, &samples),
             outliers,

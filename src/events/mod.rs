@@ -109,6 +109,11 @@ impl Event {
         let (size, samples, frequency_hz, time_s) = Default::default();
         Event { what, size, samples, frequency_hz, time_s, count: 1, other: None, instead_of: None }
     }
+
+    /// Whether it consists of samples that stand out.
+    pub(crate) fn has_outliers(&self) -> bool {
+        matches!(self.what, What::NoiseBurst | What::Spikes)
+    }
 }
 
 /// The events of a record, and the record without them.

@@ -115,7 +115,7 @@ impl Side {
             samples: log.samples(),
             step_s: log.step_s,
             reading: log.notes.clone(),
-            missing: treatment.missing(&samples, &outliers),
+            missing: events.without.missing(),
             outliers,
             events,
             thermometers,

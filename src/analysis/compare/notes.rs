@@ -2,6 +2,7 @@
 
 use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::logs::{Analysis, Side};
+use crate::events::Event;
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 
@@ -46,6 +47,7 @@ fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
         let named = if count == 1 { "outlier" } else { "outliers" };
         let fate = match analysis.treatment().outliers_removed {
             true => "treated as gaps",
+            false if side.events.list.iter().any(Event::has_outliers) => "left out with their events",
             false => "kept; `remove_outliers = true` treats them as gaps",
         };
         notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));

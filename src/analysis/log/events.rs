@@ -52,14 +52,16 @@ impl Row {
         let time = self.time_s.map(|time_s| format!("{} s", significant(time_s, 6)));
         let frequency =
             self.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
-        let constant =
-            self.of_event(|event| event.time_s).map(|time_s| format!("{} s", significant(time_s, 3)));
+        let is_stretch = |event: &Event| matches!(event.what, What::NoiseBurst | What::Burst);
+        let length_s = self.length_s.filter(|_| self.event.as_ref().is_some_and(is_stretch));
+        let lasting = self.of_event(|event| event.time_s).or(length_s);
+        let lasting = lasting.map(|time_s| format!("{} s", significant(time_s, 3)));
         let other = Some(self.other.clone()).filter(|other| !other.is_empty());
-        let at = other.or(frequency).or(constant).or(time);
+        let at = other.or(frequency).or(time);
         let number = if self.count > 1 { self.count.to_string() } else { String::new() };
-        let [size, at] = [size, at].map(Option::unwrap_or_default);
+        let [size, at, lasting] = [size, at, lasting].map(Option::unwrap_or_default);
         let (what, done) = (self.what.to_owned(), self.done.to_owned());
-        vec![self.record.clone(), what, size, at, number, done, self.option.clone()]
+        vec![self.record.clone(), what, size, at, lasting, number, done, self.option.clone()]
     }
 }
 
@@ -103,7 +105,7 @@ impl Record<'_> {
         let samples = Some(sample..sample + 1);
         // One of a long tail is no event.
         let is_in = |event: &Event| {
-            matches!(event.what, What::NoiseBurst | What::Spikes)
+            event.has_outliers()
                 && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
         };
         match self.treatment.outliers_removed || self.treatment.events_removed && events.iter().any(is_in) {
@@ -251,7 +253,7 @@ pub(crate) fn of_column(analysis: &Analysis, column: &Column) -> Vec<Row> {
 }
 
 /// The heading of the list of what a record shows.
-pub const HEADING: [&str; 7] = ["", "event", "size", "at", "number", "done", "to remove"];
+pub const HEADING: [&str; 8] = ["", "event", "size", "at", "lasting", "number", "done", "to remove"];
 
 /// What records show besides noise, a line for each event.
 pub fn list(rows: &[Row]) -> Vec<Vec<String>> {

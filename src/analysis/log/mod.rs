@@ -273,11 +273,6 @@ impl Treatment {
         self.skip_s + sample as f64 * step_s
     }
 
-    /// The number of samples that are missing in the analysis: those of the file, and outliers that are removed.
-    pub fn missing(&self, samples: &Samples, outliers: &Outliers) -> usize {
-        samples.missing() + if self.outliers_removed { outliers.samples.len() } else { 0 }
-    }
-
     /// The parts left out, in a few words.
     pub fn left_out(&self) -> String {
         let part = |time_s: f64, words: &str| format!("{words} {} s", significant(time_s, 9));
@@ -455,7 +450,7 @@ fn column(
         ));
     }
     let slope = slope(angles, &samples);
-    let spread = angles.spread().clone();
+    let (spread, missing) = (angles.spread().clone(), angles.missing());
     if asked.keeps_events() && !treatment.events_removed {
         events = events.kept(&recorded);
     }
@@ -465,7 +460,7 @@ fn column(
         name: channel.name.clone(),
         unit,
         overruled: channel.overruled(),
-        missing: treatment.missing(&samples, &outliers),
+        missing,
         digest: digest(&channel.samples),
         same_as: None,
         gaps: samples.gaps(),

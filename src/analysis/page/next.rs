@@ -7,6 +7,7 @@ use crate::analysis::compare::length::expected;
 use crate::analysis::compare::words::duration;
 use crate::analysis::log::{self, Column, noise_file};
 use crate::analysis::spectrum::Analysis;
+use crate::events::Event;
 use crate::fit::{Fit, Terms, Verdict};
 use crate::quantity::number::significant;
 use crate::theory::allan::{Process, Term};
@@ -21,7 +22,7 @@ const MOST_LINES: usize = 4;
 
 pub(crate) fn section(analysis: &Analysis) -> Section {
     let noise = &analysis.noise;
-    let steps = [misfit(noise), outliers(noise), gaps(noise), lines(analysis)];
+    let steps = [misfit(noise), events(noise), outliers(noise), gaps(noise), lines(analysis)];
     let steps: Vec<String> = steps.into_iter().flatten().chain(longer(noise)).chain(further(noise)).collect();
     let block = match steps.is_empty() {
         true => Block::Text(format!("Nothing: the record shows no fault{}.", identified(noise))),
@@ -56,12 +57,23 @@ fn misfit(noise: &log::Analysis) -> Option<String> {
     ))
 }
 
+fn events(noise: &log::Analysis) -> Option<String> {
+    let names = named(noise, |column| !column.events.is_empty())?;
+    Some(format!(
+        "Look at the events of {names} in the charts: the list under \"What this record shows\" has their times and what was done with \
+         them."
+    ))
+}
+
 fn outliers(noise: &log::Analysis) -> Option<String> {
     if noise.treatment.outliers_removed {
         return None;
     }
     let few = |column: &Column| !column.has_long_tails(noise.samples);
-    let has = |column: &Column| !column.outliers.samples.is_empty();
+    // Those of an event are in its list.
+    let has = |column: &Column| {
+        !column.outliers.samples.is_empty() && !column.events.iter().any(Event::has_outliers)
+    };
     let spikes = named(noise, |column| has(column) && few(column)).map(|names| {
         format!(
             "There are outliers in {names}. Look at them in the chart (events.csv has their times); if they are not noise, \
