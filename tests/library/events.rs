@@ -178,6 +178,26 @@ fn noise_that_is_not_gaussian_has_no_events() {
 }
 
 #[test]
+fn the_interval_of_n_contains_what_fast_telegraph_noise_adds() {
+    let is_covered = |seed: &u64| {
+        let mut rng = StdRng::seed_from_u64(500 + seed);
+        let mut level = 0.1;
+        let rates: Vec<f64> = white(*seed)
+            .iter()
+            .map(|x| {
+                level *= if rng.random::<f64>() < 0.05 { -1.0 } else { 1.0 };
+                x + level
+            })
+            .collect();
+        let (_, sheet) = found(&rates, &[]);
+        let [low, high] = sheet.fit.coefficient(Term::AngleRandomWalk).unwrap().interval.unwrap();
+        low < 1.0 && 1.0 < high
+    };
+    let covered = (0..60).filter(is_covered).count();
+    assert!(covered >= 50, "{covered} of 60");
+}
+
+#[test]
 fn a_noise_burst_is_found_and_left_out() {
     let louder = 5000..7000;
     let is_right = |seed: u64| {

@@ -75,3 +75,37 @@ fn a_record_given_twice_is_noted_with_the_name_of_the_first() {
     let page = desk.read("results/a_vs_b/report.html");
     assert!(page.contains("<h2>What these records show</h2>"));
 }
+
+#[test]
+fn lines_that_only_a_noise_burst_makes_are_none_and_its_samples_count_as_missing() {
+    let numbers: Vec<f64> = noise(12 * 16_384).collect();
+    let sums = numbers.chunks(12).map(|chunk| chunk.iter().sum::<f64>());
+    let louder = |i: usize| if (4000..6000).contains(&i) { 10.0 } else { 1.0 };
+    let text = sums.enumerate().map(|(i, y)| format!("{}\n", louder(i) * y)).collect::<String>();
+    let desk = desk_with("gyro.csv", text);
+    let spectrum = document(&desk, &format!("psd gyro.csv {READ} --bootstrap 0"));
+    assert_eq!(kinds(&spectrum["columns"][0]["events"]), [["noise burst", "left out of the fit"]]);
+    assert_eq!(spectrum["columns"][0]["lines"], Value::Array(vec![]));
+
+    let missing = |more: &str| {
+        let found = document(&desk, &format!("allan gyro.csv {READ} --bootstrap 0 {more}"));
+        found["columns"][0]["missing"].as_u64().unwrap()
+    };
+    let removed = missing("--remove-events");
+    assert!(missing("") == 0 && removed.abs_diff(2000) < 100, "{removed}");
+}
+
+#[test]
+fn every_event_of_the_reference_is_explained() {
+    let reference = include_str!("../../docs/reference.md");
+    let table = reference.split("| event | found by | in the fit |\n|---|---|---|\n").nth(1).unwrap();
+    let names = table.lines().take_while(|line| line.starts_with('|'));
+    let names: Vec<&str> =
+        names.flat_map(|line| line.split('|').nth(1).unwrap().trim().split(", ")).collect();
+    assert_eq!(names.len(), 13, "{names:?}");
+    let glossary = include_str!("../../cli/src/explain/glossary.txt");
+    let explained = glossary.split("\n\n").filter(|entry| entry.contains("\n    Event of a log"));
+    let explained: Vec<&str> =
+        explained.flat_map(|entry| entry.lines().next().unwrap().split(", ")).collect();
+    assert_eq!(names, explained);
+}

@@ -105,8 +105,7 @@ impl Record<'_> {
         let samples = Some(sample..sample + 1);
         // One of a long tail is no event.
         let is_in = |event: &Event| {
-            event.has_outliers()
-                && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
+            event.has_outliers() && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
         };
         match self.treatment.outliers_removed || self.treatment.events_removed && events.iter().any(is_in) {
             true => self.row("outlier", samples, "removed"),

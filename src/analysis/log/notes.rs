@@ -103,7 +103,9 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let more = if found.len() > MOST { ", …" } else { "" };
     let fate = match (analysis.treatment.outliers_removed, column.has_long_tails(analysis.samples)) {
         (true, _) => "treated as gaps",
-        _ if analysis.treatment.events_removed && column.events.iter().any(Event::has_outliers) => "left out with their events",
+        _ if analysis.treatment.events_removed && column.events.iter().any(Event::has_outliers) => {
+            "left out with their events"
+        }
         (false, false) if column.noise().is_some() => "kept in the curve, and left out of the fit",
         (false, false) => "kept, unless outliers are removed",
         (false, true) => "kept; so many are long tails of the noise",

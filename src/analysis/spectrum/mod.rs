@@ -127,7 +127,8 @@ impl Spectrum {
         if are(What::NoiseBurst).next().is_some() {
             // The few segments of a burst scatter by more than a density of so many segments does.
             let is_near = |line: &Line, event: &Event| {
-                let apart = event.frequency_hz.map(|frequency_hz| libm::fabs(frequency_hz - line.frequency_hz));
+                let apart =
+                    event.frequency_hz.map(|frequency_hz| libm::fabs(frequency_hz - line.frequency_hz));
                 apart.is_some_and(|apart| apart < 3.0 * density.spacing_hz())
             };
             lines.retain(|line| are(What::Line).any(|event| is_near(line, event)));
