@@ -114,6 +114,11 @@ impl Event {
     pub(crate) fn has_outliers(&self) -> bool {
         matches!(self.what, What::NoiseBurst | What::Spikes)
     }
+
+    /// Whether an outlier is a part of it.
+    pub(crate) fn contains(&self, outlier: usize) -> bool {
+        self.has_outliers() && self.samples.is_some_and(|[from, to]| (from..to).contains(&outlier))
+    }
 }
 
 /// The events of a record, and the record without them.

@@ -104,10 +104,8 @@ impl Record<'_> {
     fn outlier(&self, sample: usize, events: &[Event]) -> Row {
         let samples = Some(sample..sample + 1);
         // One of a long tail is no event.
-        let is_in = |event: &Event| {
-            event.has_outliers() && event.samples.is_some_and(|[from, to]| (from..to).contains(&sample))
-        };
-        match self.treatment.outliers_removed || self.treatment.events_removed && events.iter().any(is_in) {
+        let is_in_event = || events.iter().any(|event| event.contains(sample));
+        match self.treatment.outliers_removed || self.treatment.events_removed && is_in_event() {
             true => self.row("outlier", samples, "removed"),
             false => Row { option: "--remove-outliers".to_owned(), ..self.row("outlier", samples, "kept") },
         }
@@ -249,6 +247,11 @@ pub(crate) fn of_column(analysis: &Analysis, column: &Column) -> Vec<Row> {
     let record = record(analysis, column);
     let same = column.same_as.iter().map(|other| record.same(other));
     same.chain(record.rows(&column.events)).collect()
+}
+
+/// Whether the fit leaves out events that the curves of a column have.
+pub(crate) fn are_left_out(analysis: &Analysis, column: &Column) -> bool {
+    !analysis.keeps_events && of_column(analysis, column).iter().any(|row| !row.option.is_empty())
 }
 
 /// The heading of the list of what a record shows.

@@ -7,6 +7,7 @@ use crate::theory::allan::terms::Shape;
 use crate::theory::allan::{Part, Process, Term};
 use crate::view::chart::figure::{self, Axis, Figure, Grouping, Parts, Series, SeriesPoint};
 
+use crate::analysis::log::events::are_left_out;
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};
 
@@ -79,6 +80,7 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
             .collect::<Vec<_>>()
     };
     let series: Vec<Series> = all.iter().enumerate().flat_map(of_column).collect();
+    let is_without_events = all.iter().any(|column| are_left_out(analysis, column));
     let is_fitted = series.iter().any(|series| !series.law.is_empty());
     Some(Figure {
         title,
@@ -89,7 +91,7 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
         dashes,
         points: if is_fitted { "measured".to_owned() } else { String::new() },
         bands: format!("{} intervals", analysis.percent()),
-        lines: "fit".to_owned(),
+        lines: if is_without_events { "fit without events" } else { "fit" }.to_owned(),
         series,
         parts: if several { Parts::default() } else { parts(analysis, first, &deviations) },
         ..Figure::default()

@@ -5,7 +5,7 @@ use crate::analysis::compare::notes::notes;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{interval, length, probability, sentences, times};
 use crate::analysis::compare::{figures, tables};
-use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, sampling};
+use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
 use crate::analysis::page::{chart, shown};
 use crate::analysis::requirement::Decision;
 use crate::quantity::number::significant;
@@ -45,14 +45,8 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
     let recorded = sides().zip(logs).zip(&missing);
     let recorded: Vec<Recorded> = recorded
         .map(|((side, log), gaps)| {
-            Recorded::of(
-                &side.label,
-                log,
-                &log.channels[0],
-                &side.outliers,
-                gaps,
-                analysis.treatment().outliers_removed,
-            )
+            let removed = removed(&side.outliers, analysis.treatment().outliers_removed, &side.events.list);
+            Recorded::of(&side.label, log, &log.channels[0], &side.outliers, gaps, removed)
         })
         .collect();
     let mut blocks = charts(&recorded, "records");

@@ -99,7 +99,7 @@ fn deviations(noise: &log::Analysis) -> Section {
     let of_figure = |(stem, figure): (String, Option<Figure>)| {
         let mut figure = figure?;
         if let Some(fit) = fit {
-            figure.lines = format!("fit of {}", range(fit));
+            figure.lines = format!("{}, {}", figure.lines, range(fit));
         }
         Some(chart(&stem, Picture::Curves(figure)))
     };

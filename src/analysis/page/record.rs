@@ -7,6 +7,7 @@ use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::answer::in_unit;
 use crate::analysis::page::trace::{extremes, means, shares};
+use crate::events::{Event, What};
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::record::log::channel::{Channel, Log};
@@ -29,15 +30,17 @@ pub(crate) struct Recorded<'a> {
     pub values: Cow<'a, [f64]>,
     pub outliers: &'a Outliers,
     pub gaps: &'a [Range<usize>],
-    /// Outliers that are treated as gaps.
-    pub removed: &'a [usize],
+    /// Outliers and samples of events that are treated as gaps.
+    pub removed: Vec<usize>,
 }
 
 /// The section on the record of a log.
 pub(crate) fn section(log: &Log, analysis: &Analysis) -> Section {
     let recorded = log.channels.iter().zip(&analysis.columns).map(|(channel, column)| {
-        let Column { name, outliers, gaps, .. } = column;
-        Recorded::of(name, log, channel, outliers, gaps, analysis.treatment.outliers_removed)
+        let Column { name, outliers, gaps, events, .. } = column;
+        let events = if analysis.treatment.events_removed { &events[..] } else { &[] };
+        let removed = removed(outliers, analysis.treatment.outliers_removed, events);
+        Recorded::of(name, log, channel, outliers, gaps, removed)
     });
     let mut blocks = charts(&recorded.collect::<Vec<_>>(), "columns");
     blocks.push(Block::Facts(facts(analysis)));
@@ -187,7 +190,7 @@ fn drawn(
 }
 
 /// Bars over the stretches of records: from below the share of samples that are missing, and from above the share of outliers that
-/// are removed.
+/// or samples of events that are removed.
 fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: usize) -> Vec<Law> {
     let ys =
         || series.iter().flat_map(|series| &series.points).map(|point| point.y).filter(|y| y.is_finite());
@@ -216,7 +219,7 @@ fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: us
     let is_removed = |record: &Recorded, sample| record.removed.binary_search(&sample).is_ok();
     [
         law(missing, "missing, share from below", is_missing, [low, high]),
-        law(removed, "removed as outliers, share from above", is_removed, [high, low]),
+        law(removed, "removed, share from above", is_removed, [high, low]),
     ]
     .into_iter()
     .flatten()
@@ -240,6 +243,18 @@ fn time_unit(end_s: f64) -> (f64, &'static str) {
     }
 }
 
+/// The samples that are treated as gaps, with these events removed, in their order.
+pub(crate) fn removed(outliers: &Outliers, are_outliers_removed: bool, events: &[Event]) -> Vec<usize> {
+    let bursts = events.iter().filter(|event| event.what == What::NoiseBurst);
+    let bursts = bursts.filter_map(|event| event.samples).flat_map(|[from, to]| from..to);
+    let is_removed =
+        |sample: &usize| are_outliers_removed || events.iter().any(|event| event.contains(*sample));
+    let mut samples: Vec<usize> = bursts.chain(outliers.samples.iter().copied().filter(is_removed)).collect();
+    samples.sort_unstable();
+    samples.dedup();
+    samples
+}
+
 impl<'a> Recorded<'a> {
     pub(crate) fn of(
         name: &'a str,
@@ -247,10 +262,9 @@ impl<'a> Recorded<'a> {
         channel: &'a Channel,
         outliers: &'a Outliers,
         gaps: &'a [Range<usize>],
-        are_outliers_removed: bool,
+        removed: Vec<usize>,
     ) -> Recorded<'a> {
         let values = channel.view(log.data, log.step_s).increments();
-        let removed = if are_outliers_removed { &outliers.samples[..] } else { &[] };
         Recorded { name, log, unit: &channel.unit, values, outliers, gaps, removed }
     }
 
@@ -283,7 +297,7 @@ mod tests {
         gaps.iter().for_each(|gap| values[gap.clone()].fill(f64::NAN));
         let log = Log::of_column("gz", Data::Rate, unit, 0.5, values);
         let outliers = Outliers { samples: vec![31], ..Outliers::default() };
-        let one = Recorded::of("gz", &log, &log.channels[0], &outliers, &gaps, true);
+        let one = Recorded::of("gz", &log, &log.channels[0], &outliers, &gaps, vec![31]);
         let points = [0.0, 8.0].map(|y| SeriesPoint { x: 0.0, y, band: None, key: None }).into();
         let series = [Series { colour: 0, dash: 0, points, law: vec![] }];
         let [missing, removed] = &marks(&[(0, &one)], &series, 1.0, 10)[..] else { panic!() };
@@ -291,7 +305,7 @@ mod tests {
         let steps = [(0.0, 2.0), (2.0, 2.0), (2.0, 8.0), (4.0, 8.0), (4.0, 2.0), (6.0, 2.0)];
         let [bar] = &missing.lines[..] else { panic!("{missing:?}") };
         assert_eq!(bar.points, [&[(0.0, 0.0)], &steps[..], &[(6.0, 0.0)]].concat());
-        assert_eq!(removed.label, "1 removed as outliers, share from above");
+        assert_eq!(removed.label, "1 removed, share from above");
         assert_eq!(removed.lines[0].points, [(14.0, 8.0), (14.0, 6.0), (16.0, 6.0), (16.0, 8.0)]);
     }
 
@@ -321,7 +335,7 @@ mod tests {
             };
             let outliers = Outliers { threshold: 1.0, ..Outliers::default() };
             let recorded =
-                log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[], false));
+                log.channels.iter().map(|one| Recorded::of(&one.name, &log, one, &outliers, &[], vec![]));
             let axes: Vec<(String, String)> = charts(&recorded.collect::<Vec<_>>(), "columns")
                 .into_iter()
                 .map(|block| match block {
