@@ -37,7 +37,7 @@ pub(crate) struct Noise<'a> {
 
 impl Noise<'_> {
     /// Fits the terms to the curve of a record over the τ that they describe. Where the spectrum contradicts chosen terms, the
-    /// fit leaves out the shortest τ. Where noise with a correlation time explains the record better than flicker noise, it is a
+    /// fit leaves out the shortest τ. Where noise with a correlation time explains the record better than flicker noise, or white noise alone, it is a
     /// part of the fit.
     pub(crate) fn of<'a>(events: &'a Events, asked: &Fitting) -> Result<Noise<'a>, FitError> {
         let curve = asked.curve(&events.without)?;
@@ -57,10 +57,12 @@ impl Noise<'_> {
         }
         let has_slow = !described.fit.process.parts.iter().all(|part| is_fast(part.term));
         let is_telegraph = events.explains.is_telegraph;
-        let find = || events.correlation_time_s(described.fit.tau_range[0]);
-        let time_s = if is_chosen && has_slow && !is_telegraph { find() } else { None };
+        let time_s = match is_chosen && has_slow && !is_telegraph {
+            true => events.correlation_time_s(described.fit.tau_range[0]),
+            false => None,
+        };
         // Telegraph noise has the curve of Markov noise. What is correlated within a block only adds to white noise at long τ.
-        let is_unknown = is_chosen && shown.is_empty() && !is_telegraph;
+        let is_unknown = is_chosen && shown.is_empty() && !is_telegraph && time_s.is_none();
         let room = if is_unknown { room_for_correlation(&curve, &described) } else { None };
         let other = match has_slow {
             true if is_chosen && is_telegraph || time_s.is_some() => {
@@ -88,7 +90,9 @@ impl Noise<'_> {
     /// are possible in place of a coefficient.
     pub(crate) fn judged(&mut self, fit: Fit, is_forced: bool) -> Fit {
         let mut fit = self.described.judged(fit, is_forced);
-        let is_white = |found: &&mut Coefficient| found.term == Term::AngleRandomWalk;
+        let is_white = |found: &&mut Coefficient| {
+            found.term == Term::AngleRandomWalk && found.verdict == Verdict::Identified
+        };
         let interval = fit.coefficients.iter_mut().find(is_white).and_then(|found| found.interval.as_mut());
         if let Some(([low, high], [least, most])) = interval.zip(self.white) {
             (*low, *high) = (low.min(least), high.max(most));

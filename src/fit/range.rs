@@ -37,9 +37,8 @@ pub const FEWEST: usize = 5;
 const LOST: usize = 4;
 /// Variance at the shortest τ, over that of white noise behind a low-pass, from which on no filter explains it.
 const SURPLUS: f64 = 4.0;
-
-/// Least correlation time, in samples, of noise that is no filter.
-const LEAST_SAMPLES: f64 = 4.0;
+/// Least correlation time of noise that is no filter, in shortest τ.
+const LEAST_TIME: f64 = 4.0;
 
 /// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,17 +166,22 @@ pub(crate) fn describe_without_shortest(
     })
 }
 
-/// The fit of chosen terms and of Markov noise to a curve, if both white and Markov noise are found.
+/// The fit of chosen terms and of Markov noise to a curve, if it is likely, and both white and slower Markov noise are found.
 pub(crate) fn with_correlation(curve: &Curve, asked: &Fitting) -> Option<Described> {
     let fitter = Fitter::new(curve, &asked.terms.with(Term::BandLimit).with(Term::Markov)).ok()?;
-    let fit = fitter.fit_record(curve.variances()).ok()?;
-    let is_white = fit.coefficient(Term::AngleRandomWalk)?.verdict == Verdict::Identified;
-    let is_markov = fit.process.parts.iter().any(|part| part.term == Term::Markov);
-    (is_white && is_markov).then_some(Described { fitter, fit, is_described: true, is_filter: false })
+    let fit = fitter.fit_record(curve.variances()).ok().filter(|fit| is_likely(fit) && is_correlated(fit))?;
+    Some(Described { fitter, fit, is_described: true, is_filter: false })
 }
 
-/// The fitter of white noise, Markov noise and the slow terms of a described fit for the whole curve, if the curve leaves room for such
-/// Markov noise. What is correlated over several samples and not found adds to N.
+/// Whether a fit identifies white noise beside Markov noise that is no filter.
+fn is_correlated(fit: &Fit) -> bool {
+    let is_slow = |part: &Part| part.term == Term::Markov && part.shape > LEAST_TIME * fit.tau_range[0];
+    let white = fit.coefficient(Term::AngleRandomWalk).map(|found| found.verdict);
+    white == Some(Verdict::Identified) && fit.process.parts.iter().any(is_slow)
+}
+
+/// The fitter of white noise, Markov noise and the slow terms of a described fit for the whole curve, if that lowers χ² by more than the
+/// price of a term, or the described fit leaves out the shortest τ. What is correlated over several samples and not found adds to N.
 pub(crate) fn room_for_correlation(curve: &Curve, described: &Described) -> Option<Fitter> {
     let parts = || described.fit.process.parts.iter().map(|part| part.term);
     let slow = parts().filter(|&term| !is_fast(term) && term != Term::Markov);
@@ -195,9 +199,8 @@ pub(crate) fn room_for_correlation(curve: &Curve, described: &Described) -> Opti
 
 /// The interval of N in a fit with Markov noise, if the fit is likely and the noise is no filter.
 pub(crate) fn white_beside_correlation(fitter: &Fitter) -> Option<[f64; 2]> {
-    let fit = fitter.fit_record(fitter.curve().variances()).ok().filter(is_likely)?;
-    let is_long = |part: &Part| part.term == Term::Markov && part.shape > LEAST_SAMPLES * fit.tau_range[0];
-    let is_room = fit.process.parts.iter().any(is_long);
+    let fit = fitter.fit_record(fitter.curve().variances()).ok()?;
+    let is_room = is_likely(&fit) && is_correlated(&fit);
     fit.coefficient(Term::AngleRandomWalk)?.interval.filter(|_| is_room)
 }
 
