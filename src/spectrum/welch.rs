@@ -14,7 +14,7 @@ use crate::spectrum::NEIGHBOURS;
 /// Fewest samples in a segment.
 pub const LEAST_SEGMENT: usize = 16;
 /// Most samples in a default segment: 8192 frequencies are enough for a table and a chart.
-const MOST_USUAL: usize = 1 << 14;
+pub(crate) const MOST_USUAL: usize = 1 << 14;
 /// Number of default segments, without overlap, in a record of moderate length.
 const USUAL_SEGMENTS: usize = 8;
 /// Number of pairs of segments that are transformed at once.

@@ -18,7 +18,7 @@ use crate::analysis::log::{self, Column, Treatment, temperatures};
 use crate::events::{Event, What};
 use crate::fit::Quantity;
 use crate::record::log::channel::{Channel, Log};
-use crate::spectrum::{Density, Floor, Line, Point, SpectrumError, Welch, lines};
+use crate::spectrum::{Density, Floor, Line, MOST_USUAL, Point, SpectrumError, Welch, lines};
 use crate::theory::allan::{Part, Process, Term};
 
 /// Standard errors of a 95 % interval on each side.
@@ -110,8 +110,10 @@ pub fn densities(log: &Log, treatment: &Treatment, welch: &Welch) -> Result<Vec<
 impl Analysis {
     /// Puts the densities of a log beside the fits of its analysis, which have the same columns.
     pub fn of(noise: log::Analysis, densities: Vec<Density>) -> Analysis {
+        let are_events_removed = noise.treatment.events_removed;
         let columns = noise.columns.iter().zip(densities);
-        Analysis { spectra: columns.map(|(column, density)| Spectrum::of(column, density)).collect(), noise }
+        let spectra = columns.map(|(column, density)| Spectrum::of(column, density, are_events_removed));
+        Analysis { spectra: spectra.collect(), noise }
     }
 
     /// The columns of the log with their spectra.
@@ -121,17 +123,20 @@ impl Analysis {
 }
 
 impl Spectrum {
-    fn of(column: &Column, density: Density) -> Spectrum {
+    fn of(column: &Column, density: Density, are_events_removed: bool) -> Spectrum {
         let mut lines = lines(&density);
         let are = |what: What| column.events.iter().filter(move |event| event.what == what);
-        if are(What::NoiseBurst).next().is_some() {
-            // The few segments of a burst scatter by more than a density of so many segments does.
+        if !are_events_removed && are(What::NoiseBurst).next().is_some() {
+            // The few segments of a burst scatter by more than a density of so many segments does. The events have no line of coarse
+            // pulses, and know a frequency to the spacing of usual segments.
+            let known = 3.0 * density.spacing_hz().max(1.0 / (MOST_USUAL as f64 * density.step_s));
             let is_near = |line: &Line, event: &Event| {
-                let apart =
-                    event.frequency_hz.map(|frequency_hz| libm::fabs(frequency_hz - line.frequency_hz));
-                apart.is_some_and(|apart| apart < 3.0 * density.spacing_hz())
+                event
+                    .frequency_hz
+                    .is_some_and(|frequency_hz| libm::fabs(frequency_hz - line.frequency_hz) < known)
             };
-            lines.retain(|line| are(What::Line).any(|event| is_near(line, event)));
+            let is_event = |line: &Line| are(What::Line).any(|event| is_near(line, event));
+            lines.retain(|line| are(What::Units).next().is_some() || is_event(line));
         }
         let fit = column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described());
         let model = fit.map(|fit| Model {
