@@ -37,7 +37,8 @@ const LEAST_QUARTERS: usize = 2;
 const TIMES: usize = 12;
 /// Increase of minus twice the logarithm of the likelihood by a straight line instead of a temperature up to which they are not told apart.
 const OF_LINE: f64 = 6.0;
-/// Decrease of minus twice the logarithm of the likelihood by two events instead of a random walk from which on they are as good.
+/// Decrease of minus twice the logarithm of the likelihood by two events instead of a random walk, less the price of the walk, from which
+/// on they are as good.
 const OF_TWO: f64 = 36.0;
 
 /// The course of an event over time, in samples from the start of the record.
@@ -65,8 +66,7 @@ impl Course {
             Course::Step { .. } | Course::Burst { .. } => 22.0,
             Course::Sine { cycles } => 17.5 + 2.0 * libm::log(4.0 * cycles),
             Course::WarmUp { .. } => 17.0,
-            Course::Temperature(_) => 12.0,
-            Course::Line => 12.0,
+            Course::Temperature(_) | Course::Line => 12.0,
         }
     }
 }

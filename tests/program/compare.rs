@@ -210,7 +210,7 @@ fn noise_that_only_one_record_shows_has_a_p_and_no_value_of_the_other() {
     let mut walk = 0.0;
     let walking: Vec<f64> = white(8192, 1.0, 1)
         .iter()
-        .zip(white(8192, 0.02, 3))
+        .zip(white(8192, 0.03, 3))
         .map(|(white, step)| {
             walk += step;
             white + walk
@@ -227,7 +227,7 @@ fn noise_that_only_one_record_shows_has_a_p_and_no_value_of_the_other() {
     let k = rows.iter().find(|row| row["coefficient"] == "K").unwrap();
     assert!(k["b"].is_empty() && k["difference"].is_empty() && number(k, "upper") < 0.0, "{k:?}");
     assert!(number(k, "p") < 0.05 && k["verdict"] == "B lower", "{k:?}");
-    assert!((number(k, "a") / (60.0 * 0.02) - 1.0).abs() < 0.5, "{k:?}");
+    assert!((number(k, "a") / (60.0 * 0.03) - 1.0).abs() < 0.5, "{k:?}");
 }
 
 #[test]
