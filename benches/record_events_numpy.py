@@ -4,8 +4,8 @@
     python benches/record_events_numpy.py [RECORDS] [NAME…]     RECORDS of each cell (400); cells whose names contain a NAME
 
 Each record has white noise with N = 0.3 °/√h, without or with flicker noise of B = 3 °/h, at 10 Hz for an hour, and one kind of
-event: steps, spikes, a noise burst, a slow sine, a warm-up, alone or beside a column of the temperature, telegraph noise, a line of the spectrum, a detuned notch, a low-pass
-filter with aliasing, or a coarse readout. The same cell has the same records every time. A line of the table says in how many per cent of
+event: steps, spikes, a noise burst, a slow sine, a warm-up alone or beside a column of the temperature, telegraph noise, a line of the
+spectrum, a detuned notch, a low-pass filter with aliasing, or a coarse readout. The same cell has the same records every time. A line of the table says in how many per cent of
 the records each coefficient that is not there is called identified, and in how many the interval of N (and of B, where there is
 flicker) holds the true value. A cell of 400 records with a coverage of 95 % lies within 92 and 98 % in 99.9 % of cases.
 

@@ -111,13 +111,14 @@ impl Event {
     }
 
     /// Whether it consists of samples that stand out.
-    pub(crate) fn has_outliers(&self) -> bool {
+    fn has_outliers(&self) -> bool {
         matches!(self.what, What::NoiseBurst | What::Spikes)
     }
 
-    /// Whether an outlier is a part of it.
-    pub(crate) fn contains(&self, outlier: usize) -> bool {
-        self.has_outliers() && self.samples.is_some_and(|[from, to]| (from..to).contains(&outlier))
+    /// Whether an outlier is a part of one of some events.
+    pub(crate) fn is_in(events: &[Event], outlier: usize) -> bool {
+        let contains = |[from, to]: [usize; 2]| (from..to).contains(&outlier);
+        events.iter().any(|event| event.has_outliers() && event.samples.is_some_and(contains))
     }
 }
 

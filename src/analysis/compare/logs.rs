@@ -76,7 +76,7 @@ pub struct Side {
     pub step_s: f64,
     /// What was inferred about the file, and what looks doubtful in it, in a line each.
     pub reading: Vec<String>,
-    /// Number of missing samples, and of outliers that were removed.
+    /// Number of missing samples, and of outliers and samples of events that were removed.
     pub missing: usize,
     /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,

@@ -45,9 +45,11 @@ fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
     if count > 0 {
         let of = if side.data == Data::Angle { " among the increments" } else { "" };
         let named = if count == 1 { "outlier" } else { "outliers" };
+        let are_in_events =
+            side.outliers.samples.iter().all(|&sample| Event::is_in(&side.events.list, sample));
         let fate = match analysis.treatment().outliers_removed {
             true => "treated as gaps",
-            false if side.events.list.iter().any(Event::has_outliers) => "left out with their events",
+            false if are_in_events => "left out with their events",
             false => "kept; `remove_outliers = true` treats them as gaps",
         };
         notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));

@@ -53,8 +53,8 @@ impl Row {
         let frequency =
             self.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
         let is_stretch = |event: &Event| matches!(event.what, What::NoiseBurst | What::Burst);
-        let length_s = self.length_s.filter(|_| self.event.as_ref().is_some_and(is_stretch));
-        let lasting = self.of_event(|event| event.time_s).or(length_s);
+        let length_s = |event: &Event| self.length_s.filter(|_| is_stretch(event));
+        let lasting = self.of_event(|event| event.time_s.or(length_s(event)));
         let lasting = lasting.map(|time_s| format!("{} s", significant(time_s, 3)));
         let other = Some(self.other.clone()).filter(|other| !other.is_empty());
         let at = other.or(frequency).or(time);
@@ -104,8 +104,8 @@ impl Record<'_> {
     fn outlier(&self, sample: usize, events: &[Event]) -> Row {
         let samples = Some(sample..sample + 1);
         // One of a long tail is no event.
-        let is_in_event = || events.iter().any(|event| event.contains(sample));
-        match self.treatment.outliers_removed || self.treatment.events_removed && is_in_event() {
+        match self.treatment.outliers_removed || self.treatment.events_removed && Event::is_in(events, sample)
+        {
             true => self.row("outlier", samples, "removed"),
             false => Row { option: "--remove-outliers".to_owned(), ..self.row("outlier", samples, "kept") },
         }
@@ -148,14 +148,16 @@ impl Record<'_> {
             What::Correlated => "B not identified",
             What::Telegraph => "B and K not identified",
             _ if self.treatment.events_removed => REMOVED,
-            What::NoiseBurst | What::Spikes => "left out of the fit",
-            _ => "subtracted for the fit",
+            What::NoiseBurst | What::Spikes => LEFT_OUT,
+            _ => SUBTRACTED,
         }
     }
 }
 
-/// The word for events that are taken out of the curves too.
+/// The words for events that are taken out of the curves too, or for the fit only.
 const REMOVED: &str = "removed";
+const LEFT_OUT: &str = "left out of the fit";
+const SUBTRACTED: &str = "subtracted for the fit";
 
 /// The option that removes an event from curves and spectra too; empty where none does.
 fn option(event: &Event, thermometer: &str) -> String {
@@ -251,7 +253,7 @@ pub(crate) fn of_column(analysis: &Analysis, column: &Column) -> Vec<Row> {
 
 /// Whether the fit leaves out events that the curves of a column have.
 pub(crate) fn are_left_out(analysis: &Analysis, column: &Column) -> bool {
-    !analysis.keeps_events && of_column(analysis, column).iter().any(|row| !row.option.is_empty())
+    of_column(analysis, column).iter().any(|row| [LEFT_OUT, SUBTRACTED].contains(&row.done))
 }
 
 /// The heading of the list of what a record shows.

@@ -125,7 +125,7 @@ pub struct Column {
     pub unit: Unit,
     /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
-    /// Number of samples missing in the file, and of outliers that were removed.
+    /// Number of samples missing in the file, and of outliers and samples of events that were removed.
     pub missing: usize,
     /// Hash of its samples, which is that of an equal record.
     pub digest: u64,

@@ -101,14 +101,15 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let found = &column.outliers.samples;
     let times: Vec<String> = analysis.times(found).take(MOST).map(|time_s| significant(time_s, 9)).collect();
     let more = if found.len() > MOST { ", …" } else { "" };
-    let fate = match (analysis.treatment.outliers_removed, column.has_long_tails(analysis.samples)) {
-        (true, _) => "treated as gaps",
-        _ if analysis.treatment.events_removed && column.events.iter().any(Event::has_outliers) => {
-            "left out with their events"
+    let are_in_events = found.iter().all(|&sample| Event::is_in(&column.events, sample));
+    let fate = match column.has_long_tails(analysis.samples) {
+        _ if analysis.treatment.outliers_removed => "treated as gaps",
+        _ if are_in_events && analysis.treatment.events_removed => "left out with their events",
+        is_long if column.noise().is_some() && (are_in_events || !is_long) => {
+            "kept in the curve, and left out of the fit"
         }
-        (false, false) if column.noise().is_some() => "kept in the curve, and left out of the fit",
-        (false, false) => "kept, unless outliers are removed",
-        (false, true) => "kept; so many are long tails of the noise",
+        false => "kept, unless outliers are removed",
+        true => "kept; so many are long tails of the noise",
     };
     let named = if found.len() == 1 { "outlier" } else { "outliers" };
     let of = if analysis.data == Data::Angle { "increments " } else { "" };

@@ -60,8 +60,8 @@ fn misfit(noise: &log::Analysis) -> Option<String> {
 fn events(noise: &log::Analysis) -> Option<String> {
     let names = named(noise, |column| !column.events.is_empty())?;
     Some(format!(
-        "Look at the events of {names} in the charts: the list under \"What this record shows\" has their times and what was done with \
-         them."
+        "Look at the events of {names} in the charts: the list under \"What this record shows\" says where they are and what was \
+         done with them."
     ))
 }
 
@@ -71,9 +71,8 @@ fn outliers(noise: &log::Analysis) -> Option<String> {
     }
     let few = |column: &Column| !column.has_long_tails(noise.samples);
     // Those of an event are in its list.
-    let has = |column: &Column| {
-        !column.outliers.samples.is_empty() && !column.events.iter().any(Event::has_outliers)
-    };
+    let has =
+        |column: &Column| column.outliers.samples.iter().any(|&sample| !Event::is_in(&column.events, sample));
     let spikes = named(noise, |column| has(column) && few(column)).map(|names| {
         format!(
             "There are outliers in {names}. Look at them in the chart (events.csv has their times); if they are not noise, \

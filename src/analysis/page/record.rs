@@ -189,8 +189,8 @@ fn drawn(
     Drawn { stem: String::new(), picture: Picture::Curves(figure), note: None }
 }
 
-/// Bars over the stretches of records: from below the share of samples that are missing, and from above the share of outliers that
-/// or samples of events that are removed.
+/// Bars over the stretches of records: from below the share of samples that are missing, and from above that of outliers and samples
+/// of events that are removed.
 fn marks(records: &[(usize, &Recorded)], series: &[Series], size: f64, parts: usize) -> Vec<Law> {
     let ys =
         || series.iter().flat_map(|series| &series.points).map(|point| point.y).filter(|y| y.is_finite());
@@ -247,8 +247,7 @@ fn time_unit(end_s: f64) -> (f64, &'static str) {
 pub(crate) fn removed(outliers: &Outliers, are_outliers_removed: bool, events: &[Event]) -> Vec<usize> {
     let bursts = events.iter().filter(|event| event.what == What::NoiseBurst);
     let bursts = bursts.filter_map(|event| event.samples).flat_map(|[from, to]| from..to);
-    let is_removed =
-        |sample: &usize| are_outliers_removed || events.iter().any(|event| event.contains(*sample));
+    let is_removed = |sample: &usize| are_outliers_removed || Event::is_in(events, *sample);
     let mut samples: Vec<usize> = bursts.chain(outliers.samples.iter().copied().filter(is_removed)).collect();
     samples.sort_unstable();
     samples.dedup();
@@ -262,9 +261,10 @@ impl<'a> Recorded<'a> {
         channel: &'a Channel,
         outliers: &'a Outliers,
         gaps: &'a [Range<usize>],
-        removed: Vec<usize>,
+        mut removed: Vec<usize>,
     ) -> Recorded<'a> {
         let values = channel.view(log.data, log.step_s).increments();
+        removed.retain(|&sample| values[sample].is_finite());
         Recorded { name, log, unit: &channel.unit, values, outliers, gaps, removed }
     }
 
