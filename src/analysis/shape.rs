@@ -37,8 +37,8 @@ pub(crate) struct Noise<'a> {
 
 impl Noise<'_> {
     /// Fits the terms to the curve of a record over the τ that they describe. Where the spectrum contradicts chosen terms, the
-    /// fit leaves out the shortest τ. Where noise with a correlation time explains the record better than flicker noise, or white noise alone, it is a
-    /// part of the fit.
+    /// fit leaves out the shortest τ. Where noise with a correlation time explains the record better than flicker noise, or white
+    /// noise alone, it is a part of the fit.
     pub(crate) fn of<'a>(events: &'a Events, asked: &Fitting) -> Result<Noise<'a>, FitError> {
         let curve = asked.curve(&events.without)?;
         let mut described = describe(&curve, asked)?;

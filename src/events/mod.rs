@@ -110,15 +110,11 @@ impl Event {
         Event { what, size, samples, frequency_hz, time_s, count: 1, other: None, instead_of: None }
     }
 
-    /// Whether it consists of samples that stand out.
-    fn has_outliers(&self) -> bool {
-        matches!(self.what, What::NoiseBurst | What::Spikes)
-    }
-
     /// Whether an outlier is a part of one of some events.
     pub(crate) fn is_in(events: &[Event], outlier: usize) -> bool {
         let contains = |[from, to]: [usize; 2]| (from..to).contains(&outlier);
-        events.iter().any(|event| event.has_outliers() && event.samples.is_some_and(contains))
+        let has_outliers = |event: &&Event| matches!(event.what, What::NoiseBurst | What::Spikes);
+        events.iter().filter(has_outliers).any(|event| event.samples.is_some_and(contains))
     }
 }
 
