@@ -54,7 +54,7 @@ pub fn kernel(options: &Options) -> bool {
             }
         }
         for edit in &EDITS {
-            for &workgroup in workgroups.iter().filter(|&&workgroup| workgroup == 64 || workgroup == 256) {
+            for &workgroup in workgroups.iter().filter(|&&workgroup| workgroup == 64) {
                 measure(bench, Variant { workgroup, ..variant }, edit, filling(workgroup), 64);
             }
         }
