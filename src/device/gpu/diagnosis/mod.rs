@@ -108,7 +108,9 @@ fn lacking(machine: &Machine, vendors: &[u32], no_adapters: bool) -> Vec<Finding
         if own.is_empty() && !is_explained {
             own.push(Finding::new(
                 format!("this machine has {}, but Vulkan does not offer it, although its driver is installed", card.name()),
-                "run `VK_LOADER_DEBUG=error,warn,driver sagnac devices`, which prints what the Vulkan loader tries",
+                "install libEGL and libGL (libegl1 and libgl1 on Debian and Ubuntu) if they are missing: NVIDIA's driver needs \
+                 them even without a display; `VK_LOADER_DEBUG=error,warn,driver sagnac devices` prints what the Vulkan \
+                 loader tries",
             ));
         }
         findings.extend(own);
