@@ -6,6 +6,8 @@ use crate::kernel::shader::Variant;
 pub(crate) struct Capacity {
     /// Workgroups that fill it, with some to spare.
     pub groups: u64,
+    /// How many times more invocations share a histogram than form a workgroup without one.
+    pub sharing: u32,
     /// Steps of trials of the first tile of a device whose speed is not known.
     pub first_tile: u64,
     /// Records that are made in parallel at least.
@@ -21,6 +23,7 @@ pub(crate) struct Capacity {
 /// rounds of all loops together, without an error.
 const SOFTWARE: Capacity = Capacity {
     groups: 64,
+    sharing: 1,
     first_tile: 1 << 18,
     records_at_once: 64,
     most_records: 1 << 14,
@@ -31,6 +34,7 @@ const SOFTWARE: Capacity = Capacity {
 /// A GPU in the processor, and any that is not known to be a card. Windows takes a device away from a tile of two seconds.
 const INTEGRATED: Capacity = Capacity {
     groups: 1024,
+    sharing: 1,
     first_tile: 1 << 20,
     records_at_once: 1 << 12,
     most_records: 1 << 15,
@@ -40,7 +44,8 @@ const INTEGRATED: Capacity = Capacity {
 
 /// A large card runs a quarter of a million invocations at a time; a small one does the first tile in half a second.
 const DISCRETE: Capacity = Capacity {
-    groups: 8192,
+    groups: 4096,
+    sharing: 2,
     first_tile: 1 << 26,
     records_at_once: 1 << 15,
     most_records: 1 << 18,

@@ -190,6 +190,12 @@ impl Gpu {
         self.variant
     }
 
+    /// The variant that tallies trials.
+    pub(crate) fn tallying(&self, histogram: bool) -> Variant {
+        let times = if histogram { self.adapter.capacity().sharing } else { 1 };
+        Variant { workgroup: times * self.variant.workgroup, ..self.variant }
+    }
+
     /// Its name, driver, backend and the variant of its kernels, for the matrix of identity.
     pub(crate) fn identity(&self) -> [String; 4] {
         let info = self.adapter.adapter.get_info();

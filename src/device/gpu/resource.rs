@@ -130,7 +130,7 @@ impl Gpu {
         if let Some(pipeline) = self.pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
-        let pipeline = self.pipeline(launch.shader(histogram, self.variant))?;
+        let pipeline = self.pipeline(launch.shader(histogram, self.tallying(histogram)))?;
         self.pipelines.insert(key.clone(), pipeline.clone());
         let answered = self.answers(|gpu| gpu.tallies_as_the_cpu(launch, histogram));
         answered.inspect_err(|_| drop(self.pipelines.remove(&key)))?;

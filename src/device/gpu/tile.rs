@@ -173,9 +173,10 @@ impl Gpu {
         histogram: bool,
     ) -> Result<InFlight<'a>, GpuError> {
         let steps = parts.iter().map(Part::steps).sum();
+        let (workgroup, groups) = (self.tallying(histogram).workgroup, self.adapter.capacity().groups);
         let mut size = 0;
         let mut place = |part: Part<'a>| {
-            let of_group = part.trials_of_group(self.variant.workgroup, self.adapter.capacity().groups);
+            let of_group = part.trials_of_group(workgroup, groups);
             let place = Place::of(&part, size, histogram, of_group);
             size = place.end;
             (part, place)
