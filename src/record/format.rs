@@ -5,6 +5,7 @@ use std::path::Path;
 
 #[cfg(feature = "ros")]
 use crate::record::bag::open as bag;
+use crate::record::calendar::Calendar;
 use crate::record::error::RecordError;
 #[cfg(feature = "hdf5")]
 use crate::record::hdf5::open as hdf5;
@@ -81,6 +82,11 @@ pub(crate) trait Columns {
     /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
     fn sample(&self, _column: usize) -> Option<f64> {
         Some(f64::NAN)
+    }
+
+    /// What times of the calendar a column holds, if any.
+    fn calendar(&self, _column: usize) -> Option<Calendar> {
+        None
     }
 
     /// What was inferred about the file, in a line each.

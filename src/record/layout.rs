@@ -1,9 +1,11 @@
 //! The layout of a text with columns, determined from its first lines.
 
 use crate::quantity::units::{Dimension, parse as parse_quantity};
+use crate::record::calendar::Calendar;
 pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
+use crate::record::loggers;
 use crate::record::names::Name;
 use crate::source::place::Place;
 
@@ -22,6 +24,8 @@ pub(crate) struct Layout {
     pub columns: usize,
     /// The number in each cell of one of the first rows, NaN where there is no row.
     pub numbers: Vec<Option<f64>>,
+    /// The columns with times of the calendar.
+    pub calendar: Vec<Option<Calendar>>,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
@@ -59,19 +63,21 @@ impl Layout {
         };
         let (delimiter, decimal_found) = signs(&content, decimal);
         let cells = texts(first.text, delimiter);
+        let row = content[1..].last();
         let mut layout = Layout {
             file: file.to_owned(),
             delimiter,
             decimal: decimal_found,
             names: vec![],
             columns: cells.len(),
-            numbers: match &content[1..] {
-                [] => vec![Some(f64::NAN); cells.len()],
-                [.., row] => {
-                    let number = |cell| decimal_found.value(&row.text[cell]);
-                    Cells::new(row.text, delimiter).map(number).collect()
-                }
-            },
+            numbers: row.map_or(vec![Some(f64::NAN); cells.len()], |row| {
+                let number =
+                    |cell: &[u8]| decimal_found.value(cell).or_else(|| Calendar::of(cell)?.seconds(cell));
+                Cells::new(row.text, delimiter).map(|cell| number(&row.text[cell])).collect()
+            }),
+            calendar: row.map_or(vec![None; cells.len()], |row| {
+                Cells::new(row.text, delimiter).map(|cell| Calendar::of(&row.text[cell])).collect()
+            }),
             start: first.start,
             lines: first.number - 1,
             step_s: stable32.and_then(|found| found.step_s),
@@ -88,7 +94,8 @@ impl Layout {
         }
         if is_header(&cells, decimal_found) {
             let units = content.get(1).map(|line| texts(line.text, delimiter)).filter(|units| {
-                units.len() == cells.len() && is_header(units, decimal_found) && content.len() > 2
+                let is_row = units.iter().any(|cell| Calendar::of(cell.as_bytes()).is_some());
+                units.len() == cells.len() && is_header(units, decimal_found) && content.len() > 2 && !is_row
             });
             let last = if units.is_some() { &content[1] } else { first };
             layout.names = names(&cells);
@@ -103,7 +110,17 @@ impl Layout {
             let is_header = words.len() == cells.len() && is_header(&words, decimal_found);
             layout.names = if is_header { names(&words) } else { vec![] };
         }
+        layout.inferred.extend(loggers::complete(&mut layout.names));
         Ok(layout)
+    }
+
+    /// The number that a cell of a column stands for, NaN where it is missing.
+    #[inline]
+    pub(crate) fn value(&self, column: usize, cell: &[u8]) -> Option<f64> {
+        match self.calendar.get(column) {
+            Some(Some(calendar)) => calendar.seconds(cell),
+            _ => self.decimal.value(cell),
+        }
     }
 
     /// The place where a column is shown, or all of them.
@@ -225,7 +242,7 @@ fn first_lines(head: &[u8], start: usize) -> (Vec<Line<'_>>, Option<&[u8]>) {
 fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
     let mut texts: Vec<String> = Vec::new();
     for cell in Cells::new(line, delimiter) {
-        let text = String::from_utf8_lossy(&line[cell]).into_owned();
+        let text = decoded(&line[cell]);
         match texts.last_mut() {
             // `time [s]` is one name even where blanks divide.
             Some(name) if delimiter == Delimiter::Blanks && text.starts_with(['[', '(']) => {
@@ -245,6 +262,12 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
 fn is_header(cells: &[String], decimal: Decimal) -> bool {
     let mut values = cells.iter().map(|cell| decimal.value(cell.as_bytes()));
     values.clone().any(|value| value.is_none()) && !values.any(|value| value.is_some_and(f64::is_finite))
+}
+
+/// Text in UTF-8, or else in Latin-1, in which spreadsheets write `°` and `µ`.
+fn decoded(bytes: &[u8]) -> String {
+    let text = std::str::from_utf8(bytes).map(str::to_owned);
+    text.unwrap_or_else(|_| bytes.iter().copied().map(char::from).collect())
 }
 
 fn names(cells: &[String]) -> Vec<Name> {

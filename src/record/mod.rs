@@ -15,6 +15,7 @@ pub(crate) mod arrays;
 pub(crate) mod bag;
 pub(crate) mod band_limited;
 pub mod binary;
+pub(crate) mod calendar;
 pub(crate) mod cells;
 pub mod error;
 pub(crate) mod format;
@@ -22,6 +23,7 @@ pub(crate) mod format;
 pub(crate) mod hdf5;
 pub mod layout;
 pub mod log;
+pub(crate) mod loggers;
 pub(crate) mod mat;
 pub(crate) mod matrix;
 #[cfg(feature = "ros")]

@@ -1,6 +1,7 @@
 //! The names of columns and their units, as in a header.
 
 use crate::quantity::units::Dimension;
+use crate::record::log::measure::Data;
 use crate::record::spelling::unit_of;
 
 /// Longest unit after an underscore, in bytes including it.
@@ -22,9 +23,14 @@ pub(crate) struct Name {
 
 impl Name {
     /// Reads `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s`, `gz_deg_s` and `gz dps` where the end is a unit of a rate, an
-    /// acceleration, a velocity, an angle or a time.
+    /// acceleration, a velocity, an angle or a time. `gyro_rad[0]` is a part of an array.
     pub(crate) fn read(cell: &str) -> Name {
         let whole = cell.trim();
+        let (base, index) = whole.split_at(whole.len() - index(whole).len());
+        if !index.is_empty() {
+            let Name { bare, unit, .. } = Name::read(base);
+            return Name { whole: whole.to_owned(), bare: bare + index, unit };
+        }
         let with = |bare: &str, unit: &str| Name {
             whole: whole.to_owned(),
             bare: bare.trim().to_owned(),
@@ -54,6 +60,20 @@ impl Name {
         Name { whole: whole.to_owned(), bare: whole.to_owned(), unit: None }
     }
 
+    /// The whole name without an index.
+    pub(crate) fn base(&self) -> &str {
+        &self.whole[..self.whole.len() - index(&self.whole).len()]
+    }
+
+    /// The unit of the column where it measures `data`. That of rates in `gyro_rad` is an angle in one second, but not that in brackets.
+    pub(crate) fn unit_of(&self, data: Data) -> Option<String> {
+        let unit = self.unit.as_ref()?;
+        let is_plain = !self.base().ends_with([']', ')', '}']);
+        let is_angle = || unit_of(unit, &[Dimension::Angle]).is_ok();
+        let is_rate = data == Data::Rate && is_plain && is_angle();
+        Some(if is_rate { format!("{unit}/s") } else { unit.clone() })
+    }
+
     /// The name of a column of a matrix with this name.
     pub(crate) fn numbered(&self, number: usize) -> Name {
         let [whole, bare] = [&self.whole, &self.bare].map(|name| format!("{name}.{number}"));
@@ -66,6 +86,16 @@ impl Name {
         if self.unit.is_none() && !unit.is_empty() {
             self.unit = Some(unit.to_owned());
         }
+    }
+}
+
+/// The index at the end of a part of an array such as `gyro_rad[0]`, with its brackets.
+fn index(name: &str) -> &str {
+    let is_number = |number: &str| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    let index = name.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
+    match index.filter(|(base, number)| !base.is_empty() && is_number(number)) {
+        Some((base, _)) => &name[base.len()..],
+        None => "",
     }
 }
 
@@ -97,6 +127,9 @@ mod tests {
             ("dv_mm_s", "dv", "mm/s"),
             ("mag_x_G", "mag_x_G", ""),
             ("gz {°/s}", "gz", "°/s"),
+            ("gyro_rad[0]", "gyro[0]", "rad"),
+            ("gz [rad/s][2]", "gz[2]", "rad/s"),
+            ("delta_angle[1]", "delta_angle[1]", ""),
             (&"_".repeat(1 << 20), &"_".repeat(1 << 20), ""),
             ("[s]", "[s]", ""),
             ("t []", "t", ""),
@@ -104,6 +137,10 @@ mod tests {
         ] {
             assert_eq!(read(cell), (bare.to_owned(), unit.to_owned()), "{cell}");
         }
+        let rate = |cell| Name::read(cell).unit_of(Data::Rate);
+        assert_eq!(rate("gyro_rad[0]").as_deref(), Some("rad/s"));
+        assert_eq!([rate("gz [rad]"), rate("gz_dps")].map(Option::unwrap), ["rad", "dps"]);
+        assert_eq!(Name::read("angle_rad").unit_of(Data::Angle).as_deref(), Some("rad"));
         let second = Name::read("gyro_dps").numbered(2);
         let expected = ("gyro_dps.2", "gyro.2", Some("dps"));
         assert_eq!((&*second.whole, &*second.bare, second.unit.as_deref()), expected);

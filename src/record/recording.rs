@@ -2,6 +2,7 @@
 
 use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
+use crate::record::calendar::Calendar;
 use crate::record::error::RecordError;
 use crate::record::format::{Columns, FORMATS, Origin, Source};
 use crate::record::layout::Decimal;
@@ -113,6 +114,11 @@ impl<'a> Recording<'a> {
     /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
     pub(crate) fn sample(&self, column: usize) -> Option<f64> {
         self.columns.sample(column)
+    }
+
+    /// What times of the calendar a column holds, if any. Those of a time of day include the date in the column before.
+    pub(crate) fn calendar(&self, column: usize) -> Option<Calendar> {
+        self.columns.calendar(column)
     }
 
     /// What was inferred about the file, in a line each.

@@ -28,9 +28,24 @@ const LIMITS: [f64; 9] = [
     4_294_967_296.0,
 ];
 
-/// Rows after a late one from which its true time is found. A queue that holds up more rows leaves a gap and rows too near
-/// to each other.
-const AHEAD: usize = 8;
+/// Stamps on each side of a row that tell whether samples are missing before it, and those of a coarse clock, of which each has many rows.
+const BESIDE: usize = 64;
+const BESIDE_COARSE: usize = 8;
+/// Stamps before a row with which it is compared first.
+const NEAR: usize = 8;
+/// Least rise of the stamps over the rows, in sampling steps, that is a gap, and fewest stamps after it that show a short one.
+const LEAST_RISE: f64 = 0.7;
+const LEAST_AFTER: usize = 3;
+/// Deviation of steps from whole sampling steps, and of the rate of a clock from the given one, that are none of samples.
+const JITTER: f64 = 0.1;
+const MOST_DRIFT: f64 = 0.02;
+
+/// Rows of a block of which the mean step is taken.
+const BLOCK: usize = 256;
+/// Largest part of the samples that may be missing at many steps; else the least distances of stamps are not the sampling step.
+const MOST_MISSING: f64 = 0.5;
+/// Fewest rows for each gap of samples that are missing for a reason.
+const ROWS_PER_GAP: f64 = 50.0;
 
 /// The unit of stamps since the epoch, of which the first is `stamp`.
 pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
@@ -144,70 +159,131 @@ pub(crate) fn faults(stamps: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<Ti
         let steps = step(*row) / median;
         step(*row) > 0.0 && (steps < 0.5 || steps < LONG_GAP && (steps - libm::round(steps)).abs() > jitter)
     };
-    let uneven: Vec<usize> = (1..stamps.len()).filter(is_uneven).collect();
+    let mut uneven: Vec<usize> = (1..stamps.len()).filter(is_uneven).collect();
+    if uneven.is_empty() && backwards.is_empty() && !is_even(stamps, median) {
+        uneven = (1..stamps.len()).filter(|&row| step(row) > 1.5 * median).collect();
+    }
+    let mean = mean_step(stamps);
     tell(&uneven, &|row| {
         let seconds = |step: f64| format!("{} s", significant(step * unit_s, 6));
         let message = format!(
-            "the samples are not evenly spaced: a step of {}, the median is {}",
+            "the samples are not evenly spaced: a step of {}, the mean is {}",
             seconds(step(row)),
-            seconds(median)
+            seconds(mean)
         );
-        let rate = significant(1.0 / (median * unit_s), 4);
+        let rate = significant(1.0 / (mean * unit_s), 6);
         let help = format!(
-            "steps within 10 % of whole multiples of the median are taken; if the stamps are only rounded or late, give the \
-             sampling rate too, here about `rate = {rate}Hz`: the stamps then only show where samples are missing"
+            "if the samples are even, and only the stamps are rounded, late or in bursts, give the sampling rate too, here \
+             `rate = {rate}Hz`: the stamps then only show where samples are missing"
         );
         [message, "not on the grid".to_owned(), help]
     });
     faults
 }
 
-/// The grid of rows that were sampled every `step`, in the unit of the stamps, and stamped late, or a little early, by up to
-/// several steps. It has at most `most` samples.
+/// The grid of rows that were sampled every `step`, in the unit of the stamps, which may be late, doubled or coarse. It has at most `most`
+/// samples.
 ///
-/// The true time of a row is the least that it and the rows after it allow: a late stamp is followed by short steps, a gap is
-/// not. Where that is too near to the row before, a stamp is early, unless more rows in a row are than look ahead.
-pub(crate) fn late_grid(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
-    let time = |row: usize| {
-        let ahead = row..stamps.len().min(row + AHEAD + 1);
-        ahead.map(|later| stamps[later] - (later - row) as f64 * step).fold(f64::INFINITY, f64::min)
-    };
-    let (mut before, mut early) = (f64::NAN, 0);
-    let steps = |row: usize| {
-        let now = time(row);
-        let is_early = row > 0 && now - before < 0.5 * step && early <= AHEAD;
-        let steps = libm::round((now - before) / step).max(1.0);
-        before = if is_early { before + step } else { now };
-        early = if is_early { early + 1 } else { 0 };
-        steps
-    };
+/// Samples that are missing raise all later stamps over their rows; stamps that are late, early or in bursts do not. So the least and the
+/// median rise of the stamps on both sides of a row are compared. Rows with the same stamp are successive samples.
+pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
+    let gaps = gaps(stamps, step);
+    let mut next = gaps.iter().peekable();
+    let steps = |row: usize| 1.0 + next.next_if(|gap| gap.0 == row).map_or(0.0, |gap| gap.1);
     placed(stamps.len(), step, most, steps)
 }
 
-/// The grid of rows that were sampled every `step`, in the unit of the stamps, of which several have each stamp.
-///
-/// The rows of a stamp are taken for successive samples. Samples are missing before a stamp, to within one, by as many as its
-/// rows and those of the stamps around it are too few.
-pub(crate) fn coarse_grid(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
-    let starts: Vec<usize> =
-        (0..stamps.len()).filter(|&row| row == 0 || stamps[row] != stamps[row - 1]).collect();
-    let lag = |&row: &usize| (stamps[row] - stamps[0]) / step - row as f64;
-    let mut next = 0;
-    let steps = |row: usize| {
-        if starts.get(next) != Some(&row) {
-            return 1.0;
+/// The rows before which samples are missing, with their number.
+fn gaps(stamps: &[f64], step: f64) -> Vec<(usize, f64)> {
+    let is_first = |row: usize| row > 0 && stamps[row] != stamps[row - 1];
+    let median = median_step(stamps);
+    if is_even(stamps, median) && (median / step - 1.0).abs() < JITTER {
+        let missing = |row: usize| libm::round((stamps[row] - stamps[row - 1]) / median) - 1.0;
+        return (1..stamps.len()).map(|row| (row, missing(row))).filter(|gap| gap.1 > 0.0).collect();
+    }
+    let is_coarse = are_coarse(stamps);
+    let beside = if is_coarse { BESIDE_COARSE } else { BESIDE };
+    // The record may begin within the first stamp of a coarse clock.
+    let rows: Vec<usize> = (0..stamps.len()).filter(|&row| is_first(row) || row == 0 && !is_coarse).collect();
+    let rise = |row: usize| (stamps[row] - stamps[0]) / step - row as f64;
+    let (mut gaps, mut lost) = (vec![], 0.0);
+    let mut rises: Vec<f64> = Vec::with_capacity(rows.len());
+    for (at, &row) in rows.iter().enumerate() {
+        let before = &rises[at.saturating_sub(beside)..];
+        let near = before.iter().rev().take(NEAR).copied().fold(f64::INFINITY, f64::min);
+        if rise(row) - lost - near >= LEAST_RISE {
+            let after: Vec<f64> = rows[at..].iter().take(beside).map(|&row| rise(row) - lost).collect();
+            // Few stamps do not reach the next gap, and many outlast a burst.
+            let of = |count: usize| {
+                let [least, median] = least_and_median(&before[before.len().saturating_sub(count)..]);
+                let [next_least, next_median] = least_and_median(&after[..after.len().min(count)]);
+                (next_least - least).min(next_median - median)
+            };
+            let missing = if before.is_empty() { 0.0 } else { of(NEAR).min(of(beside)) };
+            if missing >= if after.len() < LEAST_AFTER { LONG_GAP } else { LEAST_RISE } {
+                lost += libm::round(missing);
+                gaps.push((row, libm::round(missing)));
+            }
         }
-        next += 1;
-        // The record may begin within the first stamp.
-        if next < 3 {
-            return 1.0;
-        }
-        let (before, after) = starts.split_at(next - 1);
-        let before = before.iter().rev().take(AHEAD).map(lag).fold(f64::NEG_INFINITY, f64::max);
-        let after = after.iter().take(AHEAD).map(lag).fold(f64::INFINITY, f64::min);
-        1.0 + libm::round(after - before).max(0.0)
+        rises.push(rise(row) - lost);
+    }
+    gaps
+}
+
+fn least_and_median(values: &[f64]) -> [f64; 2] {
+    let mut values = values.to_vec();
+    // Of two in the middle the lower one, because gaps raise values.
+    let middle = (values.len() - 1) / 2;
+    let (below, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let median = *median;
+    [below.iter().copied().fold(median, f64::min), median]
+}
+
+fn median_of(values: &mut dyn Iterator<Item = f64>) -> f64 {
+    least_and_median(&values.collect::<Vec<_>>())[1]
+}
+
+/// Whether all short steps are within a tenth of whole multiples of the median one, which is the sampling step. It is not where more than half
+/// of the samples would be missing at many places, as between stamps in bursts.
+pub(crate) fn is_even(stamps: &[f64], median: f64) -> bool {
+    let (mut total, mut gaps) = (0.0, 0.0);
+    let mut is_whole = |pair: &[f64]| {
+        let ratio = (pair[1] - pair[0]) / median;
+        let steps = libm::round(ratio);
+        total += steps;
+        gaps += f64::from(u8::from(steps > 1.0));
+        steps >= LONG_GAP || steps >= 1.0 && (ratio - steps).abs() <= JITTER
     };
-    placed(stamps.len(), step, most, steps)
+    let is_whole = median > 0.0 && stamps.windows(2).all(&mut is_whole);
+    let rows = stamps.len() as f64;
+    is_whole && (MOST_MISSING * total < rows || ROWS_PER_GAP * gaps < rows)
+}
+
+/// The mean step between samples over the whole record, without the gaps.
+///
+/// It is refined from the median step, or from the mean steps of blocks where these contradict it.
+pub(crate) fn mean_step(stamps: &[f64]) -> f64 {
+    let rows = stamps.len();
+    let firsts: Vec<usize> = (1..rows).filter(|&row| stamps[row] != stamps[row - 1]).collect();
+    let block = BLOCK.min(firsts.len().saturating_sub(1));
+    if block == 0 {
+        return (stamps[rows - 1] - stamps[0]) / (rows - 1) as f64;
+    }
+    let ends = (0..firsts.len() - block).step_by(block).map(|at| [firsts[at], firsts[at + block]]);
+    let of_blocks = median_of(&mut ends.map(|[a, b]| (stamps[b] - stamps[a]) / (b - a) as f64));
+    let median = median_step(stamps);
+    let is_near = is_even(stamps, median) || (of_blocks / median - 1.0).abs() < JITTER;
+    let mut step = if is_near { median } else { of_blocks };
+    // The median distances from the grid in the first and the last part of the record.
+    let part = (rows / 4).clamp(1, 4 * block * rows.div_ceil(firsts.len()));
+    for _ in 0..2 {
+        let Ok(Grid { places, samples, .. }) = grid_of_rows(stamps, step, usize::MAX) else { break };
+        let place = |row: usize| places.as_ref().map_or(row as f64, |places| f64::from(places[row]));
+        let away = |row: usize| stamps[row] - stamps[0] - step * place(row);
+        let [first, last] = [0..part, rows - part..rows].map(|rows| median_of(&mut rows.map(away)));
+        step += (last - first) / (samples - part).max(1) as f64;
+    }
+    step
 }
 
 /// The grid of rows of which each is so many `steps` after the one before.
@@ -256,30 +332,24 @@ pub(crate) fn are_coarse(stamps: &[f64]) -> bool {
     stamps.len() > 1 && median_step(stamps) == 0.0
 }
 
-/// The sampling step of `step_s` in the unit of the stamps: by `unit_s`, or else by the unit of time that gives it nearly the
-/// median step, or else that step itself, as in numbered rows.
+/// A sampling step of `step_s` in the unit of the stamps: by `unit_s`, or else by the unit of time that gives it nearly the mean step, or
+/// else that step itself, as in numbered rows; and the same step by the clock of the stamps, which may go a little faster or slower.
 ///
 /// # Errors
 /// The stamps are in another spacing, which is returned, s.
-pub(crate) fn step_in_stamps(stamps: &[f64], step_s: f64, unit_s: Option<f64>) -> Result<f64, f64> {
+pub(crate) fn step_in_stamps(stamps: &[f64], step_s: f64, unit_s: Option<f64>) -> Result<[f64; 2], f64> {
     if stamps.len() < 2 {
-        return Ok(step_s);
+        return Ok([step_s; 2]);
     }
-    let rows_per_stamp =
-        || stamps.len() as f64 / (1 + stamps.windows(2).filter(|pair| pair[0] != pair[1]).count()) as f64;
-    let median = match are_coarse(stamps) {
-        true => step_of_distinct(stamps) / rows_per_stamp(),
-        false => median_step(stamps),
+    let mean = mean_step(stamps);
+    let is_near = |unit_s: &f64| (0.5..=2.0).contains(&(mean * unit_s / step_s));
+    let unit_s = match unit_s {
+        Some(unit_s) if !is_near(&unit_s) => return Err(mean * unit_s),
+        None => UNITS.iter().map(|unit| unit.1).find(is_near),
+        known => known,
     };
-    let is_near = |unit_s: f64| (0.5..=2.0).contains(&(median * unit_s / step_s));
-    match unit_s {
-        Some(unit_s) if is_near(unit_s) => Ok(step_s / unit_s),
-        Some(unit_s) => Err(median * unit_s),
-        None => Ok(UNITS
-            .into_iter()
-            .find(|(_, unit_s)| is_near(*unit_s))
-            .map_or(median, |(_, unit_s)| step_s / unit_s)),
-    }
+    let step = unit_s.map_or(mean, |unit_s| step_s / unit_s);
+    Ok([step, if (mean / step - 1.0).abs() < MOST_DRIFT { mean } else { step }])
 }
 
 #[cfg(test)]
@@ -334,10 +404,10 @@ mod tests {
         let kept: Vec<usize> = (0..500).filter(|i| !(100..177).contains(i) && *i != 300).collect();
         let mut stamps: Vec<f64> = kept.iter().map(|&i| 10.0 + i as f64 + late(i)).collect();
         (1..stamps.len()).for_each(|i| stamps[i] = stamps[i].max(stamps[i - 1] + 1e-3));
-        let grid = late_grid(&stamps, 1.0, 10_000).unwrap();
+        let grid = grid_of_rows(&stamps, 1.0, 10_000).unwrap();
         let places: Vec<usize> = grid.places.unwrap().iter().map(|place| *place as usize).collect();
         assert_eq!((grid.samples, places), (500, kept));
-        assert!(late_grid(&stamps, 1.0, 450).is_err(), "more samples than are allowed");
+        assert!(grid_of_rows(&stamps, 1.0, 450).is_err(), "more samples than are allowed");
     }
 
     #[test]
@@ -345,7 +415,7 @@ mod tests {
         let kept: Vec<usize> = (0..500).filter(|i| !(300..305).contains(i)).collect();
         let early = |i: usize| if i % 50 == 20 { 1.3 } else { 0.0 };
         let stamps: Vec<f64> = kept.iter().map(|&i| 10.0 + i as f64 - early(i)).collect();
-        let grid = late_grid(&stamps, 1.0, 10_000).unwrap();
+        let grid = grid_of_rows(&stamps, 1.0, 10_000).unwrap();
         let places: Vec<usize> = grid.places.unwrap().iter().map(|place| *place as usize).collect();
         assert_eq!((grid.samples, places), (500, kept));
     }
@@ -359,20 +429,71 @@ mod tests {
             let kept: Vec<usize> = (0..count).filter(|i| !(lost..lost + 20).contains(i)).collect();
             let stamps: Vec<f64> = kept.iter().map(|&i| libm::floor(1.7e9 + 0.4 + i as f64 * step)).collect();
             assert!(are_coarse(&stamps));
-            assert!((step_in_stamps(&stamps, step, Some(1.0)).unwrap() / step - 1.0).abs() < 1e-12);
-            let grid = coarse_grid(&stamps, step, 100_000).unwrap();
+            assert_eq!(step_in_stamps(&stamps, step, Some(1.0)).unwrap()[0], step);
+            assert!((mean_step(&stamps) / step - 1.0).abs() < 1e-3, "{}", mean_step(&stamps));
+            let grid = grid_of_rows(&stamps, step, 100_000).unwrap();
             assert!(grid.samples.abs_diff(count) <= 1, "{} of {count} at {step}", grid.samples);
             let whole: Vec<f64> = (0..count).map(|i| libm::floor(0.4 + i as f64 * step)).collect();
-            assert_eq!(coarse_grid(&whole, step, 100_000).unwrap().places, None);
+            assert_eq!(grid_of_rows(&whole, step, 100_000).unwrap().places, None);
+        }
+    }
+
+    /// Loggers' clocks, each for rows of a hundredth of a second, with the sample of each row.
+    fn clock(kind: usize, seed: u64) -> (Vec<f64>, Vec<usize>, f64) {
+        let mut state = seed;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let count = 20_000;
+        let kept: Vec<usize> = (0..count).filter(|_| kind != 7 || uniform() > 0.01).collect();
+        let step = 0.01 * (1.0 + 0.1 * (uniform() - 0.5));
+        let mut stamps: Vec<f64> = kept.iter().map(|&i| 3.0 + step * i as f64).collect();
+        let mut at = 0;
+        while at < stamps.len() {
+            let near = stamps[at];
+            match kind {
+                1 => stamps[at] += step * 0.6 * (uniform() - 0.5),
+                2 => {
+                    let end = stamps.len().min(at + 1 + (9.0 * uniform()) as usize);
+                    let last = stamps[end - 1];
+                    (at..end).for_each(|row| stamps[row] = last + 0.1 * step * (row - at) as f64);
+                    at = end;
+                    continue;
+                }
+                3 if uniform() < 0.1 => stamps[at] += 5.0 * step * uniform(),
+                4 if at % 2 == 1 && uniform() < 0.2 => stamps[at] = near - step,
+                5 => stamps[at] = libm::floor(2.0 * near) / 2.0,
+                6 => stamps[at] += 0.01 * step * (at * at) as f64 / count as f64,
+                _ => {}
+            }
+            at += 1;
+        }
+        (1..stamps.len()).for_each(|i| stamps[i] = stamps[i].max(stamps[i - 1]));
+        let mean = if kind == 6 { step * (1.0 + 0.01) } else { step };
+        (stamps, kept, mean)
+    }
+
+    #[test]
+    fn clocks_of_all_kinds_have_the_mean_step_of_their_samples_and_no_other_gaps() {
+        for kind in 0..8 {
+            for seed in 0..25 {
+                let (stamps, kept, step) = clock(kind, seed);
+                let last = kept.len() - 1;
+                let found = mean_step(&stamps);
+                assert!((found / step - 1.0).abs() < 1e-4, "clock {kind}, {seed}: {found} and not {step}");
+                let grid = grid_of_rows(&stamps, found, 1 << 20).unwrap();
+                assert_eq!(grid.samples, kept[last] - kept[0] + 1, "clock {kind}, {seed}");
+            }
         }
     }
 
     #[test]
     fn the_step_is_found_in_stamps_of_any_unit() {
         let stamps = |step: f64| (0..20).map(|i| f64::from(i) * step).collect::<Vec<_>>();
-        assert_eq!(step_in_stamps(&stamps(10.0), 0.01, None), Ok(10.0));
-        assert_eq!(step_in_stamps(&stamps(1.0), 0.01, None), Ok(1.0));
-        assert_eq!(step_in_stamps(&stamps(0.013), 0.01, Some(1.0)), Ok(0.01));
+        assert_eq!(step_in_stamps(&stamps(10.0), 0.01, None), Ok([10.0, 10.0]));
+        assert_eq!(step_in_stamps(&stamps(1.0), 0.01, None), Ok([1.0, 1.0]));
+        assert_eq!(step_in_stamps(&stamps(0.013), 0.01, Some(1.0)), Ok([0.01, 0.01]));
         assert_eq!(step_in_stamps(&stamps(0.5), 0.01, Some(1.0)), Err(0.5));
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::record::calendar::Calendar;
 use crate::record::cells::{Cells, Decimal};
 use crate::record::error::{Faults, RecordError};
 use crate::record::excess;
@@ -83,6 +84,10 @@ impl Columns for Text<'_> {
         self.layout.numbers.get(column).copied().flatten()
     }
 
+    fn calendar(&self, column: usize) -> Option<Calendar> {
+        self.layout.calendar.get(column).copied().flatten()
+    }
+
     fn inferred(&self) -> Vec<String> {
         self.layout.inferred.clone()
     }
@@ -112,6 +117,7 @@ fn read(
 ) -> Result<Vec<Vec<f64>>, RecordError> {
     let mut slots = vec![None; layout.columns];
     wanted.iter().enumerate().for_each(|(slot, &column)| slots[column] = Some(slot));
+    let dates = dates(layout, &slots);
     let mut columns = vec![Vec::new(); wanted.len()];
     let (mut block, mut lines) = (Vec::with_capacity(BLOCK), layout.lines);
     let (mut faults, mut faulty) = (Faults::default(), 0);
@@ -127,7 +133,7 @@ fn read(
         }
         let parts = split(&block[..whole]);
         let parts: Vec<Part> =
-            parts.par_iter().map(|part| parse(part, layout, &slots, wanted.len())).collect();
+            parts.par_iter().map(|part| parse(part, layout, &slots, &dates, wanted.len())).collect();
         for part in parts {
             let shown = part.shown.into_iter().take(MOST_SHOWN.saturating_sub(faulty));
             shown.for_each(|(before, line)| {
@@ -163,13 +169,34 @@ fn split(block: &[u8]) -> Vec<&[u8]> {
     parts
 }
 
-fn parse<'b>(part: &'b [u8], layout: &Layout, slots: &[Option<usize>], wanted: usize) -> Part<'b> {
+/// The columns of dates, each with the slot of the times of day in the column after it.
+fn dates(layout: &Layout, slots: &[Option<usize>]) -> Vec<(usize, usize)> {
+    let is_date = |&column: &usize| layout.calendar[column] == Some(Calendar::Date);
+    let of_clock = |column: usize| {
+        let is_clock = layout.calendar.get(column + 1) == Some(&Some(Calendar::Time));
+        slots.get(column + 1).copied().flatten().filter(|_| is_clock)
+    };
+    let columns = (0..layout.calendar.len()).filter(is_date);
+    columns.filter_map(|column| Some((column, of_clock(column)?))).collect()
+}
+
+fn parse<'b>(
+    part: &'b [u8],
+    layout: &Layout,
+    slots: &[Option<usize>],
+    dates: &[(usize, usize)],
+    wanted: usize,
+) -> Part<'b> {
     let about = part.len() / 8 / layout.columns.max(1);
     let columns = (0..wanted).map(|_| Vec::with_capacity(about)).collect();
     let mut read = Part { columns, lines: 0, faulty: 0, shown: vec![] };
     for line in part.split_inclusive(|byte| *byte == b'\n') {
         let text = line.trim_ascii_end();
-        if !layout.delimiter.skips(text) && !parse_row(text, layout, slots, &mut read.columns) {
+        let mut is_read = || {
+            parse_row(text, layout, slots, &mut read.columns)
+                && add_dates(text, layout, dates, &mut read.columns)
+        };
+        if !layout.delimiter.skips(text) && !is_read() {
             read.faulty += 1;
             if read.faulty <= MOST_SHOWN {
                 read.shown.push((read.lines, text));
@@ -186,7 +213,7 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
     let (mut count, mut last_is_empty) = (0, false);
     for cell in Cells::new(text, layout.delimiter) {
         if let Some(slot) = slots.get(count).copied().flatten() {
-            match layout.decimal.value(&text[cell.clone()]) {
+            match layout.value(count, &text[cell.clone()]) {
                 Some(number) if excess(number).is_none() => columns[slot].push(number),
                 _ => return false,
             }
@@ -196,6 +223,15 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
     }
     // Many loggers end each line with a delimiter.
     count == layout.columns || count == layout.columns + 1 && last_is_empty
+}
+
+/// Adds the dates of a row to its times of day; `false` where one is none.
+fn add_dates(text: &[u8], layout: &Layout, dates: &[(usize, usize)], columns: &mut [Vec<f64>]) -> bool {
+    dates.iter().all(|&(column, slot)| {
+        let cell = Cells::new(text, layout.delimiter).nth(column).unwrap_or(0..0);
+        let day_s = Calendar::Date.seconds(&text[cell]);
+        columns[slot].last_mut().zip(day_s).map(|(clock, day_s)| *clock += day_s).is_some()
+    })
 }
 
 /// The error for the line of this number, which [`parse_row`] does not accept.
@@ -221,7 +257,7 @@ fn refusal(
             None => format!("column {}", column + 1),
         };
         let shown = String::from_utf8_lossy(&text[cell.clone()]);
-        let Some(number) = layout.decimal.value(&text[cell.clone()]) else {
+        let Some(number) = layout.value(column, &text[cell.clone()]) else {
             let help = match layout.decimal {
                 Decimal::Point if Decimal::is_comma(shown.as_bytes()) => {
                     "give `decimal = comma` if the comma is one; thousands are written without a sign"

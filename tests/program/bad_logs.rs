@@ -99,7 +99,7 @@ fn a_log_that_is_none_is_refused_with_its_place_and_what_to_do() {
         (
             stamp(9, 9.3),
             by_time.into(),
-            vec!["log.csv:10:1", "a step of 1.3 s, the median is 1 s", "within 10 %", "--rate 1Hz"],
+            vec!["log.csv:10:1", "a step of 1.3 s, the mean is 1 s", "--rate 1Hz"],
         ),
         (stamp(9, f64::NAN), by_time.into(), vec!["log.csv:10:1", "the time is missing"]),
         (

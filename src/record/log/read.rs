@@ -224,7 +224,8 @@ fn wanted(
     if !named.is_empty() {
         return Ok(named.to_vec());
     }
-    let others: Vec<usize> = (0..file.columns()).filter(|column| !taken.contains(&Some(*column))).collect();
+    let is_other = |column: &usize| !taken.contains(&Some(*column)) && file.calendar(*column).is_none();
+    let others: Vec<usize> = (0..file.columns()).filter(is_other).collect();
     let measuring = if request.units.is_empty() { measuring(file, request.data) } else { vec![] };
     match others[..] {
         [_] => Ok(others),
@@ -252,7 +253,7 @@ fn wanted(
 
 /// The columns whose units are those of such data.
 fn measuring(file: &Recording, data: Data) -> Vec<usize> {
-    let unit = |name: &Name| name.unit.as_ref().is_some_and(|unit| Unit::of_header(unit, data).is_ok());
+    let unit = |name: &Name| name.unit_of(data).is_some_and(|unit| Unit::of_header(&unit, data).is_ok());
     (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
 }
 
@@ -298,7 +299,7 @@ fn channel(
     data: Data,
 ) -> Result<Channel, RecordError> {
     let name = file.names().get(column);
-    let unit_in_header = name.and_then(|name| name.unit.clone());
+    let unit_in_header = name.and_then(|name| name.unit_of(data));
     let unit = match (given, &unit_in_header) {
         (Some(unit), _) => unit.clone(),
         (None, Some(text)) => Unit::of_header(text, data)

@@ -2,22 +2,42 @@
 
 use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
+use crate::record::calendar::Calendar;
 use crate::record::error::{Faults, RecordError};
 use crate::record::log::read::{Duplicates, RULES, Timing};
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
-    Doubled, are_coarse, coarse_grid, coarseness, doubled, epoch_unit, epoch_unit_of, faults as faults_of,
-    late_grid, step_in_stamps, unroll,
+    Doubled, are_coarse, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of, faults as faults_of,
+    grid_of_rows, mean_step, step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
 /// Names of columns of times, without signs between words.
-const TIMES: [&str; 10] =
-    ["time", "t", "timestamp", "timestamps", "stamp", "stamps", "epoch", "times", "timetag", "systemtime"];
+const TIMES: [&str; 13] = [
+    "time",
+    "t",
+    "timestamp",
+    "timestamps",
+    "stamp",
+    "stamps",
+    "epoch",
+    "times",
+    "timetag",
+    "systemtime",
+    "timeus",
+    "rtctime",
+    "datetime",
+];
+
+/// Ends of names of columns with lengths of time.
+const SPANS: [&str; 6] = ["dt", "interval", "period", "duration", "delay", "latency"];
 
 /// Names of columns that number the samples.
 const COUNTERS: [&str; 7] = ["counter", "count", "sample", "index", "seq", "sequence", "n"];
+
+/// Most rows that repeat the numbers of the row before, for each that has only its time, in a log with a coarse clock.
+const REPEATED_PER_OTHER: usize = 20;
 
 /// The unit of stamps that are numbers of samples, or whose unit does not matter.
 const ANY: f64 = 1.0;
@@ -87,10 +107,10 @@ pub(crate) fn found(
             .collect()
     };
     let bare = |column: usize| file.names()[column].bare.as_str();
-    let is_of_time = |column: usize| {
-        let unit = file.names()[column].unit.as_deref();
-        is_time(bare(column)) && unit.is_none_or(|unit| unit_of(unit, &[Dimension::Time]).is_ok())
-    };
+    let unit = |column: usize| file.names()[column].unit.as_deref();
+    let measures_time = |column| unit(column).is_some_and(|unit| unit_of(unit, &[Dimension::Time]).is_ok());
+    let is_of_time =
+        |column: usize| is_time(bare(column)) && (unit(column).is_none() || measures_time(column));
     let mut times = candidates(&is_of_time);
     if let Some(&column) = times.iter().find(|column| file.sample(**column).is_none()) {
         notes.push(format!("{} holds no numbers and is not used", time_column(file, column)));
@@ -98,12 +118,24 @@ pub(crate) fn found(
     }
     if let Some(column) = nearest(file, times, wanted.first()) {
         // A column `t` without a unit may have temperatures.
-        let is_sure =
-            step_s.is_none() || file.names()[column].unit.is_some() || !is_called(bare(column), &["t"]);
+        let is_sure = step_s.is_none() || unit(column).is_some() || !is_called(bare(column), &["t"]);
         if is_sure {
             notes.push(format!("times are taken from {}", time_column(file, column)));
         }
         return time(column, is_sure);
+    }
+    let is_span = |column| SPANS.iter().any(|end| bare(column).to_lowercase().ends_with(end));
+    let has_times = |column| measures_time(column) && !is_span(column) && file.sample(column).is_some();
+    if let [column] = candidates(&has_times)[..] {
+        notes.push(format!("times are taken from {}, by its unit", time_column(file, column)));
+        return time(column, false);
+    }
+    let is_calendar = |column: &usize| {
+        file.calendar(*column) == Some(Calendar::Time) && !wanted.contains(column) && taken != Some(*column)
+    };
+    if let Some(column) = (0..file.columns()).find(is_calendar) {
+        notes.push(format!("times are taken from {}, a clock", time_column(file, column)));
+        return time(column, true);
     }
     if let (None, Some(step_s)) = (step_s, file.step_s()) {
         let step = significant(step_s, 9);
@@ -137,13 +169,17 @@ fn time_column(file: &Recording, column: usize) -> String {
     format!("the time column `{}`", name.unwrap_or_else(|| (column + 1).to_string()))
 }
 
-/// The column that shares the most leading groups of its path with the `wanted` column; `None` if several do.
+/// The column that shares the most leading groups of its path with the `wanted` column, or of several the one with a unit, or else the
+/// stamp of the sensor; `None` if several remain.
 fn nearest(file: &Recording, columns: Vec<usize>, wanted: Option<&usize>) -> Option<usize> {
     let alike = |column: usize| {
         let name = |column: usize| file.names()[column].whole.as_bytes();
         let pairs =
             wanted.filter(|at| **at < file.names().len()).map(|&at| name(column).iter().zip(name(at)));
-        pairs.map_or(0, |pairs| pairs.take_while(|(a, b)| a == b).filter(|(a, _)| b"/.".contains(a)).count())
+        let groups = pairs
+            .map_or(0, |pairs| pairs.take_while(|(a, b)| a == b).filter(|(a, _)| b"/.".contains(a)).count());
+        let name = &file.names()[column];
+        (groups, name.unit.is_some(), is_called(&name.bare, &["stamp"]))
     };
     let best = columns.iter().map(|&column| alike(column)).max()?;
     let mut equal = columns.into_iter().filter(|&column| alike(column) == best);
@@ -157,6 +193,9 @@ fn unit_s(
     given: Option<&str>,
     what: &str,
 ) -> Result<Option<f64>, RecordError> {
+    if file.calendar(column).is_some() {
+        return Ok(Some(1.0));
+    }
     if given.is_none() && file.names().get(column).is_none_or(|name| name.unit.is_none()) {
         return Ok(None);
     }
@@ -179,15 +218,23 @@ pub(crate) fn spread(
     let title = time_column(file, time.column);
     // Stamps that may be none need no decision.
     let has_step = clock.step_s.is_some();
-    let duplicates = clock.duplicates.or((!clock.is_sure && has_step).then_some(Duplicates::Keep));
-    let doubled = doubled(&stamps, &samples, duplicates);
+    let given = clock.duplicates.or((!clock.is_sure && has_step).then_some(Duplicates::Keep));
+    let mut duplicates = given;
+    let mut doubled = doubled_of(&stamps, &samples, duplicates);
+    // Of a coarse clock, which many rows share, each row is a sample.
+    let differs = |found: &Doubled| REPEATED_PER_OTHER * found.differing > found.repeated;
+    if given.is_none() && !has_step && are_coarse(&stamps) && doubled.as_ref().is_some_and(differs) {
+        duplicates = Some(Duplicates::Keep);
+        doubled = doubled_of(&stamps, &samples, duplicates);
+    }
+    let mean = doubled.as_ref().filter(|_| !has_step && stamps.len() > 1).map(|_| mean_step(&stamps));
     if let Some(Doubled { kept, .. }) = &doubled {
         stamps = kept.iter().map(|&row| stamps[row]).collect();
     }
     let rolled = unroll(&mut stamps);
     let name = file.names().get(time.column);
-    let may_number =
-        has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS) || is_time(&name.bare));
+    let may_number = time.unit_s.is_some()
+        || has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS) || is_time(&name.bare));
     if !clock.is_sure && !are_times(&stamps, may_number) {
         if !has_step {
             faults.add(without_times(file));
@@ -212,7 +259,7 @@ pub(crate) fn spread(
         }
         match (found.first, duplicates) {
             (None, _) => {}
-            (Some(_), Some(duplicates)) if has_step || duplicates != Duplicates::Keep => {
+            (Some(_), Some(duplicates)) => {
                 let fate = match duplicates {
                     Duplicates::First => "the first is used",
                     Duplicates::Last => "the last is used",
@@ -220,16 +267,11 @@ pub(crate) fn spread(
                 };
                 notes.push(format!("{} the time of the row before: {fate}", have(found.differing)));
             }
-            (Some(row), given) => {
-                let (numbers, help) = match given {
-                    None => (
-                        ", but other numbers",
-                        "give `duplicates = first` or `duplicates = last` to use one of them, or `duplicates = keep` with \
-                         `rate = 100Hz` if each is a sample and the stamps are coarse",
-                    ),
-                    Some(_) => ("", "`duplicates = keep` needs the sampling rate, as in `rate = 100Hz`"),
-                };
-                let message = format!("{} the time of the row before{numbers}", have(found.differing));
+            (Some(row), None) => {
+                let message =
+                    format!("{} the time of the row before, but other numbers", have(found.differing));
+                let help = "give `duplicates = first` or `duplicates = last` to use one of them, or `duplicates = keep` if each is a \
+                            sample";
                 let words = [message, "the first one".to_owned(), help.to_owned()];
                 faults.add(file.refuse_row(row, time.column, words));
             }
@@ -239,21 +281,26 @@ pub(crate) fn spread(
         }
     }
     let unit_s = unit_of_stamps(file, clock, time, &stamps, notes, faults);
-    let jitter = clock.step_s.is_none().then_some(RULES.jitter);
+    let mean = mean.filter(|_| duplicates == Some(Duplicates::Keep));
+    let jitter = (clock.step_s.is_none() && mean.is_none()).then_some(RULES.jitter);
     let found = faults_of(&stamps, unit_s.unwrap_or(ANY), jitter);
     if !found.is_empty() || !faults.is_empty() {
         found.into_iter().for_each(|fault| faults.add(refuse(fault)));
         return None;
     }
-    let (step_s, grid) = match clock.step_s {
+    if let Some((mean, unit_s)) = mean.zip(unit_s) {
+        let rate = significant(1.0 / (mean * unit_s), 6);
+        notes.push(format!("by {title}, the mean rate of the samples is {rate} Hz"));
+    }
+    let (step_s, grid) = match clock.step_s.or(mean.zip(unit_s).map(|(mean, unit_s)| mean * unit_s)) {
         None => {
             let grid = faults.take(grid(&stamps, unit_s?, &RULES).map_err(refuse))?;
             (unit_s? * grid.step, grid)
         }
         Some(step_s) => {
             let step = step_in_stamps(&stamps, step_s, unit_s);
-            let step = faults.take(step.map_err(|apart_s| {
-                let (apart, rate) = (significant(apart_s, 4), significant(1.0 / apart_s, 4));
+            let [given, step] = faults.take(step.map_err(|apart_s| {
+                let (apart, rate) = (significant(apart_s, 6), significant(1.0 / apart_s, 6));
                 let message = format!(
                     "the stamps are {apart} s apart, the given rate says {} s",
                     significant(step_s, 4)
@@ -263,9 +310,10 @@ pub(crate) fn spread(
                 );
                 file.refuse(Some(time.column), &message, "these stamps", &help)
             }))?;
-            let grid = if are_coarse(&stamps) { coarse_grid } else { late_grid };
-            let grid = faults.take(grid(&stamps, step, RULES.most).map_err(refuse))?;
-            tell(&title, &stamps, step, grid.samples, notes);
+            let grid = faults.take(grid_of_rows(&stamps, step, RULES.most).map_err(refuse))?;
+            if has_step {
+                tell(&title, &stamps, given, grid.samples, notes);
+            }
             (step_s, grid)
         }
     };

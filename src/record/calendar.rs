@@ -1,0 +1,141 @@
+//! Times of the calendar in cells, such as `2018-04-25 10:00:13.5`, or a date and a time of day in cells of their own.
+
+/// What the cells of a column hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Calendar {
+    /// A date with a time of day, or a time of day alone.
+    Time,
+    /// A date.
+    Date,
+}
+
+impl Calendar {
+    /// What a cell holds, if it is neither a number nor other text.
+    pub(crate) fn of(cell: &[u8]) -> Option<Calendar> {
+        let text = std::str::from_utf8(cell).ok()?;
+        date(text).map(|_| Calendar::Date).or_else(|| time(text).map(|_| Calendar::Time))
+    }
+
+    /// The seconds that a cell of such a column stands for, since 1970 or since midnight; NaN for an empty one.
+    pub(crate) fn seconds(self, cell: &[u8]) -> Option<f64> {
+        let text = std::str::from_utf8(cell).ok()?;
+        match self {
+            _ if text.is_empty() => Some(f64::NAN),
+            Calendar::Date => date(text),
+            Calendar::Time => time(text),
+        }
+    }
+}
+
+const DAY_S: f64 = 86_400.0;
+
+/// A time of day, with the date before it if there is one, and with the distance from UTC that may follow.
+fn time(text: &str) -> Option<f64> {
+    let (day_s, clock, signs) = match text.split_once(['T', ' ', '_']) {
+        Some((day, clock)) => (date(day)?, clock.trim_start(), &[':', '-'][..]),
+        None => (0.0, text, &[':'][..]),
+    };
+    let (clock, ahead_s) = zone(clock);
+    let mut parts = clock.splitn(3, signs);
+    let mut part = |limit: u32, digits: usize| {
+        let part = parts.next().filter(|part| part.len() <= digits)?;
+        part.parse::<u32>().ok().filter(|part| *part < limit)
+    };
+    let minutes = 60 * part(24, 2)? + part(60, 2)?;
+    let seconds = parts.next()?.replace([',', '_'], ".");
+    let is_plain = seconds.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    let seconds: f64 = seconds.parse().ok().filter(|seconds| is_plain && *seconds < 61.0)?;
+    Some(day_s + f64::from(60 * minutes) + seconds - ahead_s)
+}
+
+/// A time of day without the distance from UTC at its end, and that distance, s.
+fn zone(clock: &str) -> (&str, f64) {
+    let clock = clock.trim_end_matches([' ', 'Z']);
+    let Some(at) = clock.rfind(['+', '-']).filter(|&at| clock[..at].matches(':').count() == 2) else {
+        return (clock, 0.0);
+    };
+    let digits: String = clock[at + 1..].chars().filter(char::is_ascii_digit).collect();
+    let minutes = match digits.len() {
+        2 => digits.parse().map(|hours: f64| 60.0 * hours),
+        4 => digits.parse().map(|both: f64| 60.0 * libm::floor(both / 100.0) + both % 100.0),
+        _ => return (clock, 0.0),
+    };
+    let sign = if clock[at..].starts_with('-') { -60.0 } else { 60.0 };
+    (clock[..at].trim_end(), minutes.map_or(0.0, |minutes| sign * minutes))
+}
+
+/// The start of a date such as `2018-04-25`, `25.04.2018` or `04/25/2018`, s since 1970. Of two numbers with a slash between the first is
+/// the month, unless it is above 12.
+fn date(text: &str) -> Option<f64> {
+    let sign = text.chars().find(|c| !c.is_ascii_digit()).filter(|c| ['-', '/', '.'].contains(c))?;
+    let mut parts = text.split(sign).map(|part| part.parse::<i64>().ok().filter(|_| part.len() <= 4));
+    let (Some(Some(a)), Some(Some(b)), Some(Some(c)), None) =
+        (parts.next(), parts.next(), parts.next(), parts.next())
+    else {
+        return None;
+    };
+    let [year, month, day] = match sign {
+        _ if a > 31 => [a, b, c],
+        '/' if a <= 12 => [c, a, b],
+        _ => [c, b, a],
+    };
+    let is_date = (1900..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    is_date.then(|| DAY_S * days(year, month, day) as f64)
+}
+
+/// Days from 1970 to a date of the Gregorian calendar. Years begin in March, so that the leap day is the last.
+fn days(year: i64, month: i64, day: i64) -> i64 {
+    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
+    365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 + day - 719_469
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_and_times_are_read_as_loggers_and_spreadsheets_write_them() {
+        let noon = 1_524_650_413.0;
+        for text in [
+            "2018-04-25T10:00:13Z",
+            "2018-04-25 10:00:13",
+            "2018/04/25 10:00:13.000",
+            "25.04.2018 10:00:13,0",
+            "25/04/2018 10:00:13",
+            "04/25/2018 10:00:13",
+            "2018-04-25T12:00:13+02:00",
+            "2018-04-25 05:30:13-0430",
+            "2018-04-25 10-00-13_000",
+        ] {
+            assert_eq!(Calendar::Time.seconds(text.as_bytes()), Some(noon), "{text}");
+            assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Time), "{text}");
+        }
+        for (text, seconds) in
+            [("1970-01-01", 0.0), ("2000-02-29", 951_782_400.0), ("01.03.2000", 951_868_800.0)]
+        {
+            assert_eq!(Calendar::Date.seconds(text.as_bytes()), Some(seconds), "{text}");
+            assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Date), "{text}");
+        }
+        assert_eq!(Calendar::Time.seconds(b"10:00:13.25"), Some(36_013.25));
+        assert!(Calendar::Time.seconds(b"").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn other_text_is_no_time() {
+        for text in [
+            "",
+            "1.5",
+            "12",
+            "-1.5e-3",
+            "10:61:00",
+            "24:00:00",
+            "2018-13-25",
+            "1.2.3",
+            "10:00",
+            "imu",
+            "1-2-3",
+        ] {
+            assert_eq!(Calendar::of(text.as_bytes()), None, "{text}");
+        }
+    }
+}

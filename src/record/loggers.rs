@@ -1,0 +1,95 @@
+//! Loggers whose headers name quantities of known units without stating these.
+
+use crate::record::names::Name;
+
+/// A logger, found by names that its header has.
+struct Logger {
+    name: &'static str,
+    /// Names without index of which all are in the header.
+    has: &'static [&'static str],
+    /// Names without index, or ends of them after a dot, with their units.
+    units: &'static [(&'static str, &'static str)],
+}
+
+/// In the order in which they are tried.
+const LOGGERS: [Logger; 6] = [
+    Logger {
+        name: "PX4",
+        has: &["timestamp", "gyro_rad"],
+        units: &[
+            ("timestamp", "us"),
+            ("timestamp_sample", "us"),
+            ("gyro_integral_dt", "us"),
+            ("accelerometer_integral_dt", "us"),
+        ],
+    },
+    Logger {
+        name: "PX4",
+        has: &["timestamp", "delta_angle"],
+        units: &[
+            ("timestamp", "us"),
+            ("timestamp_sample", "us"),
+            ("delta_angle", "rad"),
+            ("delta_velocity", "m/s"),
+            ("delta_angle_dt", "us"),
+            ("delta_velocity_dt", "us"),
+        ],
+    },
+    Logger {
+        name: "ArduPilot",
+        has: &["TimeUS", "GyrX"],
+        units: &[
+            ("TimeUS", "us"),
+            ("SampleUS", "us"),
+            ("GyrX", "rad/s"),
+            ("GyrY", "rad/s"),
+            ("GyrZ", "rad/s"),
+            ("AccX", "m/s^2"),
+            ("AccY", "m/s^2"),
+            ("AccZ", "m/s^2"),
+        ],
+    },
+    Logger {
+        name: "ROS",
+        has: &["angular_velocity.x"],
+        units: &[
+            ("time", "ns"),
+            ("stamp", "ns"),
+            ("angular_velocity.x", "rad/s"),
+            ("angular_velocity.y", "rad/s"),
+            ("angular_velocity.z", "rad/s"),
+            ("linear_acceleration.x", "m/s^2"),
+            ("linear_acceleration.y", "m/s^2"),
+            ("linear_acceleration.z", "m/s^2"),
+        ],
+    },
+    Logger {
+        name: "OpenLog Artemis",
+        has: &["rtcTime", "gX", "aX"],
+        units: &[("gX", "dps"), ("gY", "dps"), ("gZ", "dps"), ("aX", "mg"), ("aY", "mg"), ("aZ", "mg")],
+    },
+    Logger {
+        name: "Sensor Logger",
+        has: &["time", "seconds_elapsed"],
+        units: &[("time", "ns"), ("seconds_elapsed", "s")],
+    },
+];
+
+/// Gives columns the units that the logger of this header has, and says which logger that is.
+pub(crate) fn complete(names: &mut [Name]) -> Option<String> {
+    let is = |name: &Name, known: &str| {
+        let rest = name.base().strip_suffix(known);
+        rest.is_some_and(|rest| rest.is_empty() || rest.ends_with('.'))
+    };
+    let logger = LOGGERS
+        .iter()
+        .find(|logger| logger.has.iter().all(|known| names.iter().any(|name| is(name, known))))?;
+    let mut units = vec![];
+    for name in names.iter_mut().filter(|name| name.unit.is_none()) {
+        if let Some((_, unit)) = logger.units.iter().find(|(known, _)| is(name, known)) {
+            name.complete(unit);
+            units.push(format!("{} {unit}", name.whole));
+        }
+    }
+    (!units.is_empty()).then(|| format!("the header is that of {}: {}", logger.name, units.join(", ")))
+}
