@@ -12,7 +12,7 @@ use sagnac::analysis::temperature::model::Effects;
 use sagnac::analysis::temperature::notes::notes;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::range::Fitting;
-use sagnac::quantity::units::{Dimension, parse as parse_quantity};
+use sagnac::quantity::units::{Dimension, Quantity, parse as parse_quantity};
 use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::channel::Log;
@@ -44,7 +44,7 @@ pub struct Reading {
     /// Size of a pulse, if the numbers count pulses; one for all columns, or one for each
     #[arg(help_heading = "Reading the log", long, value_name = "SIZES/pulse", value_delimiter = ',')]
     scale: Vec<String>,
-    /// Sampling rate, as in 100Hz; time stamps then only show where samples are missing, and may be late
+    /// Sampling rate or step, as in 100Hz or "300 s"; time stamps then only show where samples are missing, and may be late
     #[arg(help_heading = "Reading the log", long, value_name = "RATE")]
     rate: Option<String>,
     /// Column of time stamps, by name or number; none ignores stamps [default: a column called time, stamp or t]
@@ -62,7 +62,8 @@ pub struct Reading {
     /// Layout of a raw binary file, as in "f64 x7, little, time 1, rate 3": types of the columns, order of bytes, names
     #[arg(help_heading = "Reading the log", long, value_name = "LAYOUT", value_parser = Binary::parse)]
     binary: Option<Binary>,
-    /// Columns by name or number from 1, separated by commas [default: the only one, or all whose units fit --data]
+    /// Columns by name or number from 1, separated by commas, as in gx,gz or 2-4; all [default: the only one, or all whose units fit
+    /// --data]
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMNS", value_delimiter = ',')]
     column: Vec<String>,
     /// Omit the beginning, as in "30 min"
@@ -256,13 +257,16 @@ impl Reading {
 /// The sampling interval for a rate, s.
 fn step(rate: &str) -> Result<f64, Failure> {
     let wrong = |why: String| {
-        Failure::Usage(format!("--rate {rate}: {why}\ngive samples per second, as in --rate 100Hz"))
+        Failure::Usage(format!(
+            "--rate {rate}: {why}\ngive samples per second, as in --rate 100Hz, or the time between them"
+        ))
     };
-    let quantity = parse_quantity(rate, &[Dimension::Frequency]).map_err(|error| wrong(error.to_string()))?;
-    if quantity.value > 0.0 {
-        Ok(1.0 / quantity.value)
-    } else {
-        Err(wrong("the rate is not positive".to_owned()))
+    let quantity = parse_quantity(rate, &[Dimension::Frequency, Dimension::Time]);
+    let Quantity { value, dimension } = quantity.map_err(|error| wrong(error.to_string()))?;
+    match dimension {
+        _ if value <= 0.0 => Err(wrong("the rate is not positive".to_owned())),
+        Dimension::Time => Ok(value),
+        _ => Ok(1.0 / value),
     }
 }
 

@@ -14,6 +14,9 @@ const LONGEST_STEP_S: f64 = 100.0;
 /// Units of time, s.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 
+/// Rates of sensors.
+const SENSORS_HZ: std::ops::Range<f64> = 0.5..20e3;
+
 /// Values at which counters roll over: those of 16, 24 and 32 bits, the last also of µs shown in ms and in s, and the seconds
 /// of a day and of a GPS week, also in ms.
 const LIMITS: [f64; 9] = [
@@ -57,6 +60,12 @@ pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
 pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
     let is_short = |unit_s: f64| stamps.len() < 2 || median_step(stamps) * unit_s <= LONGEST_STEP_S;
     epoch_unit(*stamps.first()?).filter(|(_, unit_s)| is_short(*unit_s))
+}
+
+/// The unit of stamps with a mean step that gives the rate of a sensor, and that rate, Hz.
+pub(crate) fn likely_unit(step: f64) -> Option<(&'static str, f64)> {
+    let rate = |(unit, unit_s): (&'static str, f64)| (unit, 1.0 / (step * unit_s));
+    UNITS.into_iter().map(rate).find(|(_, rate_hz)| SENSORS_HZ.contains(rate_hz))
 }
 
 /// The stamps of a counter in a row: wherever it has rolled over, its limit is added. Returns that limit and how many times

@@ -110,7 +110,7 @@ fn a_log_that_is_none_is_refused_with_its_place_and_what_to_do() {
         (
             of(&|i, y| format!("{i},{y}")),
             "--data rate --unit deg/h --time 1".into(),
-            vec!["the time column `1` has no unit", "--time-unit ms"],
+            vec!["the time column `1` has no unit", "--time-unit s"],
         ),
         (number(0, "1"), format!("{RATE} --skip 1h"), vec!["nothing of log.csv is left: it is 200 s long"]),
         (

@@ -162,3 +162,164 @@ fn a_raw_binary_file_is_refused_without_its_bytes_and_read_by_its_layout() {
     let said = String::from_utf8(ended.stderr).unwrap();
     assert!(said.contains("77 of 600 samples are missing"), "{said}");
 }
+
+/// Headers of loggers with a row each, and the columns and the sampling rate that are read.
+#[test]
+fn headers_of_loggers_are_read_without_options() {
+    const ROS: &str =
+        "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.angular_velocity.x";
+    type Row = fn(usize, f64) -> String;
+    let logs: [(&str, &str, Row, &str, f64); 9] = [
+        (
+            "PX4",
+            "timestamp,gyro_rad[0],gyro_integral_dt",
+            |i, y| format!("{},{y},4000", 31_354_000 + 4000 * i),
+            "gyro[0]",
+            250.0,
+        ),
+        (
+            "ArduPilot",
+            "timestamp,TimeUS,I,GyrX,AccX,T",
+            |i, y| format!("{:.2},{},0,{y},9.8,41.5", 1.7e9 + 0.01 * i as f64, 9_000_000 + 2500 * i),
+            "GyrX",
+            400.0,
+        ),
+        (
+            "EuRoC",
+            "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]",
+            |i, y| format!("{},{y},9.81", 1_403_636_579_758_555_392 + 5_000_000 * i),
+            "w_RS_S_x",
+            200.0,
+        ),
+        (
+            "ROS",
+            ROS,
+            |i, y| {
+                format!(
+                    "{},{i},{},imu_link,{y}",
+                    1_593_335_798_003_000_000 + 5_000_000 * i,
+                    1_593_335_798_000_000_000 + 5_000_000 * i
+                )
+            },
+            "field.angular_velocity.x",
+            200.0,
+        ),
+        (
+            "phyphox",
+            "\"Time (s)\",\"Gyroscope x (rad/s)\"",
+            |i, y| format!("{:E},{y:E}", 0.005 * i as f64),
+            "Gyroscope x",
+            200.0,
+        ),
+        (
+            "AndroSensor",
+            "GYROSCOPE X (rad/s);Time since start in ms ;YYYY-MO-DD HH-MI-SS_SSS",
+            |i, y| {
+                format!(
+                    "{y};{};2024-01-05 10-{:02}-{:02}_{:03}",
+                    6 + 10 * i,
+                    i / 6000,
+                    i / 100 % 60,
+                    10 * i % 1000
+                )
+            },
+            "GYROSCOPE X",
+            100.0,
+        ),
+        (
+            "spreadsheet",
+            "Zeit [s];Drehrate Z [°/s];Temperatur [°C]",
+            |i, y| format!("{:.3};{y};21,5", 0.005 * i as f64).replace('.', ","),
+            "Drehrate Z",
+            200.0,
+        ),
+        (
+            "pandas",
+            ",gx_rad_s",
+            |i, y| format!("2024-01-05 10:{:02}:{:02}.{:02}0000,{y}", i / 6000, i / 100 % 60, i % 100),
+            "gx",
+            100.0,
+        ),
+        (
+            "OpenLog",
+            "rtcDate,rtcTime,aX,gX,imu_degC,output_Hz,",
+            |i, y| {
+                format!("01/05/2024,23:59:{:02}.{:02},{},{y},23.56,100.0,", 50 + i / 100, i % 100, 2.0 + y)
+            },
+            "aX",
+            100.0,
+        ),
+    ];
+    for (logger, header, row, name, rate_hz) in logs {
+        let text = noise(600)
+            .enumerate()
+            .fold(format!("{header}\n"), |text, (i, y)| text + &row(i, 1e-3 * y) + "\n");
+        // In Latin-1, as spreadsheets write it.
+        let bytes: Vec<u8> = text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+        let desk = Desk::with("");
+        std::fs::write(desk.path("log.csv"), bytes).unwrap();
+        let ended = desk.done("allan log.csv --data rate --json");
+        let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+        assert_eq!(document["columns"][0]["column"].as_str(), Some(name), "{logger}");
+        let rate = 1.0 / document["step_s"].as_f64().unwrap();
+        assert!((rate / rate_hz - 1.0).abs() < 1e-6, "{logger}: {rate} Hz");
+        assert_eq!(document["columns"][0]["missing"].as_u64(), Some(0), "{logger}");
+    }
+}
+
+#[test]
+fn a_clock_in_two_cells_of_whole_seconds_shows_the_mean_rate() {
+    let text = noise(3600).enumerate().fold(String::new(), |text, (i, y)| {
+        let second = i / 5;
+        text + &format!("2018-04-25   23:{:02}:{:02} {y:.3}   {:.3}\n", 45 + second / 60, second % 60, -y)
+    });
+    let desk = desk_with("log.txt", text);
+    let document = |words: &str| -> Value {
+        serde_json::from_str(&desk.done(&format!("allan log.txt --data rate {words} --json")).stdout).unwrap()
+    };
+    desk.fails(
+        "allan log.txt --data rate",
+        3,
+        &["2 problems", "--column 3,4", "the unit of column 3 is missing"],
+    );
+    for columns in ["3-4", "all", "3,4"] {
+        let found = document(&format!("--unit deg/s --column {columns}"));
+        assert_eq!(found["step_s"].as_f64().map(|step_s| libm::round(1e6 * step_s)), Some(2e5), "{columns}");
+        assert_eq!(found["columns"].as_array().map(Vec::len), Some(2));
+    }
+}
+
+#[test]
+fn bursts_are_refused_with_the_mean_rate_and_leave_no_gaps_with_it() {
+    // Rows come in sevens, a millisecond apart.
+    let text = noise(7000).enumerate().fold("time [s],gz [dps]\n".to_owned(), |text, (i, y)| {
+        text + &format!("{:.3},{y}\n", 0.07 * (i / 7) as f64 + 0.001 * (i % 7) as f64)
+    });
+    let desk = desk_with("log.csv", text);
+    desk.fails("allan log.csv --data rate", 3, &["not evenly spaced", "the mean is 0.01 s", "--rate 100Hz"]);
+    assert_eq!(missing(&desk, "log.csv --data rate --rate 100Hz"), (0, 7000, 0.01));
+    assert_eq!(missing(&desk, "log.csv --data rate --rate 10ms"), (0, 7000, 0.01));
+}
+
+#[test]
+fn increments_over_a_part_of_each_step_are_those_of_the_whole_step() {
+    let text = noise(600)
+        .enumerate()
+        .fold("timestamp,delta_angle[0],delta_angle_dt\n".to_owned(), |text, (i, y)| {
+            text + &format!("{},{},4000\n", 354_000 + 500_000 * i, 4e-6 * y)
+        });
+    let desk = desk_with("log.csv", text);
+    let ended = desk.done("allan log.csv --data increment --json");
+    let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+    desk.write(
+        "rate.csv",
+        &noise(600).fold("gz [rad/s]\n".to_owned(), |text, y| text + &format!("{}\n", 1e-3 * y)),
+    );
+    let rate: Value =
+        serde_json::from_str(&desk.done("allan rate.csv --data rate --rate 2Hz --json").stdout).unwrap();
+    let first =
+        |document: &Value| document["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap();
+    assert!((first(&document) / first(&rate) - 1.0).abs() < 1e-6);
+    let said = desk.done("allan log.csv --data increment").stderr;
+    assert!(said.contains("0.004 s, but 0.5 s apart"), "{said}");
+}

@@ -70,7 +70,9 @@ impl Log {
         let means = axes.iter().map(|channel| channel.view(self.data, self.step_s).mean_rate());
         let means: Vec<f64> = means.collect::<Option<_>>()?;
         let doubt = Doubt::of(means.into_iter().fold(0.0, libm::hypot), &axes[0].unit, self.data)?;
-        Some(self.noted(axes, doubt))
+        let has_mean = |axis: &&Channel| axis.view(self.data, self.step_s).has_mean();
+        let is_known = !matches!(doubt, Doubt::DegreesAsRadians(_)) || axes.iter().all(has_mean);
+        is_known.then(|| self.noted(axes, doubt))
     }
 
     /// The message and the help for a fault of a column.

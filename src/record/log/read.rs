@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use crate::quantity::number::significant;
+use crate::quantity::units::Dimension;
 use crate::record::binary::Binary;
 use crate::record::error::{Faults, RecordError};
 use crate::record::format::Origin;
@@ -10,9 +12,10 @@ use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::temperature::{Degree, Thermometer};
-use crate::record::log::timing::{Clock, found, is_time, spread};
+use crate::record::log::timing::{Clock, found, is_span, is_time, is_timing, spread};
 use crate::record::names::Name;
 use crate::record::recording::{Recording, Rules};
+use crate::record::spelling::unit_of;
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
 pub(crate) const RULES: Rules = Rules {
@@ -29,8 +32,8 @@ const MOST_THERMOMETERS: usize = 4;
 /// The columns of a log to read, and their interpretation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Column names or numbers from 1. If there are none, those of a binary layout, or the only column besides the time, or
-    /// all columns whose units in the header are those of such data.
+    /// Column names, numbers from 1 or ranges of numbers such as `2-4`, or `all`. If there are none, those of a binary layout, or the
+    /// only column besides the time, or all columns whose units in the header are those of such data.
     pub columns: Vec<String>,
     /// Spacing of the samples.
     pub timing: Timing,
@@ -125,18 +128,26 @@ impl Log {
         let taken = thermometer.and_then(|given| faults.take(file.find(&given.column, None)));
         let degree = thermometer.zip(taken).map(|(given, column)| given.degree(&file, column, &mut notes));
         let degree = degree.and_then(|degree| faults.take(degree));
-        let time = found(&file, &request.timing, &request.columns, taken, &mut notes);
+        let words = expanded(&file, &request.columns);
+        let time = found(&file, &request.timing, &words, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
-        let columns = wanted(&file, request, &named, [time.map(|time| time.column), taken], &mut notes)
+        let used = [time.map(|time| time.column), taken];
+        let columns = wanted(&file, request, &words, &named, used, &mut notes)
             .and_then(|columns| Ok((given(&file, &request.units, &columns)?, columns)));
-        // Without a choice of columns, the times are still examined by those that may be meant.
-        let (units, columns) =
-            faults.take(columns).unwrap_or_else(|| (vec![], measuring(&file, request.data)));
+        // Without a choice of columns, times and units are still examined by those that may be meant.
+        let (units, columns) = faults.take(columns).unwrap_or_else(|| {
+            let columns = if request.units.is_empty() { likely(&file, used) } else { vec![] };
+            (vec![], columns)
+        });
         let channels = columns
             .iter()
             .enumerate()
             .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data));
-        let channels: Vec<Option<Channel>> = channels.map(|channel| faults.take(channel)).collect();
+        let (channels, mut wrong): (Vec<_>, Vec<_>) = channels.partition(Result::is_ok);
+        // What settles one settles all of those that nobody chose.
+        wrong.truncate(if units.is_empty() { 1 } else { wrong.len() });
+        let channels: Vec<Channel> =
+            channels.into_iter().chain(wrong).filter_map(|channel| faults.take(channel)).collect();
         let all = time.iter().map(|time| time.column).chain(columns.iter().copied()).chain(taken);
         let all: Vec<usize> = all.collect();
         if let Some(&twice) = (1..all.len()).find_map(|i| all[..i].contains(&all[i]).then(|| &all[i])) {
@@ -154,7 +165,10 @@ impl Log {
             |column: &usize| !all.contains(column) && file.names().get(*column).is_some_and(is_temperature);
         let others = if has_thermometers { 0..file.columns() } else { 0..0 };
         let others: Vec<usize> = others.filter(is_other).take(MOST_THERMOMETERS).collect();
-        let Some(mut samples) = faults.take(file.read(&[&all[..], &others].concat(), &RULES)) else {
+        let span = columns.first().filter(|_| request.data == Data::Increment);
+        let span = span.and_then(|&column| span_of(&file, column)).filter(|span| !all.contains(span));
+        let read = [&all[..], &others, span.as_slice()].concat();
+        let Some(mut samples) = faults.take(file.read(&read, &RULES)) else {
             return Err(faults.into_error(&file.file));
         };
         let stamps = time.map(|_| samples.remove(0));
@@ -172,12 +186,17 @@ impl Log {
         if !faults.is_empty() {
             return Err(faults.into_error(&file.file));
         }
+        if let Some(column) = span {
+            let spans = samples.pop().unwrap_or_default();
+            let channels = 0..channels.len().min(samples.len());
+            notes.extend(over_steps(&file, column, &spans, step_s, &mut samples[channels]));
+        }
         // They were read behind the samples, so that gaps and duplicates are the same for them.
         let values = samples.split_off(samples.len().saturating_sub(others.len()));
         let thermometers = others.iter().map(|&column| name_of(&file, column)).zip(values).collect();
         let temperature = degree.and_then(|degree| Some(degree.celsius(samples.pop()?)));
         let temperature = taken.map(|column| name_of(&file, column)).zip(temperature);
-        let channels = channels.into_iter().flatten().zip(samples);
+        let channels = channels.into_iter().zip(samples);
         let mut channels: Vec<Channel> =
             channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
         // Of columns that nobody named, those of a part that was not measured are not missed.
@@ -214,12 +233,16 @@ fn is_temperature(name: &Name) -> bool {
 fn wanted(
     file: &Recording,
     request: &Request,
+    words: &[String],
     named: &[usize],
     taken: [Option<usize>; 2],
     notes: &mut Vec<String>,
 ) -> Result<Vec<usize>, RecordError> {
+    if !words.is_empty() {
+        return words.iter().map(|word| file.find(word, None)).collect();
+    }
     if !request.columns.is_empty() {
-        return request.columns.iter().map(|word| file.find(word, None)).collect();
+        return Ok(likely(file, taken));
     }
     if !named.is_empty() {
         return Ok(named.to_vec());
@@ -245,10 +268,50 @@ fn wanted(
         }
         _ => {
             let message = format!("the file has {} columns: select some of them", file.columns());
-            let help = format!("name one or several of them, as in `column = 2,3`: {}", file.listed());
+            let name = |&column: &usize| {
+                let name = file.names().get(column).filter(|name| !name.bare.contains([',', ' ', '`']));
+                name.map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
+            };
+            let names: Vec<String> = likely(file, taken).iter().map(name).collect();
+            let help = format!(
+                "name one or several of them, as in `column = {}`: {}",
+                names.join(","),
+                file.listed()
+            );
             Err(file.refuse(None, &message, "these are the columns", &help))
         }
     }
+}
+
+/// The words that name columns, with a number for each of a range such as `2-4`; none where all columns are meant.
+fn expanded(file: &Recording, words: &[String]) -> Vec<String> {
+    let is_name = |word: &str| file.find(word, None).is_ok();
+    if let [word] = words
+        && word == "all"
+        && !is_name(word)
+    {
+        return vec![];
+    }
+    let range = |word: &String| {
+        let ends = word.split_once('-').filter(|_| !is_name(word));
+        let ends = ends.and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+        let columns = ends.filter(|(a, b): &(usize, usize)| *a > 0 && a <= b && *b <= file.columns());
+        columns
+            .map_or_else(|| vec![word.clone()], |(a, b)| (a..=b).map(|number| number.to_string()).collect())
+    };
+    words.iter().flat_map(range).collect()
+}
+
+/// The columns that may have samples: all numbers but those of the columns `taken`, times, lengths of time, temperatures and counters.
+fn likely(file: &Recording, taken: [Option<usize>; 2]) -> Vec<usize> {
+    let is_likely = |&column: &usize| {
+        let is_other = file.names().get(column).is_some_and(|name| is_temperature(name) || is_timing(name));
+        !taken.contains(&Some(column))
+            && !is_other
+            && file.calendar(column).is_none()
+            && file.sample(column).is_some()
+    };
+    (0..file.columns()).filter(is_likely).collect()
 }
 
 /// The columns whose units are those of such data.
@@ -256,6 +319,49 @@ fn measuring(file: &Recording, data: Data) -> Vec<usize> {
     let unit = |name: &Name| name.unit_of(data).is_some_and(|unit| Unit::of_header(&unit, data).is_ok());
     (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
 }
+
+/// The column with the time over which the increments of a column were summed, such as `delta_angle_dt`.
+fn span_of(file: &Recording, column: usize) -> Option<usize> {
+    let names = file.names();
+    let alike = |span: usize| {
+        let letters = names[span].bare.bytes().zip(names.get(column)?.bare.bytes());
+        Some(letters.take_while(|(a, b)| a == b).count())
+    };
+    let is_span = |&span: &usize| is_span(&names[span].bare) && file.sample(span).is_some();
+    (0..names.len()).filter(is_span).max_by_key(|&span| alike(span))
+}
+
+/// Makes increments over shorter times than the sampling step those of whole steps at the same rate, and says so.
+fn over_steps(
+    file: &Recording,
+    column: usize,
+    spans: &[f64],
+    step_s: f64,
+    samples: &mut [Vec<f64>],
+) -> Option<String> {
+    let mut known: Vec<f64> = spans.iter().copied().filter(|span| *span > 0.0).collect();
+    let middle = known.len().checked_sub(1)? / 2;
+    let median = *known.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let unit = file.names()[column].unit.as_deref().and_then(|unit| unit_of(unit, &[Dimension::Time]).ok());
+    // Without a unit it is the largest one in which no span is longer than a step.
+    let unit_s = unit.map(|unit| unit.0).or_else(|| {
+        [1.0, 1e-3, 1e-6, 1e-9].into_iter().find(|unit_s| median * unit_s < (1.0 + NEAR_STEP) * step_s)
+    })?;
+    if (median * unit_s / step_s - 1.0).abs() < NEAR_STEP {
+        return None;
+    }
+    for values in samples {
+        values.iter_mut().zip(spans).for_each(|(value, span)| *value *= step_s / (span * unit_s));
+    }
+    let [span, step] = [median * unit_s, step_s].map(|time_s| significant(time_s, 6));
+    Some(format!(
+        "by {}, increments are those of {span} s, but {step} s apart: each is taken for the rate of its whole step",
+        file.title(column)
+    ))
+}
+
+/// Difference of a span from the sampling step, as a part of it, that is none.
+const NEAR_STEP: f64 = 0.01;
 
 /// The given unit of each column, where units are given.
 fn given<'a>(
@@ -275,15 +381,19 @@ fn given<'a>(
     }
 }
 
-/// Removes channels without samples, unless no others remain, and says which they are.
+/// Removes channels without samples, or with equal ones, unless no others remain, and says which they are.
 fn without_samples(channels: &mut Vec<Channel>) -> Option<String> {
-    let has_samples = |channel: &Channel| channel.samples.iter().any(|sample| !sample.is_nan());
+    let has_samples = |channel: &Channel| {
+        let mut known = channel.samples.iter().filter(|sample| !sample.is_nan());
+        let first = known.next();
+        known.any(|sample| Some(sample) != first)
+    };
     let empty: Vec<&str> = channels
         .iter()
         .filter(|channel| !has_samples(channel))
         .map(|channel| channel.name.as_str())
         .collect();
-    let note = format!("columns without samples are left out: {}", empty.join(", "));
+    let note = format!("columns without samples, or with equal ones, are left out: {}", empty.join(", "));
     let is_some = !empty.is_empty() && empty.len() < channels.len();
     if is_some {
         channels.retain(has_samples);

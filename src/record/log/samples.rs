@@ -9,6 +9,9 @@ use crate::record::log::doubt::Doubt;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
 
+/// Parts of a record whose means show the error of the mean.
+const PARTS: usize = 16;
+
 /// Evenly spaced samples of one axis. Nothing is copied until angles are computed from them.
 ///
 /// ```
@@ -128,6 +131,26 @@ impl<'a> Samples<'a> {
         mean.is_finite().then_some(mean * self.unit.factor)
     }
 
+    /// Whether the mean rate exceeds three times its standard error, by the scatter of the means of 16 parts of the record, and half of the
+    /// least difference of two samples, by which a coarse readout may shift it.
+    pub(crate) fn has_mean(&self) -> bool {
+        let differences = self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let least = differences.filter(|difference| *difference > 0.0).fold(f64::INFINITY, f64::min);
+        let shift = match self.data {
+            Data::Rate => 0.5 * least * self.unit.factor,
+            Data::Increment => 0.5 * least * self.unit.factor / self.step_s,
+            Data::Angle => 0.0,
+        };
+        let length = self.values.len() / PARTS;
+        let part =
+            |at: usize| Samples { values: &self.values[at * length..(at + 1) * length], ..*self }.mean_rate();
+        let means: Vec<f64> = (0..PARTS).filter_map(part).collect();
+        let count = means.len() as f64;
+        let mean = means.iter().sum::<f64>() / count;
+        let square = means.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
+        mean.abs() > shift.max(3.0 * libm::sqrt(square / count))
+    }
+
     /// Why these samples are refused, if they are: they are too few, or all equal.
     pub fn fault(&self) -> Option<Fault> {
         let mut known = self.values.iter().copied().filter(|sample| !sample.is_nan());
@@ -139,8 +162,10 @@ impl<'a> Samples<'a> {
         known.all(|sample| sample == value).then_some(Fault::Constant { there, value })
     }
 
-    /// Why the unit of these samples is doubtful, if it is. Only the mean is examined, which no deviation depends on.
+    /// Why the unit of these samples is doubtful, if it is. Only the mean is examined, which no deviation depends on. A mean within its own
+    /// error says nothing of the Earth's rotation.
     pub fn doubt(&self) -> Option<Doubt> {
-        Doubt::of(self.mean_rate()?.abs(), self.unit, self.data)
+        let doubt = Doubt::of(self.mean_rate()?.abs(), self.unit, self.data);
+        doubt.filter(|doubt| !matches!(doubt, Doubt::DegreesAsRadians(_)) || self.has_mean())
     }
 }

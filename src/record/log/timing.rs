@@ -5,11 +5,12 @@ use crate::quantity::units::Dimension;
 use crate::record::calendar::Calendar;
 use crate::record::error::{Faults, RecordError};
 use crate::record::log::read::{Duplicates, RULES, Timing};
+use crate::record::names::Name;
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, are_coarse, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of, faults as faults_of,
-    grid_of_rows, mean_step, step_in_stamps, unroll,
+    grid_of_rows, likely_unit, mean_step, step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -75,6 +76,22 @@ pub(crate) fn is_time(name: &str) -> bool {
     is_called(name, &TIMES)
 }
 
+/// Whether a column has times, lengths of time or numbers of samples, by its name or its unit.
+pub(crate) fn is_timing(name: &Name) -> bool {
+    let has_unit = name.unit.as_deref().is_some_and(|unit| unit_of(unit, &[Dimension::Time]).is_ok());
+    // An index without a name stands first in tables of pandas.
+    has_unit
+        || name.whole.is_empty()
+        || is_time(&name.bare)
+        || is_called(&name.bare, &COUNTERS)
+        || is_span(&name.bare)
+}
+
+/// Whether a column with this name has lengths of time.
+pub(crate) fn is_span(name: &str) -> bool {
+    SPANS.iter().any(|end| name.to_lowercase().ends_with(end))
+}
+
 /// Whether the last part of `imu/time.stamp_ns` is one of the names.
 fn is_called(name: &str, names: &[&str]) -> bool {
     let last = name.rsplit(['/', '.']).next().unwrap_or(name);
@@ -124,8 +141,7 @@ pub(crate) fn found(
         }
         return time(column, is_sure);
     }
-    let is_span = |column| SPANS.iter().any(|end| bare(column).to_lowercase().ends_with(end));
-    let has_times = |column| measures_time(column) && !is_span(column) && file.sample(column).is_some();
+    let has_times = |column| measures_time(column) && !is_span(bare(column)) && file.sample(column).is_some();
     if let [column] = candidates(&has_times)[..] {
         notes.push(format!("times are taken from {}, by its unit", time_column(file, column)));
         return time(column, false);
@@ -165,7 +181,7 @@ fn without_times(file: &Recording) -> RecordError {
 
 /// A column of times in a sentence.
 fn time_column(file: &Recording, column: usize) -> String {
-    let name = file.names().get(column).map(|name| name.bare.clone());
+    let name = file.names().get(column).map(|name| name.bare.clone()).filter(|name| !name.is_empty());
     format!("the time column `{}`", name.unwrap_or_else(|| (column + 1).to_string()))
 }
 
@@ -356,8 +372,13 @@ fn unit_of_stamps(
         }
         (None, None) if clock.step_s.is_none() => {
             let message = format!("{title} has no unit");
-            let help = "give its unit as in `time_unit = ms`; accepted: s, ms, us, ns, min, h";
-            faults.add(file.refuse(Some(time.column), &message, "its unit is missing", help));
+            let of_sensors = || stamps.len() > 1 && mean_step(stamps) > 0.0;
+            let likely = of_sensors().then(|| likely_unit(mean_step(stamps))).flatten();
+            let example = likely.map_or("`time_unit = ms`".to_owned(), |(unit, rate_hz)| {
+                format!("`time_unit = {unit}` for {} Hz", significant(rate_hz, 6))
+            });
+            let help = format!("give its unit as in {example}; accepted: s, ms, us, ns, min, h");
+            faults.add(file.refuse(Some(time.column), &message, "its unit is missing", &help));
             None
         }
         (unit_s, _) => unit_s,
