@@ -31,18 +31,26 @@ const DAY_S: f64 = 86_400.0;
 
 /// A time of day, with the date before it if there is one, and with the distance from UTC that may follow.
 fn time(text: &str) -> Option<f64> {
-    let (day_s, clock, signs) = match text.split_once(['T', ' ', '_']) {
-        Some((day, clock)) => (date(day)?, clock.trim_start(), &[':', '-'][..]),
+    let dated = text.split_once(['T', ' ', '_']).and_then(|(day, clock)| Some((date(day)?, clock)));
+    let (day_s, clock, signs) = match dated {
+        Some((day_s, clock)) => (day_s, clock.trim_start(), &[':', '-'][..]),
         None => (0.0, text, &[':'][..]),
     };
     let (clock, ahead_s) = zone(clock);
+    let (clock, half) = match clock.to_ascii_uppercase().as_str() {
+        half if half.ends_with("AM") => (clock[..clock.len() - 2].trim_end(), Some(0)),
+        half if half.ends_with("PM") => (clock[..clock.len() - 2].trim_end(), Some(12)),
+        _ => (clock, None),
+    };
     let mut parts = clock.splitn(3, signs);
     let mut part = |limit: u32, digits: usize| {
         let part = parts.next().filter(|part| part.len() <= digits)?;
         part.parse::<u32>().ok().filter(|part| *part < limit)
     };
-    let minutes = 60 * part(24, 2)? + part(60, 2)?;
-    let seconds = parts.next()?.replace([',', '_'], ".");
+    let hours = part(24, 2)?;
+    let hours = half.map_or(hours, |half| hours % 12 + half);
+    let minutes = 60 * hours + part(60, 2)?;
+    let seconds = parts.next()?.replace([',', '_', ':'], ".");
     let is_plain = seconds.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     let seconds: f64 = seconds.parse().ok().filter(|seconds| is_plain && *seconds < 61.0)?;
     Some(day_s + f64::from(60 * minutes) + seconds - ahead_s)
@@ -79,6 +87,8 @@ fn date(text: &str) -> Option<f64> {
         '/' if a <= 12 => [c, a, b],
         _ => [c, b, a],
     };
+    let is_short = text.len() - text.rfind(sign)? == 3 && sign != '-';
+    let year = if is_short && year < 100 { 2000 + year } else { year };
     let is_date = (1900..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
     is_date.then(|| DAY_S * days(year, month, day) as f64)
 }
@@ -106,6 +116,8 @@ mod tests {
             "2018-04-25T12:00:13+02:00",
             "2018-04-25 05:30:13-0430",
             "2018-04-25 10-00-13_000",
+            "4/25/2018 10:00:13 AM",
+            "25.04.18 10:00:13:000",
         ] {
             assert_eq!(Calendar::Time.seconds(text.as_bytes()), Some(noon), "{text}");
             assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Time), "{text}");
@@ -116,7 +128,9 @@ mod tests {
             assert_eq!(Calendar::Date.seconds(text.as_bytes()), Some(seconds), "{text}");
             assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Date), "{text}");
         }
-        assert_eq!(Calendar::Time.seconds(b"10:00:13.25"), Some(36_013.25));
+        for (text, seconds) in [("10:00:13.25", 36_013.25), ("12:00:00 am", 0.0), ("1:30:00 PM", 48_600.0)] {
+            assert_eq!(Calendar::Time.seconds(text.as_bytes()), Some(seconds), "{text}");
+        }
         assert!(Calendar::Time.seconds(b"").is_some_and(f64::is_nan));
     }
 

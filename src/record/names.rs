@@ -11,6 +11,22 @@ const LONGEST_UNIT: usize = 64;
 const MEASURED: [Dimension; 5] =
     [Dimension::Rate, Dimension::Acceleration, Dimension::Velocity, Dimension::Angle, Dimension::Time];
 
+/// Units of time that are the whole name of a column of times.
+const UNITS_AS_NAMES: [&str; 12] = [
+    "ms",
+    "us",
+    "ns",
+    "millis",
+    "micros",
+    "nanos",
+    "msec",
+    "usec",
+    "nsec",
+    "milliseconds",
+    "microseconds",
+    "seconds",
+];
+
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Name {
@@ -36,6 +52,9 @@ impl Name {
             bare: bare.trim().to_owned(),
             unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
         };
+        if UNITS_AS_NAMES.iter().any(|unit| whole.eq_ignore_ascii_case(unit)) {
+            return with(whole, whole);
+        }
         for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
             let inner = whole.strip_suffix(close).and_then(|rest| rest.split_once(open));
             if let Some((bare, unit)) = inner.filter(|(bare, _)| !bare.trim().is_empty()) {
@@ -127,6 +146,7 @@ mod tests {
             ("dv_mm_s", "dv", "mm/s"),
             ("mag_x_G", "mag_x_G", ""),
             ("gz {°/s}", "gz", "°/s"),
+            ("millis", "millis", "millis"),
             ("gyro_rad[0]", "gyro[0]", "rad"),
             ("gz [rad/s][2]", "gz[2]", "rad/s"),
             ("delta_angle[1]", "delta_angle[1]", ""),

@@ -169,7 +169,7 @@ fn headers_of_loggers_are_read_without_options() {
     const ROS: &str =
         "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.angular_velocity.x";
     type Row = fn(usize, f64) -> String;
-    let logs: [(&str, &str, Row, &str, f64); 9] = [
+    let logs: [(&str, &str, Row, &str, f64); 10] = [
         (
             "PX4",
             "timestamp,gyro_rad[0],gyro_integral_dt",
@@ -204,6 +204,7 @@ fn headers_of_loggers_are_read_without_options() {
             "field.angular_velocity.x",
             200.0,
         ),
+        ("Arduino", "millis,gx_dps", |i, y| format!("{},{y}", 10 * i), "gx", 100.0),
         (
             "phyphox",
             "\"Time (s)\",\"Gyroscope x (rad/s)\"",
