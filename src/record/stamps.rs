@@ -40,7 +40,7 @@ const NEAR: usize = 8;
 /// of a coarse stamp is up to one step late.
 const LEAST_RISE: f64 = 0.7;
 const LEAST_RISE_COARSE: f64 = 1.2;
-const LEAST_AFTER: usize = 3;
+const LEAST_AFTER: usize = 8;
 /// Deviation of steps from whole sampling steps, and of the rate of a clock from the given one, that are none of samples.
 const JITTER: f64 = 0.1;
 const MOST_DRIFT: f64 = 0.02;
