@@ -232,6 +232,15 @@ impl Gaussian {
         }
     }
 
+    /// Its highest frequency, Hz; `None` for that of a vibration, which has limits of its own.
+    pub(crate) fn highest_hz(&self) -> Option<f64> {
+        match self {
+            Gaussian::Band { band, .. } => Some(band.high_hz),
+            Gaussian::Psd(psd) => psd.points().last().map(|point| point[0]),
+            Gaussian::Vibration { .. } => None,
+        }
+    }
+
     /// Its ticks as rows, ″, with `sides` ticks on either side of a gap.
     pub fn tick_rows(&self, tick_s: f64, gap_ticks: u32, sides: usize) -> TickRows {
         let (unit, size) = self.unit();

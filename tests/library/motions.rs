@@ -275,6 +275,22 @@ fn a_frequency_drawn_from_a_band() {
 }
 
 #[test]
+fn frequencies_above_half_the_tick_rate() {
+    let angle = |amplitude, low, high| Tone { of_angle: true, ..Tone::of_rate(amplitude, low, high) };
+    let drawn = angle(Draw::Fixed(25.0), 137.0, 139.0);
+    check_both("a band above half the tick rate", &of_tones(vec![drawn]));
+    let gyro = of_tones(vec![
+        angle(Draw::Uniform(5.0, 20.0), 90.0, 200.0),
+        Tone { phase: Some(FRAC_PI_2), ..angle(Draw::Fixed(9.0), 100.0, 110.0) },
+        Tone { phase: Some(0.0), ..Tone::of_rate(Draw::Fixed(4000.0), 171.0, 171.0) },
+        Tone::of_rate(Draw::Rayleigh(2000.0), 20.0, 22.0),
+    ]);
+    check_both("bands and a tone above half the tick rate", &gyro);
+    let gaussian = Gyro { beside: Beside::Band(8485.0, [130.0, 260.0]), ..Gyro::still() };
+    check_both("Gaussian 130–260 Hz", &gaussian);
+}
+
+#[test]
 fn gaussian_motion_of_a_band() {
     let of_band = |band| Gyro { beside: Beside::Band(8485.0, band), ..Gyro::still() };
     check_both("Gaussian 18–22 Hz", &of_band([18.0, 22.0]));

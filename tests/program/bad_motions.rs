@@ -62,15 +62,18 @@ fn spectra_and_bands_that_make_no_sense_are_refused() {
         with_motion(&format!("gaussian = {{ rms = \"100 arcsec/s\", band = [\"18 Hz\", \"{high}\"] }}"))
     };
     refused(
-        &gaussian("120 Hz"),
+        &gaussian("2001 Hz"),
         "7:12",
-        &["reaches 120 Hz, above the Nyquist frequency of ticks of 0.005 s", "up to 100 Hz"],
+        &["motion.gaussian = 2001 Hz is too fast for a tick rate of 200 Hz", "2000 Hz here"],
     );
     refused(&gaussian("17 Hz"), "7:43", &["runs from 18 Hz down to 17 Hz", "lower end first"]);
     refused(
         &with_motion("amplitude = \"1 deg/s\"\nfrequency = [\"18 Hz\", \"120 Hz\"]"),
         "8:13",
-        &["reaches 120 Hz, above the Nyquist frequency"],
+        &[
+            "120 Hz is too fast where frequencies are drawn",
+            "up to 100 Hz here, or 200 Hz with an amplitude of the angle",
+        ],
     );
 }
 

@@ -2,7 +2,7 @@
 
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::point::Point;
-use crate::motion::Tone;
+use crate::motion::{Gaussian, Tone};
 use crate::quantity::number::significant;
 
 /// Largest plausible rate of a gyro: 1000 °/s, in ″/s.
@@ -14,12 +14,13 @@ pub(crate) fn of_motion(written: &Inputs, points: &[Point]) -> Vec<String> {
     aliased(written, points).into_iter().chain(fast(written, points)).collect()
 }
 
-/// Notes that a tone appears at another frequency in the ticks. Vibration through a suspension has its own note, and
-/// bands end below.
+/// Notes that a tone or Gaussian motion appears at another frequency in the ticks. Vibration through a suspension has its own
+/// key for that.
 fn aliased(written: usize, points: &[Point]) -> Option<String> {
     let highest = |point: &Point| {
         let tones = point.inputs.motion.tones.iter().take(written);
-        tones.map(|tone| tone.band().high_hz).fold(0.0, f64::max)
+        let gaussian = point.inputs.motion.gaussian.as_ref().and_then(Gaussian::highest_hz);
+        tones.map(|tone| tone.band().high_hz).chain(gaussian).fold(0.0, f64::max)
     };
     let periods = |point: &Point| highest(point) * point.inputs.tick_s;
     let most = points.iter().max_by(|a, b| periods(a).total_cmp(&periods(b)))?;

@@ -118,18 +118,15 @@ impl Base<'_> {
         }
         if let Some(Gaussian::Band { band, .. }) = &inputs.motion.gaussian {
             let names = ["motion.gaussian.low", "motion.gaussian.high", "motion.gaussian", "gyro.tick"];
-            self.check_band("motion.gaussian", *band, inputs, &names)?;
+            self.check_order("motion.gaussian", *band, &names)?;
         }
-        if let Some(Gaussian::Psd(psd)) = &inputs.motion.gaussian
-            && let [.., [high_hz, _]] = psd.points()
-        {
-            let band = Band { low_hz: 0.0, high_hz: *high_hz };
-            let names = ["motion.gaussian", "gyro.tick"];
-            self.check_band("motion.gaussian.psd", band, inputs, &names)?;
+        if let Some(high_hz) = inputs.motion.gaussian.as_ref().and_then(Gaussian::highest_hz) {
+            let place = self.places.blame(&["motion.gaussian.high", "motion.gaussian", "gyro.tick"]);
+            check_highest("motion.gaussian", high_hz, inputs, place)?;
         }
         for Written { filler, span, .. } in self.fillers {
             if let Method::MinimumVariance(Some(band)) = &filler.method {
-                above_nyquist(&filler.name, *band, inputs, span.clone())?;
+                check_highest(&filler.name, band.high_hz, inputs, span.clone())?;
             }
         }
         let turned = inputs.motion.acceleration.abs() * inputs.tick_s * MAX_SIDE as f64;
@@ -156,24 +153,18 @@ impl Base<'_> {
         let names = ["motion.frequency", "motion.tones", "gyro.tick"];
         if let Frequency::Band(band) = tone.frequency {
             let names = ["motion.frequency.low", "motion.frequency.high", "motion.frequency", "motion.tones"];
-            self.check_band("motion.frequency", band, inputs, &names)?;
+            self.check_order("motion.frequency", band, &names)?;
         }
         let highest = tone.band().high_hz;
-        if highest * tick_s > MOST_TICK_RATES {
-            let tick_rate = significant(1.0 / tick_s, 6);
-            let message = format!(
-                "motion.frequency = {highest} Hz is too fast for a tick rate of {tick_rate} Hz (gyro.tick = {tick_s} s)"
-            );
-            let most = significant(MOST_TICK_RATES / tick_s, 6);
-            let help = format!("accepted: up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
-            return self.places.refuse(&names, message, "too fast for the ticks", help);
-        }
+        check_highest("motion.frequency", highest, inputs, self.places.blame(&names))?;
         let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
-        if drawn && highest * tick_s > 0.5 {
-            let message = format!(
-                "a tone of {highest} Hz combined with one of drawn frequency is above the Nyquist frequency"
-            );
-            let help = format!("accepted: up to {} Hz here", significant(0.5 / tick_s, 6));
+        // The kernel draws frequencies above half the tick rate for amplitudes of the angle, to which that of a fixed frequency
+        // converts.
+        let has_angle = tone.amplitude.of_angle || tone.band().low_hz == highest;
+        if drawn && highest * tick_s > if has_angle { 1.0 } else { 0.5 } {
+            let message = format!("motion.frequency: {highest} Hz is too fast where frequencies are drawn");
+            let [half, rate] = [0.5, 1.0].map(|rates| significant(rates / tick_s, 6));
+            let help = format!("accepted: up to {half} Hz here, or {rate} Hz with an amplitude of the angle");
             return self.places.refuse(&names, message, "too fast for the ticks", help);
         }
         let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
@@ -185,13 +176,13 @@ impl Base<'_> {
         Ok(())
     }
 
-    /// Checks that a band has its ends in order and lies below the Nyquist frequency of the ticks.
-    fn check_band(&self, key: &str, band: Band, inputs: &Inputs, names: &[&str]) -> Result<(), Fault> {
+    /// Checks that a band has its ends in order.
+    fn check_order(&self, key: &str, band: Band, names: &[&str]) -> Result<(), Fault> {
         if band.low_hz > band.high_hz {
             let message = format!("{key}: the band runs from {} Hz down to {} Hz", band.low_hz, band.high_hz);
             return self.places.refuse(names, message, "backwards", "keep the lower end below the upper one");
         }
-        above_nyquist(key, band, inputs, self.places.blame(names))
+        Ok(())
     }
 
     /// The ticks of one filler at this point, after checking their number against the method and the weights.
@@ -236,17 +227,17 @@ impl Base<'_> {
     }
 }
 
-/// Refuses a band at `place` that reaches above half the tick rate.
-fn above_nyquist(name: &str, band: Band, inputs: &Inputs, place: Range<usize>) -> Result<(), Fault> {
+/// Refuses a frequency at `place` that is too far above the tick rate.
+fn check_highest(name: &str, high_hz: f64, inputs: &Inputs, place: Range<usize>) -> Result<(), Fault> {
     let tick_s = inputs.tick_s;
-    if band.high_hz * tick_s <= 0.5 {
+    if high_hz * tick_s <= MOST_TICK_RATES {
         return Ok(());
     }
-    let [high, nyquist] = [band.high_hz, 0.5 / tick_s].map(|frequency| significant(frequency, 6));
+    let [rate, most] = [1.0, MOST_TICK_RATES].map(|rates| significant(rates / tick_s, 6));
     let message =
-        format!("{name}: the band reaches {high} Hz, above the Nyquist frequency of ticks of {tick_s} s");
-    let help = format!("accepted: up to {nyquist} Hz, or a shorter gyro.tick");
-    Err(Fault::new(place, message, "too high for the ticks", help))
+        format!("{name} = {high_hz} Hz is too fast for a tick rate of {rate} Hz (gyro.tick = {tick_s} s)");
+    let help = format!("accepted: up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
+    Err(Fault::new(place, message, "too fast for the ticks", help))
 }
 
 /// Largest difference between the sum of given weights and n that counts as rounding.
