@@ -25,9 +25,14 @@ pub fn one_point(table: &Table) -> String {
     let mut lines = vec![vec![fillers.label.clone()]];
     lines.extend(names.iter().map(|name| vec![name.clone()]));
     for (kind, column) in kinds.iter().flat_map(|kind| estimates.iter().map(move |column| (kind, column))) {
+        let values: Vec<Option<f64>> =
+            names.iter().map(|name| column.cells[row_of(name, kind)?].number()).collect();
+        if column.role != Role::Error && values.iter().all(Option::is_none) {
+            continue;
+        }
         lines[0].push(format!("{kind} {}, {}", name(column), column.unit.symbol));
-        for (line, name) in lines[1..].iter_mut().zip(&names) {
-            line.push(number(row_of(name, kind).and_then(|row| column.cells[row].number()), 4));
+        for (line, value) in lines[1..].iter_mut().zip(values) {
+            line.push(number(value, 4));
         }
     }
     let mut text = aligned(&lines);

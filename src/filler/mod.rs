@@ -3,9 +3,13 @@
 pub(crate) mod closed;
 pub mod keys;
 pub(crate) mod read;
+pub mod specification;
 pub(crate) mod ticks;
 
+use std::sync::Arc;
+
 use crate::filler::closed::{CLOSED, Closed};
+use crate::filler::specification::Specification;
 use crate::theory::minimum_variance::Band;
 
 /// The key of a study that lists its fillers.
@@ -25,9 +29,8 @@ pub struct Filler {
 pub enum Method {
     /// Exact weights that follow from the ticks and the gap.
     Closed(&'static Closed),
-    /// The least variance for the study's noise and for motion in a band, or for the study's own motion where no band
-    /// is given.
-    MinimumVariance(Option<Band>),
+    /// The least variance for the study's noise and for a motion.
+    MinimumVariance(Target),
     /// Given weights, in the order of the ticks.
     Weights {
         /// Weights for the gap as a whole, after it.
@@ -35,6 +38,28 @@ pub enum Method {
         /// Weights for the gap as a whole, before it is closed; may be absent.
         extrapolation: Option<Vec<f64>>,
     },
+}
+
+/// The motion for which a filler of least variance is designed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Target {
+    /// The motion of each point.
+    Own,
+    /// As much motion as at the point, spread over a band.
+    Band(Band),
+    /// The specification of the study.
+    Specification(Arc<Specification>),
+}
+
+impl Target {
+    /// The target of a filler with a band, or without one in a study that may have a specification.
+    pub(crate) fn of(band: Option<Band>, specification: Option<&Arc<Specification>>) -> Target {
+        match (band, specification) {
+            (Some(band), _) => Target::Band(band),
+            (None, Some(specification)) => Target::Specification(specification.clone()),
+            (None, None) => Target::Own,
+        }
+    }
 }
 
 /// The ticks that a filler reads at a point, ascending.

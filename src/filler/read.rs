@@ -1,12 +1,15 @@
 //! Reading of the fillers of a study, which reports every fault with its place.
 
+use std::sync::Arc;
+
 use crate::filler::closed::{CLOSED, LISTED, MINIMUM_VARIANCE, WEIGHTS, named};
 use crate::filler::keys::{
     FILLER_BAND, FILLER_EXTRAPOLATION_TICKS, FILLER_EXTRAPOLATION_WEIGHTS, FILLER_FIT_TICKS, FILLER_KIND,
     FILLER_NAME, FILLER_WEIGHTS,
 };
+use crate::filler::specification::Specification;
 use crate::filler::ticks::{Purpose, TickList};
-use crate::filler::{Filler, Method};
+use crate::filler::{Filler, Method, Target};
 use crate::key::given::Given;
 use crate::key::table::Table;
 use crate::motion::read::band;
@@ -32,7 +35,8 @@ pub(crate) enum Extrapolation {
     None,
 }
 
-pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
+/// Reads the fillers; those of least variance without a band are designed for the specification, if there is one.
+pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> Result<Vec<Written>, Fault> {
     if list.items().is_empty() {
         let message = "switching.fillers is empty, there is nothing to compare";
         return Err(list.fault(message, "no filler", choices("", LISTED)));
@@ -41,7 +45,7 @@ pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
     for entry in list.items() {
         let written = match entry.table() {
             None => of_name(entry)?,
-            Some(table) => of_table(&table)?,
+            Some(table) => of_table(&table, specification)?,
         };
         let name = &written.filler.name;
         if fillers.iter().any(|earlier| earlier.filler.name == *name) {
@@ -69,7 +73,7 @@ fn of_name(entry: Given) -> Result<Written, Fault> {
 const EXAMPLE: &str =
     "{ kind = \"minimum-variance\", name = \"mv8+2\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }";
 
-fn of_table(table: &Table) -> Result<Written, Fault> {
+fn of_table(table: &Table, specification: Option<&Arc<Specification>>) -> Result<Written, Fault> {
     let kind = table.get(&FILLER_KIND).map_or(CLOSED[0].name, |kind| kind.text());
     for (key, wanted) in [
         (&FILLER_WEIGHTS, WEIGHTS),
@@ -85,7 +89,10 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
         [&FILLER_FIT_TICKS, &FILLER_EXTRAPOLATION_TICKS, &FILLER_WEIGHTS, &FILLER_EXTRAPOLATION_WEIGHTS]
             .map(|key| table.get(key));
     let method = match kind {
-        MINIMUM_VARIANCE => Method::MinimumVariance(table.get(&FILLER_BAND).map(band).transpose()?),
+        MINIMUM_VARIANCE => {
+            let band = table.get(&FILLER_BAND).map(band).transpose()?;
+            Method::MinimumVariance(Target::of(band, specification))
+        }
         WEIGHTS => {
             let Some(weights) = weights else {
                 let message = "a filler of kind \"weights\" needs weights";

@@ -43,6 +43,11 @@ impl Tick {
     }
 }
 
+/// Ticks after the gap after which a correction comes that reads these ticks: that of the last of them.
+pub(crate) fn latency_ticks(fit_ticks: &[i32], gap_ticks: u32) -> u32 {
+    fit_ticks.iter().map(|tick| tick - gap_ticks.cast_signed()).fold(0, i32::max).cast_unsigned()
+}
+
 /// The purpose of a list, which determines the allowed ticks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Purpose {

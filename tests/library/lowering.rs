@@ -3,7 +3,7 @@
 use crate::studies::{papers_point, rows, run_afresh, study};
 use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
-use sagnac::filler::{Filler, Method};
+use sagnac::filler::{Filler, Method, Target};
 use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
 use sagnac::kernel::launch::Launch;
@@ -258,7 +258,7 @@ fn weights_beyond_64_bits_are_refused_by_name() {
 #[test]
 fn weights_that_only_the_rate_tells_apart_have_tallies_of_their_own() {
     let band = Band { low_hz: 70.0, high_hz: 90.0 };
-    let filler = Filler { name: "mv".to_owned(), method: Method::MinimumVariance(Some(band)) };
+    let filler = Filler { name: "mv".to_owned(), method: Method::MinimumVariance(Target::Band(band)) };
     let [slow, fast] = [100.0, 12000.0].map(|rate| {
         let configuration = Configuration::new("whole turns", |own| {
             *own.tone() = Tone::of_rate(rate, 400.0);

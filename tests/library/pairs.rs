@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::devices::{Coverage, adapters, on_cpu, on_gpu, open, reference};
 use sagnac::device::gpu::Gpu;
 use sagnac::filler::keys::Error;
-use sagnac::filler::{Filler, Method};
+use sagnac::filler::{Filler, Method, Target};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
@@ -89,8 +89,9 @@ fn weights(ticks: &[i32], n: u32) -> Vec<f64> {
 /// Sets of fillers.
 fn fillers(set: usize, n: u32, fit_ticks: &[i32], extrapolation_ticks: &[i32]) -> Vec<Filler> {
     let named = |name: &str, method| Filler { name: name.to_owned(), method };
-    let own = || named("mv", Method::MinimumVariance(None));
-    let banded = || named("banded", Method::MinimumVariance(Some(Band { low_hz: 18.0, high_hz: 22.0 })));
+    let own = || named("mv", Method::MinimumVariance(Target::Own));
+    let banded =
+        || named("banded", Method::MinimumVariance(Target::Band(Band { low_hz: 18.0, high_hz: 22.0 })));
     let weighted = |extrapolation: bool| {
         let extrapolation = extrapolation.then(|| weights(extrapolation_ticks, n));
         named("weights", Method::Weights { residual: weights(fit_ticks, n), extrapolation })

@@ -19,7 +19,8 @@ fn root() -> &'static Path {
     Path::new(crate::ROOT)
 }
 
-/// The studies that are shipped, one of them with the trajectories of its fillers, and one of lock-in with fits.
+/// The studies that are shipped, one of them with the trajectories of its fillers, one of lock-in with fits, and one with a
+/// specification.
 fn studies() -> Vec<Study> {
     let mut studies: Vec<Study> = shipped().iter().map(|path| Study::read(path).unwrap()).collect();
     let text = |name: &str| std::fs::read_to_string(root().join("studies").join(name)).unwrap();
@@ -27,6 +28,9 @@ fn studies() -> Vec<Study> {
     let with_fits = text("arw_from_lock_in.toml") + "\n[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\"]\n";
     studies.push(Study::parse("design_point.toml", &with_curves).unwrap());
     studies.push(Study::parse("arw_from_lock_in.toml", &with_fits).unwrap());
+    let line = "lines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\" }]";
+    let specified = format!("{}\n[specification]\n{line}\n", text("which_filler.toml"));
+    studies.push(Study::parse("which_filler.toml", &specified).unwrap());
     studies
 }
 

@@ -4,7 +4,7 @@ use sagnac::analysis::firmware::design::{Closed, Design, Firmware};
 use sagnac::analysis::firmware::rule::Rule;
 use sagnac::analysis::firmware::search::Trade;
 use sagnac::filler::keys::Error;
-use sagnac::kinds::gap_fill::judged::SHIFT;
+use sagnac::kinds::gap_fill::judged::deviation;
 use sagnac::quantity::number::significant;
 use sagnac::theory::gap::Weights;
 
@@ -33,13 +33,7 @@ pub fn of(firmware: &Firmware) -> String {
         for (error, rule, closed) in design.rules() {
             text += &part(firmware, error, rule, closed);
         }
-        if let Some(judged) = design.judged {
-            text += &format!(
-                "  designed for this very motion: with all frequencies {} % lower or higher, the rms residual is {} arcsec\n",
-                100.0 * SHIFT,
-                significant(judged.shifted_rms, 5)
-            );
-        }
+        text += &format!("  {}\n", firmware.expected(design));
         text += &missing(design, n);
     }
     if let Some(reason) = &firmware.unsampled {
@@ -70,9 +64,9 @@ fn searched(trade: &Trade) -> String {
     };
     let chosen = trade.chosen;
     format!(
-        "\nsearch: {which}; residuals with noise, at worst of frequencies as given and {} % lower or higher\n{}\
+        "\nsearch: {which}; residuals with noise, at worst with {}\n{}\
          chosen: {} ticks before and {} after; at the frequencies as given {} arcsec rms and {} arcsec at 99.73 %\n",
-        100.0 * SHIFT,
+        deviation(trade.shift),
         aligned(&grid),
         chosen.before,
         chosen.after,

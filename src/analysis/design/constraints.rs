@@ -2,6 +2,7 @@
 
 use crate::analysis::design::DesignError;
 use crate::analysis::firmware::memory::Memory;
+use crate::filler::ticks::latency_ticks;
 use crate::filler::{Fill, Filler};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::switched_run::SwitchedRun;
@@ -28,10 +29,8 @@ pub struct Cost {
 impl Cost {
     /// The cost of a filler that reads these ticks.
     pub(crate) fn of(filler: &Filler, fill: &Fill, inputs: &Inputs) -> Cost {
-        let n = inputs.gap_ticks.cast_signed();
-        let after = fill.fit_ticks.iter().map(|tick| tick - n).fold(0, i32::max);
         Cost {
-            latency_s: f64::from(after) * inputs.tick_s,
+            latency_s: f64::from(latency_ticks(&fill.fit_ticks, inputs.gap_ticks)) * inputs.tick_s,
             memory: Memory::of_filler(filler, fill, inputs.gap_ticks),
         }
     }

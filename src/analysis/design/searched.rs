@@ -7,7 +7,7 @@ use crate::analysis::design::constraints::{Constraints, Cost};
 use crate::analysis::design::variants;
 use crate::analysis::firmware::search::{Asked, Trade, entry};
 use crate::filler::keys::Error;
-use crate::filler::{Fill, Filler, Method};
+use crate::filler::{Fill, Filler, Method, Target};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::SHIFT;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
@@ -67,7 +67,8 @@ struct Candidate {
 /// that meet the constraints, those of which no other has about the same 99.73 % residual with no more latency and memory.
 /// They are designed for the band of the search, or for that of the motion of each variant, widened by 5 % on either side:
 /// firmware does not know a frequency exactly. For a motion that is no single tone or band, they are designed for the motion
-/// itself. Their residual is the largest one with all frequencies as given and 5 % lower and higher. Where none is added,
+/// itself, and where the study has a specification for that. Their residual is the largest one with all frequencies as given
+/// and 5 % lower and higher, or with those of the specification within their tolerances. Where none is added,
 /// the study gets a note.
 ///
 /// # Errors
@@ -114,8 +115,12 @@ pub(crate) fn with_searched(
     Ok(study.with_fillers(|fillers| fillers.extend(entries))?)
 }
 
-/// The band of a motion that is a single tone or band, with [`SHIFT`] on either side.
+/// The band of a motion that is a single tone or band, with [`SHIFT`] on either side; `None` for others, and where there is a
+/// specification.
 fn widened(inputs: &Inputs) -> Option<Band> {
+    if inputs.specification.is_some() {
+        return None;
+    }
     let own = match (&inputs.motion.tones[..], &inputs.motion.gaussian, &inputs.motion.profile) {
         ([tone], None, None) => tone.band(),
         ([], Some(Gaussian::Band { band, .. }), None) => *band,
@@ -137,17 +142,19 @@ struct Sought {
 
 impl Sought {
     /// The filler at a gap of `n` as the study will have it.
-    fn at(self, n: u32) -> (Filler, Fill) {
+    fn at(self, inputs: &Inputs) -> (Filler, Fill) {
+        let n = inputs.gap_ticks;
         let after_gap = (n + 1..=n + self.after).map(u32::cast_signed);
         let own: Vec<i32> = (1 - self.before.cast_signed()..=0).collect();
         let fit_ticks = own.iter().copied().chain(after_gap).collect();
-        let filler = Filler { name: String::new(), method: Method::MinimumVariance(self.band) };
+        let target = Target::of(self.band, inputs.specification.as_ref());
+        let filler = Filler { name: String::new(), method: Method::MinimumVariance(target) };
         (filler, Fill { fit_ticks, extrapolation_ticks: Some(own) })
     }
 
     /// Whether a motion determines its weights.
     fn is_determined(self, inputs: &Inputs) -> bool {
-        let (filler, fill) = self.at(inputs.gap_ticks);
+        let (filler, fill) = self.at(inputs);
         Rows::of(&filler, Error::Residual, &fill.fit_ticks, &Statistics::of(inputs)).is_ok()
     }
 
@@ -177,7 +184,7 @@ fn candidates(inputs: &Inputs, constraints: &Constraints, band: Option<Band>) ->
     let trade = Trade::new(inputs, asked, band);
     let all = trade.into_iter().flat_map(|trade| trade.candidates);
     all.map(|one| {
-        let (filler, fill) = Sought { before: one.before, after: one.after, band }.at(inputs.gap_ticks);
+        let (filler, fill) = Sought { before: one.before, after: one.after, band }.at(inputs);
         let cost = Cost::of(&filler, &fill, inputs);
         Candidate { before: one.before, after: one.after, level: one.level, cost }
     })

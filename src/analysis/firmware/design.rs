@@ -3,11 +3,12 @@
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Rule, Trade};
 use crate::filler::keys::Error;
-use crate::filler::{Fill, Filler, Method};
+use crate::filler::ticks::latency_ticks;
+use crate::filler::{Fill, Filler, Method, Target};
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{Judged, of_noise};
+use crate::kinds::gap_fill::judged::{Judged, of_noise, shift};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
@@ -30,6 +31,8 @@ pub struct Firmware {
     pub gap_ticks: u32,
     /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone.
     pub tone: Option<(f64, f64)>,
+    /// Relative change of all frequencies on which fillers are judged; `None` where a specification has tolerances.
+    pub shift: Option<f64>,
     /// Fillers, in the order of the study or as requested.
     pub designs: Vec<Design>,
     /// Why there is no rms, where the point cannot be sampled.
@@ -53,8 +56,10 @@ pub struct Design {
     pub extrapolation: Option<Rule>,
     /// Errors of the residual and of the extrapolation.
     pub errors: [Closed; 2],
-    /// The rms residual at the point and with shifted frequencies; present for a filler that is designed for the very motion
-    /// of the point.
+    /// Ticks after the gap after which the correction comes.
+    pub latency_ticks: u32,
+    /// The residual as given and with frequencies off; present for a filler that is designed for the very motion of the
+    /// point, and where there is a specification.
     pub judged: Option<Judged>,
     /// The part of the rms residual that comes from noise and whole pulses, ″.
     pub noise_rms: f64,
@@ -102,6 +107,7 @@ impl Firmware {
             let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(ERRORS[i]) });
             let (name, method) = (filler.name.clone(), method(filler, inputs));
             let judged = point.fills.get(place).and_then(|fill| Judged::of(inputs, filler, fill));
+            let latency_ticks = latency_ticks(&interpolation.ticks, inputs.gap_ticks);
             let weights: Vec<f64> = interpolation.whole().values().collect();
             let noise_rms = of_noise(inputs, &interpolation.ticks, &weights);
             let rounded = inputs.readout_lsb * libm::sqrt(interpolation.rounding());
@@ -112,6 +118,7 @@ impl Firmware {
                 interpolation,
                 extrapolation,
                 errors,
+                latency_ticks,
                 judged,
                 noise_rms,
                 exported_rms,
@@ -123,6 +130,7 @@ impl Firmware {
             tick_s: Some(inputs.tick_s),
             gap_ticks: inputs.gap_ticks,
             tone,
+            shift: shift(inputs),
             designs,
             unsampled: lowered.err().map(|refusal| refusal.to_string()),
             seed: study.seed,
@@ -189,21 +197,26 @@ pub(crate) fn response(weights: &Weights, gap_ticks: u32, tick_s: f64, frequency
 
 /// The description of a filler in ASCII, with the statistics for which it is designed.
 fn method(filler: &Filler, inputs: &Inputs) -> String {
-    let band = match &filler.method {
+    let target = match &filler.method {
         Method::Closed(closed) => return closed.about.to_owned(),
         Method::Weights { .. } => return "weights as given".to_owned(),
-        Method::MinimumVariance(band) => band,
+        Method::MinimumVariance(target) => target,
     };
     let hz = |nu| significant(nu, 6);
     let recorded = inputs.motion.profile.as_ref().map(|profile| profile.design);
-    let spread = match (band, recorded, inputs.motion.single_tone()) {
-        (Some(band), ..) => format!(" from {} Hz to {} Hz", hz(band.low_hz), hz(band.high_hz)),
-        (None, Some(FirstHalf), _) => ", as in the first half of the recorded profile,".to_owned(),
-        (None, Some(Whole), _) => ", as in the whole recorded profile,".to_owned(),
-        (None, None, Some((_, nu))) => format!(" at {} Hz", hz(nu)),
-        (None, None, None) => String::new(),
+    let spread = match (target, recorded, inputs.motion.single_tone()) {
+        (Target::Specification(_), ..) => ", as specified with its tolerances,".to_owned(),
+        (Target::Band(band), ..) => format!(" from {} Hz to {} Hz", hz(band.low_hz), hz(band.high_hz)),
+        (Target::Own, Some(FirstHalf), _) => ", as in the first half of the recorded profile,".to_owned(),
+        (Target::Own, Some(Whole), _) => ", as in the whole recorded profile,".to_owned(),
+        (Target::Own, None, Some((_, nu))) => format!(" at {} Hz", hz(nu)),
+        (Target::Own, None, None) => String::new(),
     };
-    let rate = significant(inputs.motion.rate_rms(inputs.tick_s), 6);
+    let rate = match target {
+        Target::Specification(specification) => specification.motion().rate_rms(inputs.tick_s),
+        Target::Own | Target::Band(_) => inputs.motion.rate_rms(inputs.tick_s),
+    };
+    let rate = significant(rate, 6);
     let noise = significant(inputs.sigma_arcsec(), 6);
     let pulses = match inputs.readout_lsb {
         0.0 => String::new(),

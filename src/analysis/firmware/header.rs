@@ -92,7 +92,8 @@ impl Firmware {
              switch starts at the end of tick 0\n *\n * Fillers:"
         );
         for (design, name) in self.designs.iter().zip(&names) {
-            let _ = writeln!(text, " *   sagnac_{name}: {}, {}", comment(&design.name), design.method);
+            let (filler, expected) = (comment(&design.name), self.expected(design));
+            let _ = writeln!(text, " *   sagnac_{name}: {filler}, {}\n *     {expected}", design.method);
         }
         let _ = writeln!(
             text,

@@ -32,7 +32,6 @@ pub(crate) mod decision;
 pub mod design;
 pub(crate) mod header;
 pub mod memory;
-pub(crate) mod played;
 pub(crate) mod response;
 pub mod rule;
 pub mod search;

@@ -2,24 +2,26 @@
 //!
 //! Each candidate reads the nearest ticks on either side. It is designed for the motion and judged on a shifted one: its
 //! error is the level below which 99.73 % of residuals stay, with noise, at worst of the motion as given and with all
-//! frequencies lower or higher by the shift. The level is that of the distribution for a sine, also of random frequency;
-//! for other motions it is that of normally distributed errors. A correction comes as many ticks after the gap as the filler
-//! reads there, which is its latency.
+//! frequencies lower or higher by the shift, or with those of a specification within their tolerances. The level is that of the
+//! distribution for a sine, also of random frequency, and for the line of a specification with the largest residual; all else
+//! counts as normally distributed. A correction comes as many ticks after the gap as the filler reads there, which is its
+//! latency.
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::analysis::firmware::played::Played;
+use crate::filler::Target;
 use crate::filler::closed::MINIMUM_VARIANCE;
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::scale::Scale;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{SHIFT, of_noise};
-use crate::motion::Gaussian;
+use crate::kinds::gap_fill::judged::{Judge, Size, deviation, of_noise, shift};
+use crate::kinds::gap_fill::lower::weights::Statistics;
 use crate::quantity::number::significant;
 use crate::table::column::{ColumnOf, columns_of};
 use crate::table::{Cell, Role, Table, Unit};
 use crate::theory::minimum_variance::{Band, minimum_variance_weights};
+use crate::theory::rows::TickRows;
 use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 
 /// Most ticks before the gap.
@@ -76,12 +78,13 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("own_rms", Unit::ARCSEC, "rms residual as given", |(one, _)| Cell::Number(one.own_rms))
             .is(Role::Estimate, "Root mean square residual on the motion as given, with noise, ″."),
         Of::new("rms", Unit::ARCSEC, "rms residual", |(one, _)| Cell::Number(one.rms))
-            .is(Role::Error, "The largest root mean square residual on the motion as given and with all frequencies 5 % lower or higher, ″."),
+            .is(Role::Error, "The largest root mean square residual on the motion as given and with all frequencies 5 % lower or higher, or with \
+                those of a specification within their tolerances, ″."),
         Of::new("own_q9973", Unit::ARCSEC, "99.73 % residual as given", |(one, _)| Cell::Number(one.own_level))
             .is(Role::Estimate, "Level below which 99.73 % of residuals stay on the motion as given, with noise, ″."),
         Of::new("q9973", Unit::ARCSEC, "99.73 % residual", |(one, _)| Cell::Number(one.level))
-            .is(Role::Error, "The largest such level on the motion as given and with all frequencies 5 % lower or higher, by which the ticks are \
-                chosen, ″."),
+            .is(Role::Error, "The largest such level on the motion as given and with all frequencies 5 % lower or higher, or with those of a \
+                specification within their tolerances, by which the ticks are chosen, ″."),
     ]
 }
 
@@ -92,6 +95,8 @@ pub struct Trade {
     pub asked: Asked,
     /// Tick T, s.
     pub tick_s: f64,
+    /// Relative change of all frequencies on which candidates are judged; `None` where a specification has tolerances.
+    pub shift: Option<f64>,
     /// All candidates, by ticks after and then before the gap.
     pub candidates: Vec<Candidate>,
     /// The candidate of the fewest ticks after the gap, and then before it, that meets the limit. Without a limit, and
@@ -109,22 +114,18 @@ impl Trade {
             let ticks = libm::floor(latency_s / tick_s * (1.0 + 1e-11));
             ticks.clamp(0.0, f64::from(MOST_AFTER)) as u32
         });
-        let motions = [1.0, 1.0 - SHIFT, 1.0 + SHIFT].map(|speed| Played::new(inputs, speed, MAX_SIDE));
-        let design = match band {
-            Some(band) => {
-                Gaussian::Band { rms: inputs.motion.rate_rms(tick_s), band }.tick_rows(tick_s, n, MAX_SIDE)
-            }
-            None => motions[0].rows.clone(),
-        };
+        let judge = Judge::new(inputs, MAX_SIDE);
+        let target = Target::of(band, inputs.specification.as_ref());
+        let design: &TickRows = &Statistics::of(inputs).motion(&target, MAX_SIDE);
         let candidate = |(after, before): (u32, u32)| {
             let after_gap = (n + 1..=n + after).map(u32::cast_signed);
             let ticks: Vec<i32> = (1 - before.cast_signed()..=0).chain(after_gap).collect();
-            let weights = minimum_variance_weights(&ticks, n, &design, &inputs.noise_covariance())?;
-            let errors = motions.each_ref().map(|motion| motion.errors(&ticks, &weights));
-            let [own_rms, own_level] = errors[0];
-            let worst = |which: usize| errors.iter().map(|error| error[which]).fold(0.0, f64::max);
+            let weights = minimum_variance_weights(&ticks, n, design, &inputs.noise_covariance())?;
+            let judged = judge.judge(&ticks, &weights);
             let noise_rms = of_noise(inputs, &ticks, &weights);
-            Some(Candidate { before, after, own_rms, rms: worst(0), noise_rms, own_level, level: worst(1) })
+            let Size { rms: own_rms, level: own_level } = judged.own;
+            let Size { rms, level } = judged.worst();
+            Some(Candidate { before, after, own_rms, rms, noise_rms, own_level, level })
         };
         let sides = (0..=most_after).flat_map(|after| (1..=MOST_BEFORE).map(move |before| (after, before)));
         let sides: Vec<(u32, u32)> = sides.collect();
@@ -133,7 +134,7 @@ impl Trade {
         let met = candidates.iter().find(|one| asked.limit_arcsec.is_some_and(|limit| one.level <= limit));
         let as_good = candidates.iter().filter(|one| one.level <= AS_GOOD * least);
         let chosen = *met.or_else(|| as_good.min_by_key(|one| one.before + one.after))?;
-        Some(Trade { asked, tick_s, candidates, chosen })
+        Some(Trade { asked, tick_s, shift: shift(inputs), candidates, chosen })
     }
 
     /// The fit ticks of the choice, as options and studies take them.
@@ -184,10 +185,7 @@ impl Trade {
         let limit = self.asked.limit_arcsec;
         Figure {
             title: "Error and latency of a filler by the ticks that it reads".to_owned(),
-            subtitle: Some(format!(
-                "worst case of frequencies as given and {} % lower or higher",
-                100.0 * SHIFT
-            )),
+            subtitle: Some(format!("worst case of {}", deviation(self.shift))),
             x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
             y: Axis::new("99.73 % residual", "arcsec"),
             colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
@@ -225,7 +223,7 @@ impl Trade {
         json!({
             "limit_arcsec": self.asked.limit_arcsec,
             "latency_s": self.asked.latency_s,
-            "shift": SHIFT,
+            "shift": self.shift,
             "chosen": of(&self.chosen),
             "meets_limit": self.meets(),
             "candidates": self.candidates.iter().map(of).collect::<Vec<_>>(),
@@ -249,7 +247,7 @@ pub(crate) fn entry(name: String, before: u32, after: u32) -> toml::Table {
 mod tests {
     use super::*;
     use crate::kinds::gap_fill::inputs::TickNoise;
-    use crate::motion::Motion;
+    use crate::motion::{Gaussian, Motion};
 
     fn inputs() -> Inputs {
         let band = Band { low_hz: 18.0, high_hz: 22.0 };
@@ -259,6 +257,7 @@ mod tests {
             readout_lsb: 0.0,
             relock: vec![],
             motion: Motion { gaussian: Some(Gaussian::Band { rms: 8485.0, band }), ..Motion::default() },
+            specification: None,
             gap_ticks: 3,
         }
     }

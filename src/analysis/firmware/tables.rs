@@ -70,7 +70,9 @@ impl Firmware {
                 "name": design.name,
                 "method": design.method,
                 "errors": errors,
-                "shifted_rms_arcsec": design.judged.map(|judged| judged.shifted_rms),
+                "latency_ticks": design.latency_ticks,
+                "shifted_rms_arcsec": design.judged.map(|judged| judged.shifted.rms),
+                "shifted_q9973_arcsec": design.judged.map(|judged| judged.shifted.level),
             })
         };
         let at: serde_json::Map<String, Value> =

@@ -1,7 +1,7 @@
 //! Fillers in words.
 
 use crate::analysis::firmware::{Design, Firmware, Trade};
-use crate::kinds::gap_fill::judged::{Judged, SHIFT};
+use crate::kinds::gap_fill::judged::{Judged, Size, deviation};
 use crate::quantity::number::significant;
 
 impl Firmware {
@@ -16,16 +16,36 @@ impl Firmware {
         known.sort_by(|a, b| a.1.total_cmp(&b.1));
         match known[..] {
             [] => self.gains(),
-            [(only, rms)] => format!("{} leaves {}.", only.name, only.error(rms)),
+            [(only, rms)] => format!("{} leaves {}.", only.name, only.error(rms, self.shift)),
             [(best, rms), (next, next_rms), ..] => format!(
                 "Of {} fillers {} leaves least: {}. Next is {} with {}.",
                 known.len(),
                 best.name,
-                best.error(rms),
+                best.error(rms, self.shift),
                 next.name,
-                next.error(next_rms)
+                next.error(next_rms, self.shift)
             ),
         }
+    }
+
+    /// When the correction of a filler comes, and the residual to expect, in ASCII.
+    pub fn expected(&self, design: &Design) -> String {
+        let ticks = design.latency_ticks;
+        let plural = if ticks == 1 { "" } else { "s" };
+        let latency_ms = self.tick_s.map(|tick_s| significant(1e3 * tick_s * f64::from(ticks), 4));
+        let latency_ms = latency_ms.map_or_else(String::new, |latency_ms| format!(" ({latency_ms} ms)"));
+        let number = |value: f64| significant(value, 5);
+        let residual = match (design.judged.map(Judged::worst), design.errors[0].rms) {
+            (Some(Size { rms, level }), _) => format!(
+                "; residual {} arcsec rms, {} arcsec at 99.73 %, with {}",
+                number(rms),
+                number(level),
+                deviation(self.shift)
+            ),
+            (None, Some(rms)) if rms > 0.0 => format!("; residual {} arcsec rms", number(rms)),
+            _ => String::new(),
+        };
+        format!("latency {ticks} tick{plural}{latency_ms}{residual}")
     }
 
     /// The noise gains, where neither motion nor noise is known.
@@ -46,19 +66,16 @@ impl Firmware {
 impl Design {
     /// The rms residual, ″: with shifted frequencies where the filler is designed for the very motion of the point.
     pub fn robust_rms(&self) -> Option<f64> {
-        self.judged
-            .map(|judged| judged.shifted_rms.max(judged.own_rms))
-            .or(self.errors[0].rms)
-            .filter(|rms| *rms > 0.0)
+        self.judged.map(|judged| judged.worst().rms).or(self.errors[0].rms).filter(|rms| *rms > 0.0)
     }
 
-    fn error(&self, rms: f64) -> String {
+    fn error(&self, rms: f64, shift: Option<f64>) -> String {
         let rms = significant(rms, 4);
         match self.judged {
-            Some(Judged { own_rms, .. }) => format!(
-                "{rms} arcsec rms with all frequencies up to {} % lower or higher ({} arcsec at those it is designed for)",
-                100.0 * SHIFT,
-                significant(own_rms, 4)
+            Some(Judged { own, .. }) => format!(
+                "{rms} arcsec rms with {} ({} arcsec as given)",
+                deviation(shift),
+                significant(own.rms, 4)
             ),
             None => format!("{rms} arcsec rms"),
         }
@@ -77,11 +94,10 @@ impl Trade {
             Some(false) => format!("; no ticks within the latency meet the limit of {limit} arcsec"),
         };
         format!(
-            "{} ticks before the gap and {} after it ({latency_ms} ms) leave 99.73 % of residuals below {level} arcsec with all frequencies \
-             up to {} % lower or higher{met}.",
+            "{} ticks before the gap and {} after it ({latency_ms} ms) leave 99.73 % of residuals below {level} arcsec with {}{met}.",
             chosen.before,
             chosen.after,
-            100.0 * SHIFT
+            deviation(self.shift)
         )
     }
 }

@@ -38,11 +38,12 @@ impl Row<'_> {
     }
 }
 
-/// The columns except the swept keys, in the order of the file.
+/// The columns except the swept keys, in the order of the file; those of a specification come first.
 #[rustfmt::skip]
-pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
-    vec![
+    let specified = is_specified.then(of_specification).into_iter().flatten();
+    let columns = vec![
         Of::new("dt_nu", Unit::NONE, "Δt·ν", |row| row.proven.point.inputs.dt_nu().into())
             .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
                 one tone of fixed frequency, else blank.")
@@ -86,11 +87,31 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::Z, found::Z),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
             .is_of("rms", Role::Representation, found::REPRESENTATION),
+    ];
+    specified.chain(columns).collect()
+}
+
+/// The columns of a study with a specification.
+#[rustfmt::skip]
+fn of_specification<'a>() -> [ColumnOf<Row<'a>>; 3] {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    [
+        Of::new("latency", Unit::S, "latency", |row| row.estimate.specified.map(|own| own.latency_s).into())
+            .is(Role::Coordinate, "Time from the end of the gap to the correction, s; of the error `residual`.")
+            .brief(),
+        Of::new("specified_rms", Unit::ARCSEC, "rms as specified", |row| row.estimate.specified.map(|own| own.worst.rms).into())
+            .is(Role::Estimate, "The largest root mean square residual on the motion of `[specification]` with all its frequencies within their \
+                tolerances, with noise, ″, in closed form.")
+            .brief(),
+        Of::new("specified_q9973", Unit::ARCSEC, "99.73 % as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
+            .is(Role::Estimate, "The level, ″, which 99.73 % of these residuals stay below in magnitude; of several lines the one with the largest \
+                residual counts as a sine, and all else as normally distributed.")
+            .brief(),
     ]
 }
 
 /// All possible columns of such a study except the swept keys.
 pub(crate) fn described() -> Vec<About> {
     let laws = LAWS.iter().map(|law| law.about());
-    abouts(&columns()).into_iter().chain(laws).collect()
+    abouts(&columns(true)).into_iter().chain(laws).collect()
 }

@@ -1,5 +1,8 @@
 //! The physical inputs of one point, in ″ and s.
 
+use std::sync::Arc;
+
+use crate::filler::specification::Specification;
 use crate::motion::Motion;
 use crate::quantity::units::round_12;
 
@@ -16,6 +19,8 @@ pub struct Inputs {
     pub relock: Vec<f64>,
     /// Motion of the base.
     pub motion: Motion,
+    /// Motion on which fillers are judged instead of that of the base.
+    pub specification: Option<Arc<Specification>>,
     /// Number of lost ticks n.
     pub gap_ticks: u32,
 }
@@ -88,6 +93,7 @@ mod tests {
             readout_lsb: 0.0,
             relock: vec![],
             motion: Motion::of_tone(Tone::of_angle(90.0, 20.0)),
+            specification: None,
             gap_ticks: 3,
         };
         assert!((inputs.sigma_arcsec() - 0.141_421_356).abs() < 1e-9);

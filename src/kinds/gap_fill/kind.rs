@@ -54,7 +54,7 @@ impl Subject for GapFill {
     fn grounds(&self) -> Vec<Ground> {
         let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
         let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name()).when(Error::when);
-        let columns = abouts(&columns::columns());
+        let columns = abouts(&columns::columns(self.inputs.specification.is_some()));
         vec![Ground {
             laws: columns::LAWS,
             ..Ground::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])

@@ -11,15 +11,18 @@ pub mod lower;
 pub(crate) mod notes;
 pub(crate) mod of_noise;
 pub(crate) mod parts;
+pub(crate) mod played;
 pub mod point;
 pub(crate) mod run;
 pub(crate) mod tuning;
 pub mod verify;
 
+use std::sync::Arc;
+
 use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};
 use crate::filler::read::Written;
 use crate::filler::ticks::{Purpose, TickList};
-use crate::filler::{Filler, Method};
+use crate::filler::{Filler, Method, Target, specification};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::given::Given;
 use crate::key::precision::{self, PRECISION};
@@ -50,7 +53,15 @@ pub struct GapFill {
 
 /// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
-    [gap_fill::keys::KEYS, gyro::KEYS, motion::keys::KEYS, filler::keys::KEYS, noise::keys::KEYS].concat()
+    [
+        gap_fill::keys::KEYS,
+        gyro::KEYS,
+        motion::keys::KEYS,
+        specification::KEYS,
+        filler::keys::KEYS,
+        noise::keys::KEYS,
+    ]
+    .concat()
 }
 
 /// Every key of this kind.
@@ -70,8 +81,8 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     let fillers = reading.table.needed(&FILLERS)?;
     let mut inputs = read_inputs(reading)?;
-    let written_fillers = filler::read::read(fillers)?;
-    let is_designed = |written: &Written| written.filler.method == Method::MinimumVariance(None);
+    let written_fillers = filler::read::read(fillers, inputs.specification.as_ref())?;
+    let is_designed = |written: &Written| written.filler.method == Method::MinimumVariance(Target::Own);
     if let (Some(profile), false) = (&mut inputs.motion.profile, written_fillers.iter().any(is_designed)) {
         profile.design = Design::Whole;
     }
@@ -124,6 +135,7 @@ fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
         readout_lsb: 0.0,
         relock: read_relock(reading.get(&RELOCK))?,
         motion,
+        specification: specification::read(reading)?.map(Arc::new),
         gap_ticks: 0,
     };
     let noise = of_noise::read(reading)?;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::filler::read::{Extrapolation, Written};
 use crate::filler::ticks::TickList;
-use crate::filler::{Fill, Method};
+use crate::filler::{Fill, Method, Target};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::setting::Swept;
 use crate::key::sweep::{self, Sweep};
@@ -125,9 +125,13 @@ impl Base<'_> {
             check_highest("motion.gaussian", high_hz, inputs, place)?;
         }
         for Written { filler, span, .. } in self.fillers {
-            if let Method::MinimumVariance(Some(band)) = &filler.method {
+            if let Method::MinimumVariance(Target::Band(band)) = &filler.method {
                 check_highest(&filler.name, band.high_hz, inputs, span.clone())?;
             }
+        }
+        for part in inputs.specification.iter().flat_map(|specification| &specification.parts) {
+            let place = self.places.blame(&["specification", "gyro.tick"]);
+            check_highest("specification", part.highest_hz(), inputs, place)?;
         }
         let turned = inputs.motion.acceleration.abs() * inputs.tick_s * MAX_SIDE as f64;
         if turned > MOST_RATE {

@@ -1,6 +1,6 @@
 //! What a filler without a band is designed for.
 
-use crate::filler::{Filler, Method};
+use crate::filler::{Filler, Method, Target};
 use crate::kinds::gap_fill::GapFill;
 use crate::motion::Frequency;
 use crate::motion::keys::{FREQUENCY_HIGH, FREQUENCY_LOW};
@@ -24,7 +24,7 @@ pub(crate) enum Tuning {
 /// The fillers of a study that are designed without a band, and for what; `None` where there are none, or where they are
 /// designed for the band from which the motion is drawn.
 pub(crate) fn tuned<'a>(study: &Study, fill: &'a GapFill) -> Option<(Tuning, Vec<&'a str>)> {
-    let is_bandless = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
+    let is_bandless = |filler: &&Filler| filler.method == Method::MinimumVariance(Target::Own);
     let names: Vec<&str> =
         fill.fillers.iter().filter(is_bandless).map(|filler| filler.name.as_str()).collect();
     let tones = &fill.inputs.motion.tones;

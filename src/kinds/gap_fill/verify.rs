@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::device::load::Load;
 use crate::filler::keys::Error;
-use crate::filler::{Fill, Filler, Method};
+use crate::filler::{Fill, Filler, Method, Target};
 use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
@@ -42,6 +42,7 @@ impl Configuration {
             readout_lsb: 0.0,
             relock: vec![],
             motion: Motion::of_tone(Tone::of_rate(12000.0, 20.0)),
+            specification: None,
             gap_ticks: 3,
         };
         let mut configuration = Configuration {
@@ -98,7 +99,7 @@ impl Configuration {
 
 /// A minimum-variance filler for the point's own motion.
 pub fn minimum_variance() -> Filler {
-    Filler { name: "minimum-variance".to_owned(), method: Method::MinimumVariance(None) }
+    Filler { name: "minimum-variance".to_owned(), method: Method::MinimumVariance(Target::Own) }
 }
 
 /// A motion of some tones of decreasing amplitude.

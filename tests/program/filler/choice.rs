@@ -257,12 +257,12 @@ fn a_header_on_whole_pulses_is_told_with_what_its_rounding_adds() {
 fn a_filler_for_the_very_motion_is_told_with_its_error_beside_it() {
     let own = STUDY.replace("name = \"mv8+2\", band = [\"18 Hz\", \"22 Hz\"]", "name = \"mv8+2\"");
     let shown = Desk::with(&own).done("filler study.toml --filler mv8+2").stdout;
-    assert!(
-        shown.contains("designed for this very motion: with all frequencies 5 % lower or higher"),
-        "{shown}"
-    );
+    assert!(shown.contains("at 99.73 %, with all frequencies up to 5 % lower or higher"), "{shown}");
     let banded = Desk::with(STUDY).done("filler study.toml --filler mv8+2").stdout;
-    assert!(!banded.contains("very motion"), "{banded}");
+    assert!(
+        banded.contains("latency 2 ticks (10 ms); residual ") && !banded.contains("lower or higher"),
+        "{banded}"
+    );
 }
 
 #[test]

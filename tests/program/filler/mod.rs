@@ -2,5 +2,6 @@
 
 mod choice;
 mod fillers;
+mod specification;
 mod vectors;
 mod weights;

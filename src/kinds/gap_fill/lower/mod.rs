@@ -42,7 +42,7 @@ pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 
 use crate::filler::keys::Error;
-use crate::filler::{Fill, Filler, Method};
+use crate::filler::{Fill, Filler, Method, Target};
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::key::common::Streams;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, long_words};
@@ -126,14 +126,17 @@ impl Lowered {
 
 /// Definition of a filler with these weights regardless of its name, part of the identity of its estimates.
 pub(crate) fn definition(filler: &Filler, rows: Option<&Rows>) -> String {
+    let weights = || rows.map(|rows| (&rows.numerators, rows.denominator));
     match &filler.method {
         Method::Closed(closed) => closed.identity.to_owned(),
-        Method::MinimumVariance(None) => "minimum-variance".to_owned(),
+        Method::MinimumVariance(Target::Own) => "minimum-variance".to_owned(),
+        Method::MinimumVariance(Target::Specification(_)) => {
+            format!("minimum-variance specification weights={:?}", weights())
+        }
         // Its weights depend on the rate of the motion. Whole periods in each tick leave no angle, so points that differ only in
         // the rate of such a motion are the same.
-        Method::MinimumVariance(Some(Band { low_hz, high_hz })) => {
-            let weights = rows.map(|rows| (&rows.numerators, rows.denominator));
-            format!("minimum-variance band_hz={low_hz:.11e} {high_hz:.11e} weights={weights:?}")
+        Method::MinimumVariance(Target::Band(Band { low_hz, high_hz })) => {
+            format!("minimum-variance band_hz={low_hz:.11e} {high_hz:.11e} weights={:?}", weights())
         }
         Method::Weights { residual, extrapolation } => format!("weights {residual:?} {extrapolation:?}"),
     }

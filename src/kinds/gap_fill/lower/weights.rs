@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
 
 use crate::filler::keys::Error;
-use crate::filler::{Filler, Method};
+use crate::filler::{Filler, Method, Target};
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::physical_oracle::Boundaries;
@@ -130,8 +130,8 @@ impl Rows {
                 let rows = rows.collect::<Option<Vec<Weights>>>().ok_or_else(singular)?;
                 Ok(Some(exact(ticks, rows)))
             }
-            Method::MinimumVariance(_) => {
-                let motion = statistics.motion(filler, ticks);
+            Method::MinimumVariance(target) => {
+                let motion = statistics.motion(target, sides(ticks, statistics.inputs.gap_ticks));
                 let noise = statistics.inputs.noise_covariance();
                 let rows = lengths
                     .map(|length| {
@@ -171,7 +171,7 @@ const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 #[derive(Debug)]
 pub struct Statistics<'a> {
     inputs: &'a Inputs,
-    /// The ticks of its motion, with the number of ticks on either side.
+    /// The ticks of its motion, or of its specification, with the number of ticks on either side.
     motion: RefCell<(usize, Rc<TickRows>)>,
     rate_rms: OnceCell<f64>,
 }
@@ -182,15 +182,18 @@ impl<'a> Statistics<'a> {
         Statistics { inputs, motion: RefCell::default(), rate_rms: OnceCell::new() }
     }
 
-    /// The ticks of the motion from which a filler on these ticks is designed.
-    fn motion(&self, filler: &Filler, ticks: &[i32]) -> Rc<TickRows> {
+    /// The ticks of the motion for which a filler is designed, with `sides` ticks on either side of the gap.
+    pub(crate) fn motion(&self, target: &Target, sides: usize) -> Rc<TickRows> {
         let Inputs { tick_s, motion, gap_ticks, .. } = self.inputs;
-        let sides = sides(ticks, *gap_ticks);
-        if let Method::MinimumVariance(Some(band)) = &filler.method {
-            // As much motion as in the study, spread over the band.
-            let rms = *self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
-            return Gaussian::Band { rms, band: *band }.tick_rows(*tick_s, *gap_ticks, sides).into();
-        }
+        let motion = match target {
+            Target::Band(band) => {
+                // As much motion as in the study, spread over the band.
+                let rms = *self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
+                return Gaussian::Band { rms, band: *band }.tick_rows(*tick_s, *gap_ticks, sides).into();
+            }
+            Target::Specification(specification) => &specification.motion(),
+            Target::Own => motion,
+        };
         let mut known = self.motion.borrow_mut();
         // Rows of a profile are means over more places where fillers read fewer ticks.
         if known.0 != sides {

@@ -2,10 +2,13 @@
 //! launches are made again for the batches that sample it.
 
 use crate::filler::keys::Error;
+use crate::filler::ticks::latency_ticks;
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::GapFill;
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::judged::{Judge, Size};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
 use crate::kinds::gap_fill::lower::physical_oracle::PhysicalOracle;
@@ -18,6 +21,7 @@ use crate::store::error::StoreError;
 use crate::study::Study;
 use crate::tally::block::Block;
 use crate::tally::id::Id;
+use crate::theory::rows::sides;
 
 /// A point that is proven to fit.
 #[derive(Debug)]
@@ -45,8 +49,33 @@ pub(crate) struct Proof {
     pub(crate) oracle: Oracle,
     /// Relative difference of the closed form from that of the physical inputs, where there is one.
     pub(crate) representation: Option<f64>,
+    /// What a residual is on the specification, where there is one.
+    pub(crate) specified: Option<Specified>,
     estimate: Id,
     digest: Id,
+}
+
+/// A residual on a specification.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Specified {
+    /// Time from the end of the gap to the correction, s.
+    pub(crate) latency_s: f64,
+    /// The largest residual within the tolerances.
+    pub(crate) worst: Size,
+}
+
+impl Specified {
+    fn of(inputs: &Inputs, estimate: &Estimate) -> Option<Specified> {
+        if inputs.specification.is_none() || estimate.error != Error::Residual {
+            return None;
+        }
+        let ticks = &estimate.rows.ticks;
+        let weights = estimate.rows.values().pop()?;
+        Some(Specified {
+            latency_s: f64::from(latency_ticks(ticks, inputs.gap_ticks)) * inputs.tick_s,
+            worst: Judge::new(inputs, sides(ticks, inputs.gap_ticks)).judge(ticks, &weights).worst(),
+        })
+    }
 }
 
 /// Steps of a trial, which is a single switch.
@@ -59,6 +88,7 @@ impl Proof {
         name: &str,
         filler: usize,
         estimate: &Estimate,
+        inputs: &Inputs,
         physical: &PhysicalOracle,
     ) -> Result<Proof, Refusal> {
         let Estimate { error, address, mut oracle, unit_arcsec, bin_base, .. } = *estimate;
@@ -85,6 +115,7 @@ impl Proof {
             unit_arcsec,
             oracle,
             representation,
+            specified: Specified::of(inputs, estimate),
             estimate: address.estimate,
             digest: address.digest,
         })
@@ -107,7 +138,7 @@ impl<'a> Proven<'a> {
         let fillers = lowered.fillers.iter().zip(&subject.fillers).enumerate();
         let proofs = fillers.flat_map(|(place, (all, filler))| {
             let physical = &physical;
-            all.iter().map(move |estimate| Proof::of(&filler.name, place, estimate, physical))
+            all.iter().map(move |estimate| Proof::of(&filler.name, place, estimate, &point.inputs, physical))
         });
         Ok(Proven { study, subject, point, id, replay, estimates: proofs.collect::<Result<_, _>>()? })
     }

@@ -1,7 +1,7 @@
 //! The error of some weights on a motion, played as it is or faster: its rms and its 99.73 % level.
 
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{played, rms};
+use crate::kinds::gap_fill::judged::{Size, played, rms};
 use crate::motion::keys::Phase;
 use crate::motion::{Frequency, Motion, Tone, Value};
 use crate::tally::stats::LEVEL;
@@ -13,7 +13,7 @@ use crate::theory::rows::TickRows;
 pub(crate) struct Played<'a> {
     inputs: &'a Inputs,
     /// Its ticks, ″.
-    pub(crate) rows: TickRows,
+    rows: TickRows,
     /// The sine that the motion is, at each of the frequencies from which it is drawn, with their probabilities; empty for
     /// other motions, whose errors count as normally distributed.
     sines: Vec<(TickRows, f64)>,
@@ -42,20 +42,20 @@ impl<'a> Played<'a> {
         Played { inputs, rows: played(inputs, speed, sides), sines }
     }
 
-    /// The rms error and the level below which 99.73 % of errors stay, with noise, ″.
-    pub(crate) fn errors(&self, ticks: &[i32], weights: &[f64]) -> [f64; 2] {
+    /// The size of the error, with noise.
+    pub(crate) fn errors(&self, ticks: &[i32], weights: &[f64]) -> Size {
         let Played { inputs, rows, sines } = self;
         let of = |rows: &TickRows| rms(inputs, ticks, weights, rows);
         let all = of(rows);
         if sines.is_empty() {
-            return [all, of_sine(&[(0.0, 1.0)], all, LEVEL)];
+            return Size { rms: all, level: of_sine(&[(0.0, 1.0)], all, LEVEL) };
         }
         let amplitude = |(rows, share): &(TickRows, f64)| {
             // A sine of uniform phase has half its squared amplitude as variance.
             (libm::sqrt(2.0 * rows.error_variance(ticks, weights, inputs.gap_ticks)), *share)
         };
         let amplitudes: Vec<(f64, f64)> = sines.iter().map(amplitude).collect();
-        [all, of_sine(&amplitudes, of(&TickRows::default()), LEVEL)]
+        Size { rms: all, level: of_sine(&amplitudes, of(&TickRows::default()), LEVEL) }
     }
 }
 

@@ -1,0 +1,144 @@
+//! Fillers for a specification: bands and lines, each with its own tolerance, apart from the motion that is sampled.
+
+use serde_json::Value;
+
+use super::fillers::{entry, near, tables};
+use crate::desk::{Desk, number, row};
+
+/// A band of 30 to 80 Hz and a dither at 345 Hz, above half the tick rate, with the sampled motion `line` and `band`.
+fn study(line: &str, band: &str, fillers: &str) -> String {
+    format!(
+        r#"title = "A band and a dither"
+kind = "gap-fill"
+trials = 400_000
+[gyro]
+tick = "2 ms"
+tick_noise = {{ std = "0.2 arcsec" }}
+[motion]
+amplitude = "90 arcsec"
+frequency = "{line}"
+gaussian = {{ rms = "1000 arcsec/s", band = [{band}] }}
+[specification]
+lines = [{{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }}]
+bands = [{{ rms = "1000 arcsec/s", band = ["30 Hz", "80 Hz"], tolerance = "5 %" }}]
+[switching]
+gap_ticks = 3
+errors = ["residual"]
+fillers = [{fillers}]
+"#
+    )
+}
+
+const NOMINAL: [&str; 2] = ["345 Hz", "\"30 Hz\", \"80 Hz\""];
+const DESIGNED: &str =
+    r#""const", { kind = "minimum-variance", name = "mv16+8", fit_ticks = ["-15..0", "n+1..n+8"] }"#;
+
+#[test]
+fn a_filler_for_a_band_and_a_dither_keeps_a_limit_within_their_tolerances() {
+    let [line, band] = NOMINAL;
+    let desk = Desk::with(&study(line, band, "\"const\""));
+    let found = tables(&desk, "study.toml --limit 4arcsec");
+    let search = &found["search"];
+    assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &Value::Null));
+    let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
+    assert!(
+        chosen("q9973_arcsec") <= 4.0 && chosen("own_q9973_arcsec") < chosen("q9973_arcsec"),
+        "{search:#}"
+    );
+    let filler = &found["fillers"][0];
+    // That of the weights in whole numbers.
+    near(&filler["shifted_q9973_arcsec"], &[chosen("q9973_arcsec")], 1e-4);
+    assert_eq!(filler["latency_ticks"], search["chosen"]["after"]);
+    // The closed form of what is sampled is that on the specification as given.
+    let name = filler["name"].as_str().unwrap();
+    near(&entry(&found, name, "residual")["rms_arcsec"], &[chosen("own_rms_arcsec")], 1e-4);
+    let header = desk.read("results/study/filler/sagnac_filler.h");
+    assert!(header.contains(" as specified with its tolerances, and 0.2 arcsec rms of noise"), "{header}");
+    let expected =
+        format!(" *     latency {} ticks ({} ms); residual ", chosen("after"), 2.0 * chosen("after"));
+    let told = header.split(&expected).nth(1).expect(&header);
+    assert!(
+        told.lines().next().unwrap().ends_with("at 99.73 %, with all frequencies within their tolerances")
+    );
+}
+
+/// The numbers for 16 + 8 ticks are those of `benches/filler_numpy.py`.
+#[test]
+fn a_run_has_the_residual_as_specified_and_no_sampled_one_within_the_tolerances_exceeds_it() {
+    let mut rows = Vec::new();
+    for (line, band) in [
+        ("345 Hz", NOMINAL[1]),
+        ("345.345 Hz", "\"28.5 Hz\", \"84 Hz\""),
+        ("344.655 Hz", "\"31.5 Hz\", \"84 Hz\""),
+    ] {
+        let desk = Desk::with(&study(line, band, DESIGNED));
+        desk.done("run study.toml --device cpu");
+        let points = desk.table("results/study/points.csv");
+        let own = row(&points, &[("filler", "mv16+8")]);
+        assert!((number(own, "latency_s") - 0.016).abs() < 1e-12);
+        let [rms, level] = ["specified_rms_arcsec", "specified_q9973_arcsec"].map(|name| number(own, name));
+        assert!(
+            (rms / 0.766993224 - 1.0).abs() < 1e-5 && (level / 2.30042686 - 1.0).abs() < 1e-5,
+            "{rms} {level}"
+        );
+        let [sampled, error] = ["rms_arcsec", "rms_se_arcsec"].map(|name| number(own, name));
+        assert!(sampled < rms + 4.0 * error, "{line}: {sampled} ± {error}, {rms} as specified");
+        assert!(number(own, "q9973_lo_arcsec") < level, "{line}");
+        rows.push((sampled - number(own, "oracle_rms_arcsec")) / error);
+        let other = row(&points, &[("filler", "const")]);
+        assert!(
+            (number(other, "latency_s") - 0.004).abs() < 1e-12
+                && number(other, "specified_q9973_arcsec") > 10.0
+        );
+    }
+    assert!(rows.iter().all(|z| z.abs() < 4.0), "{rows:?}");
+}
+
+#[test]
+fn without_a_specification_a_table_has_no_columns_of_it() {
+    let text = study(NOMINAL[0], NOMINAL[1], DESIGNED);
+    let (before, rest) = text.split_once("[specification]").unwrap();
+    let desk = Desk::with(&format!("{before}[switching]{}", rest.split_once("[switching]").unwrap().1));
+    desk.done("run study.toml --device cpu --trials 1000");
+    let head = desk.read("results/study/points.csv").lines().next().unwrap().to_owned();
+    assert!(!head.contains("specified") && !head.contains("latency"), "{head}");
+}
+
+#[test]
+fn specifications_that_make_no_sense_are_refused() {
+    let text = study(NOMINAL[0], NOMINAL[1], DESIGNED);
+    let (before, rest) = text.split_once("[specification]\n").unwrap();
+    let after = rest.split_once("[switching]").unwrap().1;
+    for (specification, pieces) in [
+        ("", &["[specification] has no lines and no bands", "accepted: lines = ["][..]),
+        ("lines = []", &["no lines and no bands"]),
+        ("lines = [{ frequency = \"345 Hz\" }]", &["specification.lines.amplitude", "missing"]),
+        (
+            "lines = [{ amplitude = \"90 arcsec\", frequency = [\"1 Hz\", \"2 Hz\"] }]",
+            &["specification.lines.frequency"],
+        ),
+        (
+            "lines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = 0.001 }]",
+            &["specification.lines.tolerance", "not a percentage", "\"0.1 %\""],
+        ),
+        (
+            "lines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"60 %\" }]",
+            &["specification.lines.tolerance = 60 % is out of range"],
+        ),
+        (
+            "lines = [{ amplitude = \"90 arcsec\", frequency = \"4999 Hz\", tolerance = \"0.1 %\" }]",
+            &["specification = 5003.999 Hz is too fast for a tick rate of 500 Hz", "5000 Hz here"],
+        ),
+        (
+            "bands = [{ rms = \"1 deg/s\", band = [\"80 Hz\", \"30 Hz\"] }]",
+            &["specification.bands.band runs from 80 Hz down to 30 Hz"],
+        ),
+        (
+            "bands = [{ rms = \"1 deg/s\", band = [\"30 Hz\", \"31 Hz\"], tolerance = \"5 %\" }]",
+            &["the ends of the band may cross within their tolerance", "a line instead"],
+        ),
+    ] {
+        let desk = Desk::with(&format!("{before}[specification]\n{specification}\n[switching]{after}"));
+        desk.fails("filler study.toml", 3, pieces);
+    }
+}
