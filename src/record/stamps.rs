@@ -206,6 +206,9 @@ pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Gri
 
 /// The rows before which samples are missing, with their number.
 fn gaps(stamps: &[f64], step: f64) -> Vec<(usize, f64)> {
+    if stamps.len() < 2 {
+        return vec![];
+    }
     let is_first = |row: usize| row > 0 && stamps[row] != stamps[row - 1];
     let median = median_step(stamps);
     if is_even(stamps, median) && (median / step - 1.0).abs() < JITTER {
@@ -506,6 +509,9 @@ mod tests {
     fn the_step_is_found_in_stamps_of_any_unit() {
         let stamps = |step: f64| (0..20).map(|i| f64::from(i) * step).collect::<Vec<_>>();
         assert_eq!(step_in_stamps(&stamps(10.0), 0.01, None), Ok([10.0, 10.0]));
+        for rows in 0..2 {
+            assert_eq!(grid_of_rows(&stamps(10.0)[..rows], 0.01, 9).unwrap().samples, rows);
+        }
         assert_eq!(step_in_stamps(&stamps(1.0), 0.01, None), Ok([1.0, 1.0]));
         assert_eq!(step_in_stamps(&stamps(0.013), 0.01, Some(1.0)), Ok([0.01, 0.01]));
         assert_eq!(step_in_stamps(&stamps(0.5), 0.01, Some(1.0)), Err(0.5));
