@@ -134,20 +134,16 @@ impl Log {
         let used = [time.map(|time| time.column), taken];
         let columns = wanted(&file, request, &words, &named, used, &mut notes)
             .and_then(|columns| Ok((given(&file, &request.units, &columns)?, columns)));
-        // Without a choice of columns, times and units are still examined by those that may be meant.
+        // Without a choice of columns, times and units are still examined by one that may be meant.
         let (units, columns) = faults.take(columns).unwrap_or_else(|| {
             let columns = if request.units.is_empty() { likely(&file, used) } else { vec![] };
-            (vec![], columns)
+            (vec![], columns.into_iter().take(1).collect())
         });
         let channels = columns
             .iter()
             .enumerate()
             .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data));
-        let (channels, mut wrong): (Vec<_>, Vec<_>) = channels.partition(Result::is_ok);
-        // What settles one settles all of those that nobody chose.
-        wrong.truncate(if units.is_empty() { 1 } else { wrong.len() });
-        let channels: Vec<Channel> =
-            channels.into_iter().chain(wrong).filter_map(|channel| faults.take(channel)).collect();
+        let channels: Vec<Channel> = channels.filter_map(|channel| faults.take(channel)).collect();
         let all = time.iter().map(|time| time.column).chain(columns.iter().copied()).chain(taken);
         let all: Vec<usize> = all.collect();
         if let Some(&twice) = (1..all.len()).find_map(|i| all[..i].contains(&all[i]).then(|| &all[i])) {
