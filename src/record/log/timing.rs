@@ -243,7 +243,6 @@ pub(crate) fn spread(
         duplicates = Some(Duplicates::Keep);
         doubled = doubled_of(&stamps, &samples, duplicates);
     }
-    let mean = doubled.as_ref().filter(|_| !has_step && stamps.len() > 1).map(|_| mean_step(&stamps));
     if let Some(Doubled { kept, .. }) = &doubled {
         stamps = kept.iter().map(|&row| stamps[row]).collect();
     }
@@ -297,7 +296,8 @@ pub(crate) fn spread(
         }
     }
     let unit_s = unit_of_stamps(file, clock, time, &stamps, notes, faults);
-    let mean = mean.filter(|_| duplicates == Some(Duplicates::Keep));
+    let is_by_mean = !has_step && duplicates == Some(Duplicates::Keep) && doubled.is_some();
+    let mean = (is_by_mean && stamps.len() > 1).then(|| mean_step(&stamps));
     let jitter = (clock.step_s.is_none() && mean.is_none()).then_some(RULES.jitter);
     let found = faults_of(&stamps, unit_s.unwrap_or(ANY), jitter);
     if !found.is_empty() || !faults.is_empty() {
