@@ -43,9 +43,9 @@ pub enum Method {
 /// The motion for which a filler of least variance is designed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {
-    /// The motion of each point.
+    /// The motion of the point itself.
     Own,
-    /// As much motion as at the point, spread over a band.
+    /// The rms rate of the point, spread evenly over a band.
     Band(Band),
     /// The specification of the study.
     Specification(Arc<Specification>),
