@@ -321,6 +321,8 @@ fn increments_over_a_part_of_each_step_are_those_of_the_whole_step() {
     let first =
         |document: &Value| document["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap();
     assert!((first(&document) / first(&rate) - 1.0).abs() < 1e-6);
+    desk.write("gap.csv", &desk.read("log.csv").replacen(",4000\n", ",0\n", 3));
+    assert_eq!(missing(&desk, "gap.csv --data increment").0, 3, "an increment over no time is none");
     let said = desk.done("allan log.csv --data increment").stderr;
     assert!(said.contains("0.004 s, but 0.5 s apart"), "{said}");
 }

@@ -347,7 +347,9 @@ fn over_steps(
         return None;
     }
     for values in samples {
-        values.iter_mut().zip(spans).for_each(|(value, span)| *value *= step_s / (span * unit_s));
+        for (value, &span) in values.iter_mut().zip(spans) {
+            *value = if span > 0.0 { *value * step_s / (span * unit_s) } else { f64::NAN };
+        }
     }
     let [span, step] = [median * unit_s, step_s].map(|time_s| significant(time_s, 6));
     Some(format!(
