@@ -29,8 +29,9 @@ fn draw_motion(address: Address, first: vec4<u32>) -> Motion {
         motion.tone[t] = with_amplitude(motion.tone[t], words, t);
         //#end
         //#if FREQUENCIES
-        motion.half_turn[t] = p[FREQUENCY_LOW + t] + mulhi(words[2], p[FREQUENCY_WIDTH + t]);
-        motion.peak[t] = peak_of(motion.half_turn[t], t);
+        let turn = p[FREQUENCY_LOW + t] + mulhi(words[2], p[FREQUENCY_WIDTH + t]);
+        motion.half_turn[t] = turn * p[FREQUENCY_SCALE + t];
+        motion.peak[t] = peak_of(turn, motion.half_turn[t], t);
         //#end
         //#end
     }
@@ -225,11 +226,20 @@ fn amplitude(tone: u32, word: u32, part: u32, rayleigh: u32) -> u32 {
 //#end
 
 //#if FREQUENCIES
-// The angle of a tick at the peak of the rate, in 2^-4 LSB, for a frequency in turns per half tick.
-fn peak_of(half_turn: u32, t: u32) -> u32 {
-    let of_rate = sine_ratio(half_turn << 1u);
-    let of_angle = sine(half_turn) << 1u;
-    return mulhi(p[PEAK + t], of_rate ^ ((of_rate ^ of_angle) & p[OF_ANGLE + t]));
+// The angle of a tick at the peak of the rate, in 2^-4 LSB, for a frequency of `turn` times its scale, which is
+// `half_turn` without whole turns.
+fn peak_of(turn: u32, half_turn: u32, t: u32) -> u32 {
+    var of_rate = sine_ratio(turn << 1u);
+    // sinc 2x = sinc x * cos(pi x), from the frequency over its scale up.
+    var half = turn;
+    for (var doublings = p[FREQUENCY_SCALE + t] >> 1u; doublings > 0u; doublings >>= 1u) {
+        let cos = sine((half + QUARTER_TURN) & HALF_TURN_MASK);
+        of_rate = mulhi(of_rate, cos << 1u) << 1u;
+        half <<= 1u;
+    }
+    let of_angle = sine(half_turn & HALF_TURN_MASK) << 1u;
+    let ratio = of_rate ^ ((of_rate ^ of_angle) & p[OF_ANGLE + t]);
+    return with_sign(mulhi(p[PEAK + t], ratio), half_turn);
 }
 //#end
 

@@ -14,10 +14,13 @@ use crate::shader::constants;
 use crate::sine::{QUARTER_TURN, sine, sine_ratio};
 use crate::word::{Wide, Word};
 
-constants!(MARGIN, AMPLITUDE_BITS);
+constants!(MARGIN, AMPLITUDE_BITS, HALF_TURN_MASK);
 
 /// Fractional bits of a relative amplitude.
 const AMPLITUDE_BITS: u32 = 31;
+
+/// The bits of a phase within half a turn, where sines are positive.
+const HALF_TURN_MASK: u32 = u32::MAX >> 1;
 
 /// The parameters of a launch and its table, by name.
 #[derive(Clone, Copy)]
@@ -66,9 +69,10 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
                     motion.tone[t] = with_amplitude(motion.tone[t], words, p, t);
                 }
                 if shape.frequencies {
-                    motion.half_turn[t] =
+                    let turn =
                         W::splat(p.frequency_low[t]) + words[2].mulhi(W::splat(p.frequency_width[t]));
-                    motion.peak[t] = peak_of(motion.half_turn[t], p, t);
+                    motion.half_turn[t] = turn * W::splat(p.frequency_scale[t]);
+                    motion.peak[t] = peak_of(turn, motion.half_turn[t], p, t);
                 }
             }
         }
@@ -251,12 +255,21 @@ fn amplitude<W: Word>(tone: W, word: W, part: W, rayleigh: W) -> W {
     scaled ^ ((scaled ^ normal(word)) & rayleigh)
 }
 
-/// The angle of a tick at the peak of the rate, in 2^−4 LSB, for a frequency in turns per half tick.
+/// The angle of a tick at the peak of the rate, in 2^−4 LSB, for a frequency of `turn` times its scale, which is
+/// `half_turn` without whole turns.
 #[inline(always)]
-fn peak_of<W: Word>(half_turn: W, p: &Parameters, t: usize) -> W {
-    let of_rate = sine_ratio(half_turn << 1);
-    let of_angle = sine(half_turn) << 1;
-    W::splat(p.peak[t]).mulhi(of_rate ^ ((of_rate ^ of_angle) & W::splat(p.of_angle[t])))
+fn peak_of<W: Word>(turn: W, half_turn: W, p: &Parameters, t: usize) -> W {
+    let mut of_rate = sine_ratio(turn << 1);
+    // sinc 2x = sinc x · cos πx, from the frequency over its scale up.
+    let (mut half, mut doublings) = (turn, p.frequency_scale[t] >> 1);
+    while doublings > 0 {
+        let cos = sine((half + W::splat(QUARTER_TURN)) & W::splat(HALF_TURN_MASK));
+        of_rate = of_rate.mulhi(cos << 1) << 1;
+        (half, doublings) = (half << 1, doublings >> 1);
+    }
+    let of_angle = sine(half_turn & W::splat(HALF_TURN_MASK)) << 1;
+    let ratio = of_rate ^ ((of_rate ^ of_angle) & W::splat(p.of_angle[t]));
+    W::splat(p.peak[t]).mulhi(ratio).with_sign(half_turn)
 }
 
 /// The trial number modulo the number of positions.

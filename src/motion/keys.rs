@@ -61,13 +61,6 @@ pub(crate) const AMPLITUDES: Holds = measure(
 /// Limits of the frequency of a motion, and of the ends of a band from which one is drawn.
 pub(crate) const FREQUENCIES: Holds =
     measure(&[Dimension::Frequency], 1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate");
-/// Limits of the ends of a band from which a frequency is drawn.
-const BANDS: Holds = measure(
-    &[Dimension::Frequency],
-    1e-9,
-    1e7,
-    "1e-9 Hz to 1e7 Hz, and at most half the tick rate, or the tick rate for an amplitude of the angle",
-);
 const ACCELERATIONS: Holds = measure(&[Dimension::Acceleration], 0.0, 1e6, "0 to 1e6 g");
 
 const ONE_AMPLITUDE: Holds = Holds::Either(&[AMPLITUDES, Holds::OneOf]);
@@ -163,9 +156,9 @@ keys! {
     /// The ends of bands, which occur only in sweeps.
     pub(crate) static ENDS;
     /// The lower end of the band from which a tone is drawn.
-    pub(crate) FREQUENCY_LOW = "motion.frequency.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
+    pub(crate) FREQUENCY_LOW = "motion.frequency.low", "lower frequency", FREQUENCIES, r#"low = "18 Hz""#;
     /// The upper end of the band from which a tone is drawn.
-    pub(crate) FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
+    pub(crate) FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", FREQUENCIES, r#"high = "22 Hz""#;
     /// The lower end of the band of Gaussian motion.
     GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", FREQUENCIES, r#"low = "18 Hz""#;
     /// The upper end of the band of Gaussian motion.

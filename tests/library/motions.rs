@@ -286,6 +286,15 @@ fn frequencies_above_half_the_tick_rate() {
         Tone::of_rate(Draw::Rayleigh(2000.0), 20.0, 22.0),
     ]);
     check_both("bands and a tone above half the tick rate", &gyro);
+    let rate = |amplitude, low, high| of_tones(vec![Tone::of_rate(amplitude, low, high)]);
+    check_both("a rate above half the tick rate", &rate(Draw::Fixed(20_000.0), 137.0, 139.0));
+    check_both("a rate from slow to above the tick rate", &rate(Draw::Uniform(4000.0, 12_000.0), 5.0, 345.0));
+    check_both("a rate about twice the tick rate", &rate(Draw::Rayleigh(30_000.0), 393.0, 411.0));
+    check_both("a rate up to ten times the tick rate", &rate(Draw::Fixed(60_000.0), 1130.0, 2000.0));
+    check_both(
+        "an angle about three times the tick rate",
+        &of_tones(vec![angle(Draw::Fixed(25.0), 560.0, 610.0)]),
+    );
     let gaussian = Gyro { beside: Beside::Band(8485.0, [130.0, 260.0]), ..Gyro::still() };
     check_both("Gaussian 130–260 Hz", &gaussian);
 }

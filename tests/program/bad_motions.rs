@@ -68,12 +68,9 @@ fn spectra_and_bands_that_make_no_sense_are_refused() {
     );
     refused(&gaussian("17 Hz"), "7:43", &["runs from 18 Hz down to 17 Hz", "lower end first"]);
     refused(
-        &with_motion("amplitude = \"1 deg/s\"\nfrequency = [\"18 Hz\", \"120 Hz\"]"),
+        &with_motion("amplitude = \"1 deg/s\"\nfrequency = [\"18 Hz\", \"2001 Hz\"]"),
         "8:13",
-        &[
-            "120 Hz is too fast where frequencies are drawn",
-            "up to 100 Hz here, or 200 Hz with an amplitude of the angle",
-        ],
+        &["motion.frequency = 2001 Hz is too fast for a tick rate of 200 Hz", "2000 Hz here"],
     );
 }
 

@@ -229,10 +229,13 @@ parameters! {
     rayleigh: |shape: Shape| only(shape.amplitudes, shape.tones),
     /// Largest angle of a tick at frequency 0, times 2/π, in 2^−5 LSB; twice that where the amplitude is an angle.
     peak: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// Least frequency of each tone in turns per half tick, in 2^−32.
+    /// Least frequency of each tone over its scale in turns per half tick, in 2^−32.
     frequency_low: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// Width of the range of the frequency, in 2^−32.
+    /// Width of the range of that ratio, in 2^−32.
     frequency_width: |shape: Shape| only(shape.frequencies, shape.tones),
+    /// The scale of the frequency, a power of two: the ratio stays within a quarter of a turn, or half a turn where the amplitude
+    /// is that of the angle.
+    frequency_scale: |shape: Shape| only(shape.frequencies, shape.tones),
     /// All bits set where the amplitude is that of the angle, else none.
     of_angle: |shape: Shape| only(shape.frequencies, shape.tones),
     /// Length of the gap n, in ticks.

@@ -153,7 +153,6 @@ impl Base<'_> {
 
     /// Limits of a tone.
     fn check_tone(&self, tone: &Tone, inputs: &Inputs) -> Result<(), Fault> {
-        let tick_s = inputs.tick_s;
         let names = ["motion.frequency", "motion.tones", "gyro.tick"];
         if let Frequency::Band(band) = tone.frequency {
             let names = ["motion.frequency.low", "motion.frequency.high", "motion.frequency", "motion.tones"];
@@ -161,16 +160,6 @@ impl Base<'_> {
         }
         let highest = tone.band().high_hz;
         check_highest("motion.frequency", highest, inputs, self.places.blame(&names))?;
-        let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
-        // The kernel draws frequencies above half the tick rate for amplitudes of the angle, to which that of a fixed frequency
-        // converts.
-        let has_angle = tone.amplitude.of_angle || tone.band().low_hz == highest;
-        if drawn && highest * tick_s > if has_angle { 1.0 } else { 0.5 } {
-            let message = format!("motion.frequency: {highest} Hz is too fast where frequencies are drawn");
-            let [half, rate] = [0.5, 1.0].map(|rates| significant(rates / tick_s, 6));
-            let help = format!("accepted: up to {half} Hz here, or {rate} Hz with an amplitude of the angle");
-            return self.places.refuse(&names, message, "too fast for the ticks", help);
-        }
         let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
         if rate > MOST_RATE {
             let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {highest} Hz");

@@ -191,6 +191,12 @@ pub fn configurations() -> Vec<Configuration> {
             c.inputs.motion.tones[1].frequency = Frequency::Band(Band { low_hz: 18.0, high_hz: 22.0 });
             c.errors = every_error.clone();
         }),
+        Configuration::new("aliased-frequencies", |c| {
+            c.inputs.motion = tones(3);
+            c.tone().frequency = Frequency::Band(Band { low_hz: 120.0, high_hz: 1900.0 });
+            c.inputs.motion.tones[1].amplitude = Amplitude { of_angle: true, value: Value::Fixed(30.0) };
+            c.inputs.motion.tones[1].frequency = Frequency::Band(Band { low_hz: 350.0, high_hz: 420.0 });
+        }),
         Configuration::new("gaussian-motion", |c| c.inputs.motion = gaussian(18.0, 22.0)),
         Configuration::new("gaussian-motion-everywhere", |c| {
             c.inputs.motion = Motion { tones: tones(2).tones, ..gaussian(1.0, 60.0) };

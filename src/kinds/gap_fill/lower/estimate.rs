@@ -107,6 +107,7 @@ impl Estimate {
             let factors = if drawn { 0.25 * (gain + scale * f64::from(f.gap)) } else { 0.0 };
             let own = 0.5 * (gain + scale)
                 + libm::exp2(if drawn { -28.0 } else { -29.5 }) * response.terms
+                + response.rounding
                 + factors;
             rounding = rounding.max(own);
             bound = bound.max(response.bound + (REACH * sigma + pulse) * gain + own);
@@ -215,9 +216,10 @@ impl Fixed {
                     sum += core::f64::consts::FRAC_1_SQRT_2 / ANGLE_UNITS * ticks;
                     turns = turns.max(nu_t);
                 }
-                ToneMotion::Drawn { low, width, .. } => {
-                    let high = (f64::from(low) + f64::from(width)) / libm::exp2(31.0);
-                    let phase = core::f64::consts::TAU * libm::exp2(-32.0) * f64::from(2 * span + 1);
+                ToneMotion::Drawn { low, width, scale, .. } => {
+                    let unit = f64::from(scale) * libm::exp2(-32.0);
+                    let high = 2.0 * unit * f64::from(low + width);
+                    let phase = core::f64::consts::TAU * unit * f64::from(2 * span + 1);
                     sum += 2.0 * (0.5 / PEAK_UNITS * ticks + phase * response.terms);
                     turns = turns.max(high);
                 }
@@ -248,8 +250,9 @@ impl Fixed {
         let span = f64::from(ends[1] - ends[0] + 1);
         let of_tone = |tone: &FixedTone| match tone.motion {
             ToneMotion::Fixed { .. } => core::f64::consts::FRAC_1_SQRT_2 / ANGLE_UNITS,
-            ToneMotion::Drawn { peak, .. } => {
-                let phase = core::f64::consts::TAU * libm::exp2(-32.0) * (2.0 * span + 1.0);
+            ToneMotion::Drawn { peak, scale, .. } => {
+                let phase =
+                    core::f64::consts::TAU * f64::from(scale) * libm::exp2(-32.0) * (2.0 * span + 1.0);
                 // A Rayleigh-distributed amplitude has up to twice its unit in the mean.
                 (0.5 + phase * f64::from(peak)) / PEAK_UNITS
                     * if tone.rayleigh { 2.0 * RAYLEIGH_UNIT } else { 1.0 }

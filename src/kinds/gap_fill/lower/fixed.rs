@@ -58,7 +58,7 @@ pub(crate) enum ToneMotion {
     /// A fixed frequency νT, with the peak angle of a tick, LSB.
     Fixed { amplitude: f64, nu_t: f64 },
     /// A drawn frequency, as the words of the kernel.
-    Drawn { peak: u32, low: u32, width: u32, of_angle: bool },
+    Drawn { peak: u32, low: u32, width: u32, scale: u32, of_angle: bool },
 }
 
 /// A recorded profile.
@@ -150,7 +150,11 @@ impl Fixed {
                     let parts = all().flat_map(|tick| tone.tick_words(tick, n));
                     words.extend(parts.map(|word| word as u32));
                 }
-                ToneMotion::Drawn { .. } => words.extend(tone.drawn_words()),
+                ToneMotion::Drawn { scale, .. } => {
+                    // The words of a frequency without a scale are those of earlier versions, whose trials are kept.
+                    let all = tone.drawn_words();
+                    words.extend(&all[..if scale == 1 { 4 } else { 5 }]);
+                }
             }
         }
         if let Some(factor) = &self.gaussian {
@@ -189,13 +193,21 @@ impl FixedTone {
                 ToneMotion::Fixed { amplitude: tick_arcsec * scale, nu_t }
             }
             ToneKind::Drawn { arcsec, of_angle, nu_t } => {
-                let half_turns = nu_t.map(|nu_t| libm::round(0.5 * nu_t * libm::exp2(32.0)) as u32);
+                // The word of the frequency stays where the polynomial holds: sinc, and a sine without its sign.
+                let most = if of_angle { 1.0 } else { 0.5 };
+                let mut doublings = 0;
+                while nu_t[1] > most * f64::from(1 << doublings) {
+                    doublings += 1;
+                }
+                let word = |nu_t: f64| libm::round(nu_t * libm::exp2(f64::from(31 - doublings))) as u32;
+                let half_turns = nu_t.map(word);
                 // A_Ω T sinc νT is 2/π A_Ω T times the ratio in the kernel.
                 let factor = if of_angle { 1.0 } else { core::f64::consts::FRAC_2_PI };
                 ToneMotion::Drawn {
                     peak: libm::round(arcsec * scale * factor * PEAK_UNITS) as u32,
                     low: half_turns[0],
                     width: half_turns[1] - half_turns[0],
+                    scale: 1 << doublings,
                     of_angle,
                 }
             }
@@ -214,14 +226,16 @@ impl FixedTone {
         !is_drawn && self.part[1] == 0 && !self.rayleigh && self.phase_spread != 0
     }
 
-    /// Peak, least frequency, width of its range, and whether the amplitude is that of the angle, of a tone of drawn
-    /// frequency; there is no tone of fixed frequency beside one.
-    pub(crate) fn drawn_words(&self) -> [u32; 4] {
+    /// Peak, least frequency, width of its range, whether the amplitude is that of the angle, and the scale, of a tone of
+    /// drawn frequency; there is no tone of fixed frequency beside one.
+    pub(crate) fn drawn_words(&self) -> [u32; 5] {
         match self.motion {
             ToneMotion::Fixed { .. } => {
                 unreachable!("lowering makes all tones of drawn frequency where one is")
             }
-            ToneMotion::Drawn { peak, low, width, of_angle } => [peak, low, width, of_angle.into()],
+            ToneMotion::Drawn { peak, low, width, scale, of_angle } => {
+                [peak, low, width, of_angle.into(), scale]
+            }
         }
     }
 

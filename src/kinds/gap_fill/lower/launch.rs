@@ -55,6 +55,7 @@ impl Lowered {
             peak: &tones(shape.frequencies, |tone| tone.drawn_words()[0]),
             frequency_low: &tones(shape.frequencies, |tone| tone.drawn_words()[1]),
             frequency_width: &tones(shape.frequencies, |tone| tone.drawn_words()[2]),
+            frequency_scale: &tones(shape.frequencies, |tone| tone.drawn_words()[4]),
             of_angle: &tones(shape.frequencies, |tone| mask(tone.drawn_words()[3] != 0)),
             gap_length: &[n as u32],
             gap_constant: &constants(&lengths, Fixed::gap_constant),

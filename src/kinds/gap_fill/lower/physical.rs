@@ -1,7 +1,6 @@
 //! The inputs that determine a point's draws and truth, in canonical form: a motion given as a rate or as an angle is
 //! the same motion. Every number has 12 significant digits.
 
-use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -112,11 +111,7 @@ impl Physical {
                     }
                     Frequency::Fixed(_) | Frequency::Band(_) => {
                         let band = tone.band();
-                        // Above half the tick rate the kernel has amplitudes of the angle only.
-                        let (of_angle, scale) = match tone.amplitude.of_angle {
-                            false if tick_s * band.high_hz > 0.5 => (true, scale / (TAU * band.high_hz)),
-                            of_angle => (of_angle, scale),
-                        };
+                        let of_angle = tone.amplitude.of_angle;
                         ToneKind::Drawn {
                             arcsec: round_12(if of_angle { 2.0 * scale } else { scale * tick_s }),
                             of_angle,

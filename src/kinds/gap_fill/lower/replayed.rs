@@ -133,6 +133,7 @@ impl FixedProfile {
             largest: Some((least + constant).abs().max((greatest + constant).abs())),
             level: Some(level),
             terms,
+            ..Response::default()
         }
     }
 }

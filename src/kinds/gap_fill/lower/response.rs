@@ -33,6 +33,8 @@ pub(crate) struct Response {
     pub(crate) level: Option<f64>,
     /// Σ|w||P| + D|Σ P|, which bounds the accumulator during the sum.
     pub(crate) terms: f64,
+    /// Rounding of the peaks of drawn frequencies above half the tick rate.
+    pub(crate) rounding: f64,
 }
 
 /// A tone with its drawn values.
@@ -95,6 +97,7 @@ impl Response {
         self.variance += part.variance;
         self.bound += part.bound;
         self.terms += part.terms;
+        self.rounding += part.rounding;
     }
 }
 
@@ -147,8 +150,8 @@ impl FixedTone {
                 let squares = [0.5 * (a * a + b * b), e, e * e];
                 self.parts(squares, [libm::hypot(a, b), e.abs()], a.abs() + b.abs(), terms)
             }
-            ToneMotion::Drawn { low, width, .. } => {
-                let ends = [f64::from(low), f64::from(low) + f64::from(width)];
+            ToneMotion::Drawn { low, width, scale, of_angle, .. } => {
+                let ends = [low, low + width].map(|word| f64::from(word) * f64::from(scale));
                 let span = f.ticks.iter().map(|&tick| f64::from(tick.abs())).fold(f64::from(n), f64::max);
                 // Turns of the fastest term over the band.
                 let turns = (ends[1] - ends[0]) / libm::exp2(32.0) * 4.0 * (span + 1.0);
@@ -159,7 +162,7 @@ impl FixedTone {
                     squares.copy_from_slice(&[0.5 * (a * a + b * b), e, e * e]);
                 });
                 // The bound is taken from a grid and from the largest change of the response between its points.
-                let peak = self.peak_at(ends[0]).max(self.peak_at(ends[1]));
+                let peak = self.most_peak(ends);
                 let gain = f.gain() + f.scale as f64 * f64::from(f.gap);
                 let size = peak * gain;
                 let steps = 64 * panels as usize;
@@ -172,12 +175,16 @@ impl FixedTone {
                     .fold(0.0, |most: f64, [a, b]| most.max(libm::hypot(a, b)));
                 let bound = size.min(greatest + slope * step);
                 let sum = size.min(core::f64::consts::SQRT_2 * bound);
-                self.parts([squares[0], squares[1], squares[2]], [bound, bound], sum, 2.0 * size)
+                let parts = self.parts([squares[0], squares[1], squares[2]], [bound, bound], sum, 2.0 * size);
+                // A cosine and a product of each doubling.
+                let doublings = if of_angle { 0 } else { scale.ilog2() };
+                let rounding = f64::from(doublings) * libm::exp2(-28.5) * self.full_peak() * gain;
+                Response { rounding, ..parts }
             }
         }
     }
 
-    /// The response at a frequency, given in 2^−32 turns per half tick, as factors of the sine and cosine at the
+    /// The response at a frequency, in 2^−32 turns per half tick, as factors of the sine and cosine at the
     /// middle.
     fn at(&self, f: &Functional, n: i32, word: f64) -> [f64; 2] {
         let peak = self.peak_at(word);
@@ -189,7 +196,21 @@ impl FixedTone {
         response.map(|part| peak * part)
     }
 
-    /// The peak angle of a tick at that frequency, LSB.
+    /// The largest size of the peak angle of a tick between two such frequencies, LSB.
+    fn most_peak(&self, ends: [f64; 2]) -> f64 {
+        let ToneMotion::Drawn { of_angle, .. } = self.motion else { return 0.0 };
+        let at_ends = self.peak_at(ends[0]).abs().max(self.peak_at(ends[1]).abs());
+        let [low, high] = ends.map(|word| 2.0 * PI * word / libm::exp2(32.0));
+        // sin x/x falls up to x = π and lies within 1/x; sin x rises up to π/2.
+        let between = match of_angle {
+            true if high > 0.5 * PI => 1.0,
+            false if high > PI => 0.5 * PI / low.max(1.0),
+            _ => 0.0,
+        };
+        at_ends.max(self.full_peak() * between)
+    }
+
+    /// The peak angle of a tick at that frequency, LSB; negative where sinc(νT), or the sine of an angle, is.
     fn peak_at(&self, word: f64) -> f64 {
         let ToneMotion::Drawn { of_angle, .. } = self.motion else { return 0.0 };
         // πνT.
@@ -218,14 +239,22 @@ impl FixedTone {
         };
         let (peak, turn) = match self.motion {
             ToneMotion::Fixed { amplitude, nu_t } => (amplitude, PI * nu_t),
-            ToneMotion::Drawn { low, width, .. } => {
+            ToneMotion::Drawn { low, width, scale, .. } => {
                 let word = f64::from(low) + if width > 0 { f64::from(width) * next() } else { 0.0 };
+                let word = f64::from(scale) * word;
                 (self.peak_at(word), 2.0 * PI * word / libm::exp2(32.0))
             }
         };
-        // The word of a very low frequency is 0.
+        // The word of a very low frequency is 0, and the peak is 0 at whole tick rates.
         let turn = turn.max(LEAST_TURN);
-        DrawnTone { size: part * peak / (2.0 * libm::sin(turn)), phase: 2.0 * PI * turns, turn }
+        let size = match self.motion {
+            ToneMotion::Drawn { of_angle: true, .. } => 0.5 * self.full_peak(),
+            ToneMotion::Drawn { of_angle: false, .. } if turn > 0.5 * PI => {
+                0.25 * PI * self.full_peak() / turn
+            }
+            _ => peak / (2.0 * libm::sin(turn)),
+        };
+        DrawnTone { size: part * size, phase: 2.0 * PI * turns, turn }
     }
 
     /// The same peak where the ratio is 1.
