@@ -127,3 +127,79 @@ fn limits_are_in_either_unit_and_keys_of_other_kinds_are_refused_by_name() {
     let said = refused(format!("{GYRO}[drift]\nmagnetic = \"14 arcsec/s\"\n"));
     assert!(said.contains("[drift] is not a table of a study of kind = \"lock-in\""), "{said}");
 }
+
+/// A gyro whose lock-in is not small beside f_d q = 200 ″/s, so that zones are shifted and differ from their first order.
+const STRONG: &str = r#"title = "Strong lock-in"
+kind = "lock-in"
+trials = 16
+[gyro]
+scale_factor = "2 arcsec/pulse"
+[lock_in]
+threshold = "180 arcsec/s"
+[dither]
+frequency = "100 Hz"
+rate = "200 arcsec/s"
+[record]
+length = "2 s"
+[[sweep]]
+key = "input.rate"
+linear = { from = "0 arcsec/s", to = "500 arcsec/s", points = 51 }
+[[sweep]]
+key = "dither.rate"
+list = ["200 arcsec/s", "400 arcsec/s"]
+"#;
+
+/// Mean output rate of that gyro over 20 s after 2 s, ″/s, by the Runge–Kutta method of fourth order.
+fn strong_output(rate: f64, dither: f64) -> f64 {
+    use std::f64::consts::TAU;
+    let slope = |t: f64, angle: f64| {
+        rate + dither * (TAU * 100.0 * t).cos() + 180.0 * (std::f64::consts::PI * angle).sin()
+    };
+    let (h, settling, steps) = (1e-4, 20_000, 220_000);
+    let (mut angle, mut settled) = (0.1, 0.0);
+    for k in 0..steps {
+        if k == settling {
+            settled = angle;
+        }
+        let t = f64::from(k) * h;
+        let a = slope(t, angle);
+        let b = slope(t + 0.5 * h, angle + 0.5 * h * a);
+        let c = slope(t + 0.5 * h, angle + 0.5 * h * b);
+        let d = slope(t + h, angle + h * c);
+        angle += h / 6.0 * (a + 2.0 * (b + c) + d);
+    }
+    (angle - settled) / (f64::from(steps - settling) * h)
+}
+
+#[test]
+fn a_strong_lock_in_holds_the_output_in_zones_that_an_integrator_finds() {
+    let table = run_afresh(&parsed("s.toml", STRONG));
+    let (mut locked_elsewhere, mut in_closed_form) = (0, 0);
+    for row in rows(&table) {
+        let [rate, dither, mean, centre] =
+            ["input.rate", "dither.rate", "mean_rate", "zone_centre"].map(|column| row.number(column));
+        let exact = strong_output(rate, dither);
+        // The phase settles within a beat of 2″ over the 2 s of a record.
+        assert!((mean - exact).abs() < 1.0, "{rate}, {dither}: {mean} for {exact}");
+        let zone = 200.0 * (exact / 200.0).round();
+        // Just outside of a zone, where the output is still near its centre, the mean of a record does not tell.
+        let is_locked = (exact - zone).abs() < 0.05;
+        if !is_locked && (exact - zone).abs() < 0.15 * (rate - zone).abs() {
+            continue;
+        }
+        let locked = row.maybe("locked");
+        match rate == zone {
+            true => assert_eq!(locked, None, "{rate}, {dither}"),
+            false => assert_eq!(locked, Some(f64::from(u8::from(is_locked))), "{rate}, {dither}: {exact}"),
+        }
+        if is_locked {
+            assert_eq!(centre, zone, "{rate}, {dither}");
+            locked_elsewhere += usize::from((rate / 200.0).round() * 200.0 != zone);
+        }
+        if let Some(closed) = row.maybe("oracle_mean_rate") {
+            assert!((closed - exact).abs() < 0.05, "{rate}, {dither}: {closed} for {exact}");
+            in_closed_form += 1;
+        }
+    }
+    assert!(locked_elsewhere > 4 && in_closed_form > 4, "{locked_elsewhere} and {in_closed_form}");
+}

@@ -36,11 +36,13 @@ impl Row<'_> {
     }
     /// N, from σ² = N²/τ; none where the gyro is locked, whose output does not follow the input.
     fn walk(&self) -> Option<f64> {
-        self.variance.filter(|_| !self.is_locked()).map(|(variance, _)| libm::sqrt(variance * self.tau_s()))
+        self.variance
+            .filter(|_| self.is_locked() != Some(true))
+            .map(|(variance, _)| libm::sqrt(variance * self.tau_s()))
     }
 
     fn walk_se(&self) -> Option<f64> {
-        let (variance, se) = self.variance.filter(|_| !self.is_locked())?;
+        let (variance, se) = self.variance.filter(|_| self.is_locked() != Some(true))?;
         Some(0.5 * se? * libm::sqrt(self.tau_s() / variance)).filter(|se| se.is_finite())
     }
 
@@ -72,23 +74,28 @@ impl Row<'_> {
         let (zone, (rate, _)) = (self.zone?, self.rate?);
         let [input, output] = [self.point.inputs.rate, rate].map(|rate| rate - zone.centre);
         let square = input * input - output * output;
-        (square > 0.0 && !self.is_locked()).then(|| libm::sqrt(square))
+        (square > 0.0 && self.is_locked() == Some(false)).then(|| libm::sqrt(square))
     }
 
-    /// Whether the mean output is the centre of the zone to a tenth of the deviation of the input from it.
-    fn is_locked(&self) -> bool {
-        let (Some(zone), Some((rate, _))) = (self.zone, self.rate) else { return false };
+    /// Whether the mean output is the centre of the zone to a tenth of the deviation of the input from it; `None` without
+    /// dither, and where that deviation is too small for the record to tell.
+    fn is_locked(&self) -> Option<bool> {
+        let (zone, (rate, _)) = (self.zone?, self.rate?);
         let input = libm::fabs(self.point.inputs.rate - zone.centre);
-        libm::fabs(rate - zone.centre) <= LOCKED * input
+        let beats = input * self.point.times.length_s() / self.point.inputs.scale_factor;
+        (beats >= FEWEST_BEATS).then_some(libm::fabs(rate - zone.centre) <= LOCKED * input)
     }
 
     fn locked(&self) -> Option<f64> {
-        self.zone.and(self.rate).map(|_| if self.is_locked() { 1.0 } else { 0.0 })
+        self.is_locked().map(|locked| if locked { 1.0 } else { 0.0 })
     }
 }
 
 /// Part of the input's distance from the centre of a zone within which the output counts as locked.
 const LOCKED: f64 = 0.1;
+
+/// Fewest beats in a record between the input and the centre of a zone: the phase settles within half a beat.
+const FEWEST_BEATS: f64 = 2.0;
 
 /// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
@@ -124,16 +131,16 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         })
             .is(Role::Error, "Mean output rate minus mean input rate, ″/s.")
             .within(|row| row.rate_less(row.input_rate)),
-        Of::new("zone", Unit::NONE, "nearest zone k", |row| row.zone.map(|zone| f64::from(zone.number)).into())
-            .is(Role::Count, "Number k of the nearest zone of dynamic lock-in; blank without dither."),
+        Of::new("zone", Unit::NONE, "zone k nearest to the output", |row| row.zone.map(|zone| f64::from(zone.number)).into())
+            .is(Role::Count, "Number k of the zone of dynamic lock-in whose centre is nearest to the mean output rate; blank without dither."),
         Of::new("zone_centre", Unit::ARCSEC_PER_S, "centre of the zone", |row| row.zone.map(|zone| zone.centre).into())
             .is(Role::Estimate, "k f_d q, the centre of that zone and its output rate, ″/s."),
-        Of::new("locked", Unit::NONE, "lock to the nearest zone", |row| row.locked().into())
-            .is(Role::Estimate, "1 where the mean output rate stays at the centre of the zone, else 0."),
+        Of::new("locked", Unit::NONE, "locked to the zone", |row| row.locked().into())
+            .is(Role::Estimate, "1 where the mean output rate stays at the centre of the zone, else 0; blank where the input is less than two beats of the record from that centre."),
         Of::new("zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone", |row| row.width().into())
             .is(Role::Estimate, "Half width of that zone, ″/s, from w² = (Ω − Ω_k)² − (r − Ω_k)² with the output r outside it; blank inside."),
         Of::new("oracle_zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone (closed form)", |row| row.zone.map(|zone| zone.half_width).into())
-            .is_of("zone_half_width", Role::Oracle, "Ω_L |J_k(Θ)|, the half width of that zone without noise of the dither, ″/s."),
+            .is_of("zone_half_width", Role::Oracle, "Ω_L |J_k(Θ)|, the half width of that zone to first order in Ω_L and without noise of the dither, ″/s."),
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.variance.map(|(variance, _)| libm::sqrt(variance)).into())
             .is(Role::Error, "Allan (or Hadamard) deviation of the output less the input, °/h."),
         Of::new("amplitude", Unit::NONE, "dither amplitude Θ", |row| row.point.inputs.gyro().map(|gyro| gyro.amplitude()).into())

@@ -77,7 +77,9 @@ impl<'a> Plan<'a> {
 
     /// The rows of a point, one for each averaging time.
     fn rows<'p>(point: &'p Point, gyros: &Gyros, rates: &[f64], variances: &[Vec<f64>]) -> Vec<Row<'p>> {
-        let (zone, oracle) = (Zone::nearest(&point.inputs), oracle::angle_random_walk(point));
+        let (rate, oracle) = (estimate(rates), oracle::angle_random_walk(point));
+        // A strong lock-in holds the output in a zone that is not the nearest to the input.
+        let zone = rate.and_then(|(rate, _)| Zone::nearest(&point.inputs, rate));
         let row = |(at, &m): (usize, &u64)| {
             let of_gyros: Vec<f64> = variances.iter().map(|variances| variances[at]).collect();
             let tau_s = point.times.sample_s * m as f64;
@@ -86,7 +88,7 @@ impl<'a> Plan<'a> {
                 m,
                 trials: rates.len() as u64,
                 variance: estimate(&of_gyros),
-                rate: estimate(rates),
+                rate,
                 oracle,
                 rounding: oracle.map_or(0.0, |walk| gyros.rounding(tau_s, walk)),
                 oracle_rate: oracle::mean_output(point),

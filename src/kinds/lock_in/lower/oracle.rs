@@ -3,7 +3,7 @@
 use crate::kinds::lock_in::{Inputs, Point, Readout};
 use crate::theory::lock_in::{LockIn, Premise, mean_rate};
 
-/// The zone of dynamic lock-in that is nearest to the input.
+/// A zone of dynamic lock-in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Zone {
     /// Its number k.
@@ -18,10 +18,10 @@ pub(crate) struct Zone {
 const MOST_ZONES: f64 = 1e6;
 
 impl Zone {
-    /// The zone that is nearest to the input rate; none without dither.
-    pub(crate) fn nearest(inputs: &Inputs) -> Option<Zone> {
+    /// The zone whose centre is nearest to `rate`, ″/s; none without dither.
+    pub(crate) fn nearest(inputs: &Inputs, rate: f64) -> Option<Zone> {
         let gyro = inputs.gyro()?;
-        let number = libm::round(inputs.rate / (gyro.dither_frequency * gyro.scale_factor));
+        let number = libm::round(rate / gyro.zone_centre(1));
         if libm::fabs(number) > MOST_ZONES {
             return None;
         }
@@ -52,8 +52,10 @@ pub(crate) fn mean_output(point: &Point) -> Option<f64> {
     }
     let Some(dither) = &inputs.dither else { return Some(mean_rate(inputs.rate, inputs.threshold)) };
     let is_quiet = dither.spread(point.times.length_s()) == 0.0 && dither.phase_noise == 0.0;
-    let zone = Zone::nearest(inputs)?;
-    let inside = libm::fabs(inputs.rate - zone.centre) < INSIDE * zone.half_width;
+    let zone = Zone::nearest(inputs, inputs.rate)?;
+    // Half widths are of first order in Ω_L; the second order shifts the edges.
+    let shift = inputs.threshold * inputs.threshold / (2.0 * inputs.gyro()?.zone_centre(1));
+    let inside = libm::fabs(inputs.rate - zone.centre) + shift < INSIDE * zone.half_width;
     (is_quiet && inside).then_some(zone.centre)
 }
 
