@@ -1,6 +1,7 @@
 //! What a record shows besides noise: `events.csv`, and the list at the head of a report.
 
 use std::cmp::Ordering;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use serde_json::Value;
@@ -23,6 +24,8 @@ pub struct Row {
     what: &'static str,
     time_s: Option<f64>,
     length_s: Option<f64>,
+    /// Time from sample to sample, s.
+    step_s: f64,
     /// Number of samples, or of events of which the row consists.
     count: usize,
     event: Option<Event>,
@@ -43,12 +46,26 @@ impl Row {
         if self.of_event(|event| Some(event.what)) == Some(What::Temperature) { "/K" } else { "" }
     }
 
+    /// Amplitude of a line before the rate is averaged over each sample, in the unit of `size`.
+    fn unaveraged(&self) -> Option<f64> {
+        let (size, frequency_hz) = self.of_event(|event| event.size.zip(event.frequency_hz))?;
+        let half_turn = PI * frequency_hz * self.step_s;
+        Some(size * half_turn / libm::sin(half_turn))
+    }
+
+    /// The size as a cell of the list, with the amplitude before averaging where it differs in the digits shown.
+    fn size(&self) -> Option<String> {
+        let size = significant(self.of_event(|event| event.size)?, 3);
+        let unaveraged = self.unaveraged().map(|amplitude| significant(amplitude, 3));
+        let unaveraged = unaveraged
+            .filter(|amplitude| *amplitude != size)
+            .map(|amplitude| format!(" ({amplitude} unaveraged)"));
+        let unit = self.unit.symbol(Deviation::Oadev);
+        Some(format!("{size} {unit}{}{}", self.per(), unaveraged.unwrap_or_default()))
+    }
+
     /// The row as cells of the list.
     fn line(&self) -> Vec<String> {
-        let unit = self.unit.symbol(Deviation::Oadev);
-        let size = self
-            .of_event(|event| event.size)
-            .map(|size| format!("{} {unit}{}", significant(size, 3), self.per()));
         let time = self.time_s.map(|time_s| format!("{} s", significant(time_s, 6)));
         let frequency =
             self.of_event(|event| event.frequency_hz).map(|f| format!("{} Hz", significant(f, 5)));
@@ -59,7 +76,7 @@ impl Row {
         let other = Some(self.other.clone()).filter(|other| !other.is_empty());
         let at = other.or(frequency).or(time);
         let number = if self.count > 1 { self.count.to_string() } else { String::new() };
-        let [size, at, lasting] = [size, at, lasting].map(Option::unwrap_or_default);
+        let [size, at, lasting] = [self.size(), at, lasting].map(Option::unwrap_or_default);
         let (what, done) = (self.what.to_owned(), self.done.to_owned());
         vec![self.record.clone(), what, size, at, lasting, number, done, self.option.clone()]
     }
@@ -89,6 +106,7 @@ impl Record<'_> {
             what,
             time_s: samples.as_ref().map(|samples| self.treatment.time(samples.start, self.step_s)),
             length_s: samples.as_ref().map(|samples| samples.len() as f64 * self.step_s),
+            step_s: self.step_s,
             count: samples.map_or(1, |samples| samples.len()),
             event: None,
             other: String::new(),
@@ -197,8 +215,11 @@ pub(crate) fn columns() -> Vec<ColumnOf<Row>> {
             .is(Role::Estimate, "Standard deviation of a sample of the noise that a noise burst adds, change of a step or burst, amplitude of a sine or \
                 line, rate at the start of a warm-up, half the distance of the levels of telegraph noise, largest distance of a spike, unit of \
                 the readout, in `unit`."),
+        Of::new("unaveraged", Unit::NONE, "before averaging", |row| row.unaveraged().into())
+            .is(Role::Estimate, "Amplitude of a sine or line of the rate itself, where each sample is its mean over the time between samples, in `unit`: \
+                `size` is that of the samples."),
         Of::new("unit", Unit::NONE, "unit", |row| text(&(row.unit.in_files(Deviation::Oadev).to_owned() + row.per())))
-            .is(Role::Note, "Unit of `size`."),
+            .is(Role::Note, "Unit of `size` and `unaveraged`."),
         Of::new("f", Unit::HZ, "frequency", |row| row.of_event(|event| event.frequency_hz).into())
             .is(Role::Estimate, "Frequency of a sine or line, Hz."),
         Of::new("time_constant", Unit::S, "time constant", |row| row.of_event(|event| event.time_s).into())
