@@ -61,6 +61,9 @@ fn read(writer: &str, text: &str) -> Read {
         "navego" => {
             let (dyn_, corr) = (DEGREE * after(text, "imu.gb_dyn"), after(text, "imu.gb_corr"));
             let psd = dyn_ / corr.sqrt();
+            let simulated =
+                DEGREE * after(&text.replace("% For simulation: ", "simulated "), "simulated imu.gb_dyn");
+            assert!((simulated * f64::sqrt(2.0) / dyn_ - 1.0).abs() < 1e-5, "{simulated} and {dyn_}");
             Read::new(DEGREE / 60.0 * after(text, "imu.arw"), 0.0, Some([psd * (0.5 * corr).sqrt(), corr]))
         }
         "psins" => {

@@ -1,6 +1,7 @@
 //! The error profile of an IMU for NaveGo, in the units of manufacturers that `imu_si_errors` converts.
 //!
-//! NaveGo drives the bias with gb_dyn/√gb_corr, so its stationary standard deviation is gb_dyn/√2: σ is written times √2.
+//! Its filter drives the bias with gb_dyn/√gb_corr, so the stationary standard deviation there is gb_dyn/√2: σ is written times
+//! √2. Its simulator (`noise_b_dyn`) takes gb_dyn for σ, which is written in a comment.
 
 use crate::analysis::log::kalibr::plain_number;
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, sigma, three, time_s};
@@ -10,22 +11,26 @@ pub(super) static NAVEGO: Writer = Writer {
     file: "navego_imu.m",
     tool: "NaveGo",
     convention: "fields before imu_si_errors(): arw in deg/sqrt(h), vrw in m/s/sqrt(h), both of two-sided densities; gb_dyn in deg/s and ab_dyn in \
-                 mg are sqrt(2) times the standard deviation of the Markov state, because NaveGo drives it with gb_dyn/sqrt(gb_corr)",
+                 mg are for ins_gnss() and sqrt(2) times the standard deviation of the Markov state, because the filter drives it with \
+                 gb_dyn/sqrt(gb_corr); gyro_gen() and acc_gen() take the standard deviation itself, which is in comments",
     takes: Takes::STATE,
     text: |sheet| {
         /// Lines for the fields of a sensor.
         fn fields(axes: &[Axis], names: [&str; 5], white: f64, bias: f64) -> String {
-            let root = core::f64::consts::SQRT_2;
+            if axes.is_empty() {
+                return String::new();
+            }
+            let of_state = |factor: f64| three(axes, |model| factor * bias * sigma(model));
             let values = [
                 three(axes, |model| white * model.white),
                 [0.0; 3],
                 [0.0; 3],
-                three(axes, |model| root * bias * sigma(model)),
+                of_state(core::f64::consts::SQRT_2),
                 three(axes, time_s),
             ];
             let line = |(name, values): (&str, [f64; 3])| format!("imu.{name} = [{}];\n", list(values, " "));
             let all: String = names.into_iter().zip(values).map(line).collect();
-            if axes.is_empty() { String::new() } else { all }
+            format!("{all}% For simulation: {}", line((names[3], of_state(1.0))))
         }
         let gyros =
             fields(&sheet.gyros, ["arw", "arrw", "gb_sta", "gb_dyn", "gb_corr"], 1.0 / 60.0, 1.0 / 3600.0);
