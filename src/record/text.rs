@@ -169,15 +169,17 @@ fn split(block: &[u8]) -> Vec<&[u8]> {
     parts
 }
 
-/// The columns of dates, each with the slot of the times of day in the column after it.
+/// The columns of dates, each with the slot of the times of day in the column after it, or else before it.
 fn dates(layout: &Layout, slots: &[Option<usize>]) -> Vec<(usize, usize)> {
-    let is_date = |&column: &usize| layout.calendar[column] == Some(Calendar::Date);
-    let of_clock = |column: usize| {
-        let is_clock = layout.calendar.get(column + 1) == Some(&Some(Calendar::Time));
-        slots.get(column + 1).copied().flatten().filter(|_| is_clock)
+    let holds = |column: usize, calendar| layout.calendar.get(column) == Some(&Some(calendar));
+    let slot = |column: usize| slots.get(column).copied().flatten().filter(|_| holds(column, Calendar::Time));
+    let before = |column: usize| {
+        let clock = column.checked_sub(1)?;
+        let has_own = clock.checked_sub(1).is_some_and(|date| holds(date, Calendar::Date));
+        slot(clock).filter(|_| !has_own)
     };
-    let columns = (0..layout.calendar.len()).filter(is_date);
-    columns.filter_map(|column| Some((column, of_clock(column)?))).collect()
+    let columns = (0..layout.calendar.len()).filter(|&column| holds(column, Calendar::Date));
+    columns.filter_map(|column| Some((column, slot(column + 1).or_else(|| before(column))?))).collect()
 }
 
 fn parse<'b>(

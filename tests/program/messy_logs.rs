@@ -169,7 +169,7 @@ fn headers_of_loggers_are_read_without_options() {
     const ROS: &str =
         "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.angular_velocity.x";
     type Row = fn(usize, f64) -> String;
-    let logs: [(&str, &str, Row, &str, f64); 10] = [
+    let logs: [(&str, &str, Row, &str, f64); 13] = [
         (
             "PX4",
             "timestamp,gyro_rad[0],gyro_integral_dt",
@@ -225,6 +225,34 @@ fn headers_of_loggers_are_read_without_options() {
                 )
             },
             "GYROSCOPE X",
+            100.0,
+        ),
+        (
+            "ROS 2",
+            "header.stamp.sec,header.stamp.nanosec,header.frame_id,angular_velocity.x",
+            |i, y| {
+                let ns = 1_700_000_000_987_000_000 + 5_000_000 * i;
+                format!("{},{},imu,{y}", ns / 1_000_000_000, ns % 1_000_000_000)
+            },
+            "angular_velocity.x",
+            200.0,
+        ),
+        (
+            "gettimeofday",
+            "tv_sec,tv_usec,gz_dps",
+            |i, y| format!("{},{},{y}", 1_700_000_000 + i / 400, 2500 * (i % 400) + 7),
+            "gz",
+            400.0,
+        ),
+        (
+            "a clock before its date",
+            "time;date;gz [deg/s]",
+            |i, y| {
+                let (day, second) = (24 + (i + 8_639_800) / 8_640_000, (i / 100 + 86_398) % 86_400);
+                let clock = [second / 3600, second / 60 % 60, second % 60].map(|part| format!("{part:02}"));
+                format!("{}.{:02};2024-01-{day};{y}", clock.join(":"), i % 100)
+            },
+            "gz",
             100.0,
         ),
         (

@@ -12,7 +12,7 @@ use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::temperature::{Degree, Thermometer};
-use crate::record::log::timing::{Clock, found, is_span, is_time, is_timing, spread};
+use crate::record::log::timing::{Clock, found, is_span, is_time, is_timing, parts_of_times, spread};
 use crate::record::names::Name;
 use crate::record::recording::{Recording, Rules};
 use crate::record::spelling::unit_of;
@@ -163,11 +163,20 @@ impl Log {
         let others: Vec<usize> = others.filter(is_other).take(MOST_THERMOMETERS).collect();
         let span = columns.first().filter(|_| request.data == Data::Increment);
         let span = span.and_then(|&column| span_of(&file, column)).filter(|span| !all.contains(span));
-        let read = [&all[..], &others, span.as_slice()].concat();
+        let rest = time.and_then(|time| time.rest);
+        let rest_column = rest.map(|rest| rest.column);
+        let read = [&all[..], &others, span.as_slice(), rest_column.as_slice()].concat();
         let Some(mut samples) = faults.take(file.read(&read, &RULES)) else {
             return Err(faults.into_error(&file.file));
         };
-        let stamps = time.map(|_| samples.remove(0));
+        let rests = rest.and_then(|rest| Some((rest, samples.pop()?)));
+        let mut stamps = time.map(|_| samples.remove(0));
+        if let Some(((rest, rests), seconds)) = rests.zip(stamps.as_mut())
+            && let Some(added) = rest.added(seconds, &rests)
+        {
+            notes.push(format!("the rest of each second is taken from {}", file.title(rest.column)));
+            *seconds = added;
+        }
         let clock = Clock {
             step_s: request.timing.step_s(&file),
             time,
@@ -243,7 +252,10 @@ fn wanted(
     if !named.is_empty() {
         return Ok(named.to_vec());
     }
-    let is_other = |column: &usize| !taken.contains(&Some(*column)) && file.calendar(*column).is_none();
+    let parts = parts_of_times(file);
+    let is_other = |column: &usize| {
+        !taken.contains(&Some(*column)) && file.calendar(*column).is_none() && !parts.contains(column)
+    };
     let others: Vec<usize> = (0..file.columns()).filter(is_other).collect();
     let measuring = if request.units.is_empty() { measuring(file, request.data) } else { vec![] };
     match others[..] {
@@ -300,9 +312,11 @@ fn expanded(file: &Recording, words: &[String]) -> Vec<String> {
 
 /// The columns that may have samples: all numbers but those of the columns `taken`, times, lengths of time, temperatures and counters.
 fn likely(file: &Recording, taken: [Option<usize>; 2]) -> Vec<usize> {
+    let parts = parts_of_times(file);
     let is_likely = |&column: &usize| {
         let is_other = file.names().get(column).is_some_and(|name| is_temperature(name) || is_timing(name));
         !taken.contains(&Some(column))
+            && !parts.contains(&column)
             && !is_other
             && file.calendar(column).is_none()
             && file.sample(column).is_some()

@@ -40,6 +40,16 @@ const COUNTERS: [&str; 7] = ["counter", "count", "sample", "index", "seq", "sequ
 /// Most rows that repeat the numbers of the row before, for each that has only its time, in a log with a coarse clock.
 const REPEATED_PER_OTHER: usize = 20;
 
+/// Names of columns with whole seconds.
+const SECONDS: [&str; 4] = ["sec", "secs", "second", "seconds"];
+
+/// Names of columns with the rest of a second, and their units, s.
+const RESTS: [(&[&str], f64); 3] = [
+    (&["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds", "nanos", "ns"], 1e-9),
+    (&["usec", "usecs", "microsec", "microsecs", "microsecond", "microseconds", "micros", "us"], 1e-6),
+    (&["msec", "msecs", "millisec", "millisecs", "millisecond", "milliseconds", "millis", "ms"], 1e-3),
+];
+
 /// The unit of stamps that are numbers of samples, or whose unit does not matter.
 const ANY: f64 = 1.0;
 
@@ -49,6 +59,48 @@ pub(crate) struct Time {
     pub column: usize,
     /// The unit, s, where it is known.
     unit_s: Option<f64>,
+    /// The column with the rest of the second, where this one has whole seconds.
+    pub rest: Option<Rest>,
+}
+
+/// A column with the rest of the seconds of another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rest {
+    pub column: usize,
+    unit_s: f64,
+}
+
+impl Rest {
+    /// The column that has the rest of the seconds in `column`: `tv_usec` for `tv_sec`, or `stamp.nanosec` for `stamp.sec`.
+    fn of(file: &Recording, column: usize) -> Option<Rest> {
+        let names = file.names();
+        let (base, word) = last_word(&names.get(column)?.whole);
+        let is = |known: &[&str], word: &str| known.iter().any(|known| known.eq_ignore_ascii_case(word));
+        let unit = |at: usize| {
+            let (other, word) = last_word(&names[at].whole);
+            RESTS.iter().find(|(known, _)| other == base && is(known, word)).map(|(_, unit_s)| *unit_s)
+        };
+        let rest =
+            |at: usize| Some(Rest { column: at, unit_s: unit(at).filter(|_| file.sample(at).is_some())? });
+        is(&SECONDS, word).then(|| (0..names.len()).find_map(rest)).flatten()
+    }
+
+    /// The times with the rests of their seconds, from the first second on, which keeps all digits; `None` where the numbers
+    /// are no rests.
+    pub(crate) fn added(&self, seconds: &[f64], rests: &[f64]) -> Option<Vec<f64>> {
+        let first = *seconds.first()?;
+        let sum = |(second, rest): (&f64, &f64)| (second - first) + rest * self.unit_s;
+        let is_rest = |rest: &f64| rest.is_nan() || (0.0..1.0).contains(&(rest * self.unit_s));
+        let are_rests = seconds.iter().all(|second| second.is_nan() || second.fract() == 0.0)
+            && rests.iter().all(is_rest);
+        are_rests.then(|| seconds.iter().zip(rests).map(sum).collect())
+    }
+}
+
+/// A name without the letters at its end, and these.
+fn last_word(name: &str) -> (&str, &str) {
+    let letters = name.trim_end_matches([']', ')', '}', ' ']);
+    letters.split_at(letters.trim_end_matches(|c: char| c.is_ascii_alphabetic()).len())
 }
 
 /// How the times of the rows are found.
@@ -87,6 +139,12 @@ pub(crate) fn is_timing(name: &Name) -> bool {
         || is_span(&name.bare)
 }
 
+/// The columns of whole seconds, and those with the rest of each.
+pub(crate) fn parts_of_times(file: &Recording) -> Vec<usize> {
+    let both = |column| Rest::of(file, column).map(|rest| [column, rest.column]);
+    (0..file.names().len()).filter_map(both).flatten().collect()
+}
+
 /// Whether a column with this name has lengths of time.
 pub(crate) fn is_span(name: &str) -> bool {
     SPANS.iter().any(|end| name.to_lowercase().ends_with(end))
@@ -111,8 +169,13 @@ pub(crate) fn found(
 ) -> Result<(Option<Time>, bool), RecordError> {
     let Timing::Stamps { step_s, column, unit } = timing else { return Ok((None, true)) };
     let time = |column: usize, is_sure: bool| {
-        let unit_s = unit_s(file, column, unit.as_deref(), &time_column(file, column))?;
-        Ok((Some(Time { column, unit_s }), is_sure))
+        let rest = Rest::of(file, column);
+        let known = rest.map(|_| 1.0).filter(|_| unit.is_none());
+        let unit_s = match known {
+            None => unit_s(file, column, unit.as_deref(), &time_column(file, column))?,
+            seconds => seconds,
+        };
+        Ok((Some(Time { column, unit_s, rest }), is_sure))
     };
     if let Some(word) = column {
         return time(file.find(word, None)?, true);
@@ -140,6 +203,12 @@ pub(crate) fn found(
             notes.push(format!("times are taken from {}", time_column(file, column)));
         }
         return time(column, is_sure);
+    }
+    if let Some(column) =
+        nearest(file, candidates(&|column| Rest::of(file, column).is_some()), wanted.first())
+    {
+        notes.push(format!("times are taken from {}", time_column(file, column)));
+        return time(column, true);
     }
     let has_times = |column| measures_time(column) && !is_span(bare(column)) && file.sample(column).is_some();
     if let [column] = candidates(&has_times)[..] {
@@ -169,7 +238,7 @@ pub(crate) fn found(
     if column.is_none() && !has_step {
         return Err(without_times(file));
     }
-    Ok((column.map(|column| Time { column, unit_s: None }), false))
+    Ok((column.map(|column| Time { column, unit_s: None, rest: None }), false))
 }
 
 /// The error for a file without times.
