@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use sagnac::quantity::number::significant;
+use sagnac::quantity::number::{significant, with_ends};
 use sagnac::table::{Column, ColumnError, Table, titled};
 
 use crate::look;
@@ -175,9 +175,22 @@ pub(crate) fn with_interval(
     unit: &str,
     verdict: &str,
 ) -> Vec<String> {
-    let [value, lower, upper] = [value, interval.map(|ends| ends[0]), interval.map(|ends| ends[1])]
-        .map(|number_of| number(number_of, 4));
+    let [value, lower, upper] = with_its_interval(value, interval, 3);
     vec![name.to_owned(), value, lower, upper, unit.to_owned(), verdict.to_owned()]
+}
+
+/// A value and the ends of its interval; with `digits` significant digits where one of them is absent.
+pub(crate) fn with_its_interval(
+    value: Option<f64>,
+    interval: Option<[f64; 2]>,
+    digits: usize,
+) -> [String; 3] {
+    match value.zip(interval) {
+        Some((value, ends)) => with_ends(value, ends),
+        None => {
+            [value, interval.map(|ends| ends[0]), interval.map(|ends| ends[1])].map(|x| number(x, digits))
+        }
+    }
 }
 
 /// A row of a table over the columns of a log: its name with its unit, and a cell for each column.

@@ -53,6 +53,24 @@ pub fn significant(x: f64, digits: usize) -> String {
     text
 }
 
+/// An estimate and the ends of its interval with equal decimals, of which the distance to the nearer end bears two digits. The
+/// estimate has two to five significant digits.
+pub fn with_ends(value: f64, ends: [f64; 2]) -> [String; 3] {
+    let order = |x: f64| libm::floor(libm::log10(x.abs())) as i32;
+    let distance = ends.map(|end| (value - end).abs()).into_iter().fold(f64::INFINITY, f64::min);
+    let of_value = order(value);
+    let last = if distance > 0.0 { order(distance) - 1 } else { i32::MIN };
+    let last = last.clamp(of_value - 4, of_value - 1);
+    let all = [value, ends[0], ends[1]];
+    if !value.is_normal() || !(-5..6).contains(&of_value) {
+        return all.map(|x| significant(x, 4));
+    }
+    let decimals = usize::try_from(-last).unwrap_or(0);
+    let unit = libm::pow(10.0, f64::from(last.max(0)));
+    let rounded = |x: f64| if last > 0 { libm::round(x / unit) * unit } else { x };
+    all.map(|x| format!("{:.decimals$}", rounded(x)))
+}
+
 /// A number with its unit, or alone if the unit is empty.
 pub fn with_unit(x: f64, digits: usize, unit: &str) -> String {
     format!("{} {unit}", significant(x, digits)).trim_end().to_owned()
@@ -119,6 +137,24 @@ pub(crate) fn rounded_to(side: Side, x: f64, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn estimates_have_the_digits_that_their_intervals_bear() {
+        for (value, ends, shown) in [
+            (0.600_123, [0.598_041, 0.602_377], ["0.6001", "0.5980", "0.6024"]),
+            (211.84, [94.513, 6759.9], ["210", "90", "6760"]),
+            (306.31, [304.88, 307.76], ["306.3", "304.9", "307.8"]),
+            (16.3, [11.2, 21.9], ["16.3", "11.2", "21.9"]),
+            (3.0, [3.0, 3.0], ["3.0000", "3.0000", "3.0000"]),
+            (0.9996, [0.71, 1.6], ["1.00", "0.71", "1.60"]),
+            (-12_345.6, [-12_500.0, -12_200.0], ["-12350", "-12500", "-12200"]),
+            (2.5e-9, [2.4e-9, 2.6e-9], ["2.5e-9", "2.4e-9", "2.6e-9"]),
+            (0.0, [-1.0, 1.0], ["0", "-1", "1"]),
+            (5.0, [4.0, f64::INFINITY], ["5.0", "4.0", "inf"]),
+        ] {
+            assert_eq!(with_ends(value, ends), shown, "{value}");
+        }
+    }
 
     #[test]
     fn numbers_are_rounded_to_a_side_unless_they_have_so_few_digits() {

@@ -13,7 +13,7 @@ use sagnac::table::titled;
 
 use crate::allan::axes;
 use crate::shown::{THIS, shown};
-use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
+use crate::terminal::{WITH_INTERVAL, headed, with_interval, with_its_interval};
 
 /// Most lines of a curve; of longer curves every second, third, … point is shown.
 pub(super) const MOST_LINES: usize = 48;
@@ -88,25 +88,15 @@ fn line(point: &Point, unit: Unit) -> Vec<String> {
         let mark = if noise.carried { "*" } else { "" };
         (format!("{}{mark}", noise.alpha), noise.name(unit).to_owned())
     });
-    vec![
-        significant(point.tau_s, 7),
-        point.terms.to_string(),
-        number(point.value, 5),
-        number(point.interval.map(|ends| ends.0), 5),
-        number(point.interval.map(|ends| ends.1), 5),
-        alpha,
-        name,
-    ]
+    let [value, lower, upper] = with_its_interval(point.value, point.interval.map(Into::into), 5);
+    vec![significant(point.tau_s, 7), point.terms.to_string(), value, lower, upper, alpha, name]
 }
 
 /// The minimum of a curve, and whether the curve ends there.
 fn stability(curve: &Curve, unit: Unit) -> String {
     let Some(Minimum { point, at_end }) = curve.minimum else { return String::new() };
-    let shown = |value: f64| significant(value, 4);
-    let value = shown(point.value.unwrap_or_default());
-    let interval = point
-        .interval
-        .map_or_else(String::new, |(lower, upper)| format!(" ({} … {})", shown(lower), shown(upper)));
+    let [value, lower, upper] = with_its_interval(point.value, point.interval.map(Into::into), 4);
+    let interval = point.interval.map_or_else(String::new, |_| format!(" ({lower} … {upper})"));
     let found = format!("{value}{interval} {}", unit.symbol(curve.deviation));
     let end = if at_end { "; the curve ends there, and a longer record may show a lower one" } else { "" };
     format!(

@@ -12,7 +12,7 @@ use sagnac::table::titled;
 
 use crate::psd::axes;
 use crate::shown::{THIS, shown};
-use crate::terminal::{WITH_INTERVAL, headed, number, with_interval};
+use crate::terminal::{WITH_INTERVAL, headed, number, with_interval, with_its_interval};
 
 /// Lines of a density per octave.
 const PER_OCTAVE: f64 = 2.0;
@@ -37,14 +37,9 @@ pub fn report(analysis: &Analysis) -> String {
 /// Means of the density beside the fitted model.
 fn density(analysis: &Analysis, column: &Column, spectrum: &Spectrum) -> String {
     let line = |point: sagnac::spectrum::Point| {
-        let ends = point.interval;
-        vec![
-            significant(point.frequency_hz, 5),
-            significant(point.value, 4),
-            number(ends.map(|ends| ends.0), 4),
-            number(ends.map(|ends| ends.1), 4),
-            number(spectrum.model_at(point.frequency_hz), 4),
-        ]
+        let [value, lower, upper] = with_its_interval(Some(point.value), point.interval.map(Into::into), 4);
+        let fit = number(spectrum.model_at(point.frequency_hz), 4);
+        vec![significant(point.frequency_hz, 5), value, lower, upper, fit]
     };
     let title = titled("means over half an octave", symbol(column.unit));
     let table = headed(
