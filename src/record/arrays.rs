@@ -1,6 +1,7 @@
 //! Files that hold several named arrays, whose columns are taken for the columns of a log.
 
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, told};
+use crate::record::format::check_unpacked;
 use crate::record::names::Name;
 use crate::record::recording::Rules;
 
@@ -21,6 +22,8 @@ pub(crate) struct Arrays {
     pub names: Vec<Name>,
     /// The array of each column, with the place of the column in it and the number of its rows.
     places: Vec<(usize, usize, usize)>,
+    /// Length of the file in bytes, if it is known.
+    stored: Option<u64>,
 }
 
 impl Arrays {
@@ -28,7 +31,12 @@ impl Arrays {
     ///
     /// # Errors
     /// There are no columns, or too many.
-    pub(crate) fn of(file: &str, arrays: &[Array], left_out: &[String]) -> Result<Arrays, RecordError> {
+    pub(crate) fn of(
+        file: &str,
+        arrays: &[Array],
+        left_out: &[String],
+        stored: Option<u64>,
+    ) -> Result<Arrays, RecordError> {
         let (mut names, mut places) = (Vec::new(), Vec::new());
         for (at, array) in arrays.iter().enumerate().filter(|(_, array)| array.rows > 1) {
             if names.len().saturating_add(array.columns) > MOST_COLUMNS {
@@ -52,7 +60,7 @@ impl Arrays {
                 "save the samples as arrays of numbers with a row for each sample, not in cells or tables";
             return Err(RecordError::new(message, "", help, None));
         }
-        Ok(Arrays { file: file.to_owned(), names, places })
+        Ok(Arrays { file: file.to_owned(), names, places, stored })
     }
 
     /// The numbers of the `wanted` columns, of which `read` gives those of one array.
@@ -84,7 +92,13 @@ impl Arrays {
                 None,
             ));
         }
-        rules.limit(&self.file, wanted.first().map_or(0, |&column| rows(column)))?;
+        let count = wanted.first().map_or(0, |&column| rows(column));
+        rules.limit(&self.file, count)?;
+        let bytes = (count as u64).saturating_mul(8 * wanted.len() as u64);
+        check_unpacked(bytes, self.stored).map_err(|error| {
+            let help = "if it is a recording, save it without compression";
+            RecordError::new(format!("{}: {}", self.file, told(&error)), "", help, None)
+        })?;
         let mut columns = vec![Vec::new(); wanted.len()];
         let mut arrays: Vec<usize> = wanted.iter().map(|&column| self.places[column].0).collect();
         arrays.sort_unstable();

@@ -28,7 +28,7 @@ const CONNECTION: u8 = 7;
 /// Reads all messages of the file.
 pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
-    let mut bag = Bag::default();
+    let mut bag = Bag { messages: Messages::of(source.length), ..Bag::default() };
     bag.read(&mut source.from(MAGIC)).map_err(|error| {
         let help = "if the recording was cut short, `rosbag reindex` saves what is intact; `rosbag compress --lz4` or \
                     `rosbag decompress` change the compression";
@@ -122,6 +122,7 @@ impl Bag {
                 [CHUNK] => {
                     self.chunks += 1;
                     let data = unpacked(&header, data)?;
+                    self.messages.unpack(data.len())?;
                     let mut rest = data.as_slice();
                     while let Some((header, data)) = record(&mut rest)? {
                         self.take(&header, &data)?;

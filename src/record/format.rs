@@ -6,7 +6,7 @@ use std::path::Path;
 #[cfg(feature = "ros")]
 use crate::record::bag::open as bag;
 use crate::record::calendar::Calendar;
-use crate::record::error::RecordError;
+use crate::record::error::{RecordError, malformed};
 #[cfg(feature = "hdf5")]
 use crate::record::hdf5::open as hdf5;
 #[cfg(feature = "ros")]
@@ -128,6 +128,24 @@ impl<'a> Origin<'a> {
                 Ok((Box::new(file), about.is_file().then_some(about.len())))
             }
             Origin::Bytes(bytes) => Ok((Box::new(bytes), Some(bytes.len() as u64))),
+        }
+    }
+}
+
+/// Bytes that any file may unpack to, and most for each byte of a longer one: noise packs to a fifth at best, and a few columns
+/// that do not change to much less.
+const ANY_UNPACKED: u64 = 1 << 26;
+const MOST_UNPACKED: u64 = 100;
+
+/// Refuses that a file of `stored` bytes, if that is known, unpacks to more than recordings do.
+///
+/// # Errors
+/// The `bytes` are too many for it.
+pub(crate) fn check_unpacked(bytes: u64, stored: Option<u64>) -> io::Result<()> {
+    match stored.filter(|stored| bytes > ANY_UNPACKED.max(MOST_UNPACKED.saturating_mul(*stored))) {
+        None => Ok(()),
+        Some(stored) => {
+            malformed(&format!("its {stored} bytes unpack to more than {MOST_UNPACKED} times as many"))
         }
     }
 }

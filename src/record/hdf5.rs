@@ -49,7 +49,7 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
     opened
         .and_then(|opened| search.group(&opened.root_group()?, "", 0))
         .map_err(|error| bad(&file, &error.to_string()))?;
-    let arrays = Arrays::of(&file, &search.about, &search.left_out)?;
+    let arrays = Arrays::of(&file, &search.about, &search.left_out, Some(length))?;
     Ok(Box::new(Hdf5 { file, arrays, datasets: search.datasets }))
 }
 
@@ -77,8 +77,63 @@ impl Columns for Hdf5 {
                 Some(_) => chunked(dataset, matrix, within),
                 None => whole(dataset, matrix, within),
             };
-            columns.map_err(|why| bad(file, &format!("`{}`: {why}", dataset.name())))
+            let packing = Packing::of(dataset);
+            let unpacked =
+                |columns: Vec<Vec<f64>>| columns.into_iter().map(|column| packing.unpacked(column)).collect();
+            columns.map(unpacked).map_err(|why| bad(file, &format!("`{}`: {why}", dataset.name())))
         })
+    }
+}
+
+/// How numbers are packed by the conventions of netCDF: `scale_factor`, `add_offset`, and the numbers that stand for a missing one.
+struct Packing {
+    scale: f64,
+    offset: f64,
+    missing: Vec<f64>,
+}
+
+impl Packing {
+    fn of(dataset: &Dataset) -> Packing {
+        let number = |name: &str| dataset.attribute(name).ok()?.read_as_f64().ok();
+        Packing {
+            scale: number("scale_factor").unwrap_or(1.0),
+            offset: number("add_offset").unwrap_or(0.0),
+            missing: ["_FillValue", "missing_value"].into_iter().filter_map(number).collect(),
+        }
+    }
+
+    fn unpacked(&self, column: Vec<f64>) -> Vec<f64> {
+        if self.missing.is_empty() && self.scale == 1.0 && self.offset == 0.0 {
+            return column;
+        }
+        let number = |x: f64| if self.missing.contains(&x) { f64::NAN } else { x * self.scale + self.offset };
+        column.into_iter().map(number).collect()
+    }
+}
+
+/// Whether a description of a type is that of whole bytes or of a floating-point number of IEEE 754, as the library takes all.
+fn is_usual(dataset: &Dataset) -> bool {
+    let Ok(raw) = dataset.raw_datatype() else { return false };
+    let Some((head, properties)) = raw.split_at_checked(8) else { return false };
+    let [class, flags, sign, _, size, ..] = *head else { return false };
+    let bits = u16::from(size) * 8;
+    let place = [0, 0, bits.to_le_bytes()[0], bits.to_le_bytes()[1]];
+    match class & 15 {
+        0 => properties.starts_with(&place),
+        // Exponent, mantissa with an implied bit, bias and sign.
+        1 => {
+            let shape: [u8; 8] = match size {
+                2 => [10, 5, 0, 10, 15, 0, 0, 0],
+                4 => [23, 8, 0, 23, 127, 0, 0, 0],
+                8 => [52, 11, 0, 52, 255, 3, 0, 0],
+                _ => return false,
+            };
+            let is_implied = flags >> 4 & 3 == 2 && flags & 0x40 == 0;
+            is_implied
+                && u16::from(sign) == bits - 1
+                && properties.starts_with(&[&place[..], &shape].concat())
+        }
+        _ => false,
     }
 }
 
@@ -183,6 +238,9 @@ impl Search {
             _ => return Err("holds no real numbers"),
         };
         let number = Number::called(&name).ok_or("holds numbers of an unknown size")?;
+        if !is_usual(dataset) {
+            return Err("holds numbers of an unusual layout of bits");
+        }
         if text(dataset, "MATLAB_class").is_some_and(|class| class == "char") {
             return Err("is a text");
         }

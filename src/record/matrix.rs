@@ -18,28 +18,54 @@ pub(crate) struct Number {
 }
 
 macro_rules! numbers {
-    ($($name:literal $type:ident),*) => {
+    ($($name:literal $type:ident $number:expr),* $(,)?) => {
         &[$(Number {
             name: $name,
             long_name: stringify!($type),
             size: size_of::<$type>(),
             decode: |bytes, numbers| {
-                let number = |raw: &[u8]| <$type>::from_le_bytes(raw.try_into().unwrap_or_default()) as f64;
+                let number = |raw: &[u8]| $number(<$type>::from_le_bytes(raw.try_into().unwrap_or_default()));
                 numbers.extend(bytes.chunks_exact(size_of::<$type>()).map(number));
             },
         }),*]
     };
 }
 
+/// The bits of a floating-point number of two bytes.
+#[expect(non_camel_case_types, reason = "it is called like the other types of numbers")]
+type f16 = u16;
+
 /// The supported types of numbers.
 pub(crate) static NUMBERS: &[Number] = numbers!(
-    "f4" f32, "f8" f64, "i1" i8, "i2" i16, "i4" i32, "i8" i64, "u1" u8, "u2" u16, "u4" u32, "u8" u64
+    "f2" f16 of_half,
+    "f4" f32 f64::from,
+    "f8" f64 |x| x,
+    "i1" i8 f64::from,
+    "i2" i16 f64::from,
+    "i4" i32 f64::from,
+    "i8" i64 |x| x as f64,
+    "u1" u8 f64::from,
+    "u2" u16 f64::from,
+    "u4" u32 f64::from,
+    "u8" u64 |x| x as f64,
 );
 
+/// The number that stands for the `bits` of a half-precision one.
+fn of_half(bits: u16) -> f64 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
+    let size = match exponent {
+        0 => libm::ldexp(fraction, -24),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => libm::ldexp(1024.0 + fraction, exponent - 25),
+    };
+    if bits >> 15 == 1 { -size } else { size }
+}
+
 impl Number {
-    /// The type with this name, such as `f8` or `f64`.
+    /// The type that NumPy calls so, such as `f8`; 8 are its bytes.
     pub(crate) fn called(name: &str) -> Option<&'static Number> {
-        NUMBERS.iter().find(|number| number.name == name || number.long_name == name)
+        NUMBERS.iter().find(|number| number.name == name)
     }
 
     /// Appends the numbers in `bytes`, which are reversed where their highest byte is first.
@@ -73,8 +99,11 @@ impl Matrix {
     /// # Errors
     /// The numbers cannot be read, or end early.
     pub(crate) fn read(&self, reader: &mut dyn Read, wanted: &[usize]) -> io::Result<Vec<Vec<f64>>> {
-        let room = self.rows.min(AT_ONCE);
-        let mut columns: Vec<Vec<f64>> = wanted.iter().map(|_| Vec::with_capacity(room)).collect();
+        let mut columns: Vec<Vec<f64>> = vec![vec![]; wanted.len()];
+        for column in &mut columns {
+            // A header may promise any number.
+            column.try_reserve_exact(self.rows.min(AT_ONCE)).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        }
         if self.by_columns {
             for column in 0..self.columns {
                 let mut slot =

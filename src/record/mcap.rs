@@ -23,8 +23,8 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
+    let mut topics = Topics { messages: Messages::of(source.length), ..Topics::default() };
     let mut bytes = source.from(0);
-    let mut topics = Topics::default();
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
             LinearReadEvent::ReadRequest(count) => {
@@ -32,7 +32,10 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
                 reader.notify_read(read.map_err(|error| RecordError::unreadable(&file, &error))?);
             }
             LinearReadEvent::Record { data, opcode } => {
-                topics.take(opcode, data).map_err(|error| bad(&file, &error.to_string()))?;
+                let counted = topics.messages.unpack(data.len());
+                counted
+                    .and_then(|()| topics.take(opcode, data))
+                    .map_err(|error| bad(&file, &error.to_string()))?;
             }
         }
     }

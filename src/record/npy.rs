@@ -8,7 +8,7 @@ use std::io;
 use crate::record::arrays::MOST_COLUMNS;
 use crate::record::error::RecordError;
 use crate::record::format::{Bytes, Columns, Format, Source};
-use crate::record::matrix::{Matrix, NUMBERS};
+use crate::record::matrix::{Matrix, Number};
 use crate::record::names::Name;
 use crate::record::recording::Rules;
 
@@ -79,42 +79,87 @@ pub(crate) fn read(file: &str, head: &[u8], length: Option<u64>) -> Result<(Matr
     }
 }
 
-/// `{'descr': '<f8', 'fortran_order': False, 'shape': (1000, 3), }`
+/// `{'descr': '<f8', 'fortran_order': False, 'shape': (1000, 3), }`, word by word: a damaged one must not pass for another.
 fn parse(file: &str, header: &str) -> Result<Matrix, RecordError> {
-    let after = |key: &str| {
-        let found = header.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
-        found.ok_or_else(|| bad(file, &format!("its header has no `{key}`")))
+    let damaged = || bad(file, "its header is damaged");
+    let mut words = Words(header);
+    words.take("{").ok_or_else(damaged)?;
+    let (mut described, mut order, mut shape) = (None, None, None);
+    while words.take("}").is_none() {
+        let key = words.quoted().ok_or_else(damaged)?;
+        words.take(":").ok_or_else(damaged)?;
+        match key {
+            "descr" if words.0.starts_with('[') => return Err(bad(file, "it has named fields")),
+            "descr" => described = Some(words.quoted().ok_or_else(damaged)?),
+            "fortran_order" => {
+                order = Some(
+                    words.take("True").is_some()
+                        || words.take("False").map(|()| false).ok_or_else(damaged)?,
+                );
+            }
+            "shape" => shape = Some(words.shape().ok_or_else(damaged)?),
+            _ => return Err(damaged()),
+        }
+        if words.take(",").is_none() && !words.0.starts_with('}') {
+            return Err(damaged());
+        }
+    }
+    let (Some(described), Some(by_columns), Some(shape), "") = (described, order, shape, words.0) else {
+        return Err(damaged());
     };
-    let quoted = after("descr")?.strip_prefix('\'').and_then(|rest| rest.split_once('\''));
-    let Some((described, _)) = quoted else {
-        return Err(bad(file, "it has named fields"));
-    };
-    let (order, name) = described.split_at_checked(1).unwrap_or_default();
-    let Some(number) = NUMBERS.iter().find(|number| number.name == name) else {
-        return Err(bad(file, &format!("its numbers are of type '{described}'")));
-    };
+    let unsupported = || bad(file, &format!("its numbers are of type '{described}'"));
+    let (order, name) = described.split_at_checked(1).ok_or_else(unsupported)?;
+    let number = Number::called(name).ok_or_else(unsupported)?;
     let big_endian = match order {
         ">" => true,
-        "<" | "|" => false,
-        _ => cfg!(target_endian = "big"),
+        "<" => false,
+        "|" if number.size == 1 => false,
+        "=" => cfg!(target_endian = "big"),
+        _ => return Err(unsupported()),
     };
-    let by_columns = after("fortran_order")?.starts_with("True");
-    let inner = after("shape")?.strip_prefix('(').and_then(|rest| rest.split_once(')'));
-    let parts =
-        inner.map_or("", |(inner, _)| inner).split(',').map(str::trim).filter(|part| !part.is_empty());
-    let shape: Option<Vec<usize>> = parts.map(|part| part.parse().ok()).collect();
-    let (rows, columns) = match shape.as_deref() {
-        Some([rows]) => (*rows, 1),
-        Some([rows, columns]) => (*rows, *columns),
+    let (rows, columns) = match shape[..] {
+        [rows] => (rows, 1),
+        [rows, columns] => (rows, columns),
         _ => return Err(bad(file, "it has neither one dimension nor two")),
     };
     Ok(Matrix { number, big_endian, by_columns, rows, columns })
+}
+
+/// The rest of a header, without blanks at its start.
+struct Words<'h>(&'h str);
+
+impl<'h> Words<'h> {
+    /// Takes a word, if it is the next one.
+    fn take(&mut self, word: &str) -> Option<()> {
+        self.0 = self.0.strip_prefix(word)?.trim_start_matches([' ', '\n']);
+        Some(())
+    }
+
+    fn quoted(&mut self) -> Option<&'h str> {
+        let (inner, rest) = self.0.strip_prefix('\'')?.split_once('\'')?;
+        self.0 = rest.trim_start_matches(' ');
+        Some(inner)
+    }
+
+    /// Takes `(1000, 3)` or `(1000,)`.
+    fn shape(&mut self) -> Option<Vec<usize>> {
+        let (inner, rest) = self.0.strip_prefix('(')?.split_once(')')?;
+        self.0 = rest.trim_start_matches(' ');
+        let inner = inner.strip_suffix(',').unwrap_or(inner);
+        let extent = |part: &str| part.trim_matches(' ').parse().ok();
+        if inner.is_empty() { Some(vec![]) } else { inner.split(',').map(extent).collect() }
+    }
 }
 
 /// The error for numbers that could not be read.
 pub(crate) fn cut_off(file: &str, error: &io::Error) -> RecordError {
     match error.kind() {
         io::ErrorKind::UnexpectedEof => bad(file, "it ends too early"),
+        // A checksum or the compression of an archive.
+        io::ErrorKind::InvalidData | io::ErrorKind::InvalidInput | io::ErrorKind::Other => {
+            let message = format!("{file} is damaged: {error}");
+            RecordError::new(message, "", "copy it again from where it was recorded", None)
+        }
         _ => RecordError::unreadable(file, error),
     }
 }

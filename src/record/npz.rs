@@ -26,6 +26,7 @@ struct Npz<'a> {
 
 fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
+    let stored = source.length;
     let mut archive = ZipArchive::new(source.seekable()?).map_err(|error| bad(&file, &error))?;
     let (mut parts, mut about, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     for at in 0..archive.len() {
@@ -46,7 +47,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
             Err(error) => left_out.push(error.to_string()),
         }
     }
-    let arrays = Arrays::of(&file, &about, &left_out)?;
+    let arrays = Arrays::of(&file, &about, &left_out, stored)?;
     Ok(Box::new(Npz { file, archive, arrays, parts }))
 }
 

@@ -5,7 +5,7 @@ use std::io;
 
 use crate::record::arrays::{Array, Arrays};
 use crate::record::error::{RecordError, malformed};
-use crate::record::format::Columns;
+use crate::record::format::{Columns, check_unpacked};
 use crate::record::names::Name;
 use crate::record::recording::Rules;
 
@@ -78,12 +78,30 @@ fn sample(message: &[u8], encoding: Encoding) -> Option<[f64; 7]> {
 /// The messages of each topic.
 #[derive(Default)]
 pub(crate) struct Messages {
+    /// Length of the file in bytes, if it is known.
+    stored: Option<u64>,
+    /// Bytes that were unpacked from it.
+    unpacked: u64,
     topics: BTreeMap<String, Vec<[f64; 7]>>,
     /// Other types of messages, for a refusal.
     pub others: Vec<String>,
 }
 
 impl Messages {
+    /// Those of a file with so many bytes.
+    pub(crate) fn of(stored: Option<u64>) -> Messages {
+        Messages { stored, ..Messages::default() }
+    }
+
+    /// Counts bytes that were unpacked.
+    ///
+    /// # Errors
+    /// There are more than a recording of that length has.
+    pub(crate) fn unpack(&mut self, bytes: usize) -> io::Result<()> {
+        self.unpacked += bytes as u64;
+        check_unpacked(self.unpacked, self.stored)
+    }
+
     /// Takes a message of a topic.
     pub(crate) fn take(&mut self, topic: &str, message: &[u8], encoding: Encoding) -> io::Result<()> {
         let Some(sample) = sample(message, encoding) else {
@@ -123,7 +141,7 @@ impl Messages {
                 Array { name: Name::read(&name), rows: rows.len(), columns: 1 }
             })
         });
-        let arrays = Arrays::of(file, &about.collect::<Vec<_>>(), &[])?;
+        let arrays = Arrays::of(file, &about.collect::<Vec<_>>(), &[], None)?;
         Ok(Box::new(Topics { arrays, rows: topics.into_iter().map(|(_, rows)| rows).collect() }))
     }
 }
