@@ -112,6 +112,21 @@ pub struct StudyError {
     several: Box<[StudyError]>,
 }
 
+/// Most characters of a text of an error, and of its end where it is longer: names may have any length.
+const LONGEST: usize = 2000;
+const LAST: usize = 200;
+
+/// A text without its middle, where it is longer than an error may be.
+fn bounded(text: String) -> String {
+    let count = text.chars().count();
+    if count <= LONGEST {
+        return text;
+    }
+    let first: String = text.chars().take(LONGEST - LAST).collect();
+    let last: String = text.chars().skip(count - LAST).collect();
+    format!("{first} … {last}")
+}
+
 impl StudyError {
     /// `message`: the whole finding; `label`: what stands at what is `shown`; `help`: what to do.
     pub(crate) fn new(
@@ -123,9 +138,9 @@ impl StudyError {
         let span = shown.as_ref().map(|place| place.span.clone().into());
         let shown = shown.map(Arc::new);
         StudyError {
-            message: message.into(),
-            label: label.into(),
-            help: help.into(),
+            message: bounded(message.into()),
+            label: bounded(label.into()),
+            help: bounded(help.into()),
             shown,
             span,
             several: Box::default(),

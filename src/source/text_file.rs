@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,25 +13,78 @@ pub const MOST_TOML: u64 = 16 << 20;
 /// Largest size of a record in bytes, 2^28, which is read and refused in less than 1 GiB of memory.
 pub const MOST_RECORD: u64 = 1 << 28;
 
-/// The folders of files that a shell has opened for the program: `/dev/stdin`, and `/dev/fd/63` or `/proc/self/fd/63` of
-/// `<(command)`. Their other end is open already, so reading them does not wait for a stranger.
-const INHERITED: [&str; 4] = ["/dev/stdin", "/dev/fd", "/proc/self/fd", "/proc/thread-self/fd"];
+/// The folders of the numbers of files that a shell has opened for the program, as for `<(command)`.
+const INHERITED: [&str; 3] = ["/dev/fd", "/proc/self/fd", "/proc/thread-self/fd"];
+
+/// Whether a shell has opened the file for the program: `/dev/stdin`, or `/dev/fd/63` of `<(command)`. Its other end is open
+/// already, so reading it does not wait for a stranger.
+fn is_inherited(path: &Path) -> bool {
+    let number = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.parse::<u32>().ok());
+    let folder = path.parent().filter(|_| number.is_some());
+    path == Path::new("/dev/stdin")
+        || folder.is_some_and(|folder| INHERITED.iter().any(|known| folder == Path::new(known)))
+}
 
 /// Opens a file for reading. What a shell has opened for the program may be of any kind.
 ///
 /// # Errors
 /// The file cannot be opened, or is of a kind that may have no end or never begin: a folder, a pipe with a name, a
-/// device, a socket.
+/// device, a socket, a file of the kernel.
 pub fn open(path: &Path) -> Result<File, Error> {
-    let kind = std::fs::metadata(path)?.file_type();
-    if kind.is_file() || INHERITED.iter().any(|folder| path.starts_with(folder)) {
+    if is_inherited(path) {
         return File::open(path);
     }
-    let what = if kind.is_dir() { "it is a folder" } else { "it is a pipe, a device or a socket" };
+    let file = open_at_once(path)?;
+    // The kind is that of what was opened, whatever has taken its place since.
+    ordinary(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Refuses what may have no end or never begin.
+fn ordinary(found: &Metadata) -> Result<(), Error> {
+    let what = match found.file_type() {
+        _ if is_of_kernel(found) => "it is a file of the kernel",
+        kind if kind.is_file() => return Ok(()),
+        kind if kind.is_dir() => "it is a folder",
+        _ => "it is a pipe, a device or a socket",
+    };
     Err(Error::new(
         ErrorKind::InvalidInput,
         format!("{what}, not an ordinary file; write the data to a file"),
     ))
+}
+
+/// Opens a file without waiting for the other end of a pipe.
+#[cfg(feature = "store")]
+fn open_at_once(path: &Path) -> Result<File, Error> {
+    use cap_fs_ext::OpenOptionsSyncExt;
+    let mut options = cap_std::fs::OpenOptions::new();
+    let options = options.read(true).nonblock(true);
+    cap_std::fs::File::open_ambient_with(path, options, cap_std::ambient_authority())
+        .map(cap_std::fs::File::into_std)
+}
+
+/// Opens an ordinary file.
+#[cfg(not(feature = "store"))]
+fn open_at_once(path: &Path) -> Result<File, Error> {
+    ordinary(&std::fs::metadata(path)?)?;
+    File::open(path)
+}
+
+/// Whether a file is one of those that the kernel makes up while they are read, some without an end.
+fn is_of_kernel(found: &Metadata) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::linux::fs::MetadataExt;
+        ["/proc", "/sys"]
+            .iter()
+            .any(|root| std::fs::metadata(root).is_ok_and(|root| root.st_dev() == found.st_dev()))
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = found;
+        false
+    }
 }
 
 /// The bytes of the file at `path`, which [`open`] accepts.
@@ -56,7 +109,7 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
 /// It fails where [`read_bytes`] does, and where the file is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String, Error> {
     String::from_utf8(read_bytes(path, most)?)
-        .map_err(|_| Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+        .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8: save it in that encoding"))
 }
 
 /// The files that a study names, each read once. The stored copies are therefore the data used in the computation, even
@@ -106,5 +159,25 @@ mod tests {
         assert!(read_text(folder.path(), 8).unwrap_err().to_string().contains("it is a folder"));
         #[cfg(unix)]
         assert!(read_text(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string().contains("a device"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn files_of_the_kernel_and_detours_over_open_files_are_refused() {
+        for path in ["/proc/self/maps", "/proc/kmsg", "/sys/kernel/mm/transparent_hugepage/enabled"] {
+            // Some are not there for everybody.
+            let refused = read_bytes(Path::new(path), 10).unwrap_err();
+            assert!(
+                refused.to_string().contains("kernel") || refused.kind() != ErrorKind::InvalidInput,
+                "{path}: {refused}"
+            );
+        }
+        let refused = read_bytes(Path::new("/dev/fd/../../dev/zero"), 10).unwrap_err();
+        assert!(
+            !is_inherited(Path::new("/dev/fd/../../dev/zero"))
+                && !is_inherited(Path::new("/proc/self/fd/../cwd/1"))
+        );
+        assert_ne!(refused.kind(), ErrorKind::FileTooLarge, "{refused}");
+        assert!(is_inherited(Path::new("/dev/fd/63")) && is_inherited(Path::new("/proc/self/fd/0")));
     }
 }

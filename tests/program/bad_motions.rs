@@ -43,7 +43,7 @@ fn records_without_good_samples_are_refused() {
     record_refused(b"", &["record.csv is empty", "one line for each sample"]);
     bad(RECORD, "1:1", &["at least 2 samples, this one has 0"]);
     let binary: Vec<u8> = (0..=255).cycle().take(4096).collect();
-    record_refused(&binary, &["[study.toml:7:20]", "valid UTF-8"]);
+    record_refused(&binary, &["[study.toml:7:20]", "not UTF-8"]);
     record_refused(
         format!("{RECORD}{}", samples(6)).as_bytes(),
         &["[study.toml:7:11]", "has 5 whole ticks, too few for a gap of 3", "record for longer"],
