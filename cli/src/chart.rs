@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sagnac::run::RESOLVED;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::Column;
 use sagnac::view::picture::verdict::verdicts;
@@ -134,8 +135,9 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
     let drawn = pictures(&study, &tables, lacking)?;
+    let results = Folder::open(&options.folder)?;
     for drawn in &drawn {
-        write_pictures(&options.folder, &options.name, &drawn.picture)?;
+        write_pictures(&results, &options.name, &drawn.picture)?;
     }
     // Said even where only errors are: the picture is not the one of the study.
     if let Some(sentence) = incomplete(lacking) {

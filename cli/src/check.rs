@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
 use sagnac::source::text_file::read_bytes;
+use sagnac::store::FILE as DATABASE;
 use sagnac::store::check::Report;
 use sagnac::store::error::StoreError;
+use sagnac::store::folder::Folder;
 use sagnac::store::source::Source;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
@@ -28,6 +30,10 @@ pub struct Options {
     /// Results folders
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
+    /// Take over the files of folders of earlier versions, which kept no list of them, so that later commands replace them;
+    /// nothing is checked
+    #[arg(long)]
+    adopt: bool,
     /// Print only errors
     #[arg(help_heading = "Output", long, short)]
     quiet: bool,
@@ -48,6 +54,9 @@ const MOST_TOLD: usize = 10;
 /// Reads everything in the folders and reports whether it is intact, complete and matches its tables. All folders are
 /// read, whatever is found in the first ones.
 pub fn check(options: &Options) -> Result<(), Failure> {
+    if options.adopt {
+        return options.folders.iter().try_for_each(|folder| adopt(folder, options.quiet));
+    }
     let (mut faulty, mut incomplete, mut unread) = (0, vec![], None);
     for folder in &options.folders {
         match check_folder(folder, options.quiet) {
@@ -70,6 +79,19 @@ pub fn check(options: &Options) -> Result<(), Failure> {
     }
 }
 
+/// Enters the files of results into the list of their folder.
+fn adopt(folder: &Path, quiet: bool) -> Result<(), Failure> {
+    if !folder.join(DATABASE).is_file() && !folders::is_carded(folder) {
+        let shown = folder.display();
+        return Err(Failure::Usage(format!(
+            "{shown} holds no results\ngive a folder that sagnac wrote results to"
+        )));
+    }
+    let adopted = Folder::open(folder)?.adopt(folders::is_ours)?;
+    let names = if adopted.is_empty() { "nothing".to_owned() } else { adopted.join(", ") };
+    if quiet { Ok(()) } else { print(&format!("{}: took over {names}", folder.display())) }
+}
+
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     if folder.is_file() {
         // Reports whether it is a results folder.
@@ -82,9 +104,28 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     let report = source.check()?;
     let mut faults: Vec<String> = report.faults.iter().map(ToString::to_string).collect();
     let mut lacking = 0;
-    let mut about = "the folder has no study".to_owned();
+    let mut about = String::new();
     let resolved = folder.join(RESOLVED);
-    if faults.is_empty() && resolved.is_file() {
+    if !resolved.is_file() {
+        let message = format!(
+            "{} is missing: whether trials are complete and tables match cannot be checked",
+            resolved.display()
+        );
+        faults.push(message);
+    }
+    let changed = Folder::open(folder)?.changed()?;
+    for name in changed.iter().flatten() {
+        faults.push(format!("{} was changed since it was written", folder.join(name).display()));
+    }
+    if changed.is_none() {
+        note!(
+            "{}: an earlier version wrote it without a list of its files, so only tallies and tables are checked; `sagnac check {} \
+             --adopt` makes the list",
+            folder.display(),
+            folder.display()
+        );
+    }
+    if faults.is_empty() {
         let study = Study::read(&resolved)?;
         let plan = Plan::new(&study)?;
         let store = source.into_store(&plan.identity())?;
@@ -94,6 +135,12 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             lacking => format!("{lacking} trials are missing"),
         };
         let shares = store.shares()?;
+        if shares.is_empty() {
+            note!(
+                "{}: it does not say which share of the trials is sampled there; all are expected",
+                folder.display()
+            );
+        }
         if lacking > 0 && !shares.is_empty() && !shares.iter().any(Share::is_whole) {
             let missing =
                 shares.iter().map(|share| plan.lacks(&store, *share)).collect::<Result<Vec<_>, _>>()?;

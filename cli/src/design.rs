@@ -11,6 +11,7 @@ use sagnac::analysis::design::{Constraints, Design, Measure, Request, Search, de
 use sagnac::analysis::page;
 use sagnac::quantity::number::short;
 use sagnac::quantity::units::Dimension;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
@@ -19,9 +20,7 @@ use serde_json::{Value, json};
 use crate::charts::{write_figures, write_pictures};
 use crate::failure::Failure;
 use crate::filler::alone::at_least_0;
-use crate::output::{
-    print, print_drawn, print_json, whereabouts, write, write_or_remove, write_page, write_table,
-};
+use crate::output::{print, print_drawn, print_json, whereabouts, write_or_remove, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::results::sheet_text;
@@ -135,7 +134,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let sheet = found.sheet()?;
     let mut document = report::json(&found);
     document["decision"] = json!(sheet.as_ref().map(Sheet::json));
-    let picture = write_all(&found, sheet.as_ref(), &document, &table, &folder)?;
+    let picture = write_all(&found, sheet.as_ref(), &document, &table, &Folder::open(&folder)?)?;
     if options.json {
         return print_json(&document);
     }
@@ -163,15 +162,15 @@ fn write_all(
     sheet: Option<&Sheet>,
     document: &Value,
     table: &Table,
-    folder: &Path,
+    folder: &Folder,
 ) -> Result<Picture, Failure> {
-    write_table(&folder.join("design.csv"), table)?;
+    write_table(folder, "design.csv", table)?;
     let json = serde_json::to_vec_pretty(document);
-    write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
+    folder.write("design.json", &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
     let figure = report::figure(found).map_err(|error| Failure::Picture(error.to_string()))?;
     let picture = Picture::Curves(figure);
     write_pictures(folder, "design", &picture)?;
-    write_or_remove(&folder.join("pareto.csv"), report::pareto_table(found))?;
+    write_or_remove(folder, "pareto.csv", report::pareto_table(found))?;
     write_figures(folder, &[("pareto".to_owned(), report::pareto_figure(found))])?;
     write_page(folder, &page::of_design(found, sheet, table, picture.clone()))?;
     Ok(picture)

@@ -15,11 +15,11 @@ use sagnac::analysis::spectrum::NoSpectrum;
 use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::error::RecordError;
-use sagnac::run::keep::KeepError;
 use sagnac::run::{RESOLVED, RunError};
 use sagnac::source::diagnose::StudyError;
 use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
+use sagnac::store::folder::FolderError;
 use sagnac::tally::share::Share;
 
 use crate::look;
@@ -64,8 +64,8 @@ pub enum Failure {
     Picture(String),
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: std::io::Error },
-    #[error(transparent)]
-    Keep(#[from] KeepError),
+    #[error("{}", in_options(.0))]
+    Folder(#[from] FolderError),
     #[error("cannot write to the standard output: {0}\nredirect it to a place with free space and run again")]
     Output(std::io::Error),
     #[error("cannot listen for signals: {0}")]
@@ -265,7 +265,10 @@ impl Failure {
             Failure::Study(error) => say(&error.render(look::colours_messages(), 110)),
             Failure::Log(error) => say(&error.render(look::colours_messages(), 110)),
             Failure::OutputClosed => {}
-            Failure::Store(StoreError::Folder { path, source }) if is_no_folder(source.kind()) => {
+            Failure::Store(StoreError::Folder { path, source })
+            | Failure::Folder(FolderError::Folder { path, source })
+                if is_no_folder(source.kind()) =>
+            {
                 let (path, part) =
                     (path.display(), if path.is_file() { "it is" } else { "a part of its path is" });
                 say!(
@@ -294,7 +297,7 @@ impl Failure {
             Failure::Stopped { cause, .. } | Failure::Unplanned { cause, .. } => cause.code(),
             Failure::Incomplete { .. } | Failure::Unfinished(_) => 4,
             Failure::Different | Failure::Unsound(_) | Failure::Store(StoreError::Disagrees { .. }) => 5,
-            Failure::Store(_) | Failure::Write { .. } | Failure::Keep(_) | Failure::Output(_) => 6,
+            Failure::Store(_) | Failure::Write { .. } | Failure::Folder(_) | Failure::Output(_) => 6,
             Failure::OutputClosed => 0,
         }
     }

@@ -3,9 +3,10 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use sagnac::analysis::model::writers::WRITERS;
 use sagnac::run::RESOLVED;
 use sagnac::study::Study;
-use sagnac::view::report::CARD;
+use sagnac::view::report::{CARD, FILE as REPORT};
 
 use crate::failure::Failure;
 
@@ -20,6 +21,47 @@ const WRITTEN: [(&str, &str); 8] = [
     ("sensitivity.json", "sensitivity"),
     ("weights.csv", "filler"),
 ];
+
+/// Other files that commands write into results folders.
+const FILES: [&str; 20] = [
+    RESOLVED,
+    REPORT,
+    CARD,
+    "points.csv",
+    "coefficients.csv",
+    "trajectories.csv",
+    "events.csv",
+    "temperature.csv",
+    "compensation.csv",
+    "dynamic.csv",
+    "stationarity.csv",
+    "lines.csv",
+    "white_noise.csv",
+    "units.csv",
+    "design.csv",
+    "pareto.csv",
+    "sensitivity.csv",
+    "trade.csv",
+    "test_vectors.csv",
+    "sagnac_filler.h",
+];
+
+/// Beginnings of the names of pictures, and of studies and noise of columns, that commands write.
+const PICTURES: [&str; 6] = ["chart", "design", "pareto", "response", "sensitivity", "trade"];
+const TEXTS: [&str; 2] = ["noise", "navigation"];
+
+/// Whether a command writes a file of this name into a results folder.
+pub fn is_ours(name: &str) -> bool {
+    let begins = |stems: &[&str], ends: &[&str]| {
+        stems.iter().any(|stem| name.starts_with(stem)) && ends.iter().any(|end| name.ends_with(end))
+    };
+    FILES.contains(&name)
+        || WRITTEN.iter().any(|(file, _)| *file == name)
+        || WRITERS.iter().any(|writer| writer.file == name)
+        || name.starts_with("inputs/")
+        || begins(&PICTURES, &[".svg", ".png"])
+        || begins(&TEXTS, &[".toml"])
+}
 
 /// Most folders listed in a message.
 const MOST_NAMED: usize = 4;

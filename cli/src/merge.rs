@@ -7,6 +7,7 @@ use clap::Args;
 use sagnac::run::{RESOLVED, keep};
 use sagnac::source::text_file::{MOST_RECORD, MOST_TOML, read_bytes, read_text};
 use sagnac::store::Store;
+use sagnac::store::folder::Folder;
 use sagnac::store::source::{Merged, Source};
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
@@ -15,7 +16,7 @@ use crate::failure::Failure;
 use crate::folders;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
-use crate::results::Ran;
+use crate::results::{Ran, names};
 use crate::run::checked;
 use crate::whole;
 
@@ -75,8 +76,10 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
             shares.extend(source.shares()?.iter().map(|share| (share.of(), share.number())));
         }
     }
+    let results = Folder::open(&options.out)?;
+    results.check(names(&study).iter().map(String::as_str))?;
     let mut store = Store::open(&options.out, &plan.identity())?;
-    keep(&study, &options.out)?;
+    keep(&study, &results)?;
     store.note_share(Share::WHOLE)?;
     for folder in distinct(options) {
         let source = Source::open(folder)?;
@@ -91,8 +94,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
     let (json, quiet, plot) = (options.json, options.quiet, options.plot);
-    let ran =
-        Ran { study: &study, plan: &plan, folder: &options.out, done: None, lacking, json, quiet, plot };
+    let ran = Ran { study: &study, plan: &plan, folder: &results, done: None, lacking, json, quiet, plot };
     let progress = Shown::new(options.progress.how(options.quiet));
     if let Some(document) = ran.show(&store, &progress)? {
         print_json(&document)?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::quantity::visible::{visible, visible_json};
-use sagnac::store::whole::write_whole_by;
+use sagnac::store::folder::Folder;
 use sagnac::table::Table;
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
@@ -87,6 +87,14 @@ pub fn print_documents(documents: &[Value], inputs: usize) -> Result<(), Failure
     }
 }
 
+/// The end of what was `printed` to the standard output by other means.
+///
+/// # Errors
+/// It fails where [`print`] does.
+pub fn flushed(printed: io::Result<()>) -> Result<(), Failure> {
+    printed.and_then(|()| io::stdout().flush()).map_err(failure)
+}
+
 /// A closed output is not an error, because the reader, such as `head`, has all it wants. Everything else is lost
 /// output.
 fn failure(error: io::Error) -> Failure {
@@ -96,39 +104,13 @@ fn failure(error: io::Error) -> Failure {
     }
 }
 
-/// Writes a file completely or not at all: the existing file stays until the new one is on disk.
+/// Writes a file that the user names, outside of a results folder.
 ///
 /// # Errors
-/// The file cannot be written.
-pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    write_by(path, |file| file.write_all(contents))
-}
-
-/// Writes a file as [`write`] does, with contents that need not be in memory together.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn write_by(path: &Path, contents: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
-    write_whole_by(path, contents).map_err(unwritten(path))
-}
-
-/// Makes a folder, and those that contain it.
-///
-/// # Errors
-/// It cannot be made.
-pub fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(unwritten(folder))
-}
-
-/// Removes a file of an earlier run; `false` if there is none.
-///
-/// # Errors
-/// It exists and cannot be removed.
-pub fn remove(path: &Path) -> Result<bool, Failure> {
-    match std::fs::remove_file(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
-        removed => removed.map(|()| true).map_err(unwritten(path)),
-    }
+/// There is one already, or it cannot be written.
+pub fn write_new(path: &Path, contents: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
+    let mut file = File::create_new(path).map_err(unwritten(path))?;
+    contents(&mut file).and_then(|()| file.sync_all()).map_err(unwritten(path))
 }
 
 /// The failure to write to a path.
@@ -136,26 +118,22 @@ pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
     move |source| Failure::Write { path: path.to_owned(), source }
 }
 
-/// Writes a table as CSV; a missing folder is created. Returns the SHA-256 of the file, in hexadecimal digits.
+/// Writes a table of a results folder as CSV. Returns the SHA-256 of the file, in hexadecimal digits.
 ///
 /// # Errors
-/// The folder or the file cannot be written.
-pub fn write_table(path: &Path, table: &Table) -> Result<String, Failure> {
-    make_folder(path.parent().unwrap_or(path))?;
-    let mut digest = String::new();
-    let write = |file: &mut File| table.write_csv(file).map(|written| digest = written);
-    write_by(path, write)?;
-    Ok(digest)
+/// It cannot be written.
+pub fn write_table(folder: &Folder, name: &str, table: &Table) -> Result<String, Failure> {
+    Ok(folder.write_by(name, |file| table.write_csv(file).map(drop))?)
 }
 
 /// Writes a table of a results folder, or removes that of an earlier run where there is none.
 ///
 /// # Errors
 /// It cannot be written or removed.
-pub fn write_or_remove(path: &Path, table: Option<Table>) -> Result<(), Failure> {
+pub fn write_or_remove(folder: &Folder, name: &str, table: Option<Table>) -> Result<(), Failure> {
     match table {
-        Some(table) => write_table(path, &table).map(drop),
-        None => remove(path).map(drop),
+        Some(table) => write_table(folder, name, &table).map(drop),
+        None => Ok(folder.remove(name).map(drop)?),
     }
 }
 
@@ -163,10 +141,11 @@ pub fn write_or_remove(path: &Path, table: Option<Table>) -> Result<(), Failure>
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write_page(folder: &Path, page: &Page) -> Result<(), Failure> {
+pub fn write_page(folder: &Folder, page: &Page) -> Result<(), Failure> {
     let spell = |text: &str| in_options(&text);
-    write(&folder.join(REPORT), page.html(&spell).as_bytes())?;
-    write(&folder.join(CARD), json!(page.card(&spell)).to_string().as_bytes())
+    folder.write(REPORT, page.html(&spell).as_bytes())?;
+    folder.write(CARD, json!(page.card(&spell)).to_string().as_bytes())?;
+    Ok(())
 }
 
 /// The place of the results with a page.

@@ -219,7 +219,14 @@ pub fn main() -> ExitCode {
                 say!("{}", error.render());
                 return ExitCode::from(2);
             }
-            Err(error) => error.exit(),
+            Err(error) if error.use_stderr() => error.exit(),
+            // Help or the version.
+            Err(text) => {
+                return match crate::output::flushed(text.print()) {
+                    Ok(()) => ExitCode::SUCCESS,
+                    Err(failure) => failure.report(),
+                };
+            }
         };
     crate::look::follow(&cli.look);
     match cli.command.run() {

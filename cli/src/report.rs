@@ -6,6 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::text_file::read_bytes;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::view::picture::incomplete;
 use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
@@ -13,7 +14,7 @@ use sagnac::view::results::Results;
 
 use crate::failure::Failure;
 use crate::folders::{self, left_out, whole};
-use crate::output::{unwritten, write};
+use crate::output::unwritten;
 use crate::progress::{self, Shown};
 use crate::results::{decision, held, lacking, sheet_lines};
 
@@ -92,7 +93,8 @@ fn write_gallery(
         .collect();
     let all_studies = folders.iter().all(|folder| folders::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
-    write(&path, gallery(&cards, called).as_bytes())?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Folder::open(path.parent().unwrap_or(Path::new("")))?.write(&name, gallery(&cards, called).as_bytes())?;
     if !options.quiet {
         let here = std::env::current_dir().unwrap_or_default();
         say!("{}", path.strip_prefix(here).unwrap_or(&path).display());
@@ -112,8 +114,9 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     // Its charts are drawn at once, so nothing needs to be checked before.
     let plan = Plan::new(&study)?;
     let store = held(folder, &plan)?;
+    let results_folder = Folder::open(folder)?;
     // Folders of earlier versions lack the input files of the study.
-    keep(&study, folder)?;
+    keep(&study, &results_folder)?;
     let progress = Shown::new(options.progress.how(options.quiet));
     let tables = plan.tables(&store, &progress)?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
@@ -127,7 +130,7 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let card = results.card(&answer.headline);
     let path = folder.join(REPORT);
     let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&path))?;
-    write(&path, results.page(answer, &digest).as_bytes())?;
+    results_folder.write(REPORT, results.page(answer, &digest).as_bytes())?;
     Ok(card)
 }
 

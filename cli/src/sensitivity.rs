@@ -6,12 +6,13 @@ use clap::Args;
 use sagnac::analysis::page;
 use sagnac::analysis::sensitivity::report;
 use sagnac::analysis::sensitivity::{Request, Sensitivity, SensitivityError, sensitivity as find};
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_drawn, print_json, whereabouts, write, write_page, write_table};
+use crate::output::{print, print_drawn, print_json, whereabouts, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
 use crate::results::sheet_text;
@@ -90,7 +91,7 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
         None => "sensitivity".to_owned(),
     };
     let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
-    let picture = write_all(&study, &found, &folder)?;
+    let picture = write_all(&study, &found, &Folder::open(&folder)?)?;
     if options.json {
         return print_json(&report::json(&study, &found));
     }
@@ -124,11 +125,11 @@ fn failure(study: &Study, error: SensitivityError) -> Failure {
     }
 }
 
-fn write_all(study: &Study, found: &Sensitivity, folder: &Path) -> Result<Picture, Failure> {
+fn write_all(study: &Study, found: &Sensitivity, folder: &Folder) -> Result<Picture, Failure> {
     let table = report::table(found);
-    write_table(&folder.join("sensitivity.csv"), &table)?;
+    write_table(folder, "sensitivity.csv", &table)?;
     let json = serde_json::to_vec_pretty(&report::json(study, found));
-    write(&folder.join("sensitivity.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
+    folder.write("sensitivity.json", &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
     let picture = Picture::Curves(report::figure(study, found));
     write_pictures(folder, "sensitivity", &picture)?;
     write_page(folder, &page::of_sensitivity(study, found, &table, picture.clone()))?;

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use sagnac::store::folder::Folder;
 use sagnac::verify::shaders::{DESCRIPTION, PAGE, files};
 
 use crate::failure::Failure;
-use crate::output::{make_folder, print, write};
+use crate::output::print;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,9 +24,9 @@ pub struct Options {
 /// Writes the shaders of all kernels with what is needed to check them without this program.
 pub fn shaders(options: &Options) -> Result<(), Failure> {
     let folder = &options.folder;
-    make_folder(folder)?;
+    let written = Folder::open(folder)?;
     for (name, text) in files() {
-        write(&folder.join(name), text.as_bytes())?;
+        written.write(&name, text.as_bytes())?;
     }
     print(&format!(
         "wrote the shaders and {}\nopen {} in a browser with WebGPU: it runs them and compares all words",

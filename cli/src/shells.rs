@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
+use sagnac::store::folder::Folder;
 
 use crate::failure::Failure;
-use crate::output::{make_folder, print, unwritten, write};
+use crate::output::{print, unwritten};
 use crate::program::command;
 
 const EXAMPLES: &str = "\
@@ -44,10 +45,10 @@ pub fn completions(options: &Completions) -> Result<(), Failure> {
 /// Writes a page for the program and one for each command.
 pub fn man(options: &Man) -> Result<(), Failure> {
     let folder = &options.folder;
-    make_folder(folder)?;
-    page(command(), "sagnac".to_owned(), folder)?;
+    let written = Folder::open(folder)?;
+    page(command(), "sagnac".to_owned(), &written)?;
     for command in command().get_subcommands().filter(|command| !command.is_hide_set()) {
-        page(command.clone(), format!("sagnac-{}", command.get_name()), folder)?;
+        page(command.clone(), format!("sagnac-{}", command.get_name()), &written)?;
     }
     print(&format!(
         "pages are in {}; read them with `man -l {}`",
@@ -56,10 +57,11 @@ pub fn man(options: &Man) -> Result<(), Failure> {
     ))
 }
 
-fn page(command: Command, name: String, folder: &Path) -> Result<(), Failure> {
-    let path = folder.join(format!("{name}.1"));
+fn page(command: Command, name: String, folder: &Folder) -> Result<(), Failure> {
+    let file = format!("{name}.1");
     let command = command.display_name(name.clone()).bin_name(name.replacen('-', " ", 1));
     let mut page = Vec::new();
-    clap_mangen::Man::new(command).title(name).render(&mut page).map_err(unwritten(&path))?;
-    write(&path, &page)
+    clap_mangen::Man::new(command).title(name).render(&mut page).map_err(unwritten(Path::new(&file)))?;
+    folder.write(&file, &page)?;
+    Ok(())
 }

@@ -10,10 +10,10 @@ use sagnac::analysis::requirement::LimitError;
 use sagnac::device::select::SelectError;
 use sagnac::quantity::visible::visible;
 use sagnac::run::RunError;
-use sagnac::run::keep::KeepError;
 use sagnac::source::diagnose::StudyError as Refused;
 use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
+use sagnac::store::folder::FolderError;
 
 import_exception!(sagnac.errors, DeviceError);
 import_exception!(sagnac.errors, InternalError);
@@ -87,8 +87,8 @@ impl From<StoreError> for Failure {
     }
 }
 
-impl From<KeepError> for Failure {
-    fn from(error: KeepError) -> Failure {
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Failure {
         Failure::Write(format!("{error}\nmake room, or choose another folder with out="))
     }
 }

@@ -9,7 +9,7 @@ use sagnac::chart::Source;
 use sagnac::device::select::Selection;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
-use sagnac::store::whole::write_whole;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::verify::select;
@@ -121,10 +121,11 @@ impl Asked {
         let plan = Plan::new(&study)?;
         // Checks for errors that would otherwise occur after sampling.
         pictures(&study, &plan.blank_tables(), 0)?;
+        let kept = self.is_kept.then(|| Folder::open(&self.folder)).transpose()?;
         let mut store = Store::open(&self.folder, &plan.identity())?;
-        if self.is_kept {
+        if let Some(folder) = &kept {
             // Kept from the start, as the run may be killed.
-            keep(&study, &self.folder)?;
+            keep(&study, folder)?;
             store.note_share(Share::WHOLE)?;
         }
         let mut done = None;
@@ -140,13 +141,12 @@ impl Asked {
         let mut digest = String::new();
         for (source, table) in tables.all().filter(|(source, _)| self.is_kept || *source == Source::Points) {
             let name = source.file();
-            let mut csv = Vec::new();
-            let written = table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
+            let written = match &kept {
+                Some(folder) => folder.write_by(name, |file| table.write_csv(file).map(drop))?,
+                None => table.write_csv(std::io::sink()).unwrap_or_default(),
+            };
             if source == Source::Points {
                 digest = written;
-            }
-            if self.is_kept {
-                self.write(name, &csv)?;
             }
         }
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
@@ -159,9 +159,9 @@ impl Asked {
         let decision = sheet.map(|sheet| sheet.json().to_string());
         let headline = answer.headline.clone();
         let report = results.page(answer, &digest);
-        if self.is_kept {
-            self.write(RESOLVED, results.resolved().as_bytes())?;
-            self.write(REPORT, report.as_bytes())?;
+        if let Some(folder) = &kept {
+            folder.write(RESOLVED, results.resolved().as_bytes())?;
+            folder.write(REPORT, report.as_bytes())?;
         }
         let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let verdicts = judged.iter().map(said).collect();
@@ -181,17 +181,5 @@ impl Asked {
             done,
             study,
         })
-    }
-
-    fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
-        write_whole(&self.folder.join(name), contents).map_err(|error| self.unwritten(name, &error))
-    }
-
-    fn unwritten(&self, name: &str, error: &std::io::Error) -> Failure {
-        let path: &Path = &self.folder.join(name);
-        Failure::Write(format!(
-            "cannot write {}: {error}\nmake room, or choose another folder with out=",
-            path.display()
-        ))
     }
 }

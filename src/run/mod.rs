@@ -1,12 +1,14 @@
 //! Running a study: missing trials are sampled and added to the store, and then everything stored is tabulated.
 
+#[cfg(feature = "store")]
 pub mod keep;
 
 use std::collections::HashSet;
 
 use crate::device::Device;
 use crate::progress::{Progress, Silent};
-pub use crate::run::keep::{KeepError, keep};
+#[cfg(feature = "store")]
+pub use crate::run::keep::keep;
 use crate::sampling::plan;
 pub use crate::sampling::plan::{Done, RunError};
 pub use crate::sampling::tables::Tables;

@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 use rusqlite::limits::Limit;
-use rusqlite::{Connection, Params, Row, Transaction, TransactionBehavior, params};
+use rusqlite::{Connection, OpenFlags, Params, Row, Transaction, TransactionBehavior, params};
 
+use crate::store::folder::{file_of, real, single_database};
 use crate::store::lock::{Lock, own_name};
 use crate::store::row::{COLUMNS, Raw};
 use crate::store::session::Session;
-use crate::store::whole::ordinary_database;
 use crate::store::{Address, Identity, Keep, Provenance, StoreError, schema};
 use crate::tally::block::Block;
 use crate::tally::id::Id;
@@ -23,6 +23,8 @@ pub(crate) struct Database {
     pub(crate) path: PathBuf,
     // Dropped before the lock is released.
     pub(crate) connection: Connection,
+    /// Which file was opened, where the system tells.
+    file: Option<[u64; 2]>,
     _lock: Option<Lock>,
     /// The key of this session's provenance.
     session: Id,
@@ -46,8 +48,10 @@ impl Database {
         std::fs::create_dir_all(folder)
             .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let lock = Lock::take(folder)?;
-        ordinary_database(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
-        let connection = Connection::open(&path).map_err(|source| StoreError::of(&path, source))?;
+        single_database(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
+        let flags = OpenFlags::default() | OpenFlags::SQLITE_OPEN_NOFOLLOW;
+        let connection = Connection::open_with_flags(real(&path), flags)
+            .map_err(|source| StoreError::of(&path, source))?;
         let database = Database::of(path, connection, Some(lock));
         database.exclusive()?;
         if !database.is_empty()? {
@@ -68,7 +72,7 @@ impl Database {
         let _ = connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MOST_BYTES);
         let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
         let session = Id::of(&format!("{}{count}{:?}", own_name(), SystemTime::now()));
-        Database { path, connection, _lock: lock, session }
+        Database { file: file_of(&path), path, connection, _lock: lock, session }
     }
 
     /// Converts an error of SQLite.
@@ -220,6 +224,10 @@ impl Keep for Database {
         }
         so_far.map_or(Ok(()), |so_far| self.note(so_far))?;
         transaction.commit().map_err(|error| self.failed(error))?;
+        // SQLite goes on writing to a file that has been removed.
+        if self.file.is_some() && file_of(&self.path) != self.file {
+            return Err(StoreError::Gone(self.path.clone()));
+        }
         Ok(added)
     }
 

@@ -54,6 +54,11 @@ pub enum StoreError {
          read-only\ncopy the folder to where it can be written"
     )]
     Unfinished(PathBuf),
+    /// The database is no longer in its place.
+    #[error(
+        "{0} was removed or replaced while it was in use\nwhat was stored there is lost with it: run again, or bring the folder back and run again to resume"
+    )]
+    Gone(PathBuf),
     /// SQLite or the disk failed in another way.
     #[cfg(feature = "store")]
     #[error("cannot keep results in {path}: {source}\ncompleted work is kept: run again when the disk works")]

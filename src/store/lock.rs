@@ -4,13 +4,13 @@
 //! however that ends. SQLite's own lock on the database is a second guard for file systems without such locks.
 
 use std::fmt;
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Read, Seek, Write};
+use std::fs::{File, TryLockError};
+use std::io::{Error, ErrorKind, Read, Seek, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::store::StoreError;
-use crate::store::whole::ordinary;
+use crate::store::folder::single;
 
 /// The name of the file in a results folder.
 pub const LOCK: &str = "tallies.lock";
@@ -42,8 +42,7 @@ impl Lock {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => StoreError::Full(folder.to_owned()),
             _ => StoreError::Folder { path: folder.to_owned(), source },
         };
-        let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).clone();
-        let mut file = ordinary(&path).and_then(|()| options.open(&path)).map_err(failed)?;
+        let mut file = single(&path).map_err(failed)?;
         match file.try_lock() {
             // On a file system without such locks, SQLite's lock is the only one.
             Ok(()) | Err(TryLockError::Error(_)) => {}
@@ -53,6 +52,12 @@ impl Lock {
                 let holder = read.ok().and_then(|_| Holder::parse(&text)).unwrap_or(Holder::Unknown);
                 return Err(StoreError::Busy { path: folder.to_owned(), holder });
             }
+        }
+        let mut text = String::new();
+        let is_ours =
+            file.read_to_string(&mut text).is_ok() && (text.is_empty() || Holder::parse(&text).is_some());
+        if !is_ours {
+            return Err(failed(Error::other(format!("{LOCK} is not a lock of sagnac"))));
         }
         // The name serves messages only; if the disk is full, more important writes will report it.
         let _ =

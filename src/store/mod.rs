@@ -34,6 +34,8 @@ pub mod check;
 pub(crate) mod database;
 pub(crate) mod encoding;
 pub mod error;
+#[cfg(feature = "store")]
+pub mod folder;
 pub(crate) mod index;
 #[cfg(feature = "store")]
 pub(crate) mod lock;
@@ -47,8 +49,6 @@ pub(crate) mod session;
 pub mod source;
 #[cfg(all(test, feature = "store"))]
 mod tests;
-pub mod whole;
-
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -67,7 +67,6 @@ use crate::store::memory::Memory;
 use crate::store::row::Raw;
 #[cfg(feature = "store")]
 pub use crate::store::source::{Merged, Source};
-pub use crate::store::whole::write_whole;
 use crate::tally::block::{Block, fold};
 use crate::tally::id::Id;
 use crate::tally::share::Share;

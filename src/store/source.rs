@@ -7,9 +7,9 @@ use std::path::Path;
 use rusqlite::{Connection, OpenFlags};
 
 use crate::store::database::Database;
+use crate::store::folder::{real, single_database};
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::whole::ordinary_database;
 use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
 use crate::tally::share::Share;
 
@@ -44,7 +44,7 @@ impl Source {
     /// The store is missing, in use, or cannot be read.
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
-        if let Err(source) = ordinary_database(&path).and_then(|()| std::fs::File::open(&path)) {
+        if let Err(source) = single_database(&path).and_then(|()| std::fs::File::open(&path)) {
             return Err(match source.kind() {
                 ErrorKind::NotFound => StoreError::NoResults(folder.to_owned()),
                 _ => StoreError::Folder { path, source },
@@ -59,7 +59,8 @@ impl Source {
         };
         let is_locked = lock.is_some();
         let connection = if is_locked {
-            Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE | ALONE)
+            let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NOFOLLOW;
+            Connection::open_with_flags(real(&path), flags | ALONE)
         } else {
             let journal = folder.join(format!("{FILE}-wal"));
             if journal.metadata().is_ok_and(|journal| journal.len() > 0) {

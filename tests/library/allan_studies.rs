@@ -12,6 +12,7 @@ use sagnac::kinds::allan::lower::curve::LoweredCurve;
 use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 
@@ -180,7 +181,7 @@ fn a_file_of_noise_is_its_keys_and_keys_beside_it_replace_them() {
     assert_eq!(rows(&run(&swept).points).next().unwrap().text("noise.file"), "mine");
     // Kept with its files the study needs no others.
     let there = tempfile::tempdir().unwrap();
-    keep(&swept, there.path()).unwrap();
+    keep(&swept, &Folder::open(there.path()).unwrap()).unwrap();
     let found = run(&swept);
     drop(folder);
     assert_eq!(run(&Study::read(&there.path().join(RESOLVED)).unwrap()), found);

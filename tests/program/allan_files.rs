@@ -226,14 +226,14 @@ fn imu_yaml_has_n_and_k_in_rad_and_says_what_is_missing() {
     }
     assert!(text.contains("#accelerometer_noise_density:") && text.contains("#accelerometer_random_walk:"));
 
-    allan(&desk, "gyro.csv --column gx,gy,gz --kalibr imu.yaml");
-    let text = desk.read("imu.yaml");
+    allan(&desk, "gyro.csv --column gx,gy,gz --kalibr three.yaml");
+    let text = desk.read("three.yaml");
     let largest = if in_degrees("gx", "K") > in_degrees("gy", "K") { "gx" } else { "gy" };
     assert!(text.contains("largest of the columns gx, gy, gz"), "{text}");
     assert!(text.contains("N of gz") && text.contains(&format!("K of {largest}")), "{text}");
 
-    let ended = allan(&desk, "gyro.csv --column gz --kalibr imu.yaml");
-    let text = desk.read("imu.yaml");
+    let ended = allan(&desk, "gyro.csv --column gz --kalibr gz.yaml");
+    let text = desk.read("gz.yaml");
     assert!(!entries(&text).contains_key("gyroscope_random_walk"), "{text}");
     assert!(
         text.contains("#gyroscope_random_walk:") && text.contains("K is not identified, and at most"),
@@ -242,8 +242,8 @@ fn imu_yaml_has_n_and_k_in_rad_and_says_what_is_missing() {
     assert!(
         ended.stderr.contains("note: gyroscope_random_walk is left out: K is not identified, and at most")
     );
-    let ended = allan(&desk, "gyro.csv --column gz --kalibr imu.yaml --fit Q,N");
-    assert!(desk.read("imu.yaml").contains("K was not fitted"));
+    let ended = allan(&desk, "gyro.csv --column gz --kalibr chosen.yaml --fit Q,N");
+    assert!(desk.read("chosen.yaml").contains("K was not fitted"));
     assert!(ended.stderr.contains("the fit has no K"), "{}", ended.stderr);
 }
 

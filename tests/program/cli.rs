@@ -128,8 +128,15 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     assert!(ended.stdout.starts_with("Residual error of the gap fillers"), "{}", ended.stdout);
     assert!(ended.stderr.contains("results are in results/study"), "{}", ended.stderr);
     let charts = ["chart-1", "chart-2", "chart-3"].map(|stem| [format!("{stem}.png"), format!("{stem}.svg")]);
-    let files = ["points.csv", "report.html", "resolved_study.toml", "tallies.lock", "tallies.sqlite"]
-        .map(str::to_owned);
+    let files = [
+        "points.csv",
+        "report.html",
+        "resolved_study.toml",
+        "tallies.lock",
+        "tallies.sqlite",
+        "written_by_sagnac.jsonl",
+    ]
+    .map(str::to_owned);
     assert_eq!(desk.names("results/study"), [charts.concat(), files.into()].concat());
     let table = desk.read("results/study/points.csv");
     let laws = "law_taylor_extremum_arcsec,law_taylor_zero_crossing_arcsec";

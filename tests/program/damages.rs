@@ -12,6 +12,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rusqlite::Connection;
 use sagnac::run::{Plan, RESOLVED};
+use sagnac::store::folder::LIST;
 use sagnac::store::{FILE, Store};
 use sagnac::tally::share::Share;
 
@@ -159,7 +160,7 @@ fn whole(text: &str, trials: u64) -> Desk {
 fn copied(from: &Desk) -> Desk {
     let desk = Desk(folder());
     std::fs::create_dir(desk.path("f")).unwrap();
-    for name in [FILE, JOURNAL, RESOLVED, "points.csv", "coefficients.csv"] {
+    for name in [FILE, JOURNAL, RESOLVED, LIST, "points.csv", "coefficients.csv"] {
         // Only some studies have coefficients.
         if from.path("f").join(name).exists() {
             std::fs::copy(from.path("f").join(name), desk.path("f").join(name)).unwrap();

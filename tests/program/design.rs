@@ -135,7 +135,15 @@ fn the_recommendation_has_the_documented_keys_and_files() {
     let found = designed(&desk, "");
     assert_eq!(
         desk.names("out"),
-        ["card.json", "design.csv", "design.json", "design.png", "design.svg", "report.html"]
+        [
+            "card.json",
+            "design.csv",
+            "design.json",
+            "design.png",
+            "design.svg",
+            "report.html",
+            "written_by_sagnac.jsonl"
+        ]
     );
     assert_eq!(serde_json::from_str::<Value>(&desk.read("out/design.json")).unwrap(), found);
     for key in [

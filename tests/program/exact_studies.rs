@@ -199,6 +199,7 @@ fn closed_forms_need_no_device_and_say_that_trials_have_no_use() {
         "resolved_study.toml",
         "tallies.lock",
         "tallies.sqlite",
+        "written_by_sagnac.jsonl",
     ];
     assert_eq!(names, written);
     assert_eq!(desk.read("results/study/resolved_study.toml"), desk.read("study.toml"));

@@ -285,8 +285,11 @@ fn folders_of_earlier_versions_name_files_by_their_whole_paths_and_are_read_too(
     let study = desk.read("old/resolved_study.toml").replace("inputs/", &format!("{there}/gyros/"));
     desk.write("old/resolved_study.toml", &study);
     std::fs::remove_dir_all(desk.path("old/inputs")).unwrap();
+    std::fs::remove_file(desk.path("old/written_by_sagnac.jsonl")).unwrap();
     desk.done("chart old --x tau --y adev --series noise.file");
     desk.done("check old");
+    desk.fails("report old", 6, &["sagnac check old --adopt"]);
+    desk.done("check old --adopt");
     desk.done("report old");
     assert_eq!(desk.names("old/inputs"), ["a.toml", "b.toml"]);
     assert_eq!(desk.read("old/points.csv"), points);

@@ -72,6 +72,8 @@ mod tables;
 mod temperature;
 mod terminal;
 mod verdicts;
+#[cfg(unix)]
+mod written_files;
 
 /// The root of the repository.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");

@@ -110,7 +110,7 @@ fn shards_are_run_merged_and_checked_as_a_user_would() {
     let again = desk.done(&format!("{run} --shard 2/3"));
     assert!(!again.stderr.contains("trials done"), "nothing is left of a share: {}", again.stderr);
     let folders = "results/study/shard-1-of-3 results/study/shard-2-of-3 results/study/shard-3-of-3";
-    let names = ["resolved_study.toml", "tallies.lock", "tallies.sqlite"];
+    let names = ["resolved_study.toml", "tallies.lock", "tallies.sqlite", "written_by_sagnac.jsonl"];
     assert_eq!(desk.names("results/study/shard-1-of-3"), names);
     let parts: Vec<&str> = folders.split(' ').collect();
 

@@ -16,7 +16,8 @@ fn a_study_without_sweeps_has_no_swept_columns_and_its_fillers_side_by_side() {
             "report.html",
             "resolved_study.toml",
             "tallies.lock",
-            "tallies.sqlite"
+            "tallies.sqlite",
+            "written_by_sagnac.jsonl"
         ]
     );
     let chart = desk.read("results/study/chart.svg");
@@ -66,6 +67,7 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
         "resolved_study.toml",
         "tallies.lock",
         "tallies.sqlite",
+        "written_by_sagnac.jsonl",
     ];
     assert_eq!(desk.names("results/study"), default);
     let charts = "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"max\"\n";

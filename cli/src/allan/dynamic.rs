@@ -1,8 +1,7 @@
 //! The noise of a log over time, with `--dynamic`.
 
-use std::path::Path;
-
 use sagnac::analysis::dynamic::{Column, Dynamic, figures, tables, words};
+use sagnac::store::folder::Folder;
 use sagnac::view::chart::picture::Picture;
 use serde_json::Value;
 
@@ -11,9 +10,9 @@ use crate::failure::Failure;
 use crate::output::write_or_remove;
 
 /// Writes the tables and the maps, and removes those of an earlier run that this one lacks.
-pub fn save(dynamic: Option<&Dynamic>, folder: &Path) -> Result<(), Failure> {
-    write_or_remove(&folder.join("dynamic.csv"), dynamic.map(tables::windows))?;
-    write_or_remove(&folder.join("stationarity.csv"), dynamic.map(tables::octaves))?;
+pub fn save(dynamic: Option<&Dynamic>, folder: &Folder) -> Result<(), Failure> {
+    write_or_remove(folder, "dynamic.csv", dynamic.map(tables::windows))?;
+    write_or_remove(folder, "stationarity.csv", dynamic.map(tables::octaves))?;
     let mut drawn = Vec::new();
     for (stem, map) in dynamic.map_or(vec![], figures::figures).into_iter().flatten() {
         write_pictures(folder, &stem, &Picture::Map(map))?;

@@ -7,6 +7,7 @@ pub mod options;
 pub mod report;
 mod temperature;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::Dynamic;
@@ -15,8 +16,8 @@ use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
-use sagnac::source::text_file::{MOST_TOML, read_text};
 use sagnac::spectrum::Welch;
+use sagnac::store::folder::Folder;
 use sagnac::view::chart::figure::Figure;
 use serde_json::Value;
 
@@ -26,10 +27,7 @@ use crate::allan::temperature::Thermal;
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
 use crate::limits;
-use crate::output::{
-    print, print_documents, print_drawn, remove, unwritten, whereabouts, write, write_by, write_page,
-    write_table,
-};
+use crate::output::{print, print_documents, print_drawn, whereabouts, write_new, write_page, write_table};
 use crate::results::sheet_text;
 
 /// Analyses the logs one after the other.
@@ -37,7 +35,6 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
     options.check(&request)?;
     let folders = folders(options)?;
-    options.check_results(&folders)?;
     let mut documents: Vec<Value> = Vec::new();
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
@@ -75,10 +72,11 @@ fn of_log(
     let decision = with_spectra.decision(&options.limit);
     let navigation = Navigation::of(options, analysis, &progress);
     let figures = figures::figures(analysis);
-    save(analysis, &figures, folder)?;
-    temperature::save(thermal.as_ref(), analysis, folder)?;
-    dynamic::save(dynamic.as_ref(), folder)?;
-    navigation::save(navigation.as_ref(), folder)?;
+    let results = Folder::open(folder)?.reading([path]);
+    save(analysis, &figures, &results)?;
+    temperature::save(thermal.as_ref(), analysis, &results)?;
+    dynamic::save(dynamic.as_ref(), &results)?;
+    navigation::save(navigation.as_ref(), &results)?;
     let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
     let over_time = dynamic.as_ref().map(page::of_dynamic);
     let of_navigators = navigation.as_ref().map(|found| page::of_navigators(&found.columns));
@@ -91,15 +89,16 @@ fn of_log(
     if let Some(told) = navigation.as_ref().and_then(Navigation::answer) {
         page.sentences.insert(0, std::mem::replace(&mut page.headline, told));
     }
-    write_page(folder, &page)?;
+    write_page(&results, &page)?;
     let mut notes = notes::notes(analysis);
     notes.extend(noise_file::notes(analysis));
     if let Some(path) = &options.kalibr {
-        write(path, kalibr::text(analysis)?.as_bytes())?;
+        let text = kalibr::text(analysis)?;
+        write_new(path, |file| file.write_all(text.as_bytes()))?;
         notes.extend(kalibr::notes(analysis)?);
     }
     if let Some(path) = &options.record {
-        write_by(path, |file| treatment.applied(log).write_csv(file))?;
+        write_new(path, |file| treatment.applied(log).write_csv(file))?;
     }
     if options.output.json {
         let mut document = tables::document(analysis, &decision);
@@ -155,32 +154,23 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Writes tables, noise and charts, and removes files of an earlier run that are no longer written.
-fn save(analysis: &Analysis, figures: &[(String, Option<Figure>)], folder: &Path) -> Result<(), Failure> {
-    write_table(&folder.join("curve.csv"), &tables::table(analysis))?;
-    write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
-    write_table(&folder.join("events.csv"), &events::table(analysis))?;
+fn save(analysis: &Analysis, figures: &[(String, Option<Figure>)], folder: &Folder) -> Result<(), Failure> {
+    write_table(folder, "curve.csv", &tables::table(analysis))?;
+    write_table(folder, "coefficients.csv", &tables::coefficients(analysis))?;
+    write_table(folder, "events.csv", &events::table(analysis))?;
     let noise = noise_file::files(analysis);
-    remove_others(folder, "noise", &noise, noise_file::is_ours)?;
-    noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;
+    write_texts(folder, "noise", &noise)?;
     write_figures(folder, figures)
 }
 
-/// Removes the files of a name, or of that name for a column, that an earlier run wrote and this one did not.
-fn remove_others(
-    folder: &Path,
-    stem: &str,
-    written: &[(String, String)],
-    is_ours: fn(&str) -> bool,
-) -> Result<(), Failure> {
-    for entry in std::fs::read_dir(folder).map_err(unwritten(folder))? {
-        let entry = entry.map_err(unwritten(folder))?;
-        let name = entry.file_name().to_string_lossy().into_owned();
+/// Writes texts with the names of columns behind a `stem`, and removes those of an earlier run that this one lacks.
+fn write_texts(folder: &Folder, stem: &str, texts: &[(String, String)]) -> Result<(), Failure> {
+    for name in folder.listed() {
         let of_column = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".toml"));
         let is_named = of_column.is_some_and(|column| column.is_empty() || column.starts_with('_'));
-        let is_ours = || read_text(&entry.path(), MOST_TOML).is_ok_and(|text| is_ours(&text));
-        if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
-            remove(&entry.path())?;
+        if is_named && !texts.iter().any(|(other, _)| *other == name) {
+            folder.remove(&name)?;
         }
     }
-    Ok(())
+    texts.iter().try_for_each(|(name, text)| Ok(folder.write(name, text.as_bytes()).map(drop)?))
 }

@@ -1,16 +1,14 @@
 //! Navigators with the gyros of a log, with `--navigate`.
 
-use std::path::Path;
-
 use sagnac::analysis::log::Analysis;
-use sagnac::analysis::log::navigators::{Asked, Navigators, is_ours, names, navigators, worst};
+use sagnac::analysis::log::navigators::{Asked, Navigators, names, navigators, worst};
 use sagnac::progress::Progress;
+use sagnac::store::folder::Folder;
 use serde_json::Value;
 
 use crate::allan::options::Options;
-use crate::allan::remove_others;
+use crate::allan::write_texts;
 use crate::failure::Failure;
-use crate::output::write;
 
 /// The navigators with the gyros of a log.
 pub struct Navigation {
@@ -67,10 +65,9 @@ impl Navigation {
 ///
 /// # Errors
 /// The disk fails.
-pub fn save(navigation: Option<&Navigation>, folder: &Path) -> Result<(), Failure> {
+pub fn save(navigation: Option<&Navigation>, folder: &Folder) -> Result<(), Failure> {
     let found = navigation.iter().flat_map(|found| found.names.iter().zip(&found.columns));
     let written: Vec<(String, String)> =
         found.filter_map(|(name, found)| Some((name.clone(), found.as_ref().ok()?.study.clone()))).collect();
-    remove_others(folder, "navigation", &written, is_ours)?;
-    written.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
+    write_texts(folder, "navigation", &written)
 }

@@ -1,7 +1,5 @@
 //! The dependence on temperature: its files, and its part of the report.
 
-use std::path::Path;
-
 use sagnac::allan::TauError;
 use sagnac::analysis::data_sheet;
 use sagnac::analysis::log::{self, Analysis};
@@ -10,6 +8,7 @@ use sagnac::analysis::temperature::tables::{self, Row, rows};
 use sagnac::analysis::temperature::{Column, Temperature, figures};
 use sagnac::quantity::number::significant;
 use sagnac::record::log::channel::Log;
+use sagnac::store::folder::Folder;
 use sagnac::view::report::sections::Section;
 use serde_json::Value;
 
@@ -71,10 +70,10 @@ impl Thermal {
 }
 
 /// Writes tables and charts, and removes those of an earlier run that this one lacks.
-pub fn save(thermal: Option<&Thermal>, analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+pub fn save(thermal: Option<&Thermal>, analysis: &Analysis, folder: &Folder) -> Result<(), Failure> {
     let temperature = thermal.map(|thermal| &thermal.temperature);
-    write_or_remove(&folder.join("temperature.csv"), temperature.map(tables::coefficients))?;
-    write_or_remove(&folder.join("compensation.csv"), temperature.map(tables::compensation))?;
+    write_or_remove(folder, "temperature.csv", temperature.map(tables::coefficients))?;
+    write_or_remove(folder, "compensation.csv", temperature.map(tables::compensation))?;
     let sides = thermal.map_or([analysis; 2], |thermal| thermal.sides(analysis));
     write_figures(folder, &figures::figures(temperature, sides))
 }

@@ -11,6 +11,7 @@ use sagnac::analysis::compare::{figures, notes, tables};
 use sagnac::analysis::page::of_comparison;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
+use sagnac::store::folder::Folder;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
@@ -66,8 +67,9 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
     let decision = analysis.decision(&options.limit);
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = options.output.folder(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
-    save(&analysis, &folder)?;
-    write_page(&folder, &of_comparison([&a, &b], &analysis, &decision))?;
+    let results = Folder::open(&folder)?.reading([options.a.as_path(), options.b.as_path()]);
+    save(&analysis, &results)?;
+    write_page(&results, &of_comparison([&a, &b], &analysis, &decision))?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
     }
@@ -109,10 +111,10 @@ fn analysis(options: &Options, [a, b]: [&Log; 2]) -> Result<Analysis, Failure> {
 }
 
 /// Writes the tables and the charts. Without coefficients, those of an earlier run are removed.
-fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
-    write_table(&folder.join("compare.csv"), &tables::ratios(analysis))?;
+fn save(analysis: &Analysis, folder: &Folder) -> Result<(), Failure> {
+    write_table(folder, "compare.csv", &tables::ratios(analysis))?;
     let coefficients = analysis.rows.is_ok().then(|| tables::coefficients(analysis));
-    write_or_remove(&folder.join("coefficients.csv"), coefficients)?;
+    write_or_remove(folder, "coefficients.csv", coefficients)?;
     write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(analysis)))?;
     write_pictures(folder, "chart-2", &Picture::Curves(figures::ratio(analysis)))
 }

@@ -2,7 +2,7 @@
 
 pub mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use sagnac::analysis::log::{self, Asked};
@@ -11,6 +11,7 @@ use sagnac::analysis::lot::{Lot, figures, tables};
 use sagnac::analysis::page::of_lot;
 use sagnac::analysis::requirement::Limit;
 use sagnac::progress::Silent;
+use sagnac::store::folder::Folder;
 use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
@@ -52,8 +53,9 @@ pub fn lot(options: &Options) -> Result<(), Failure> {
     let lot = analysis(options)?;
     let decision = lot.decision(&options.limit);
     let folder = options.output.folder("lot");
-    save(&lot, &folder)?;
-    write_page(&folder, &of_lot(&lot, &decision))?;
+    let results = Folder::open(&folder)?.reading(options.files.iter().map(PathBuf::as_path));
+    save(&lot, &results)?;
+    write_page(&results, &of_lot(&lot, &decision))?;
     if options.output.json {
         return print_json(&tables::document(&lot, &decision));
     }
@@ -80,9 +82,9 @@ fn analysis(options: &Options) -> Result<Lot, Failure> {
 }
 
 /// Writes the tables and the charts.
-fn save(lot: &Lot, folder: &Path) -> Result<(), Failure> {
-    write_table(&folder.join("units.csv"), &tables::units(lot))?;
-    write_table(&folder.join("lot.csv"), &tables::lot(lot))?;
+fn save(lot: &Lot, folder: &Folder) -> Result<(), Failure> {
+    write_table(folder, "units.csv", &tables::units(lot))?;
+    write_table(folder, "lot.csv", &tables::lot(lot))?;
     write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(lot)))?;
     let coefficients = figures::coefficients(lot).map(Picture::Curves);
     coefficients.iter().try_for_each(|figure| write_pictures(folder, "chart-2", figure))

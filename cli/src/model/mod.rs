@@ -2,7 +2,7 @@
 
 mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::TypedValueParser;
@@ -15,13 +15,12 @@ use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
 use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, figures, tables, words};
 use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
+use sagnac::store::folder::Folder;
 
 use crate::allan::options::probability;
 use crate::charts::{plotted, write_figures};
 use crate::failure::{Failure, in_options};
-use crate::output::{
-    Output, print, print_drawn, print_json, remove, whereabouts, write, write_page, write_table,
-};
+use crate::output::{Output, print, print_drawn, print_json, whereabouts, write_page, write_table};
 use crate::reading::{Reading, seconds};
 use crate::results::print_lines;
 use crate::words::one_of;
@@ -137,7 +136,8 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     let stem = options.file.file_stem().unwrap_or_default().to_string_lossy();
     let folder = options.output.folder(format!("{stem}_model"));
     let writers = options.write.as_deref().unwrap_or_default();
-    let written = save(&analysis, writers, &folder)?;
+    let results = Folder::open(&folder)?.reading([options.file.as_path()]);
+    let written = save(&analysis, writers, &results)?;
     if options.output.json {
         return print_json(&tables::document(&analysis));
     }
@@ -176,16 +176,16 @@ fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
 }
 
 /// Writes the table, the charts, the page and the files for tools, and removes those of an earlier run that this one does not write.
-fn save(analysis: &Analysis, writers: &[&'static Writer], folder: &Path) -> Result<Vec<String>, Failure> {
-    write_table(&folder.join("model.csv"), &tables::table(analysis))?;
+fn save(analysis: &Analysis, writers: &[&'static Writer], folder: &Folder) -> Result<Vec<String>, Failure> {
+    write_table(folder, "model.csv", &tables::table(analysis))?;
     write_figures(folder, &figures::figures(analysis))?;
     let texts = texts(analysis, writers);
     for writer in WRITERS.iter().filter(|writer| texts.iter().all(|(file, _)| *file != writer.file)) {
-        remove(&folder.join(writer.file))?;
+        folder.remove(writer.file)?;
     }
     for (file, text) in &texts {
-        write(&folder.join(file), text.as_bytes())?;
+        folder.write(file, text.as_bytes())?;
     }
     write_page(folder, &of_model(analysis, writers))?;
-    Ok(texts.iter().map(|(file, _)| folder.join(file).display().to_string()).collect())
+    Ok(texts.iter().map(|(file, _)| folder.path().join(file).display().to_string()).collect())
 }

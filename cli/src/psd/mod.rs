@@ -14,6 +14,7 @@ use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
+use sagnac::store::folder::Folder;
 
 use crate::allan::options::{probability, simulated};
 use crate::charts::{plotted, write_figures};
@@ -82,11 +83,12 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     let decision = analysis.decision(&options.limit);
     let folder = options.output.folder(options.file.file_stem().unwrap_or_default());
     let figures = figures::figures(&analysis);
-    write_table(&folder.join("psd.csv"), &tables::table(&analysis))?;
-    write_table(&folder.join("lines.csv"), &tables::lines(&analysis))?;
-    write_table(&folder.join("white_noise.csv"), &tables::white_noise(&analysis))?;
-    write_figures(&folder, &figures)?;
-    write_page(&folder, &of_log(&log, &analysis, decision.lines.headed(), None, vec![]))?;
+    let results = Folder::open(&folder)?.reading([options.file.as_path()]);
+    write_table(&results, "psd.csv", &tables::table(&analysis))?;
+    write_table(&results, "lines.csv", &tables::lines(&analysis))?;
+    write_table(&results, "white_noise.csv", &tables::white_noise(&analysis))?;
+    write_figures(&results, &figures)?;
+    write_page(&results, &of_log(&log, &analysis, decision.lines.headed(), None, vec![]))?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
     }

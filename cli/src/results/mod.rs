@@ -12,10 +12,12 @@ use sagnac::analysis::requirement::Decision;
 use sagnac::chart::Source;
 use sagnac::progress::Progress;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
+use sagnac::view::picture::chart_stem;
 use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::report::FILE as REPORT;
 use sagnac::view::results::Results;
@@ -24,9 +26,18 @@ use serde_json::{Value, json};
 use crate::charts::draw;
 use crate::failure::Failure;
 use crate::look;
-use crate::output::{print, print_drawn, write, write_table};
+use crate::output::{print, print_drawn, write_table};
 use crate::progress::Shown;
 use crate::results::summary::summary;
+
+/// The files that a run of a study always writes into its folder.
+pub fn names(study: &Study) -> Vec<String> {
+    let inputs = study.inputs().into_iter().map(|input| input.name.clone());
+    let charts = (0..study.charts.len()).map(|index| chart_stem(index, study.charts.len()));
+    let pictures = charts.flat_map(|stem| ["svg", "png"].map(|ending| format!("{stem}.{ending}")));
+    let fixed = [RESOLVED, REPORT, Source::Points.file()].map(str::to_owned);
+    fixed.into_iter().chain(inputs).chain(pictures).collect()
+}
 
 /// The store of existing results; an empty one for closed forms.
 ///
@@ -96,8 +107,8 @@ pub fn print_lines(lines: &Lines) -> Result<(), Failure> {
 }
 
 /// Writes the tables of a study, and returns the SHA-256 of the first, that of its points.
-fn write_tables(folder: &Path, tables: &Tables) -> Result<String, Failure> {
-    let write = |(source, table): (Source, &Table)| write_table(&folder.join(source.file()), table);
+fn write_tables(folder: &Folder, tables: &Tables) -> Result<String, Failure> {
+    let write = |(source, table): (Source, &Table)| write_table(folder, source.file(), table);
     let digests = tables.all().map(write).collect::<Result<Vec<_>, _>>()?;
     Ok(digests.into_iter().next().unwrap_or_default())
 }
@@ -106,7 +117,7 @@ fn write_tables(folder: &Path, tables: &Tables) -> Result<String, Failure> {
 pub struct Ran<'a> {
     pub study: &'a Study,
     pub plan: &'a Plan<'a>,
-    pub folder: &'a Path,
+    pub folder: &'a Folder,
     /// The work done, and the device, if anything can be sampled.
     pub done: Option<(&'a Done, String)>,
     /// Number of missing trials.
@@ -151,7 +162,7 @@ impl Ran<'_> {
         let Ran { study, plan, folder, done, lacking, .. } = self;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         let results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
-        write(&folder.join(RESOLVED), results.resolved().as_bytes())?;
+        folder.write(RESOLVED, results.resolved().as_bytes())?;
         let page = || {
             let verdicts = results.verdicts()?;
             let mut answer = results.answer(&verdicts)?;
@@ -160,7 +171,7 @@ impl Ran<'_> {
             let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
             // Without a word from the task that writes, it has panicked, and so does the scope that waits for it.
             let digest = written.recv().unwrap_or_else(|_| Ok(String::new()))?;
-            write(&folder.join(REPORT), results.page(answer, &digest).as_bytes())?;
+            folder.write(REPORT, results.page(answer, &digest).as_bytes())?;
             Ok::<_, Failure>((verdicts, sheet, headline, lines))
         };
         // The picture of a chart of 10,000 points takes as long as the page.

@@ -12,6 +12,7 @@ use sagnac::quantity::number::significant;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::store::Store;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::view::picture::pictures;
@@ -22,7 +23,7 @@ use crate::output::{print, print_documents};
 use crate::planning::Planning;
 use crate::program::DeviceArg;
 use crate::progress::{self, How, Shown};
-use crate::results::Ran;
+use crate::results::{Ran, names};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
@@ -236,10 +237,12 @@ fn run_study(
     course: &Course,
     options: &Options,
 ) -> Result<Option<Value>, Failure> {
+    let results = Folder::open(folder)?;
+    results.check(names(study).iter().map(String::as_str))?;
     // Closed forms too have a store, which binds the folder to one study.
     let mut store = Store::open(folder, &plan.identity())?;
     // Kept from the start, as the run may be killed.
-    for name in keep(study, folder)? {
+    for name in keep(study, &results)? {
         note!("{name} changed since the last run; the affected points are resampled");
     }
     store.note_share(course.share)?;
@@ -273,7 +276,8 @@ fn run_study(
         return Ok(None);
     }
     let (json, quiet, plot) = (options.json, options.quiet, options.plot);
-    let ran = Ran { study, plan, folder, done: done.as_ref().zip(name), lacking: 0, json, quiet, plot };
+    let ran =
+        Ran { study, plan, folder: &results, done: done.as_ref().zip(name), lacking: 0, json, quiet, plot };
     let document = ran.show(&store, &shown)?;
     if !options.json && !options.quiet {
         let rate = match &done {

@@ -287,11 +287,6 @@ pub fn worst(found: &[Result<Navigators, String>]) -> Option<&Navigators> {
     all.max_by(|a, b| a.within.value.total_cmp(&b.within.value))
 }
 
-/// Whether a text is such a study, as it was written.
-pub fn is_ours(text: &str) -> bool {
-    text.lines().next().is_some_and(|line| line.starts_with(START) && line.ends_with(END))
-}
-
 /// The name of the file of each study, for the columns of a log.
 pub fn names(analysis: &Analysis) -> Vec<String> {
     let noise = noise_file::names(&analysis.columns);

@@ -150,8 +150,3 @@ pub fn intervals_of(text: &str) -> Intervals {
         unknown: unknown.filter_map(symbol).collect(),
     }
 }
-
-/// Whether the text is that of such a file; a user's own `noise.toml` is not overwritten.
-pub fn is_ours(text: &str) -> bool {
-    text.lines().next().is_some_and(|line| line.starts_with(START) && line.contains(FITTED))
-}

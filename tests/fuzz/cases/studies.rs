@@ -12,6 +12,7 @@ use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
+use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 
@@ -78,7 +79,7 @@ fn resolved(study: &Study) -> Result<Study, StudyError> {
         return Study::parse("elsewhere/resolved_study.toml", &study.resolved(study.trials));
     }
     let folder = tempfile::tempdir().unwrap();
-    keep(study, folder.path()).unwrap();
+    keep(study, &Folder::open(folder.path()).unwrap()).unwrap();
     Study::read(&folder.path().join(RESOLVED))
 }
 

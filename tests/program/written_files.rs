@@ -1,0 +1,301 @@
+//! The files that each command writes, and what happens where others are in their places.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::desk::{Desk, STUDY};
+use crate::logs::noise;
+
+/// The list of a folder.
+const LIST: &str = "written_by_sagnac.jsonl";
+
+/// Commands that write into a results folder, without it.
+const COMMANDS: [&str; 14] = [
+    "run study.toml --trials 256 --device cpu --out",
+    "run swept.toml --trials 64 --device cpu --out",
+    "merge done --out",
+    "allan log.csv --data rate --column gz --temperature temp --compensate --dynamic 30s --bootstrap 0 --out",
+    "allan log.csv --data rate --column gz --navigate 1min --bootstrap 0 --out",
+    "psd log.csv --data rate --column gz --bootstrap 0 --out",
+    "compare log.csv log.csv --data rate --column gz,gx --out",
+    "lot log.csv --data rate --column gz,gx --out",
+    "model noise.toml --from 1s --to 1000s --bound --filter-rate 100Hz --write all --out",
+    "filler study.toml --test-vectors 4 --out",
+    "filler study.toml --limit 400arcsec --out",
+    "design run.toml --trials 32 --device cpu --out",
+    "sensitivity uncertain.toml --samples 8 --device cpu --out",
+    "shaders",
+];
+
+/// A folder with studies, a log and results for these commands.
+fn desk() -> Desk {
+    let desk = Desk::with(STUDY);
+    let swept = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n\
+                 [[chart]]\nx = \"frequency\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"q9973\"\n";
+    let profile = "profile = { file = \"base.csv\" }";
+    let recorded = STUDY.replace("amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"", profile);
+    desk.write("swept.toml", &format!("{STUDY}{swept}"));
+    desk.write("recorded.toml", &recorded);
+    let shake = |i: usize| format!("{},{}\n", 0.005 * i as f64, 3600.0 * (0.3 * i as f64).sin());
+    desk.write(
+        "base.csv",
+        &("time [s],rate [arcsec/s]\n".to_owned() + &(0..2000).map(shake).collect::<String>()),
+    );
+    let row =
+        |(i, y): (usize, f64)| format!("{},{y},{},{}\n", 0.1 * i as f64, 0.5 * y, 20.0 + 1e-3 * i as f64);
+    let rows: String = noise(2000).enumerate().map(row).collect();
+    desk.write("log.csv", &format!("time [s],gz [deg/h],gx [deg/h],temp [degC]\n{rows}"));
+    desk.write(
+        "noise.toml",
+        "angle_random_walk = \"0.003 deg/sqrt(h)\"\nrate_random_walk = \"0.01 deg/h/sqrt(h)\"\n",
+    );
+    let whole = fs::read_to_string(format!("{}/studies/design_point.toml", crate::ROOT)).unwrap();
+    desk.write("run.toml", &whole);
+    let uncertain = "[[sensitivity]]\nkey = \"gyro.tick_noise.std\"\nnormal = { mean = \"1 arcsec\", sd = \"0.1 arcsec\" }\n";
+    desk.write("uncertain.toml", &format!("{STUDY}{uncertain}"));
+    desk.done("run recorded.toml --trials 256 --device cpu --out done --quiet");
+    desk
+}
+
+/// The names in the list of a folder.
+fn listed(folder: &Path) -> BTreeSet<String> {
+    let list = fs::read_to_string(folder.join(LIST)).unwrap();
+    let entries = list.lines().skip(1).filter(|line| !line.is_empty());
+    let entries = entries.map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let whole = entries.filter(|entry| !entry["sha256"].is_null());
+    whole.map(|entry| entry["name"].as_str().unwrap().to_owned()).collect()
+}
+
+/// Writes `text` to a path below a folder that is made.
+fn place(path: &Path, text: &str) {
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+#[test]
+fn every_command_lists_what_it_writes_and_leaves_no_other_file() {
+    let desk = desk();
+    for (at, command) in COMMANDS.iter().enumerate() {
+        let name = format!("out{at}");
+        desk.done(&format!("{command} {name}"));
+        let folder = desk.path(&name);
+        let mut found = BTreeSet::new();
+        for entry in desk.names(&name) {
+            match folder.join(&entry).is_dir() {
+                true => found.extend(
+                    desk.names(&format!("{name}/{entry}"))
+                        .into_iter()
+                        .map(|inner| format!("{entry}/{inner}")),
+                ),
+                false => drop(found.insert(entry)),
+            }
+        }
+        let own = [LIST, "tallies.sqlite", "tallies.lock"];
+        found.retain(|name| !own.contains(&name.as_str()));
+        assert_eq!(listed(&folder), found, "{command}");
+        // It can be given again.
+        desk.done(&format!("{command} {name}"));
+    }
+}
+
+#[test]
+fn no_command_changes_a_file_of_somebody_else_whatever_its_name() {
+    let desk = desk();
+    let mut names = BTreeSet::from(
+        [LIST, "tallies.sqlite", "tallies.lock", "chart-7.png", "letter.txt"].map(str::to_owned),
+    );
+    for (at, command) in COMMANDS.iter().enumerate() {
+        desk.done(&format!("{command} out{at}"));
+        names.extend(listed(&desk.path(&format!("out{at}"))));
+    }
+    for left_out in [&[][..], &[LIST], &[LIST, "tallies.sqlite", "tallies.lock"]] {
+        let home = desk.path("home");
+        let kept: Vec<&String> = names.iter().filter(|name| !left_out.contains(&name.as_str())).collect();
+        assert!(kept.len() > 40, "{kept:?}");
+        for name in &kept {
+            place(&home.join(name), &format!("mine: {name}"));
+        }
+        for command in COMMANDS {
+            let ended = desk.sagnac(&format!("{command} home"));
+            assert_ne!(ended.code, 0, "{command}");
+            for name in &kept {
+                assert_eq!(
+                    fs::read_to_string(home.join(name)).unwrap(),
+                    format!("mine: {name}"),
+                    "{command}"
+                );
+            }
+        }
+        fs::remove_dir_all(home).unwrap();
+    }
+}
+
+#[test]
+fn whatever_is_in_the_place_of_a_file_nothing_outside_changes() {
+    let desk = desk();
+    let victim = desk.path("victim");
+    let kinds = ["link", "hard link", "folder", "pipe", "link to a folder"];
+    for (at, command) in COMMANDS.iter().enumerate() {
+        desk.done(&format!("{command} out{at}"));
+        let mut names = listed(&desk.path(&format!("out{at}")));
+        names.extend([LIST, "tallies.sqlite", "tallies.sqlite-wal", "tallies.lock"].map(str::to_owned));
+        // Those of one command have the same way to the disk: each is tried as a link, and one as anything else.
+        let odd = at % names.len();
+        for (number, name) in names.iter().enumerate() {
+            for kind in kinds.iter().take(if number == odd { kinds.len() } else { 1 }) {
+                fs::create_dir_all(&victim).unwrap();
+                fs::write(victim.join("file"), "mine").unwrap();
+                let path = desk.path("home").join(name);
+                fs::create_dir_all(path.parent().unwrap()).unwrap();
+                match *kind {
+                    "link" => symlink(victim.join("file"), &path).unwrap(),
+                    "hard link" => fs::hard_link(victim.join("file"), &path).unwrap(),
+                    "folder" => fs::create_dir(&path).unwrap(),
+                    "pipe" => assert!(Command::new("mkfifo").arg(&path).status().unwrap().success()),
+                    _ => {
+                        fs::remove_dir_all(desk.path("home")).unwrap();
+                        fs::create_dir(desk.path("home")).unwrap();
+                        let first = name.split('/').next().unwrap();
+                        symlink(&victim, desk.path("home").join(first)).unwrap();
+                    }
+                }
+                desk.sagnac(&format!("{command} home"));
+                assert_eq!(
+                    fs::read_to_string(victim.join("file")).unwrap(),
+                    "mine",
+                    "{command}, {name} as a {kind}"
+                );
+                assert_eq!(desk.names("victim"), ["file"], "{command}, {name} as a {kind}");
+                fs::remove_dir_all(desk.path("home")).unwrap();
+                fs::remove_dir_all(&victim).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_received_folder_writes_nowhere_else_when_it_is_shown() {
+    let desk = desk();
+    place(&desk.path("victim/base.csv"), "mine");
+    fs::remove_dir_all(desk.path("done/inputs")).unwrap();
+    fs::copy(desk.path("base.csv"), desk.path("done/base.csv")).unwrap();
+    symlink(desk.path("victim"), desk.path("done/inputs")).unwrap();
+    let resolved = desk.read("done/resolved_study.toml").replace("inputs/base.csv", "base.csv");
+    desk.write("done/resolved_study.toml", &resolved);
+    for words in [
+        "report done",
+        "report .",
+        "run done/resolved_study.toml --device cpu",
+        "merge done --out done",
+        "chart done",
+    ] {
+        desk.sagnac(words);
+        assert_eq!(desk.read("victim/base.csv"), "mine", "{words}");
+        assert_eq!(desk.names("victim"), ["base.csv"], "{words}");
+    }
+}
+
+#[test]
+fn inputs_are_never_outputs_and_files_that_a_user_names_are_new() {
+    let desk = desk();
+    desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out a");
+    let before = desk.read("a/curve.csv");
+    desk.fails("lot a/curve.csv log.csv --data rate --unit none --rate 1Hz --column 2 --out a", 3, &[]);
+    desk.fails(
+        "allan a/curve.csv --data rate --rate 1Hz --unit none --column oadev_deg_per_h --bootstrap 0 --out a",
+        6,
+        &["a/curve.csv is read by this command", "write to another folder"],
+    );
+    assert_eq!(desk.read("a/curve.csv"), before);
+    desk.write("mine.csv", "mine");
+    for option in ["--record", "--kalibr"] {
+        let words = format!("allan log.csv --data rate --column gz --bootstrap 0 --out b {option} mine.csv");
+        desk.fails(&words, 2, &["mine.csv would replace a file", "another FILE"]);
+    }
+    assert_eq!(desk.read("mine.csv"), "mine");
+}
+
+#[test]
+fn a_folder_of_an_earlier_version_is_left_until_it_is_adopted() {
+    let desk = desk();
+    fs::remove_file(desk.path("done").join(LIST)).unwrap();
+    desk.write("done/letter.txt", "mine");
+    let before = desk.read("done/report.html");
+    let again = "run recorded.toml --trials 512 --device cpu --out done";
+    desk.fails(again, 6, &["of an earlier version", "sagnac check done --adopt"]);
+    assert_eq!(desk.read("done/report.html"), before);
+    let ended = desk.done("check done --adopt");
+    assert!(ended.stdout.contains("took over") && ended.stdout.contains("report.html"), "{}", ended.stdout);
+    assert!(!ended.stdout.contains("letter.txt"), "{}", ended.stdout);
+    desk.done(again);
+    assert_ne!(desk.read("done/report.html"), before);
+    desk.fails("check . --adopt", 2, &["holds no results"]);
+}
+
+#[test]
+fn check_says_what_was_changed_and_what_it_cannot_check() {
+    let desk = desk();
+    desk.done("check done");
+    let resolved = desk.read("done/resolved_study.toml");
+    desk.write("done/resolved_study.toml", &resolved.replace("A study", "Another study"));
+    let ended = desk.sagnac("check done");
+    assert_eq!(ended.code, 5, "{}", ended.stderr);
+    assert!(ended.stderr.contains("resolved_study.toml was changed"), "{}", ended.stderr);
+    fs::remove_file(desk.path("done/resolved_study.toml")).unwrap();
+    let ended = desk.sagnac("check done");
+    assert_eq!(ended.code, 5, "{}", ended.stderr);
+    assert!(ended.stderr.contains("resolved_study.toml is missing"), "{}", ended.stderr);
+    desk.write("done/resolved_study.toml", &resolved);
+    fs::remove_file(desk.path("done").join(LIST)).unwrap();
+    let ended = desk.done("check done");
+    assert!(ended.stderr.contains("without a list"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_run_whose_database_or_folder_vanishes_ends_with_an_error() {
+    for gone in ["out/tallies.sqlite", "out"] {
+        let desk = desk();
+        let mut run = Command::new(crate::desk::PROGRAM)
+            .args([
+                "run",
+                "study.toml",
+                "--trials",
+                "1000000000000",
+                "--device",
+                "cpu",
+                "--threads",
+                "1",
+                "--out",
+                "out",
+            ])
+            .current_dir(desk.path(""))
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let waited = std::time::Instant::now();
+        while !desk.path("out/tallies.sqlite-wal").exists() {
+            assert!(waited.elapsed().as_secs() < 60);
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        let path = desk.path(gone);
+        if path.is_dir() {
+            fs::remove_dir_all(path).unwrap()
+        } else {
+            fs::remove_file(path).unwrap()
+        }
+        let mut ended = None;
+        while ended.is_none() && waited.elapsed().as_secs() < 100 {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            ended = run.try_wait().unwrap();
+        }
+        let _ = run.kill();
+        let said = String::from_utf8(run.wait_with_output().unwrap().stderr).unwrap();
+        assert_eq!(ended.and_then(|ended| ended.code()), Some(6), "{gone}: {said}");
+        assert!(said.contains("was removed or replaced"), "{gone}: {said}");
+    }
+}
