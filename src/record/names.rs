@@ -1,11 +1,14 @@
 //! The names of columns and their units, as in a header.
 
 use crate::quantity::units::Dimension;
-use crate::record::log::measure::Data;
+use crate::record::log::measure::{Data, Unit};
 use crate::record::spelling::unit_of;
 
 /// Longest unit after an underscore, in bytes including it.
 const LONGEST_UNIT: usize = 64;
+
+/// Brackets at the end of a unit.
+const BRACKETS: [char; 3] = [']', ')', '}'];
 
 /// What a unit without brackets may measure. Of the first three, an underscore may stand for a division.
 const MEASURED: [Dimension; 5] =
@@ -26,6 +29,16 @@ const UNITS_AS_NAMES: [&str; 12] = [
     "microseconds",
     "seconds",
 ];
+
+/// Words for gyros, without the letter of their axis; `gyr` and what begins with it are others.
+const GYROS: [&str; 5] = ["w", "g", "omega", "ang", "angular"];
+
+/// Words of columns with the length of a vector of several axes.
+const NORMS: [&str; 5] = ["absolute", "abs", "norm", "magnitude", "total"];
+
+/// Words of columns that tell about the samples and have none.
+const AUXILIARIES: [&str; 11] =
+    ["status", "state", "flag", "flags", "error", "errors", "clip", "counter", "id", "instance", "tow"];
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -87,10 +100,41 @@ impl Name {
     /// The unit of the column where it measures `data`. That of rates in `gyro_rad` is an angle in one second, but not that in brackets.
     pub(crate) fn unit_of(&self, data: Data) -> Option<String> {
         let unit = self.unit.as_ref()?;
-        let is_plain = !self.base().ends_with([']', ')', '}']);
+        let is_plain = !self.base().ends_with(BRACKETS);
         let is_angle = || unit_of(unit, &[Dimension::Angle]).is_ok();
         let is_rate = data == Data::Rate && is_plain && is_angle();
         Some(if is_rate { format!("{unit}/s") } else { unit.clone() })
+    }
+
+    /// Whether the column measures `data` by its unit. An angle is taken for that in one second only in the name of a gyro: `gyro_rad`
+    /// has rates, and `roll_rad` attitudes.
+    pub(crate) fn measures(&self, data: Data) -> bool {
+        let fits = |unit: &String| Unit::of_header(unit, data).is_ok();
+        let is_plain = !self.base().ends_with(BRACKETS);
+        let is_known = |unit: &String| self.unit.as_ref() == Some(unit) || self.is_gyro();
+        self.unit_of(data).is_some_and(|unit| fits(&unit) && is_known(&unit))
+            && !(is_plain && self.is_auxiliary())
+    }
+
+    fn is_gyro(&self) -> bool {
+        let is = |word: &String| {
+            word.starts_with("gyr") || GYROS.contains(&word.trim_end_matches(['x', 'y', 'z']))
+        };
+        words(&self.bare).iter().any(is)
+    }
+
+    /// Whether the column has the length of a vector, such as `Absolute` beside three axes.
+    pub(crate) fn is_norm(&self) -> bool {
+        self.has_word(&NORMS)
+    }
+
+    /// Whether the column tells about the samples and has none, such as `status` and `device_id`.
+    pub(crate) fn is_auxiliary(&self) -> bool {
+        self.has_word(&AUXILIARIES)
+    }
+
+    fn has_word(&self, known: &[&str]) -> bool {
+        words(&self.bare).iter().any(|word| known.contains(&word.as_str()))
     }
 
     /// The name of a column of a matrix with this name.
@@ -106,6 +150,25 @@ impl Name {
             self.unit = Some(unit.to_owned());
         }
     }
+}
+
+/// The words of a name in lower case: those of `SampleTimeFine` and of `delta_angle_dt` are three each.
+pub(crate) fn words(name: &str) -> Vec<String> {
+    let (mut words, mut before) = (vec![String::new()], ' ');
+    let mut letters = name.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let is_first = letter.is_uppercase()
+            && (before.is_lowercase()
+                || before.is_uppercase() && letters.peek().is_some_and(|next| next.is_lowercase()));
+        match words.last_mut().filter(|_| letter.is_alphanumeric() && !is_first) {
+            Some(word) => word.extend(letter.to_lowercase()),
+            None if letter.is_alphanumeric() => words.push(letter.to_lowercase().collect()),
+            None => words.push(String::new()),
+        }
+        before = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
 }
 
 /// The index at the end of a part of an array such as `gyro_rad[0]`, with its brackets.
@@ -160,9 +223,38 @@ mod tests {
         let rate = |cell| Name::read(cell).unit_of(Data::Rate);
         assert_eq!(rate("gyro_rad[0]").as_deref(), Some("rad/s"));
         assert_eq!([rate("gz [rad]"), rate("gz_dps")].map(Option::unwrap), ["rad", "dps"]);
+        for (cell, measures) in [
+            ("gyro_rad[0]", true),
+            ("wz_deg", true),
+            ("gz_dps", true),
+            ("Drehrate [°/s]", true),
+            ("status [deg/s]", true),
+            ("roll_deg", false),
+            ("lat_deg", false),
+            ("temp_deg", false),
+            ("angle_rad", false),
+            ("status_g", false),
+            ("gz", false),
+        ] {
+            assert_eq!(Name::read(cell).measures(Data::Rate), measures, "{cell}");
+        }
         assert_eq!(Name::read("angle_rad").unit_of(Data::Angle).as_deref(), Some("rad"));
         let second = Name::read("gyro_dps").numbered(2);
         let expected = ("gyro_dps.2", "gyro.2", Some("dps"));
         assert_eq!((&*second.whole, &*second.bare, second.unit.as_deref()), expected);
+    }
+    #[test]
+    fn words_are_divided_by_signs_and_by_capitals() {
+        for (name, expected) in [
+            ("GyrX", &["gyr", "x"][..]),
+            ("TimeUS", &["time", "us"]),
+            ("UTCTime", &["utc", "time"]),
+            ("SampleTimeFine", &["sample", "time", "fine"]),
+            ("imu/delta_angle[1]", &["imu", "delta", "angle", "1"]),
+            ("GYROSCOPE X", &["gyroscope", "x"]),
+            ("", &[]),
+        ] {
+            assert_eq!(words(name), expected, "{name}");
+        }
     }
 }

@@ -53,6 +53,7 @@ mod groups;
 mod help;
 mod identity;
 mod kills;
+mod log_columns;
 mod log_pages;
 mod lot;
 mod messy_logs;

@@ -227,6 +227,11 @@ fn name_of(file: &Recording, column: usize) -> String {
     file.names().get(column).map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
 }
 
+/// The names of columns in a list.
+fn names_of(file: &Recording, columns: &[usize]) -> String {
+    columns.iter().map(|&column| name_of(file, column)).collect::<Vec<_>>().join(", ")
+}
+
 /// Whether a column is called like a temperature.
 fn is_temperature(name: &Name) -> bool {
     name.whole.to_lowercase().contains("temp")
@@ -257,7 +262,8 @@ fn wanted(
         !taken.contains(&Some(*column)) && file.calendar(*column).is_none() && !parts.contains(column)
     };
     let others: Vec<usize> = (0..file.columns()).filter(is_other).collect();
-    let measuring = if request.units.is_empty() { measuring(file, request.data) } else { vec![] };
+    let [measuring, norms] =
+        if request.units.is_empty() { measuring(file, request.data) } else { [vec![], vec![]] };
     match others[..] {
         [_] => Ok(others),
         [] => {
@@ -265,13 +271,12 @@ fn wanted(
             Err(file.refuse(None, "there is no column besides the time", "the only one", help))
         }
         _ if !measuring.is_empty() => {
-            let names: Vec<&str> =
-                measuring.iter().map(|&column| file.names()[column].bare.as_str()).collect();
-            let names = names.join(", ");
-            notes.push(format!(
-                "all columns whose units fit `data = {}` are read: {names}",
-                request.data.name()
-            ));
+            let (data, names) = (request.data.name(), names_of(file, &measuring));
+            notes.push(format!("all columns whose units fit `data = {data}` are read: {names}"));
+            if !norms.is_empty() {
+                let names = names_of(file, &norms);
+                notes.push(format!("left out, as the length of a vector: {names}; `column = NAME` reads it"));
+            }
             Ok(measuring)
         }
         _ => {
@@ -310,11 +315,14 @@ fn expanded(file: &Recording, words: &[String]) -> Vec<String> {
     words.iter().flat_map(range).collect()
 }
 
-/// The columns that may have samples: all numbers but those of the columns `taken`, times, lengths of time, temperatures and counters.
+/// The columns that may have samples: all numbers but those of the columns `taken`, times, lengths of time, temperatures, counters,
+/// lengths of vectors and what only tells about the samples.
 fn likely(file: &Recording, taken: [Option<usize>; 2]) -> Vec<usize> {
     let parts = parts_of_times(file);
     let is_likely = |&column: &usize| {
-        let is_other = file.names().get(column).is_some_and(|name| is_temperature(name) || is_timing(name));
+        let is_none =
+            |name: &Name| is_temperature(name) || is_timing(name) || name.is_norm() || name.is_auxiliary();
+        let is_other = file.names().get(column).is_some_and(is_none);
         !taken.contains(&Some(column))
             && !parts.contains(&column)
             && !is_other
@@ -324,10 +332,13 @@ fn likely(file: &Recording, taken: [Option<usize>; 2]) -> Vec<usize> {
     (0..file.columns()).filter(is_likely).collect()
 }
 
-/// The columns whose units are those of such data.
-fn measuring(file: &Recording, data: Data) -> Vec<usize> {
-    let unit = |name: &Name| name.unit_of(data).is_some_and(|unit| Unit::of_header(&unit, data).is_ok());
-    (0..file.names().len()).filter(|&column| unit(&file.names()[column])).collect()
+/// The columns whose units are those of such data, and those of them that are left out because they are the lengths of vectors.
+fn measuring(file: &Recording, data: Data) -> [Vec<usize>; 2] {
+    let names = file.names();
+    let (norms, axes): (Vec<usize>, Vec<usize>) = (0..names.len())
+        .filter(|&column| names[column].measures(data))
+        .partition(|&column| names[column].is_norm());
+    if axes.is_empty() { [norms, vec![]] } else { [axes, norms] }
 }
 
 /// The column with the time over which the increments of a column were summed, such as `delta_angle_dt`.
