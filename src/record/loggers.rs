@@ -88,6 +88,7 @@ pub(crate) fn complete(names: &mut [Name]) -> Option<String> {
     for name in names.iter_mut().filter(|name| name.unit.is_none()) {
         if let Some((_, unit)) = logger.units.iter().find(|(known, _)| is(name, known)) {
             name.complete(unit);
+            name.is_assumed = true;
             units.push(format!("{} {unit}", name.whole));
         }
     }

@@ -48,6 +48,8 @@ pub(crate) struct Name {
     /// Name without the unit.
     pub bare: String,
     pub unit: Option<String>,
+    /// Whether the file does not state the unit, but its logger is known to have it.
+    pub is_assumed: bool,
 }
 
 impl Name {
@@ -57,13 +59,14 @@ impl Name {
         let whole = cell.trim();
         let (base, index) = whole.split_at(whole.len() - index(whole).len());
         if !index.is_empty() {
-            let Name { bare, unit, .. } = Name::read(base);
-            return Name { whole: whole.to_owned(), bare: bare + index, unit };
+            let name = Name::read(base);
+            return Name { whole: whole.to_owned(), bare: name.bare + index, ..name };
         }
         let with = |bare: &str, unit: &str| Name {
             whole: whole.to_owned(),
             bare: bare.trim().to_owned(),
             unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
+            is_assumed: false,
         };
         if UNITS_AS_NAMES.iter().any(|unit| whole.eq_ignore_ascii_case(unit)) {
             return with(whole, whole);
@@ -89,7 +92,7 @@ impl Name {
         {
             return with(bare, unit);
         }
-        Name { whole: whole.to_owned(), bare: whole.to_owned(), unit: None }
+        with(whole, "")
     }
 
     /// The whole name without an index.
@@ -140,7 +143,7 @@ impl Name {
     /// The name of a column of a matrix with this name.
     pub(crate) fn numbered(&self, number: usize) -> Name {
         let [whole, bare] = [&self.whole, &self.bare].map(|name| format!("{name}.{number}"));
-        Name { whole, bare, unit: self.unit.clone() }
+        Name { whole, bare, ..self.clone() }
     }
 
     /// Takes the unit from elsewhere, such as a line of units below the names, if the name has none.

@@ -64,10 +64,21 @@ pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
     epoch_unit(*stamps.first()?).filter(|(_, unit_s)| is_short(*unit_s))
 }
 
-/// The unit of stamps with a mean step that gives the rate of a sensor, and that rate, Hz.
-pub(crate) fn likely_unit(step: f64) -> Option<(&'static str, f64)> {
-    let rate = |(unit, unit_s): (&'static str, f64)| (unit, 1.0 / (step * unit_s));
-    UNITS.into_iter().map(rate).find(|(_, rate_hz)| SENSORS_HZ.contains(rate_hz))
+/// Whether steps of `step_s` are those of a sensor.
+pub(crate) fn is_step_of_sensor(step_s: f64) -> bool {
+    SENSORS_HZ.contains(&(1.0 / step_s))
+}
+
+/// The units of stamps with a mean step that give the rate of a sensor, with that rate, Hz; only the one that is the last of the `words`
+/// of the name of the stamps, where it does.
+pub(crate) fn likely_units(step: f64, words: &[String]) -> Vec<(&'static str, f64)> {
+    let likely = UNITS.into_iter().filter(|(_, unit_s)| is_step_of_sensor(step * unit_s));
+    let mut likely: Vec<_> = likely.map(|(unit, unit_s)| (unit, 1.0 / (step * unit_s))).collect();
+    let is_named = |unit: &str| words.len() > 1 && words.last().is_some_and(|word| word == unit);
+    if likely.iter().any(|(unit, _)| is_named(unit)) {
+        likely.retain(|(unit, _)| is_named(unit));
+    }
+    likely
 }
 
 /// The stamps of a counter in a row: wherever it has rolled over, its limit is added. Returns that limit and how many times
@@ -370,6 +381,7 @@ pub(crate) fn step_in_stamps(stamps: &[f64], step_s: f64, unit_s: Option<f64>) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::names::words;
 
     #[test]
     fn stamps_since_a_start_are_not_taken_for_those_since_the_epoch() {
@@ -395,6 +407,23 @@ mod tests {
             (12.0, None),
         ] {
             assert_eq!(epoch_unit(stamp).map(|unit| unit.0), unit, "{stamp}");
+        }
+    }
+
+    #[test]
+    fn all_units_that_give_the_rate_of_a_sensor_are_likely_unless_the_name_has_one() {
+        for (step, name, expected) in [
+            (1000.0, "time", &[("ms", 1.0), ("us", 1000.0)][..]),
+            (2.0, "time", &[("s", 0.5), ("ms", 500.0)]),
+            (1000.0, "TimeUS", &[("us", 1000.0)]),
+            (2.0, "TimeUS", &[("s", 0.5), ("ms", 500.0)]),
+            (5e6, "t", &[("ns", 200.0)]),
+            (1e9, "t", &[("ns", 1.0)]),
+            (1e-9, "t", &[]),
+        ] {
+            let found = likely_units(step, &words(name));
+            let rounded = found.iter().map(|(unit, rate_hz)| (*unit, libm::round(1e6 * rate_hz) / 1e6));
+            assert_eq!(rounded.collect::<Vec<_>>(), expected, "{name} with steps of {step}");
         }
     }
 

@@ -48,3 +48,66 @@ fn columns_of_attitude_place_and_status_are_no_gyros() {
     assert!(said.contains("left out, as the length of a vector: Absolute"), "{said}");
     assert_eq!(read(&desk, "--data rate --column Absolute").0, ["Absolute"]);
 }
+
+#[test]
+fn the_unit_of_a_logger_is_taken_only_if_it_gives_the_rate_of_a_sensor() {
+    type Stamp = fn(usize) -> String;
+    let since_1970: Stamp = |i| format!("{:.3}", 1.7e9 + 0.005 * i as f64);
+    let ms: Stamp = |i| (5 * i).to_string();
+    let ms_since_1970: Stamp = |i| (1_700_000_000_000 + 5 * i).to_string();
+    let seconds: Stamp = |i| format!("{:.3}", 0.005 * i as f64);
+    for (header, stamp, unit) in [
+        ("time,angular_velocity.x", ms, Some("ms")),
+        ("stamp,angular_velocity.x", |i| (5000 * i).to_string(), Some("us")),
+        ("timestamp,gyro_rad[0]", ms, Some("ms")),
+        ("timestamp,gyro_rad[0]", seconds, Some("s")),
+        ("time,angular_velocity.x", seconds, Some("s")),
+        ("time,angular_velocity.x", since_1970, None),
+        ("timestamp,gyro_rad[0]", ms_since_1970, None),
+        ("timestamp,gyro_rad[0]", |i| (354_000 + 5000 * i).to_string(), None),
+        ("time,angular_velocity.x", |i| (1_700_000_000_000_000_000 + 5_000_000 * i).to_string(), None),
+    ] {
+        let desk = log(header, |i, y| format!("{},{y}", stamp(i)));
+        if let Some(unit) = unit {
+            let pieces = ["not in the unit of this logger", &format!("--time-unit {unit} for 200 Hz")];
+            desk.fails("allan log.csv --data rate", 3, &pieces);
+        }
+        let option = unit.map_or(String::new(), |unit| format!("--time-unit {unit}"));
+        assert_rate(read(&desk, &format!("--data rate {option}")).1, 200.0, header);
+    }
+}
+
+#[test]
+fn a_stated_unit_that_contradicts_times_since_1970_is_refused_with_theirs() {
+    for (header, first, step, unit) in [
+        ("time [ns],gz [deg/s]", 1_700_000_000_000_000_usize, 10_000, "us"),
+        ("time [us],gz [deg/s]", 1_700_000_000_000, 10, "ms"),
+        ("time [ms],gz [deg/s]", 1_700_000_000_000_000, 10_000, "us"),
+        ("time [s],gz [deg/s]", 1_700_000_000_000, 10, "ms"),
+    ] {
+        let desk = log(header, |i, y| format!("{},{y}", first + step * i));
+        let pieces = [format!("{unit} since 1970: 100 Hz, not"), format!("--time-unit {unit}")];
+        desk.fails("allan log.csv --data rate", 3, &pieces.each_ref().map(String::as_str));
+        assert_rate(read(&desk, &format!("--data rate --time-unit {unit}")).1, 100.0, header);
+    }
+    let desk = log("time [ms],gz [deg/s]", |i, y| format!("{:.2},{y}", 1.7e9 + 0.01 * i as f64));
+    desk.fails("allan log.csv --data rate", 3, &["s since 1970: 100 Hz, not 100000 Hz", "--time-unit s"]);
+    // Twelve days after the start of a device.
+    let desk = log("time [us],gz [deg/s]", |i, y| format!("{},{y}", 1_100_000_000_000_usize + 2500 * i));
+    assert_rate(read(&desk, "--data rate").1, 400.0, "us since a start");
+    let desk = log("time [us],gz [deg/s]", |i, y| format!("{},{y}", 1_100_000_000_000_usize + 1000 * i));
+    desk.fails("allan log.csv --data rate", 3, &["1 Hz, not 1000 Hz", "or else its own unit"]);
+    assert_rate(read(&desk, "--data rate --time-unit us").1, 1000.0, "a unit that is given");
+}
+
+#[test]
+fn all_units_of_times_that_give_the_rate_of_a_sensor_are_proposed() {
+    for (header, step, proposed) in [
+        ("time,gz_dps", 1000, "--time-unit ms for 1 Hz or --time-unit us for 1000 Hz;"),
+        ("time,gz_dps", 2, "--time-unit s for 0.5 Hz or --time-unit ms for 500 Hz;"),
+        ("TimeUS,gz_dps", 1000, "as in --time-unit us for 1000 Hz;"),
+    ] {
+        let desk = log(header, |i, y| format!("{},{y}", 5000 + step * i));
+        desk.fails("allan log.csv --data rate", 3, &["has no unit", proposed]);
+    }
+}

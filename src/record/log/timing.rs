@@ -5,12 +5,12 @@ use crate::quantity::units::Dimension;
 use crate::record::calendar::Calendar;
 use crate::record::error::{Faults, RecordError};
 use crate::record::log::read::{Duplicates, RULES, Timing};
-use crate::record::names::Name;
+use crate::record::names::{Name, words};
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, are_coarse, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of, faults as faults_of,
-    grid_of_rows, likely_unit, mean_step, step_in_stamps, unroll,
+    grid_of_rows, is_step_of_sensor, likely_units, mean_step, step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -59,8 +59,20 @@ pub(crate) struct Time {
     pub column: usize,
     /// The unit, s, where it is known.
     unit_s: Option<f64>,
+    unit_is: Stated,
     /// The column with the rest of the second, where this one has whole seconds.
     pub rest: Option<Rest>,
+}
+
+/// Who says what the unit of stamps is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stated {
+    /// The user, or a clock in the stamps.
+    Surely,
+    /// The header.
+    InHeader,
+    /// The kind of the logger.
+    ByLogger,
 }
 
 /// A column with the rest of the seconds of another one.
@@ -175,7 +187,13 @@ pub(crate) fn found(
             None => unit_s(file, column, unit.as_deref(), &time_column(file, column))?,
             seconds => seconds,
         };
-        Ok((Some(Time { column, unit_s, rest }), is_sure))
+        let is_known = unit.is_some() || known.is_some() || file.calendar(column).is_some();
+        let unit_is = match file.names().get(column) {
+            _ if is_known => Stated::Surely,
+            Some(name) if name.is_assumed => Stated::ByLogger,
+            _ => Stated::InHeader,
+        };
+        Ok((Some(Time { column, unit_s, unit_is, rest }), is_sure))
     };
     if let Some(word) = column {
         return time(file.find(word, None)?, true);
@@ -238,7 +256,7 @@ pub(crate) fn found(
     if column.is_none() && !has_step {
         return Err(without_times(file));
     }
-    Ok((column.map(|column| Time { column, unit_s: None, rest: None }), false))
+    Ok((column.map(|column| Time { column, unit_s: None, unit_is: Stated::InHeader, rest: None }), false))
 }
 
 /// The error for a file without times.
@@ -417,7 +435,7 @@ fn are_times(numbers: &[f64], may_number: bool) -> bool {
     numbers.len() > 1 && steps().all(|step| step >= 0.0) && (are_since_1970 || may_number && is_even())
 }
 
-/// The unit of the stamps; they may be times since 1970.
+/// The unit of the stamps; they may be times since 1970. That of a logger is only taken if it gives the rate of a sensor.
 fn unit_of_stamps(
     file: &Recording,
     clock: &Clock,
@@ -428,10 +446,26 @@ fn unit_of_stamps(
 ) -> Option<f64> {
     let epoch = epoch_unit_of(stamps);
     let title = time_column(file, time.column);
-    match (time.unit_s, epoch) {
-        (Some(unit_s), Some((unit, of_epoch))) if unit_s > of_epoch && clock.step_s.is_none() => {
-            let message = format!("{title} is too large for its unit, but fits {unit} since 1970");
-            let help = format!("give `time_unit = {unit}`");
+    let step = (stamps.len() > 1).then(|| mean_step(stamps)).filter(|step| *step > 0.0);
+    let is_of_sensor = |unit_s: f64| step.is_none_or(|step| is_step_of_sensor(step * unit_s));
+    let unit_s = time.unit_s.filter(|unit_s| time.unit_is != Stated::ByLogger || is_of_sensor(*unit_s));
+    // Times since 1970 are too large in a coarser unit. In a finer one they are those of a device that has run for weeks, with a thousand
+    // times the rate.
+    let contradicts = |unit_s: f64, of_epoch: f64| match time.unit_is {
+        Stated::ByLogger => false,
+        _ if unit_s >= of_epoch => unit_s > of_epoch,
+        Stated::InHeader => is_of_sensor(of_epoch),
+        Stated::Surely => is_of_sensor(of_epoch) && !is_of_sensor(unit_s),
+    };
+    match (unit_s, epoch) {
+        (Some(unit_s), Some((unit, of_epoch))) if clock.step_s.is_none() && contradicts(unit_s, of_epoch) => {
+            let rate = step.map_or(String::new(), |step| {
+                let [stated, by_epoch] =
+                    [unit_s, of_epoch].map(|unit_s| significant(1.0 / (step * unit_s), 6));
+                format!(": {by_epoch} Hz, not {stated} Hz")
+            });
+            let message = format!("{title} does not fit its unit, but {unit} since 1970{rate}");
+            let help = format!("give `time_unit = {unit}`, or else its own unit in the same way");
             faults.add(file.refuse(Some(time.column), &message, "this unit", &help));
             None
         }
@@ -440,13 +474,22 @@ fn unit_of_stamps(
             Some(unit_s)
         }
         (None, None) if clock.step_s.is_none() => {
-            let message = format!("{title} has no unit");
-            let of_sensors = || stamps.len() > 1 && mean_step(stamps) > 0.0;
-            let likely = of_sensors().then(|| likely_unit(mean_step(stamps))).flatten();
-            let example = likely.map_or("`time_unit = ms`".to_owned(), |(unit, rate_hz)| {
-                format!("`time_unit = {unit}` for {} Hz", significant(rate_hz, 6))
-            });
-            let help = format!("give its unit as in {example}; accepted: s, ms, us, ns, min, h");
+            let message = match time.unit_s.zip(step) {
+                None => format!("{title} has no unit"),
+                Some((unit_s, step)) => {
+                    let rate = significant(1.0 / (step * unit_s), 6);
+                    format!("{title} is not in the unit of this logger, which gives {rate} Hz")
+                }
+            };
+            let words = file.names().get(time.column).map(|name| words(&name.whole)).unwrap_or_default();
+            let likely = step.map(|step| likely_units(step, &words)).unwrap_or_default();
+            let examples: Vec<String> = likely
+                .iter()
+                .map(|(unit, rate_hz)| format!("`time_unit = {unit}` for {} Hz", significant(*rate_hz, 6)))
+                .collect();
+            let examples =
+                if likely.is_empty() { "`time_unit = ms`".to_owned() } else { examples.join(" or ") };
+            let help = format!("give its unit as in {examples}; accepted: s, ms, us, ns, min, h");
             faults.add(file.refuse(Some(time.column), &message, "its unit is missing", &help));
             None
         }
