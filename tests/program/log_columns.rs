@@ -111,3 +111,33 @@ fn all_units_of_times_that_give_the_rate_of_a_sensor_are_proposed() {
         desk.fails("allan log.csv --data rate", 3, &["has no unit", proposed]);
     }
 }
+
+/// The first deviation of the first column.
+fn first(desk: &Desk) -> f64 {
+    let ended = desk.done("allan log.csv --data increment --json");
+    let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+    document["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap()
+}
+
+#[test]
+fn increments_are_scaled_only_by_the_span_over_which_they_were_summed() {
+    let plain = first(&log("time [s],dx [arcsec]", |i, y| format!("{:.2},{y:.9}", 0.01 * i as f64)));
+    for (header, span, factor, note) in [
+        ("dx [arcsec],latency_ms", "0.1", 1.0, ""),
+        ("dx [arcsec],temp_period [s]", "5", 1.0, ""),
+        ("dx [arcsec],gyro_dt [ms]", "4", 1.0, ""),
+        ("dx [arcsec],interval [ms]", "4", 1.0, ""),
+        ("dx [arcsec],dt", "12000", 1.0, "`dt` has no unit of time that fits the sampling step of 0.01 s"),
+        ("dx [arcsec],dt [ms]", "40", 1.0, "`dt [ms]` is longer than the sampling step of 0.01 s"),
+        ("dx [arcsec],dt", "4", 2.5, "are those of 0.004 s, but 0.01 s apart"),
+        ("dx [arcsec],delta_t [us]", "100", 100.0, "are those of 0.0001 s, but 0.01 s apart"),
+        ("gyro_x [arcsec],gyro_interval [ms]", "5", 2.0, "are those of 0.005 s, but 0.01 s apart"),
+    ] {
+        let desk = log(&format!("time [s],{header}"), |i, y| format!("{:.2},{y:.9},{span}", 0.01 * i as f64));
+        let ratio = first(&desk) / plain;
+        assert!((ratio / factor - 1.0).abs() < 1e-9, "{header}: {ratio} times instead of {factor}");
+        let said = desk.done("allan log.csv --data increment").stderr;
+        assert!(said.contains(note), "{header}: {note} is missing in\n{said}");
+        assert_eq!(said.contains("increment"), !note.is_empty(), "{header}: {said}");
+    }
+}

@@ -12,8 +12,8 @@ use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::temperature::{Degree, Thermometer};
-use crate::record::log::timing::{Clock, found, is_span, is_time, is_timing, parts_of_times, spread};
-use crate::record::names::Name;
+use crate::record::log::timing::{Clock, found, is_time, is_timing, parts_of_times, spread};
+use crate::record::names::{Name, words};
 use crate::record::recording::{Recording, Rules};
 use crate::record::spelling::unit_of;
 
@@ -341,16 +341,27 @@ fn measuring(file: &Recording, data: Data) -> [Vec<usize>; 2] {
     if axes.is_empty() { [norms, vec![]] } else { [axes, norms] }
 }
 
-/// The column with the time over which the increments of a column were summed, such as `delta_angle_dt`.
+/// The column with the time over which the increments of a column were summed: `delta_angle_dt` of `delta_angle[0]`, or `dt` of all.
 fn span_of(file: &Recording, column: usize) -> Option<usize> {
     let names = file.names();
-    let alike = |span: usize| {
-        let letters = names[span].bare.bytes().zip(names.get(column)?.bare.bytes());
-        Some(letters.take_while(|(a, b)| a == b).count())
+    let of_increments = words(&names.get(column)?.bare);
+    let stem_length = |span: usize| {
+        let words = words(&names[span].bare);
+        let is_end = |end: &&[&str]| words.len() >= end.len() && words[words.len() - end.len()..] == **end;
+        let end = SPANS.iter().find(|end| is_end(end))?;
+        let stem = &words[..words.len() - end.len()];
+        let is_plain = stem.is_empty() && !INTERVALS.contains(end);
+        (is_plain || !stem.is_empty() && of_increments.starts_with(stem)).then_some(stem.len())
     };
-    let is_span = |&span: &usize| is_span(&names[span].bare) && file.sample(span).is_some();
-    (0..names.len()).filter(is_span).max_by_key(|&span| alike(span))
+    let spans = (0..names.len()).filter(|&span| file.sample(span).is_some());
+    spans.filter_map(|span| Some((stem_length(span)?, span))).max().map(|(_, span)| span)
 }
+
+/// Words at the end of names of columns with the times over which increments were summed.
+const SPANS: [&[&str]; 5] = [&["dt"], &["delta", "t"], &["d", "t"], INTERVALS[0], INTERVALS[1]];
+
+/// Those that alone are no names of such columns.
+const INTERVALS: [&[&str]; 2] = [&["interval"], &["intervals"]];
 
 /// Makes increments over shorter times than the sampling step those of whole steps at the same rate, and says so.
 fn over_steps(
@@ -364,10 +375,19 @@ fn over_steps(
     let middle = known.len().checked_sub(1)? / 2;
     let median = *known.select_nth_unstable_by(middle, f64::total_cmp).1;
     let unit = file.names()[column].unit.as_deref().and_then(|unit| unit_of(unit, &[Dimension::Time]).ok());
-    // Without a unit it is the largest one in which no span is longer than a step.
-    let unit_s = unit.map(|unit| unit.0).or_else(|| {
-        [1.0, 1e-3, 1e-6, 1e-9].into_iter().find(|unit_s| median * unit_s < (1.0 + NEAR_STEP) * step_s)
-    })?;
+    let is_within_step = |unit_s: &f64| median * unit_s < (1.0 + NEAR_STEP) * step_s;
+    let is_near_step = |unit_s: &f64| is_within_step(unit_s) && step_s < MOST_SPANS * median * unit_s;
+    let unit_s = match unit {
+        Some((unit_s, _)) => Some(unit_s).filter(is_within_step),
+        None => [1.0, 1e-3, 1e-6, 1e-9].into_iter().find(is_near_step),
+    };
+    let (title, step) = (file.title(column), significant(step_s, 6));
+    let Some(unit_s) = unit_s else {
+        let fault = if unit.is_some() { "is longer than" } else { "has no unit of time that fits" };
+        return Some(format!(
+            "{title} {fault} the sampling step of {step} s: increments are taken for those of whole steps"
+        ));
+    };
     if (median * unit_s / step_s - 1.0).abs() < NEAR_STEP {
         return None;
     }
@@ -376,15 +396,17 @@ fn over_steps(
             *value = if span > 0.0 { *value * step_s / (span * unit_s) } else { f64::NAN };
         }
     }
-    let [span, step] = [median * unit_s, step_s].map(|time_s| significant(time_s, 6));
+    let span = significant(median * unit_s, 6);
     Some(format!(
-        "by {}, increments are those of {span} s, but {step} s apart: each is taken for the rate of its whole step",
-        file.title(column)
+        "by {title}, increments are those of {span} s, but {step} s apart: each is taken for the rate of its whole step"
     ))
 }
 
 /// Difference of a span from the sampling step, as a part of it, that is none.
 const NEAR_STEP: f64 = 0.01;
+
+/// Most times that a span without a unit goes into the sampling step.
+const MOST_SPANS: f64 = 10.0;
 
 /// The given unit of each column, where units are given.
 fn given<'a>(

@@ -158,7 +158,7 @@ pub(crate) fn parts_of_times(file: &Recording) -> Vec<usize> {
 }
 
 /// Whether a column with this name has lengths of time.
-pub(crate) fn is_span(name: &str) -> bool {
+fn is_span(name: &str) -> bool {
     SPANS.iter().any(|end| name.to_lowercase().ends_with(end))
 }
 
