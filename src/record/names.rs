@@ -37,8 +37,11 @@ const GYROS: [&str; 5] = ["w", "g", "omega", "ang", "angular"];
 const NORMS: [&str; 5] = ["absolute", "abs", "norm", "magnitude", "total"];
 
 /// Words of columns that tell about the samples and have none.
-const AUXILIARIES: [&str; 11] =
-    ["status", "state", "flag", "flags", "error", "errors", "clip", "counter", "id", "instance", "tow"];
+const AUXILIARIES: [&str; 10] =
+    ["status", "state", "flag", "flags", "error", "errors", "clip", "counter", "id", "tow"];
+
+/// Names of columns with the number of the sensor of a row, without signs between words.
+const INSTANCES: [&str; 8] = ["i", "id", "instance", "imu", "imuid", "deviceid", "sensor", "sensorid"];
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -133,7 +136,13 @@ impl Name {
 
     /// Whether the column tells about the samples and has none, such as `status` and `device_id`.
     pub(crate) fn is_auxiliary(&self) -> bool {
-        self.has_word(&AUXILIARIES)
+        self.has_word(&AUXILIARIES) || self.is_instance()
+    }
+
+    /// Whether the column has the number of the sensor that each row is of.
+    pub(crate) fn is_instance(&self) -> bool {
+        let name = words(self.bare.rsplit(['/', '.']).next().unwrap_or_default()).concat();
+        INSTANCES.contains(&name.as_str())
     }
 
     fn has_word(&self, known: &[&str]) -> bool {

@@ -45,6 +45,10 @@ const LEAST_AFTER: usize = 8;
 const JITTER: f64 = 0.1;
 const MOST_DRIFT: f64 = 0.02;
 
+/// Most sensors whose rows take turns in a log, and most rows of one of them in a row.
+const MOST_SENSORS: usize = 8;
+const MOST_ROWS_IN_TURN: usize = 4;
+
 /// Rows of a block of which the mean step is taken.
 const BLOCK: usize = 256;
 /// Largest part of the samples that may be missing at many steps; else the least distances of stamps are not the sampling step.
@@ -150,6 +154,24 @@ pub(crate) fn doubled(
         found.first = found.first.or(Some(row));
     }
     Some(found)
+}
+
+/// The numbers of the sensors whose rows take turns, where `numbers` has that of each row and the stamps are not evenly spaced.
+pub(crate) fn interleaved(stamps: &[f64], numbers: &[f64]) -> Option<Vec<f64>> {
+    let changes = numbers.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let mut sensors: Vec<f64> = Vec::new();
+    for number in numbers {
+        if !sensors.contains(number) {
+            sensors.push(*number);
+        }
+        if sensors.len() > MOST_SENSORS || number.fract() != 0.0 {
+            return None;
+        }
+    }
+    let take_turns = sensors.len() > 1 && changes >= numbers.len() / MOST_ROWS_IN_TURN;
+    let is_interleaved = take_turns && !is_even(stamps, median_step(stamps));
+    sensors.sort_by(f64::total_cmp);
+    is_interleaved.then_some(sensors)
 }
 
 /// All faults in the order and the spacing of `stamps` in a unit of `unit_s`: of each kind the first, with the number of the

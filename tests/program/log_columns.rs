@@ -141,3 +141,24 @@ fn increments_are_scaled_only_by_the_span_over_which_they_were_summed() {
         assert_eq!(said.contains("increment"), !note.is_empty(), "{header}: {said}");
     }
 }
+
+#[test]
+fn rows_of_several_sensors_in_turn_are_no_series() {
+    // Of two sensors at 400 Hz, at the same times or 40 µs apart.
+    for apart_us in [0, 40] {
+        let desk = log("timestamp,TimeUS,I,GyrX", |i, y| {
+            let us = 9_000_000 + 2500 * (i / 2) + apart_us * (i % 2);
+            format!("{:.2},{us},{},{y}", 1.7e9 + 1e-6 * us as f64, i % 2)
+        });
+        for words in ["", "--rate 800Hz", "--duplicates keep"] {
+            let pieces = ["the rows are in turn of 2 sensors: `I` is 0, 1", "a file of its own"];
+            desk.fails(&format!("allan log.csv --data rate {words}"), 3, &pieces);
+        }
+        assert_rate(read(&desk, "--data rate --time none --rate 800Hz").1, 800.0, "without stamps");
+    }
+    // One sensor, and a number that counts rows.
+    for id in [|_: usize| 3, |i| i % 256] {
+        let desk = log("time [s],id,gz [dps]", |i, y| format!("{:.4},{},{y}", 0.0025 * i as f64, id(i)));
+        assert_rate(read(&desk, "--data rate").1, 400.0, "one sensor");
+    }
+}

@@ -16,6 +16,7 @@ use crate::record::log::timing::{Clock, found, is_time, is_timing, parts_of_time
 use crate::record::names::{Name, words};
 use crate::record::recording::{Recording, Rules};
 use crate::record::spelling::unit_of;
+use crate::record::stamps::interleaved;
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
 pub(crate) const RULES: Rules = Rules {
@@ -165,10 +166,16 @@ impl Log {
         let span = span.and_then(|&column| span_of(&file, column)).filter(|span| !all.contains(span));
         let rest = time.and_then(|time| time.rest);
         let rest_column = rest.map(|rest| rest.column);
-        let read = [&all[..], &others, span.as_slice(), rest_column.as_slice()].concat();
+        let is_instance = |column: &usize| {
+            let is_called = file.names().get(*column).is_some_and(Name::is_instance);
+            is_called && time.is_some() && !all.contains(column) && file.sample(*column).is_some()
+        };
+        let instances: Vec<usize> = (0..file.columns()).filter(is_instance).collect();
+        let read = [&all[..], &others, span.as_slice(), rest_column.as_slice(), &instances].concat();
         let Some(mut samples) = faults.take(file.read(&read, &RULES)) else {
             return Err(faults.into_error(&file.file));
         };
+        let numbers = samples.split_off(samples.len() - instances.len());
         let rests = rest.and_then(|rest| Some((rest, samples.pop()?)));
         let mut stamps = time.map(|_| samples.remove(0));
         if let Some(((rest, rests), seconds)) = rests.zip(stamps.as_mut())
@@ -176,6 +183,14 @@ impl Log {
         {
             notes.push(format!("the rest of each second is taken from {}", file.title(rest.column)));
             *seconds = added;
+        }
+        let taking_turns = instances
+            .iter()
+            .zip(&numbers)
+            .find_map(|(&column, numbers)| Some((column, interleaved(stamps.as_deref()?, numbers)?)));
+        if let Some((column, sensors)) = taking_turns {
+            faults.add(several_sensors(&file, column, &sensors));
+            return Err(faults.into_error(&file.file));
         }
         let clock = Clock {
             step_s: request.timing.step_s(&file),
@@ -220,6 +235,17 @@ impl Log {
             notes,
         })
     }
+}
+
+/// The error for a log whose rows are in turn of several sensors, with their numbers in a column.
+fn several_sensors(file: &Recording, column: usize, sensors: &[f64]) -> RecordError {
+    let (title, numbers) = (file.title(column), sensors.iter().map(f64::to_string).collect::<Vec<_>>());
+    let message =
+        format!("the rows are in turn of {} sensors: {title} is {}", sensors.len(), numbers.join(", "));
+    let help = format!(
+        "write the rows with one number in {title} to a file of its own, and read that; `time = none` takes all rows as one series"
+    );
+    file.refuse(Some(column), &message, "the number of the sensor", &help)
 }
 
 /// The name of a column without its unit, else its number.
