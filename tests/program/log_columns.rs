@@ -162,3 +162,20 @@ fn rows_of_several_sensors_in_turn_are_no_series() {
         assert_rate(read(&desk, "--data rate").1, 400.0, "one sensor");
     }
 }
+
+#[test]
+fn all_columns_are_those_with_samples_of_such_data() {
+    let header = "time [s],gx [dps],gy [dps],mx [uT],status,device_id,gz [dps],temp";
+    let desk =
+        log(header, |i, y| format!("{:.3},{y},{},{y},{},2490378,0,21.5", 0.005 * i as f64, 2.0 * y, i % 3));
+    assert_eq!(read(&desk, "--data rate --column all").0, ["gx", "gy"]);
+    let said = desk.done("allan log.csv --data rate --column all").stderr;
+    for piece in ["of such data are left out: mx, status, device_id, temp", "equal ones, are left out: gz"] {
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+    let desk = log("time [s],temp", |i, y| format!("{:.3},{y}", 0.005 * i as f64));
+    let pieces = ["no column seems to have samples", "1 time [s], 2 temp"];
+    desk.fails("allan log.csv --data rate --column all", 3, &pieces);
+    let desk = log("time [s],mx [uT],my [uT]", |i, y| format!("{:.3},{y},{y}", 0.005 * i as f64));
+    desk.fails("allan log.csv --data rate --column all", 3, &["uT", "accepted"]);
+}

@@ -220,7 +220,7 @@ impl Log {
         let mut channels: Vec<Channel> =
             channels.map(|(channel, samples)| Channel { samples, ..channel }).collect();
         // Of columns that nobody named, those of a part that was not measured are not missed.
-        if request.columns.is_empty() {
+        if words.is_empty() {
             notes.extend(without_samples(&mut channels));
         }
         Ok(Log {
@@ -278,7 +278,7 @@ fn wanted(
         return words.iter().map(|word| file.find(word, None)).collect();
     }
     if !request.columns.is_empty() {
-        return Ok(likely(file, taken));
+        return all(file, request, taken, notes);
     }
     if !named.is_empty() {
         return Ok(named.to_vec());
@@ -320,6 +320,38 @@ fn wanted(
             Err(file.refuse(None, &message, "these are the columns", &help))
         }
     }
+}
+
+/// All columns that may have samples, but not those with a unit of another quantity.
+///
+/// # Errors
+/// There are none.
+fn all(
+    file: &Recording,
+    request: &Request,
+    taken: [Option<usize>; 2],
+    notes: &mut Vec<String>,
+) -> Result<Vec<usize>, RecordError> {
+    let likely = likely(file, taken);
+    let fits = |name: &Name| name.unit.is_none() || name.measures(request.data);
+    let fitting: Vec<usize> =
+        likely.iter().copied().filter(|&column| file.names().get(column).is_none_or(fits)).collect();
+    // Where no unit fits, each is refused with what does.
+    let columns = if fitting.is_empty() { likely } else { fitting };
+    if columns.is_empty() {
+        let help = format!("name one, as in `column = 2`: {}", file.listed());
+        return Err(file.refuse(None, "no column seems to have samples", "these are the columns", &help));
+    }
+    let is_left_out = |&column: &usize| {
+        let is_timing = file.names().get(column).is_none_or(is_timing);
+        !columns.contains(&column) && !taken.contains(&Some(column)) && !is_timing
+    };
+    let left_out: Vec<usize> = (0..file.columns()).filter(is_left_out).collect();
+    if !left_out.is_empty() {
+        let names = names_of(file, &left_out);
+        notes.push(format!("columns without samples of such data are left out: {names}"));
+    }
+    Ok(columns)
 }
 
 /// The words that name columns, with a number for each of a range such as `2-4`; none where all columns are meant.
