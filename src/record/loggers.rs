@@ -19,6 +19,7 @@ const LOGGERS: [Logger; 6] = [
         units: &[
             ("timestamp", "us"),
             ("timestamp_sample", "us"),
+            ("gyro_rad", "rad/s"),
             ("gyro_integral_dt", "us"),
             ("accelerometer_integral_dt", "us"),
         ],
@@ -85,9 +86,12 @@ pub(crate) fn complete(names: &mut [Name]) -> Option<String> {
         .iter()
         .find(|logger| logger.has.iter().all(|known| names.iter().any(|name| is(name, known))))?;
     let mut units = vec![];
-    for name in names.iter_mut().filter(|name| name.unit.is_none()) {
+    // A unit at the end of a name is what the logger means by it.
+    let is_open =
+        |name: &&mut Name| name.unit.as_ref().is_none_or(|unit| name.base().ends_with(unit.as_str()));
+    for name in names.iter_mut().filter(is_open) {
         if let Some((_, unit)) = logger.units.iter().find(|(known, _)| is(name, known)) {
-            name.complete(unit);
+            name.unit = Some((*unit).to_owned());
             name.is_assumed = true;
             units.push(format!("{} {unit}", name.whole));
         }

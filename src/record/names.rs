@@ -136,7 +136,7 @@ impl Name {
 
     /// Whether the column tells about the samples and has none, such as `status` and `device_id`.
     pub(crate) fn is_auxiliary(&self) -> bool {
-        self.has_word(&AUXILIARIES) || self.is_instance()
+        self.has_word(&AUXILIARIES) || self.unit.is_none() && self.is_instance()
     }
 
     /// Whether the column has the number of the sensor that each row is of.

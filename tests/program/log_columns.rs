@@ -179,3 +179,24 @@ fn all_columns_are_those_with_samples_of_such_data() {
     let desk = log("time [s],mx [uT],my [uT]", |i, y| format!("{:.3},{y},{y}", 0.005 * i as f64));
     desk.fails("allan log.csv --data rate --column all", 3, &["uT", "accepted"]);
 }
+
+#[test]
+fn a_bias_in_a_stated_unit_is_no_reason_to_doubt_it() {
+    // 20.6 and 862 °/h, the latter the Earth's rate if it is in degrees.
+    for (header, bias, words, is_doubted) in [
+        ("time [s],gz [rad/s]", 1e-4, "", false),
+        ("time [s],gz_rad_s", 1e-4, "", false),
+        ("time [s],gz", 1e-4, "--unit rad/s", false),
+        ("time [s],gyro_rad", 1e-4, "", true),
+        ("time [s],gyro_rad", 1e-4, "--unit rad/s", false),
+        ("time [s],gz [rad/s]", 15.04 / 3600.0, "", true),
+        ("time [s],gz [deg/s]", 15.04 / 3600.0, "", false),
+    ] {
+        let desk = log(header, |i, y| format!("{:.3},{:.9}", 0.005 * i as f64, bias + 1e-2 * y));
+        let said = desk.done(&format!("allan log.csv --data rate {words}")).stderr;
+        assert_eq!(said.contains("may be in degrees"), is_doubted, "{header} {words}:\n{said}");
+    }
+    let desk = log("timestamp,gyro_rad[0]", |i, y| format!("{},{:.9}", 5000 * i, 1e-4 + 1e-2 * y));
+    let said = desk.done("allan log.csv --data rate").stderr;
+    assert!(!said.contains("may be in degrees"), "the unit of a known logger:\n{said}");
+}

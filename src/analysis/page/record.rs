@@ -318,7 +318,8 @@ mod tests {
         ] {
             let channels = units.map(|unit| {
                 let (name, unit) = (unit.to_owned(), Unit::parse(unit, data).unwrap());
-                Channel { name, unit, unit_in_header: None, samples: vec![1.0, 2.0, 4.0], place: None }
+                let samples = vec![1.0, 2.0, 4.0];
+                Channel { name, unit, unit_in_header: None, is_unit_guessed: false, samples, place: None }
             });
             let (file, notes) = (String::new(), vec![]);
             let channels = channels.into();

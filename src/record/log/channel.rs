@@ -38,6 +38,8 @@ pub struct Channel {
     pub unit: Unit,
     /// Unit in the header, whether or not it was used.
     pub unit_in_header: Option<String>,
+    /// Whether the unit is not stated, but guessed from the name of the column.
+    pub(crate) is_unit_guessed: bool,
     /// Samples as in the file, finite; NaN where one is missing.
     pub samples: Vec<f64>,
     pub(crate) place: Option<Place>,
@@ -53,7 +55,14 @@ impl Channel {
 impl Log {
     /// A log of one column from memory, called `name`; `samples` are finite, and NaN where one is missing.
     pub fn of_column(name: &str, data: Data, unit: Unit, step_s: f64, samples: Vec<f64>) -> Log {
-        let channel = Channel { name: name.to_owned(), unit, unit_in_header: None, samples, place: None };
+        let channel = Channel {
+            name: name.to_owned(),
+            unit,
+            unit_in_header: None,
+            is_unit_guessed: false,
+            samples,
+            place: None,
+        };
         let (file, channels) = (name.to_owned(), vec![channel]);
         Log {
             file,

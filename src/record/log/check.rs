@@ -72,7 +72,8 @@ impl Log {
         let doubt = Doubt::of(means.into_iter().fold(0.0, libm::hypot), &axes[0].unit, self.data)?;
         let has_mean = |axis: &&Channel| axis.view(self.data, self.step_s).has_mean();
         let is_known = !matches!(doubt, Doubt::DegreesAsRadians(_)) || axes.iter().all(has_mean);
-        is_known.then(|| self.noted(axes, doubt))
+        let is_guessed = axes.iter().any(|axis| axis.is_unit_guessed);
+        (is_known && (is_guessed || doubt.is_strong())).then(|| self.noted(axes, doubt))
     }
 
     /// The message and the help for a fault of a column.

@@ -4,7 +4,11 @@ use crate::allan::Unit as Curves;
 use crate::record::log::measure::{Data, Unit};
 
 /// Largest mean rate of a good gyro at rest, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
-const AT_REST: f64 = 16.041_067;
+const AT_REST: f64 = EARTH + 1.0;
+
+/// The Earth's rotation on its axis, ″/s (°/h), and the relative deviation of a mean that is taken for it.
+const EARTH: f64 = 15.041_067;
+const NEAR_EARTH: f64 = 0.03;
 
 /// One rad in °.
 pub(crate) const DEGREES: f64 = 57.295_779_513_082_32;
@@ -48,6 +52,14 @@ fn is_radian(unit: &Unit) -> bool {
 }
 
 impl Doubt {
+    /// Whether the doubt stands against a unit that is stated. A rate in radians is often a bias, unless in degrees it is the Earth's.
+    pub(crate) fn is_strong(&self) -> bool {
+        match self {
+            Doubt::DegreesAsRadians(mean) => (mean / DEGREES / EARTH - 1.0).abs() < NEAR_EARTH,
+            _ => true,
+        }
+    }
+
     /// The doubt about the unit of samples whose mean rate or acceleration has the magnitude `mean`, in ″/s or µg. That of
     /// several axes of an accelerometer is the length of the vector of their means.
     pub(crate) fn of(mean: f64, unit: &Unit, data: Data) -> Option<Doubt> {

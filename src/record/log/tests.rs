@@ -229,8 +229,8 @@ fn a_log_is_cut_from_its_start_and_checked_for_what_says_nothing() {
 #[test]
 fn a_mean_rate_that_only_degrees_explain_is_noted_in_radians() {
     let desk = Desk::new();
-    // 12 °/h of the Earth's rate in °/s.
-    let path = desk.write("g.csv", lines(|i| format!("{}", 12.0 / 3600.0 + 1e-5 * sample(i))).as_bytes());
+    // The Earth's rate in °/s.
+    let path = desk.write("g.csv", lines(|i| format!("{}", 15.0 / 3600.0 + 1e-5 * sample(i))).as_bytes());
     let check = |unit: &str, unit_check| {
         let units = vec![Unit::parse(unit, Data::Rate).unwrap()];
         let mut log = Log::read(&path, &Request { units, ..request(&[], Timing::Step(1.0)) }).unwrap();
@@ -239,7 +239,7 @@ fn a_mean_rate_that_only_degrees_explain_is_noted_in_radians() {
     };
     assert_eq!(check("deg/s", UnitCheck::On), "");
     let said = check("rad/s", UnitCheck::On);
-    for piece in ["may be in degrees, not in radians", "12 °/h", "`unit = deg/s`"] {
+    for piece in ["may be in degrees, not in radians", "15 °/h", "`unit = deg/s`"] {
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
     assert_eq!(check("rad/s", UnitCheck::Off), "");
