@@ -163,7 +163,11 @@ const OPTIONS: [&str; 34] = [
 /// A setting as an option.
 fn option(name: &str, value: &str) -> Option<String> {
     let name = OPTIONS.contains(&name).then(|| name.replace('_', "-"))?;
-    Some(if value == "true" { format!("--{name}") } else { format!("--{name} {value}") })
+    Some(match value {
+        "true" => format!("--{name}"),
+        _ if value.contains(' ') && !value.contains('"') => format!("--{name} \"{value}\""),
+        _ => format!("--{name} {value}"),
+    })
 }
 
 /// A message of the library in terms of options.

@@ -45,8 +45,8 @@ pub struct Reading {
     #[arg(help_heading = "Reading the log", long, value_name = "SIZES/pulse", value_delimiter = ',')]
     scale: Vec<String>,
     /// Sampling rate or step, as in 100Hz or "300 s"; time stamps then only show where samples are missing, and may be late
-    #[arg(help_heading = "Reading the log", long, value_name = "RATE")]
-    rate: Option<String>,
+    #[arg(help_heading = "Reading the log", long, value_name = "RATE", value_delimiter = ',')]
+    rate: Vec<String>,
     /// Column of time stamps, by name or number; none ignores stamps [default: a column called time, stamp or t]
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMN")]
     time: Option<String>,
@@ -176,8 +176,28 @@ impl Reading {
     /// The request for each file.
     ///
     /// # Errors
-    /// The kind of the numbers is missing, a unit, scale or rate is invalid, or stamps are ignored without a rate.
+    /// The kind of the numbers is missing, a unit, scale or rate is invalid, there are several rates, or stamps are ignored without a rate.
     pub fn request(&self) -> Result<Request, Failure> {
+        match &self.rate[..] {
+            [] => self.request_at(None),
+            [rate] => self.request_at(Some(rate)),
+            _ => Err(Failure::Usage("--rate has several values\ngive one, for all logs".to_owned())),
+        }
+    }
+
+    /// The requests for two files, which may have a rate each.
+    ///
+    /// # Errors
+    /// As those of [`Reading::request`], but there are more than two rates.
+    pub fn requests_of_two(&self) -> Result<[Request; 2], Failure> {
+        match &self.rate[..] {
+            [a, b] => Ok([self.request_at(Some(a))?, self.request_at(Some(b))?]),
+            _ => self.request().map(|request| [request.clone(), request]),
+        }
+    }
+
+    /// The request for a file with this rate.
+    fn request_at(&self, rate: Option<&String>) -> Result<Request, Failure> {
         let data = self.data.ok_or_else(|| {
             let message = "a log needs --data, the kind of its numbers\ngive it, as in --data rate";
             Failure::Usage(message.to_owned())
@@ -189,7 +209,7 @@ impl Reading {
             .chain(scales)
             .collect::<Result<Vec<Unit>, _>>()
             .map_err(|wrong| Failure::Usage(in_options(&format!("{}\n{}", wrong.message, wrong.help))))?;
-        let step_s = self.rate.as_deref().map(step).transpose()?;
+        let step_s = rate.map(|rate| step(rate)).transpose()?;
         let timing = match (step_s, self.time.as_deref()) {
             (Some(step_s), Some("none")) => Timing::Step(step_s),
             (None, Some("none")) => {

@@ -10,10 +10,19 @@ fn log(header: &str, row: impl Fn(usize, f64) -> String) -> Desk {
     desk_with("log.csv", format!("{header}\n{}", rows.collect::<String>()))
 }
 
+fn document(desk: &Desk, words: &str) -> Value {
+    let ended = desk.done(&format!("allan log.csv {words} --fit none --json"));
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+/// The notes.
+fn said(desk: &Desk, words: &str) -> String {
+    desk.done(&format!("allan log.csv {words} --fit none")).stderr
+}
+
 /// The columns that are read, and the sampling rate.
 fn read(desk: &Desk, words: &str) -> (Vec<String>, f64) {
-    let ended = desk.done(&format!("allan log.csv {words} --json"));
-    let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let document = document(desk, words);
     let columns = document["columns"].as_array().unwrap().iter();
     let names = columns.map(|column| column["column"].as_str().unwrap().to_owned()).collect();
     (names, 1.0 / document["step_s"].as_f64().unwrap())
@@ -44,7 +53,7 @@ fn columns_of_attitude_place_and_status_are_no_gyros() {
     let desk = log("Time (s),Gyroscope x (rad/s),Absolute (rad/s)", |i, y| {
         format!("{:.3},{y},{}", 0.005 * i as f64, y.abs())
     });
-    let said = desk.done("allan log.csv --data rate").stderr;
+    let said = said(&desk, "--data rate");
     assert!(said.contains("left out, as the length of a vector: Absolute"), "{said}");
     assert_eq!(read(&desk, "--data rate --column Absolute").0, ["Absolute"]);
 }
@@ -114,9 +123,7 @@ fn all_units_of_times_that_give_the_rate_of_a_sensor_are_proposed() {
 
 /// The first deviation of the first column.
 fn first(desk: &Desk) -> f64 {
-    let ended = desk.done("allan log.csv --data increment --json");
-    let document: Value = serde_json::from_str(&ended.stdout).unwrap();
-    document["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap()
+    document(desk, "--data increment")["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap()
 }
 
 #[test]
@@ -136,9 +143,9 @@ fn increments_are_scaled_only_by_the_span_over_which_they_were_summed() {
         let desk = log(&format!("time [s],{header}"), |i, y| format!("{:.2},{y:.9},{span}", 0.01 * i as f64));
         let ratio = first(&desk) / plain;
         assert!((ratio / factor - 1.0).abs() < 1e-9, "{header}: {ratio} times instead of {factor}");
-        let said = desk.done("allan log.csv --data increment").stderr;
+        let said = said(&desk, "--data increment");
         assert!(said.contains(note), "{header}: {note} is missing in\n{said}");
-        assert_eq!(said.contains("increment"), !note.is_empty(), "{header}: {said}");
+        assert_eq!(said.contains("increments are"), !note.is_empty(), "{header}: {said}");
     }
 }
 
@@ -169,7 +176,7 @@ fn all_columns_are_those_with_samples_of_such_data() {
     let desk =
         log(header, |i, y| format!("{:.3},{y},{},{y},{},2490378,0,21.5", 0.005 * i as f64, 2.0 * y, i % 3));
     assert_eq!(read(&desk, "--data rate --column all").0, ["gx", "gy"]);
-    let said = desk.done("allan log.csv --data rate --column all").stderr;
+    let said = said(&desk, "--data rate --column all");
     for piece in ["of such data are left out: mx, status, device_id, temp", "equal ones, are left out: gz"] {
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
@@ -193,10 +200,33 @@ fn a_bias_in_a_stated_unit_is_no_reason_to_doubt_it() {
         ("time [s],gz [deg/s]", 15.04 / 3600.0, "", false),
     ] {
         let desk = log(header, |i, y| format!("{:.3},{:.9}", 0.005 * i as f64, bias + 1e-2 * y));
-        let said = desk.done(&format!("allan log.csv --data rate {words}")).stderr;
+        let said = said(&desk, &format!("--data rate {words}"));
         assert_eq!(said.contains("may be in degrees"), is_doubted, "{header} {words}:\n{said}");
     }
     let desk = log("timestamp,gyro_rad[0]", |i, y| format!("{},{:.9}", 5000 * i, 1e-4 + 1e-2 * y));
-    let said = desk.done("allan log.csv --data rate").stderr;
+    let said = said(&desk, "--data rate");
     assert!(!said.contains("may be in degrees"), "the unit of a known logger:\n{said}");
+}
+
+#[test]
+fn a_rate_that_the_stamps_contradict_is_refused_with_theirs() {
+    let at = |rate_hz: f64| {
+        let rows = noise(600).enumerate().map(|(i, y)| format!("{:.4},{y},{y}\n", i as f64 / rate_hz));
+        rows.fold("time [s],Gyroscope x [dps],b [dps]\n".to_owned(), |text, row| text + &row)
+    };
+    let desk = desk_with("log.csv", at(200.0));
+    desk.write("slow.csv", &at(100.0).replace("Gyroscope x", "Drehrate"));
+    let column = "--data rate --column 2";
+    for rate in ["100Hz", "170Hz", "230Hz"] {
+        let pieces = ["the stamps are 0.005 s apart", "--rate 200Hz", "--time none"];
+        desk.fails(&format!("allan log.csv {column} --rate {rate}"), 3, &pieces);
+        assert!(read(&desk, &format!("{column} --rate {rate} --time none")).1 > 90.0);
+    }
+    assert_rate(read(&desk, &format!("{column} --rate 190Hz")).1, 190.0, "a clock 5 % off");
+    let pieces = ["slow.csv", "the stamps are 0.01 s apart", "--rate 100Hz"];
+    desk.fails(&format!("compare log.csv slow.csv {column} --rate 200Hz"), 3, &pieces);
+    desk.done(&format!("compare log.csv slow.csv {column} --rate 200Hz,100Hz"));
+    desk.fails(&format!("allan log.csv {column} --rate 200Hz,100Hz"), 2, &["--rate has several values"]);
+    let proposed = "as in --column \"Gyroscope x,Drehrate\"";
+    desk.fails("compare log.csv slow.csv --data rate", 3, &["several columns", proposed]);
 }

@@ -29,9 +29,9 @@ Examples:
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz --limit N=1.1
 
 Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
-columns, the first is read from A and the second from B, and so it is with units. If the logs have
-time stamps, their sampling rates may differ; the curves are compared at the averaging times that
-both have.";
+columns, the first is read from A and the second from B, and so it is with units and rates. If the
+logs have time stamps, their sampling rates may differ; the curves are compared at the averaging
+times that both have.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -85,22 +85,22 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
 /// Reads the logs.
 fn logs(options: &Options) -> Result<[Log; 2], Failure> {
     let reading = &options.reading;
-    let request = reading.request()?;
-    if request.columns.len() > 2 || request.units.len() > 2 {
-        let list = if request.columns.len() > 2 {
+    let [a, b] = reading.requests_of_two()?;
+    if a.columns.len() > 2 || a.units.len() > 2 {
+        let list = if a.columns.len() > 2 {
             "--column names more than two columns"
         } else {
             "there are more than two units"
         };
         return Err(Failure::Usage(format!("{list}\ngive one for each log, as in --column gx,gy")));
     }
-    let log = |path: &Path, [column, unit]: [usize; 2]| -> Result<Log, Failure> {
+    let last = [a.columns.len(), a.units.len()].map(|count| count.saturating_sub(1));
+    let log = |path: &Path, request: Request, [column, unit]: [usize; 2]| -> Result<Log, Failure> {
         let columns = request.columns.get(column).cloned().into_iter().collect();
         let units = request.units.get(unit).cloned().into_iter().collect();
-        reading.read(path, &Request { columns, units, ..request.clone() })
+        reading.read(path, &Request { columns, units, ..request })
     };
-    let last = [request.columns.len(), request.units.len()].map(|count| count.saturating_sub(1));
-    Ok([log(&options.a, [0; 2])?, log(&options.b, last)?])
+    Ok([log(&options.a, a, [0; 2])?, log(&options.b, b, last)?])
 }
 
 /// Compares the logs.

@@ -30,14 +30,14 @@ pub enum CompareError {
         units: [Unit; 2],
     },
     /// A log has several columns, of which none was selected.
-    #[error("{} has several columns of samples: {columns}\nselect one of them, as in `column = {first}`", path.display())]
+    #[error("{} has several columns of samples: {columns}\nselect one of each log, as in `column = {proposed}`", path.display())]
     Columns {
         /// The log.
         path: PathBuf,
         /// Names of its columns.
         columns: String,
-        /// The first of them.
-        first: String,
+        /// The first of each log, or of both if they are called alike.
+        proposed: String,
     },
     /// The logs have no averaging time in common.
     #[error(transparent)]
@@ -97,11 +97,11 @@ impl Side {
         self.samples as f64 * self.step_s
     }
 
-    fn of((path, log): (&Path, &Log), treatment: &Treatment) -> Result<Side, CompareError> {
+    /// The only column of `log`; of several columns, `proposed` names one of each log.
+    fn of((path, log): (&Path, &Log), proposed: &str, treatment: &Treatment) -> Result<Side, CompareError> {
         let [channel] = &log.channels[..] else {
-            let names: Vec<&str> = log.channels.iter().map(|channel| channel.name.as_str()).collect();
-            let first = names.first().copied().unwrap_or_default().to_owned();
-            return Err(CompareError::Columns { path: path.to_owned(), columns: names.join(", "), first });
+            let (path, columns) = (path.to_owned(), names(log).join(", "));
+            return Err(CompareError::Columns { path, columns, proposed: proposed.to_owned() });
         };
         let samples = channel.view(log.data, log.step_s);
         let (angles, outliers) = treatment.recorded(&samples);
@@ -138,7 +138,11 @@ impl Analysis {
         treatment: &Treatment,
         fitting: Option<&Fitting>,
     ) -> Result<Analysis, CompareError> {
-        let [mut a, mut b] = [Side::of(logs[0], treatment)?, Side::of(logs[1], treatment)?];
+        let mut firsts: Vec<&str> = logs.iter().filter_map(|(_, log)| names(log).first().copied()).collect();
+        firsts.dedup();
+        let proposed = firsts.join(",");
+        let [mut a, mut b] =
+            [Side::of(logs[0], &proposed, treatment)?, Side::of(logs[1], &proposed, treatment)?];
         if a.unit != b.unit {
             return Err(CompareError::Units { units: [a.unit, b.unit], paths: [a.path, b.path] });
         }
@@ -171,6 +175,11 @@ impl Analysis {
     pub fn shorter_s(&self) -> f64 {
         self.sides[0].length_s().min(self.sides[1].length_s())
     }
+}
+
+/// The names of the columns of samples.
+fn names(log: &Log) -> Vec<&str> {
+    log.channels.iter().map(|channel| channel.name.as_str()).collect()
 }
 
 /// Labels as short as possible: the names of the files, then with columns, then with folders.

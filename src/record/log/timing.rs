@@ -10,7 +10,7 @@ use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, are_coarse, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of, faults as faults_of,
-    grid_of_rows, is_step_of_sensor, likely_units, mean_step, step_in_stamps, unroll,
+    grid_of_rows, is_even, is_step_of_sensor, likely_units, mean_step, step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -49,6 +49,9 @@ const RESTS: [(&[&str], f64); 3] = [
     (&["usec", "usecs", "microsec", "microsecs", "microsecond", "microseconds", "micros", "us"], 1e-6),
     (&["msec", "msecs", "millisec", "millisecs", "millisecond", "milliseconds", "millis", "ms"], 1e-3),
 ];
+
+/// Largest deviation of the rate by the stamps from the given one, as a part of it; the stamps may be late or rounded.
+const MOST_DEVIATION: f64 = 0.1;
 
 /// The unit of stamps that are numbers of samples, or whose unit does not matter.
 const ANY: f64 = 1.0;
@@ -402,20 +405,12 @@ pub(crate) fn spread(
         }
         Some(step_s) => {
             let step = step_in_stamps(&stamps, step_s, unit_s);
-            let [given, step] = faults.take(step.map_err(|apart_s| {
-                let (apart, rate) = (significant(apart_s, 6), significant(1.0 / apart_s, 6));
-                let message = format!(
-                    "the stamps are {apart} s apart, the given rate says {} s",
-                    significant(step_s, 4)
-                );
-                let help = format!(
-                    "correct the rate, as in `rate = {rate}Hz`, or ignore the stamps with `time = none`"
-                );
-                file.refuse(Some(time.column), &message, "these stamps", &help)
-            }))?;
+            let refuse_rate = |apart_s| other_rate(file, time.column, apart_s, step_s);
+            let [given, step] = faults.take(step.map_err(refuse_rate))?;
             let grid = faults.take(grid_of_rows(&stamps, step, RULES.most).map_err(refuse))?;
             if has_step {
-                tell(&title, &stamps, given, grid.samples, notes);
+                let told = tell(&title, &stamps, given, grid.samples, notes);
+                faults.take(told.map_err(|ratio| refuse_rate(ratio * step_s)))?;
             }
             (step_s, grid)
         }
@@ -497,19 +492,38 @@ fn unit_of_stamps(
     }
 }
 
-/// Notes what the stamps were used for, and where they contradict the given rate.
-fn tell(title: &str, stamps: &[f64], step: f64, samples: usize, notes: &mut Vec<String>) {
+/// Notes what the stamps were used for.
+///
+/// # Errors
+/// They contradict the given rate; with their step as a part of the given one.
+fn tell(title: &str, stamps: &[f64], step: f64, samples: usize, notes: &mut Vec<String>) -> Result<(), f64> {
     let missing = samples.saturating_sub(stamps.len());
     notes.push(format!(
         "the given rate is the sampling rate; {title} only shows which samples are missing ({missing})"
     ));
-    let [first, .., last] = *stamps else { return };
+    let [first, .., last] = *stamps else { return Ok(()) };
     let ratio = (last - first) / step / (samples.max(2) - 1) as f64;
     // The first and the last stamp of a coarse clock may have few rows.
-    if (ratio - 1.0).abs() > 0.01 + coarseness(stamps) / (last - first) {
+    let deviation = (ratio - 1.0).abs() - coarseness(stamps) / (last - first);
+    // With a wrong rate, even stamps may also look like those of a log in which samples are missing at every step.
+    let median = median_step(stamps);
+    let is_other_step = is_even(stamps, median) && (median / step - 1.0).abs() > MOST_DEVIATION;
+    if is_other_step || deviation > MOST_DEVIATION {
+        return Err(if is_other_step { median / step } else { ratio });
+    }
+    if deviation > 0.01 {
         let percent = significant(100.0 / ratio, 4);
         notes.push(format!("by the stamps the rate is {percent} % of the given one: is it right?"));
     }
+    Ok(())
+}
+
+/// The error for stamps that are `apart_s` apart where the given step is another.
+fn other_rate(file: &Recording, column: usize, apart_s: f64, step_s: f64) -> RecordError {
+    let (apart, rate) = (significant(apart_s, 6), significant(1.0 / apart_s, 6));
+    let message = format!("the stamps are {apart} s apart, the given rate says {} s", significant(step_s, 4));
+    let help = format!("correct the rate, as in `rate = {rate}Hz`, or ignore the stamps with `time = none`");
+    file.refuse(Some(column), &message, "these stamps", &help)
 }
 
 fn have(rows: usize) -> String {
