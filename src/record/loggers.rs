@@ -9,10 +9,18 @@ struct Logger {
     has: &'static [&'static str],
     /// Names without index, or ends of them after a dot, with their units.
     units: &'static [(&'static str, &'static str)],
+    /// Names of columns in the header of its gyro and of its accelerometer, so that their units are only proposed.
+    samples: &'static [&'static str],
 }
 
 /// In the order in which they are tried.
-const LOGGERS: [Logger; 6] = [
+const LOGGERS: [Logger; 10] = [
+    Logger {
+        name: "PX4",
+        has: &["timestamp_sample", "device_id", "x"],
+        units: &[("timestamp", "us"), ("timestamp_sample", "us")],
+        samples: &["x", "y", "z"],
+    },
     Logger {
         name: "PX4",
         has: &["timestamp", "gyro_rad"],
@@ -23,6 +31,7 @@ const LOGGERS: [Logger; 6] = [
             ("gyro_integral_dt", "us"),
             ("accelerometer_integral_dt", "us"),
         ],
+        samples: &[],
     },
     Logger {
         name: "PX4",
@@ -35,6 +44,7 @@ const LOGGERS: [Logger; 6] = [
             ("delta_angle_dt", "us"),
             ("delta_velocity_dt", "us"),
         ],
+        samples: &[],
     },
     Logger {
         name: "ArduPilot",
@@ -49,6 +59,7 @@ const LOGGERS: [Logger; 6] = [
             ("AccY", "m/s^2"),
             ("AccZ", "m/s^2"),
         ],
+        samples: &[],
     },
     Logger {
         name: "ROS",
@@ -63,16 +74,53 @@ const LOGGERS: [Logger; 6] = [
             ("linear_acceleration.y", "m/s^2"),
             ("linear_acceleration.z", "m/s^2"),
         ],
+        samples: &[],
     },
     Logger {
         name: "OpenLog Artemis",
         has: &["rtcTime", "gX", "aX"],
         units: &[("gX", "dps"), ("gY", "dps"), ("gZ", "dps"), ("aX", "mg"), ("aY", "mg"), ("aZ", "mg")],
+        samples: &[],
     },
     Logger {
         name: "Sensor Logger",
         has: &["time", "seconds_elapsed"],
         units: &[("time", "ns"), ("seconds_elapsed", "s")],
+        samples: &["x", "y", "z"],
+    },
+    Logger {
+        name: "Physics Toolbox",
+        has: &["gFx"],
+        units: &[("wx", "rad/s"), ("wy", "rad/s"), ("wz", "rad/s"), ("gFx", "g"), ("gFy", "g"), ("gFz", "g")],
+        samples: &[],
+    },
+    Logger {
+        name: "Xsens MT Manager",
+        has: &["SampleTimeFine"],
+        units: &[
+            ("SampleTimeFine", "0.1 ms"),
+            ("Gyr_X", "rad/s"),
+            ("Gyr_Y", "rad/s"),
+            ("Gyr_Z", "rad/s"),
+            ("Acc_X", "m/s^2"),
+            ("Acc_Y", "m/s^2"),
+            ("Acc_Z", "m/s^2"),
+        ],
+        samples: &[],
+    },
+    Logger {
+        name: "VectorNav",
+        has: &["AngularRateX"],
+        units: &[
+            ("TimeStartup", "ns"),
+            ("AngularRateX", "rad/s"),
+            ("AngularRateY", "rad/s"),
+            ("AngularRateZ", "rad/s"),
+            ("AccelX", "m/s^2"),
+            ("AccelY", "m/s^2"),
+            ("AccelZ", "m/s^2"),
+        ],
+        samples: &[],
     },
 ];
 
@@ -85,6 +133,9 @@ pub(crate) fn complete(names: &mut [Name]) -> Option<String> {
     let logger = LOGGERS
         .iter()
         .find(|logger| logger.has.iter().all(|known| names.iter().any(|name| is(name, known))))?;
+    for name in names.iter_mut().filter(|name| logger.samples.iter().any(|known| is(name, known))) {
+        name.logger = Some(logger.name);
+    }
     let mut units = vec![];
     // A unit at the end of a name is what the logger means by it.
     let is_open =

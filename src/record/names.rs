@@ -37,8 +37,10 @@ const GYROS: [&str; 5] = ["w", "g", "omega", "ang", "angular"];
 const NORMS: [&str; 5] = ["absolute", "abs", "norm", "magnitude", "total"];
 
 /// Words of columns that tell about the samples and have none.
-const AUXILIARIES: [&str; 10] =
-    ["status", "state", "flag", "flags", "error", "errors", "clip", "counter", "id", "tow"];
+const AUXILIARIES: [&str; 16] = [
+    "status", "state", "flag", "flags", "error", "errors", "clip", "counter", "id", "tow", "year", "month",
+    "day", "hour", "minute", "second",
+];
 
 /// Names of columns with the number of the sensor of a row, without signs between words.
 const INSTANCES: [&str; 8] = ["i", "id", "instance", "imu", "imuid", "deviceid", "sensor", "sensorid"];
@@ -53,6 +55,8 @@ pub(crate) struct Name {
     pub unit: Option<String>,
     /// Whether the file does not state the unit, but its logger is known to have it.
     pub is_assumed: bool,
+    /// The logger, where the header does not tell whether the column is of its gyro or of its accelerometer.
+    pub logger: Option<&'static str>,
 }
 
 impl Name {
@@ -70,6 +74,7 @@ impl Name {
             bare: bare.trim().to_owned(),
             unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
             is_assumed: false,
+            logger: None,
         };
         if UNITS_AS_NAMES.iter().any(|unit| whole.eq_ignore_ascii_case(unit)) {
             return with(whole, whole);
@@ -141,12 +146,16 @@ impl Name {
 
     /// Whether the column has the number of the sensor that each row is of.
     pub(crate) fn is_instance(&self) -> bool {
-        let name = words(self.bare.rsplit(['/', '.']).next().unwrap_or_default()).concat();
-        INSTANCES.contains(&name.as_str())
+        INSTANCES.contains(&self.last_words().concat().as_str())
     }
 
-    fn has_word(&self, known: &[&str]) -> bool {
-        words(&self.bare).iter().any(|word| known.contains(&word.as_str()))
+    pub(crate) fn has_word(&self, known: &[&str]) -> bool {
+        self.last_words().iter().any(|word| known.contains(&word.as_str()))
+    }
+
+    /// The words behind the groups of a path such as `state/imu.status`.
+    fn last_words(&self) -> Vec<String> {
+        words(self.bare.rsplit(['/', '.']).next().unwrap_or_default())
     }
 
     /// The name of a column of a matrix with this name.
@@ -246,6 +255,8 @@ mod tests {
             ("temp_deg", false),
             ("angle_rad", false),
             ("status_g", false),
+            ("imu/status.flags_g", false),
+            ("state/gyro_dps", true),
             ("gz", false),
         ] {
             assert_eq!(Name::read(cell).measures(Data::Rate), measures, "{cell}");

@@ -1,7 +1,7 @@
 //! An open file of recorded data: its columns by name or number, their units, and the numbers of the requested columns.
 
 use crate::quantity::number::significant;
-use crate::quantity::units::Dimension;
+use crate::quantity::units::{Dimension, parse as parse_quantity};
 use crate::record::calendar::Calendar;
 use crate::record::error::RecordError;
 use crate::record::format::{Columns, FORMATS, Origin, Source};
@@ -232,9 +232,13 @@ impl<'a> Recording<'a> {
         let unit = given
             .or(of_header)
             .ok_or_else(|| refused(&format!("{what} has no unit"), "its unit is missing"))?;
-        let size = unit_of(unit, &[dimension])
-            .map_err(|error| refused(&format!("the unit of {what}: {error}"), error.label()))?;
-        Ok(size.0)
+        // Clocks may count ticks, as in `0.1 ms`.
+        let ticks =
+            || parse_quantity(unit, &[dimension]).ok().map(|tick| tick.value).filter(|size| *size > 0.0);
+        let size = unit_of(unit, &[dimension]).map(|(size, _)| size);
+        size.or_else(|error| {
+            ticks().ok_or_else(|| refused(&format!("the unit of {what}: {error}"), error.label()))
+        })
     }
 
     /// The numbers of the columns in the requested order, with NaN for missing ones.

@@ -230,3 +230,51 @@ fn a_rate_that_the_stamps_contradict_is_refused_with_theirs() {
     let proposed = "as in --column \"Gyroscope x,Drehrate\"";
     desk.fails("compare log.csv slow.csv --data rate", 3, &["several columns", proposed]);
 }
+
+#[test]
+fn loggers_are_read_without_options_or_asked_with_their_units() {
+    type Row = fn(usize, f64) -> String;
+    let logs: [(&str, Row, &[&str], f64); 4] = [
+        (
+            "PacketCounter,SampleTimeFine,Year,Month,Day,Second,Gyr_X,StatusWord",
+            |i, y| format!("{i},{},2024,1,5,3,{y},7", 4_294_960_000 + 100 * i),
+            &["Gyr_X"],
+            100.0,
+        ),
+        (
+            "TimeStartup,GpsTow,AngularRateX,AccelX",
+            |i, y| format!("{},4.0,{y},{}", 1_000_000_000 + 5_000_000 * i, 9.8 + y),
+            &["AngularRateX", "AccelX"],
+            200.0,
+        ),
+        (
+            "timestamp,TimeUS,I,SampleUS,GyrX",
+            |i, y| format!("{},{},0,{},{y}", 1.7e9, 9_000_000 + 20_000 * (i / 8), 9_000_000 + 2500 * i),
+            &["GyrX"],
+            400.0,
+        ),
+        (
+            "seconds_elapsed [s],gFx,wx",
+            |i, y| format!("{:.3},{},{y}", 0.01 * i as f64, 0.1 + y),
+            &["gFx", "wx"],
+            100.0,
+        ),
+    ];
+    for (header, row, names, rate_hz) in logs {
+        let desk = log(header, row);
+        let (found, rate) = read(&desk, "--data rate");
+        assert_eq!(found, names, "{header}");
+        assert_rate(rate, rate_hz, header);
+    }
+    let header = "timestamp,timestamp_sample,device_id,x,temperature,error_count,clip_counter[0]";
+    let desk = log(header, |i, y| format!("{0},{0},2490378,{y},21.5,0,0", 354_000 + 2500 * i));
+    let pieces = ["--column x:", "the unit of `x` is missing", "of PX4, a gyro has --unit rad/s"];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+    assert_rate(read(&desk, "--data rate --column x --unit rad/s").1, 400.0, header);
+    let header = "time,seconds_elapsed,z,y,x";
+    let desk = log(header, |i, y| {
+        format!("{},{:.3},{y},{y},{y}", 1_700_000_000_000_000_000 + 5_000_000 * i, 0.005 * i as f64)
+    });
+    let pieces = ["--column z,y,x:", "of Sensor Logger, a gyro has --unit rad/s"];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+}

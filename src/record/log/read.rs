@@ -138,7 +138,9 @@ impl Log {
         // Without a choice of columns, times and units are still examined by one that may be meant.
         let (units, columns) = faults.take(columns).unwrap_or_else(|| {
             let columns = if request.units.is_empty() { likely(&file, used) } else { vec![] };
-            (vec![], columns.into_iter().take(1).collect())
+            let is_refused = |column: &usize| channel(&file, *column, None, request.data).is_err();
+            let examined = columns.iter().copied().find(is_refused).or(columns.first().copied());
+            (vec![], examined.into_iter().collect())
         });
         let channels = columns
             .iter()
@@ -519,7 +521,11 @@ fn channel(
             .map_err(|wrong| file.refuse(Some(column), &wrong.message, "no such unit", &wrong.help))?,
         (None, None) => {
             let message = format!("the unit of {} is missing", file.title(column));
-            return Err(file.refuse(Some(column), &message, "no unit", &expected(data)));
+            let proposed = name.and_then(|name| name.logger).filter(|_| data == Data::Rate).map(|logger| {
+                format!("of {logger}, a gyro has `unit = rad/s` and an accelerometer `unit = m/s^2`; ")
+            });
+            let help = proposed.unwrap_or_default() + &expected(data);
+            return Err(file.refuse(Some(column), &message, "no unit", &help));
         }
     };
     let is_unit_guessed = given.is_none() && name.is_some_and(|name| name.unit != unit_in_header);

@@ -1,7 +1,7 @@
 //! The times of the rows of a log: which column has them, in which unit, and which samples they show as missing.
 
 use crate::quantity::number::significant;
-use crate::quantity::units::Dimension;
+use crate::quantity::units::{Dimension, parse as parse_quantity};
 use crate::record::calendar::Calendar;
 use crate::record::error::{Faults, RecordError};
 use crate::record::log::read::{Duplicates, RULES, Timing};
@@ -15,7 +15,7 @@ use crate::record::stamps::{
 use crate::record::time::{TimeFault, grid, median_step};
 
 /// Names of columns of times, without signs between words.
-const TIMES: [&str; 13] = [
+const TIMES: [&str; 16] = [
     "time",
     "t",
     "timestamp",
@@ -27,6 +27,9 @@ const TIMES: [&str; 13] = [
     "timetag",
     "systemtime",
     "timeus",
+    "timestartup",
+    "sampletimefine",
+    "sampleus",
     "rtctime",
     "datetime",
 ];
@@ -143,11 +146,19 @@ pub(crate) fn is_time(name: &str) -> bool {
     is_called(name, &TIMES)
 }
 
+/// Whether the unit of a column is one of time, or a number of these.
+fn has_unit_of_time(name: &Name) -> bool {
+    let wanted = &[Dimension::Time];
+    name.unit
+        .as_deref()
+        .is_some_and(|unit| unit_of(unit, wanted).is_ok() || parse_quantity(unit, wanted).is_ok())
+}
+
 /// Whether a column has times, lengths of time or numbers of samples, by its name or its unit.
 pub(crate) fn is_timing(name: &Name) -> bool {
-    let has_unit = name.unit.as_deref().is_some_and(|unit| unit_of(unit, &[Dimension::Time]).is_ok());
     // An index without a name stands first in tables of pandas.
-    has_unit
+    has_unit_of_time(name)
+        || name.has_word(&["time", "timestamp"])
         || name.whole.is_empty()
         || is_time(&name.bare)
         || is_called(&name.bare, &COUNTERS)
@@ -209,7 +220,7 @@ pub(crate) fn found(
     };
     let bare = |column: usize| file.names()[column].bare.as_str();
     let unit = |column: usize| file.names()[column].unit.as_deref();
-    let measures_time = |column| unit(column).is_some_and(|unit| unit_of(unit, &[Dimension::Time]).is_ok());
+    let measures_time = |column: usize| has_unit_of_time(&file.names()[column]);
     let is_of_time =
         |column: usize| is_time(bare(column)) && (unit(column).is_none() || measures_time(column));
     let mut times = candidates(&is_of_time);
@@ -285,7 +296,7 @@ fn nearest(file: &Recording, columns: Vec<usize>, wanted: Option<&usize>) -> Opt
         let groups = pairs
             .map_or(0, |pairs| pairs.take_while(|(a, b)| a == b).filter(|(a, _)| b"/.".contains(a)).count());
         let name = &file.names()[column];
-        (groups, name.unit.is_some(), is_called(&name.bare, &["stamp"]))
+        (groups, name.unit.is_some(), is_called(&name.bare, &["stamp", "sampleus"]))
     };
     let best = columns.iter().map(|&column| alike(column)).max()?;
     let mut equal = columns.into_iter().filter(|&column| alike(column) == best);
