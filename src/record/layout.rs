@@ -7,7 +7,7 @@ use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
 use crate::record::loggers;
 use crate::record::names::Name;
-use crate::source::place::Place;
+use crate::source::place::{Place, decoded};
 
 /// Lines from which delimiter and decimals are found.
 const SAMPLE: usize = 32;
@@ -198,7 +198,7 @@ fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {
 }
 
 /// Number of lines above the header, such as the name of a logger: lines of words in fewer than half as many cells as the rows have,
-/// before one with a name in every cell.
+/// before one with as many names as the rows have cells.
 fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
     let Some(row) = content.last() else { return 0 };
     let named = |line: &Line, delimiter, decimal| {
@@ -209,11 +209,14 @@ fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
     let is_below_titles = |at: &usize| {
         let (delimiter, decimal) = signs(&content[*at..], decimal);
         let columns = texts(row.text, delimiter).len();
+        // The last cell of the rows may be empty, as one for remarks.
+        let cells = Cells::new(row.text, delimiter).count();
         let is_title = |line| {
             named(line, delimiter, decimal).is_some_and(|(named, _)| named == 1 || 2 * named < columns)
         };
         columns > 1
-            && named(&content[*at], delimiter, decimal) == Some((columns, columns))
+            && named(&content[*at], delimiter, decimal)
+                .is_some_and(|(named, count)| named == count && [columns, cells].contains(&count))
             && content[..*at].iter().all(is_title)
     };
     (0..content.len() - 1).find(is_below_titles).unwrap_or(0)
@@ -262,12 +265,6 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
 fn is_header(cells: &[String], decimal: Decimal) -> bool {
     let mut values = cells.iter().map(|cell| decimal.value(cell.as_bytes()));
     values.clone().any(|value| value.is_none()) && !values.any(|value| value.is_some_and(f64::is_finite))
-}
-
-/// Text in UTF-8, or else in Latin-1, in which spreadsheets write `°` and `µ`.
-fn decoded(bytes: &[u8]) -> String {
-    let text = std::str::from_utf8(bytes).map(str::to_owned);
-    text.unwrap_or_else(|_| bytes.iter().copied().map(char::from).collect())
 }
 
 fn names(cells: &[String]) -> Vec<Name> {

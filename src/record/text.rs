@@ -13,7 +13,7 @@ use crate::record::format::{Bytes, Columns, HEAD, Origin, Source};
 use crate::record::layout::Layout;
 use crate::record::names::Name;
 use crate::record::recording::Rules;
-use crate::source::place::Place;
+use crate::source::place::{Place, decoded};
 
 /// Bytes read at a time; no line may be longer.
 const BLOCK: usize = 16 << 20;
@@ -258,7 +258,7 @@ fn refusal(
             Some(name) => format!("`{}`", name.whole),
             None => format!("column {}", column + 1),
         };
-        let shown = String::from_utf8_lossy(&text[cell.clone()]);
+        let shown = decoded(&text[cell.clone()]);
         let Some(number) = layout.value(column, &text[cell.clone()]) else {
             let help = match layout.decimal {
                 Decimal::Point if Decimal::is_comma(shown.as_bytes()) => {

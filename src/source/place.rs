@@ -15,6 +15,12 @@ const SHOWN: usize = 60;
 /// panics for a caret beyond column 65535.
 const LONG: usize = 1000;
 
+/// Text in UTF-8, or else in Latin-1, in which spreadsheets write `°` and `µ`.
+pub(crate) fn decoded(bytes: &[u8]) -> String {
+    let text = std::str::from_utf8(bytes).map(str::to_owned);
+    text.unwrap_or_else(|_| bytes.iter().copied().map(char::from).collect())
+}
+
 /// A text, or a piece of one of its lines, with the bytes under the caret.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Place {
@@ -36,9 +42,12 @@ impl Place {
         let from =
             (span.start.saturating_sub(SHOWN)..span.start).find(|at| !is_midst(at)).unwrap_or(span.start);
         let to = text.len().min(span.end.min(span.start + SHOWN) + SHOWN);
-        // Lossy text may be longer than its bytes, so each part is converted by itself.
+        let is_utf_8 = std::str::from_utf8(text).is_ok();
+        let shown =
+            |part: &[u8]| if is_utf_8 { String::from_utf8_lossy(part).into_owned() } else { decoded(part) };
+        // Converted text may be longer than its bytes, so each part is converted by itself.
         let [head, cell, tail] = [from..span.start, span.start..span.end.min(to), span.end.min(to)..to]
-            .map(|part| String::from_utf8_lossy(&text[part]).into_owned());
+            .map(|part| shown(&text[part]));
         let span = head.len()..head.len() + cell.len();
         Place { text: Arc::new(NamedSource::new(file, head + &cell + &tail)), line, before: from, span }
     }

@@ -278,3 +278,20 @@ fn loggers_are_read_without_options_or_asked_with_their_units() {
     let pieces = ["--column z,y,x:", "of Sensor Logger, a gyro has --unit rad/s"];
     desk.fails("allan log.csv --data rate", 3, &pieces);
 }
+
+#[test]
+fn a_german_sheet_is_read_below_its_titles() {
+    let header =
+        "Messung Kreisel 3;;;\nDatum: 27.06.2024;;;\n\nZeit;Drehrate (°/h);Temperatur (°C);Bemerkung";
+    let text = noise(600).enumerate().fold(format!("{header}\n"), |text, (i, y)| {
+        let row = format!("{:02}:{:02}.{}00;{:.3};22.00;", i / 600, i / 10 % 60, i % 10, 60.0 + y);
+        text + "27.06.2024 14:" + &row.replace('.', ",") + "\n"
+    });
+    let bytes = |text: &str| text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect::<Vec<u8>>();
+    let desk = desk_with("log.csv", bytes(&text));
+    let (found, rate_hz) = read(&desk, "--data rate");
+    assert_eq!(found, ["Drehrate"]);
+    assert_rate(rate_hz, 10.0, header);
+    std::fs::write(desk.path("log.csv"), bytes(&text.replace("°/h", "°/y"))).unwrap();
+    desk.fails("allan log.csv --data rate --column 2", 3, &["Drehrate (°/y);Temperatur (°C)"]);
+}
