@@ -17,13 +17,16 @@ use crate::source::place::Place;
 /// Most columns that a message lists.
 const MOST_LISTED: usize = 20;
 
-/// First bytes of unsupported files that users often give, with their descriptions.
-const OTHERS: [(&[u8], &str); 5] = [
-    (b"\x1f\x8b", "compressed by gzip"),
-    (b"PAR1", "Parquet"),
-    (b"\xff\xfe", "text in UTF-16"),
-    (b"\xfe\xff", "text in UTF-16"),
-    (b"#ROSBAG", "a ROS bag of an old version"),
+/// Advice on text in another encoding.
+const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
+
+/// First bytes of unsupported files that users often give, with their descriptions and what to do.
+const OTHERS: [(&[u8], &str, &str); 5] = [
+    (b"\x1f\x8b", "compressed by gzip", TEXT_WANTED),
+    (b"PAR1", "Parquet", TEXT_WANTED),
+    (b"\xff\xfe", "text in UTF-16", UTF_8_WANTED),
+    (b"\xfe\xff", "text in UTF-16", UTF_8_WANTED),
+    (b"#ROSBAG", "a ROS bag of an old version", TEXT_WANTED),
 ];
 
 /// First bytes that tell binary files from text, and the largest part of control signs in text, as a divisor.
@@ -90,8 +93,8 @@ impl<'a> Recording<'a> {
     /// Opens a file of text.
     fn text(source: Source<'a>, decimal: Option<Decimal>) -> Result<Box<dyn Columns + 'a>, RecordError> {
         let (file, head) = (&source.file, &source.head);
-        if let Some((_, what)) = OTHERS.iter().find(|(start, _)| head.starts_with(start)) {
-            return Err(RecordError::new(format!("{file} is {what}"), "", TEXT_WANTED, None));
+        if let Some((_, what, help)) = OTHERS.iter().find(|(start, ..)| head.starts_with(start)) {
+            return Err(RecordError::new(format!("{file} is {what}"), "", *help, None));
         }
         // Zeros and many control signs do not occur in text, but among the bytes of numbers.
         let sample = &head[..head.len().min(SAMPLE)];

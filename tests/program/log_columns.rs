@@ -295,3 +295,10 @@ fn a_german_sheet_is_read_below_its_titles() {
     std::fs::write(desk.path("log.csv"), bytes(&text.replace("°/h", "°/y"))).unwrap();
     desk.fails("allan log.csv --data rate --column 2", 3, &["Drehrate (°/y);Temperatur (°C)"]);
 }
+
+#[test]
+fn text_in_utf_16_is_to_be_saved_as_utf_8() {
+    let text: Vec<u8> =
+        "\u{feff}time [s],gz [dps]\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    desk_with("log.csv", text).fails("allan log.csv --data rate", 3, &["text in UTF-16", "save it as UTF-8"]);
+}
