@@ -27,7 +27,17 @@ impl Calendar {
     }
 }
 
+/// Whether a cell has a date of which either of the first two numbers may be the month.
+pub(crate) fn is_ambiguous(cell: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(cell);
+    let mut parts = text.split('/').map(|part| part.parse::<u8>().is_ok_and(|part| part <= 12));
+    parts.next() == Some(true) && parts.next() == Some(true)
+}
+
 const DAY_S: f64 = 86_400.0;
+
+const MONTHS: [&str; 12] =
+    ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
 
 /// A time of day, with the date before it if there is one, and with the distance from UTC that may follow.
 fn time(text: &str) -> Option<f64> {
@@ -50,7 +60,8 @@ fn time(text: &str) -> Option<f64> {
     let hours = part(24, 2)?;
     let hours = half.map_or(hours, |half| hours % 12 + half);
     let minutes = 60 * hours + part(60, 2)?;
-    let seconds = parts.next()?.replace([',', '_', ':'], ".");
+    // Minutes alone are a time where a date stands before them.
+    let seconds = parts.next().or(dated.map(|_| "0"))?.replace([',', '_', ':'], ".");
     let is_plain = seconds.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     let seconds: f64 = seconds.parse().ok().filter(|seconds| is_plain && *seconds < 61.0)?;
     Some(day_s + f64::from(60 * minutes) + seconds - ahead_s)
@@ -72,11 +83,14 @@ fn zone(clock: &str) -> (&str, f64) {
     (clock[..at].trim_end(), minutes.map_or(0.0, |minutes| sign * minutes))
 }
 
-/// The start of a date such as `2018-04-25`, `25.04.2018` or `04/25/2018`, s since 1970. Of two numbers with a slash between the first is
-/// the month, unless it is above 12.
+/// The start of a date such as `2018-04-25`, `25-Apr-2018`, `25.04.2018` or `04/25/2018`, s since 1970. Of two numbers with a slash
+/// between the first is the month, unless it is above 12.
 fn date(text: &str) -> Option<f64> {
     let sign = text.chars().find(|c| !c.is_ascii_digit()).filter(|c| ['-', '/', '.'].contains(c))?;
-    let mut parts = text.split(sign).map(|part| part.parse::<i64>().ok().filter(|_| part.len() <= 4));
+    let month =
+        |part: &str| MONTHS.iter().position(|month| part.eq_ignore_ascii_case(month)).map(|at| at as i64 + 1);
+    let number = |part: &str| part.parse().ok().or_else(|| month(part)).filter(|_| part.len() <= 4);
+    let mut parts = text.split(sign).map(number);
     let (Some(Some(a)), Some(Some(b)), Some(Some(c)), None) =
         (parts.next(), parts.next(), parts.next(), parts.next())
     else {
@@ -116,6 +130,7 @@ mod tests {
             "2018-04-25T12:00:13+02:00",
             "2018-04-25 05:30:13-0430",
             "2018-04-25 10-00-13_000",
+            "25-Apr-2018 10:00:13.000",
             "4/25/2018 10:00:13 AM",
             "25.04.18 10:00:13:000",
         ] {
@@ -131,7 +146,17 @@ mod tests {
         for (text, seconds) in [("10:00:13.25", 36_013.25), ("12:00:00 am", 0.0), ("1:30:00 PM", 48_600.0)] {
             assert_eq!(Calendar::Time.seconds(text.as_bytes()), Some(seconds), "{text}");
         }
+        assert_eq!(Calendar::Time.seconds(b"25.04.2018 10:00"), Some(noon - 13.0));
         assert!(Calendar::Time.seconds(b"").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn only_dates_with_slashes_and_small_numbers_are_ambiguous() {
+        for (text, is) in
+            [("05/01/2024 23:59:59", true), ("25/01/2024", false), ("2024/01/05", false), ("1.5", false)]
+        {
+            assert_eq!(is_ambiguous(text.as_bytes()), is, "{text}");
+        }
     }
 
     #[test]
