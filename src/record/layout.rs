@@ -1,7 +1,7 @@
 //! The layout of a text with columns, determined from its first lines.
 
 use crate::quantity::units::{Dimension, parse as parse_quantity};
-use crate::record::calendar::Calendar;
+use crate::record::calendar::{Calendar, is_ambiguous};
 pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
@@ -63,27 +63,31 @@ impl Layout {
         };
         let (delimiter, decimal_found) = signs(&content, decimal);
         let cells = texts(first.text, delimiter);
-        let row = content[1..].last();
+        // A line below the header may have units, and a cell may be empty.
+        let rows = &content[1 + usize::from(content.len() > 2)..];
+        let cell = |column: usize| {
+            let cell = |line: &Line| Some(line.text[Cells::new(line.text, delimiter).nth(column)?].to_vec());
+            rows.iter().rev().filter_map(cell).find(|cell| !cell.is_empty()).unwrap_or_default()
+        };
+        let shown: Vec<Vec<u8>> = (0..cells.len()).map(cell).collect();
+        let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| Calendar::of(cell)?.seconds(cell));
         let mut layout = Layout {
             file: file.to_owned(),
             delimiter,
             decimal: decimal_found,
             names: vec![],
             columns: cells.len(),
-            numbers: row.map_or(vec![Some(f64::NAN); cells.len()], |row| {
-                let number =
-                    |cell: &[u8]| decimal_found.value(cell).or_else(|| Calendar::of(cell)?.seconds(cell));
-                Cells::new(row.text, delimiter).map(|cell| number(&row.text[cell])).collect()
-            }),
-            calendar: row.map_or(vec![None; cells.len()], |row| {
-                Cells::new(row.text, delimiter).map(|cell| Calendar::of(&row.text[cell])).collect()
-            }),
+            numbers: shown.iter().map(number).collect(),
+            calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
             start: first.start,
             lines: first.number - 1,
             step_s: stable32.and_then(|found| found.step_s),
             inferred: vec![],
             shown: (first.number, first.text.to_vec()),
         };
+        if shown.iter().any(|cell| is_ambiguous(cell)) {
+            layout.inferred.push("dates with slashes are read as month/day/year".to_owned());
+        }
         if titles > 0 {
             let lines = if titles == 1 { "1 line".to_owned() } else { format!("{titles} lines") };
             layout.inferred.push(format!("{lines} above the header: not read"));
@@ -357,6 +361,19 @@ mod tests {
         let found = layout(text);
         assert_eq!((found.step_s, found.lines, found.columns, found.names.len()), (Some(0.1), 5, 1, 0));
         assert!(text[found.start..].starts_with("1.5e-9"));
+    }
+
+    #[test]
+    fn an_empty_cell_in_the_last_line_looked_at_hides_no_clock() {
+        let rows: String =
+            (0..40).map(|i| if i == 30 { ",1\n".to_owned() } else { format!("10:00:{i:02},1\n") }).collect();
+        let found = layout(&format!("time,gz\n{rows}"));
+        assert_eq!(found.calendar, [Some(Calendar::Time), None]);
+        assert!(found.numbers[0].is_some_and(f64::is_finite), "{:?}", found.numbers);
+        assert!(
+            layout("t;gz;x\ns;dps;\n1;2;\n2;3;\n").numbers[2].is_some_and(f64::is_nan),
+            "no cell of x has a number"
+        );
     }
 
     #[test]
