@@ -1,8 +1,11 @@
 //! Time stamps as loggers write them: since the epoch, late, doubled, or from a counter that rolls over.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use crate::quantity::number::significant;
 use crate::record::log::read::Duplicates;
-use crate::record::time::{Grid, LONG_GAP, SPARSEST, TimeFault, median_step};
+use crate::record::time::{Grid, LONG_GAP, SPARSEST, TimeFault, median_step, whole_steps};
 
 /// Seconds since 1970 that count as a time stamp, from 2001 to 2096. In a thousandth of the unit they are other years by
 /// far, so the unit follows from the size.
@@ -17,9 +20,9 @@ const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 
 /// Rates of sensors.
 const SENSORS_HZ: std::ops::Range<f64> = 0.5..20e3;
 
-/// Values at which counters roll over: those of 16, 24 and 32 bits, the last also of µs shown in ms and in s, and the seconds
-/// of a day and of a GPS week, also in ms.
-const LIMITS: [f64; 9] = [
+/// Values at which counters roll over: those of 8, 16, 24 and 32 bits, the last also of µs shown in ms and in s, and the seconds
+/// of a minute, an hour, half a day, a day and a GPS week, the last two also in ms.
+const LIMITS: [f64; 13] = [
     4_294.967_296,
     65_536.0,
     86_400.0,
@@ -29,18 +32,12 @@ const LIMITS: [f64; 9] = [
     86_400_000.0,
     604_800_000.0,
     4_294_967_296.0,
+    256.0,
+    60.0,
+    3600.0,
+    43_200.0,
 ];
 
-/// Stamps on each side of a row that tell whether samples are missing before it, and those of a coarse clock, of which each has many rows.
-const BESIDE: usize = 64;
-const BESIDE_COARSE: usize = 8;
-/// Stamps before a row with which it is compared first.
-const NEAR: usize = 8;
-/// Least rise of the stamps over the rows, in sampling steps, that is a gap, and fewest stamps after it that show a short one. The first row
-/// of a coarse stamp is up to one step late.
-const LEAST_RISE: f64 = 0.7;
-const LEAST_RISE_COARSE: f64 = 1.2;
-const LEAST_AFTER: usize = 8;
 /// Deviation of steps from whole sampling steps, and of the rate of a clock from the given one, that are none of samples.
 const JITTER: f64 = 0.1;
 const MOST_DRIFT: f64 = 0.02;
@@ -49,11 +46,21 @@ const MOST_DRIFT: f64 = 0.02;
 const MOST_SENSORS: usize = 8;
 const MOST_ROWS_IN_TURN: usize = 4;
 
-/// Rows of a block of which the mean step is taken.
-const BLOCK: usize = 256;
+/// Fewest and most stamps on each side of a row that tell whether samples are missing before it. A gap is a rise by more than so many
+/// times the fall that one in so many rows exceeds.
+const LEAST_WINDOW: usize = 8;
+const LONGEST_WINDOW: usize = 256;
+const FALLS: f64 = 1.5;
+const ONE_IN: usize = 1000;
+/// Most rows at which falls are examined.
+const MOST_COMPARED: usize = 1 << 12;
+/// Stamps over which mean steps are taken first, most of them, and most turns in which they are refined.
+const LONGEST_LAG: usize = 256;
+const MOST_SAMPLED: usize = 1 << 16;
+const MOST_TURNS: usize = 10;
 /// Largest part of the samples that may be missing at many steps; else the least distances of stamps are not the sampling step.
 const MOST_MISSING: f64 = 0.5;
-/// Fewest rows for each gap of samples that are missing for a reason.
+/// Fewest rows for each gap of samples that are missing, or row that is doubled, for a reason.
 const ROWS_PER_GAP: f64 = 50.0;
 
 /// The unit of stamps since the epoch, of which the first is `stamp`.
@@ -88,18 +95,21 @@ pub(crate) fn likely_units(step: f64, words: &[String]) -> Vec<(&'static str, f6
 /// The stamps of a counter in a row: wherever it has rolled over, its limit is added. Returns that limit and how many times
 /// it was reached.
 ///
-/// Only a limit that no stamp exceeds is taken, and only if it turns each step back into one of at most ten sampling steps.
+/// Only a limit within which all stamps lie is taken, and only if it turns each step back into one of at most ten sampling steps.
 pub(crate) fn unroll(stamps: &mut [f64]) -> Option<(f64, usize)> {
     let backwards: Vec<f64> =
         stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step < 0.0).collect();
     if backwards.is_empty() || stamps.iter().any(|stamp| stamp.is_nan() || *stamp < 0.0) {
         return None;
     }
-    let most = stamps.iter().copied().fold(0.0, f64::max);
+    // A clock of twelve hours goes from 1 to 13.
+    let least = stamps.iter().copied().fold(f64::INFINITY, f64::min);
+    let range = stamps.iter().copied().fold(0.0, f64::max) - least;
     let step = if are_coarse(stamps) { step_of_distinct(stamps) } else { median_step(stamps) };
     let longest = LONG_GAP * step;
-    let fits =
-        |limit: &f64| *limit > most && backwards.iter().all(|step| (0.0..=longest).contains(&(step + limit)));
+    let fits = |limit: &f64| {
+        *limit > range && backwards.iter().all(|step| (0.0..=longest).contains(&(step + limit)))
+    };
     let limit = LIMITS.into_iter().find(fits)?;
     let (mut offset, mut before) = (0.0, stamps[0]);
     for stamp in stamps {
@@ -169,14 +179,15 @@ pub(crate) fn interleaved(stamps: &[f64], numbers: &[f64]) -> Option<Vec<f64>> {
         }
     }
     let take_turns = sensors.len() > 1 && changes >= numbers.len() / MOST_ROWS_IN_TURN;
-    let is_interleaved = take_turns && !is_even(stamps, median_step(stamps));
+    let is_interleaved = take_turns && exact_step(stamps).is_none();
     sensors.sort_by(f64::total_cmp);
     is_interleaved.then_some(sensors)
 }
 
 /// All faults in the order and the spacing of `stamps` in a unit of `unit_s`: of each kind the first, with the number of the
-/// others. Steps may deviate by `jitter` sampling steps from whole ones, if at all.
-pub(crate) fn faults(stamps: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<TimeFault> {
+/// others. Steps may deviate by `jitter` sampling steps from whole ones, if at all. `samples` are the stamps of all rows, of which
+/// those with the stamp of the row before may be samples too.
+pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<TimeFault> {
     let mut faults = Vec::new();
     let mut tell = |rows: &[usize], words: &dyn Fn(usize) -> [String; 3]| {
         let Some(&row) = rows.first() else { return };
@@ -199,15 +210,17 @@ pub(crate) fn faults(stamps: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<Ti
     });
     let (Some(jitter), true) = (jitter, stamps.len() > 1 && missing.is_empty()) else { return faults };
     let median = median_step(stamps);
-    let is_uneven = |row: &usize| {
-        let steps = step(*row) / median;
-        step(*row) > 0.0 && (steps < 0.5 || steps < LONG_GAP && (steps - libm::round(steps)).abs() > jitter)
-    };
+    let is_uneven = |row: &usize| step(*row) > 0.0 && whole_steps(step(*row), median, jitter).is_none();
     let mut uneven: Vec<usize> = (1..stamps.len()).filter(is_uneven).collect();
-    if uneven.is_empty() && backwards.is_empty() && !is_even(stamps, median) {
+    if uneven.is_empty() && backwards.is_empty() && exact_gaps(stamps).is_none() {
         uneven = (1..stamps.len()).filter(|&row| step(row) > 1.5 * median).collect();
     }
-    let mean = mean_step(stamps);
+    if uneven.is_empty() {
+        return faults;
+    }
+    // Rows that are doubled for a reason are rare; more of them are late samples.
+    let doubled = (samples.len() - stamps.len()) as f64;
+    let mean = mean_step(if ROWS_PER_GAP * doubled > samples.len() as f64 { samples } else { stamps });
     tell(&uneven, &|row| {
         let seconds = |step: f64| format!("{} s", significant(step * unit_s, 6));
         let message = format!(
@@ -226,112 +239,280 @@ pub(crate) fn faults(stamps: &[f64], unit_s: f64, jitter: Option<f64>) -> Vec<Ti
 }
 
 /// The grid of rows that were sampled every `step`, in the unit of the stamps, which may be late, doubled or coarse. It has at most `most`
-/// samples.
-///
-/// Samples that are missing raise all later stamps over their rows; stamps that are late, early or in bursts do not. So the least and the
-/// median rise of the stamps on both sides of a row are compared. Rows with the same stamp are successive samples.
+/// samples. Rows with the same stamp are successive samples.
 pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
-    let gaps = gaps(stamps, step);
+    let gaps = match exact_gaps(stamps) {
+        Some(exact) if (exact.step / step - 1.0).abs() < MOST_DRIFT => exact.gaps,
+        _ => Points::of(stamps).gaps(step),
+    };
     let mut next = gaps.iter().peekable();
     let steps = |row: usize| 1.0 + next.next_if(|gap| gap.0 == row).map_or(0.0, |gap| gap.1);
     placed(stamps.len(), step, most, steps)
 }
 
-/// The rows before which samples are missing, with their number.
-fn gaps(stamps: &[f64], step: f64) -> Vec<(usize, f64)> {
-    if stamps.len() < 2 {
-        return vec![];
-    }
-    let is_first = |row: usize| row > 0 && stamps[row] != stamps[row - 1];
-    let median = median_step(stamps);
-    if is_even(stamps, median) && (median / step - 1.0).abs() < JITTER {
-        let missing = |row: usize| libm::round((stamps[row] - stamps[row - 1]) / median) - 1.0;
-        return (1..stamps.len()).map(|row| (row, missing(row))).filter(|gap| gap.1 > 0.0).collect();
-    }
-    let is_coarse = are_coarse(stamps);
-    let (beside, least_rise) =
-        if is_coarse { (BESIDE_COARSE, LEAST_RISE_COARSE) } else { (BESIDE, LEAST_RISE) };
-    // The record may begin within the first stamp of a coarse clock.
-    let rows: Vec<usize> = (0..stamps.len()).filter(|&row| is_first(row) || row == 0 && !is_coarse).collect();
-    let rise = |row: usize| (stamps[row] - stamps[0]) / step - row as f64;
-    let (mut gaps, mut lost) = (vec![], 0.0);
-    let mut rises: Vec<f64> = Vec::with_capacity(rows.len());
-    for (at, &row) in rows.iter().enumerate() {
-        let before = &rises[at.saturating_sub(beside)..];
-        let near = before.iter().rev().take(NEAR).copied().fold(f64::INFINITY, f64::min);
-        if rise(row) - lost - near >= least_rise {
-            let after: Vec<f64> = rows[at..].iter().take(beside).map(|&row| rise(row) - lost).collect();
-            // Few stamps do not reach the next gap, and many outlast a burst.
-            let of = |count: usize| {
-                let [least, median] = least_and_median(&before[before.len().saturating_sub(count)..]);
-                let [next_least, next_median] = least_and_median(&after[..after.len().min(count)]);
-                (next_least - least).min(next_median - median)
-            };
-            let missing = if before.is_empty() { 0.0 } else { of(NEAR).min(of(beside)) };
-            if missing >= if after.len() < LEAST_AFTER { LONG_GAP } else { least_rise } {
-                lost += libm::round(missing);
-                gaps.push((row, libm::round(missing)));
-            }
-        }
-        rises.push(rise(row) - lost);
-    }
-    gaps
+/// The mean step between samples over the whole record, without the gaps.
+pub(crate) fn mean_step(stamps: &[f64]) -> f64 {
+    exact_gaps(stamps).map_or_else(|| Points::of(stamps).step(), |exact| exact.step)
 }
 
-fn least_and_median(values: &[f64]) -> [f64; 2] {
+/// Rows before which samples are missing, with their number.
+type Gaps = Vec<(usize, f64)>;
+
+/// The gaps of stamps that resolve each sampling step, and that step.
+struct Exact {
+    step: f64,
+    gaps: Gaps,
+}
+
+/// The gaps where all steps are whole multiples of the median one, unless more than half of the samples would be missing at many
+/// places, as between bursts.
+fn whole_gaps(stamps: &[f64]) -> Option<Exact> {
+    let (first, last) = (stamps.first()?, stamps.last()?);
+    let median = if stamps.len() > 1 { median_step(stamps) } else { 0.0 };
+    let (mut gaps, mut total) = (vec![], 0.0);
+    for (before, pair) in stamps.windows(2).enumerate() {
+        let steps = whole_steps(pair[1] - pair[0], median, JITTER)?;
+        total += steps;
+        if steps > 1.0 {
+            gaps.push((before + 1, steps - 1.0));
+        }
+    }
+    let rows = stamps.len() as f64;
+    let are_few = MOST_MISSING * total < rows || ROWS_PER_GAP * (gaps.len() as f64) < rows;
+    (total > 0.0 && are_few).then(|| Exact { step: (last - first) / total, gaps })
+}
+
+/// The gaps of stamps that resolve each sampling step, and are not rounded.
+fn exact_gaps(stamps: &[f64]) -> Option<Exact> {
+    whole_gaps(stamps).filter(|exact| !are_regular(&exact.gaps))
+}
+
+/// The sampling step, where stamps resolve each step and are not rounded.
+pub(crate) fn exact_step(stamps: &[f64]) -> Option<f64> {
+    exact_gaps(stamps).map(|exact| exact.step)
+}
+
+/// Whether stamps are rounded to a unit a little finer than the sampling step.
+pub(crate) fn are_rounded(stamps: &[f64]) -> bool {
+    whole_gaps(stamps).is_some_and(|exact| are_regular(&exact.gaps))
+}
+
+/// Whether single samples are missing at regular distances, which is the beat of a rounded clock with the sampling rate. Losses
+/// are at random ones.
+fn are_regular(gaps: &[(usize, f64)]) -> bool {
+    let is_regular = |gaps: &[(usize, f64)]| {
+        let [a, b] = [gaps[1].0 - gaps[0].0, gaps[2].0 - gaps[1].0];
+        gaps.iter().all(|gap| gap.1 == 1.0)
+            && a.min(b) > 1
+            && a.abs_diff(b) as f64 <= 1.0 + JITTER * a.max(b) as f64
+    };
+    2 * gaps.windows(3).filter(|gaps| is_regular(gaps)).count() > gaps.len().saturating_sub(2)
+}
+
+/// The rows by which the samples are counted: of those in a burst, or with one stamp, only the first or the last.
+struct Points {
+    rows: Vec<usize>,
+    /// The first row of each burst.
+    starts: Vec<usize>,
+    stamps: Vec<f64>,
+    /// Least rise of the stamps over the rows, in sampling steps, that is a gap.
+    least_rise: f64,
+}
+
+impl Points {
+    /// Where stamps are rounded down, the first row of each is nearest to it; in a burst it is the last one. Those of which the
+    /// stamps follow the rows more closely are taken.
+    fn of(stamps: &[f64]) -> Points {
+        let rows = stamps.len();
+        let points = |rows: Vec<usize>, starts: Vec<usize>| {
+            let stamps = rows.iter().map(|&row| stamps[row]).collect();
+            Points { rows, starts, stamps, least_rise: 0.5 }
+        };
+        let all = points((0..rows).collect(), (0..rows).collect());
+        if rows < 2 {
+            return all;
+        }
+        let near = 0.5 * all.step_of_lags();
+        // The record may begin and end within a burst.
+        let starts: Vec<usize> = (1..rows).filter(|&row| stamps[row] - stamps[row - 1] > near).collect();
+        if starts.len() + 1 >= rows || starts.len() < 2 {
+            return all;
+        }
+        let firsts = points(starts.clone(), starts.clone());
+        let lasts = points(starts[1..].iter().map(|row| row - 1).collect(), starts);
+        let noise = |points: &Points| {
+            let fall = points.levels(points.step_of_lags()).fall(LEAST_WINDOW);
+            fall.map_or(f64::INFINITY, |[_, fall]| fall)
+        };
+        let mut points = if lasts.rows.len() > 1 && noise(&lasts) <= noise(&firsts) { lasts } else { firsts };
+        let unit = median_step(&points.stamps);
+        let is_unit = |pair: &[f64]| whole_steps(pair[1] - pair[0], unit, 1e-3).is_some();
+        // The first row of a unit is late by up to a step.
+        if are_coarse(stamps) && points.stamps.windows(2).all(is_unit) {
+            points.least_rise = 1.0 + JITTER;
+        }
+        points
+    }
+
+    /// The median of the mean steps over many rows, or over few ones if it is about the same, because these have fewer gaps.
+    fn step_of_lags(&self) -> f64 {
+        let points = self.rows.len();
+        let of = |lag: usize| {
+            let lag = lag.clamp(1, LONGEST_LAG);
+            let stride = (points / MOST_SAMPLED).max(1);
+            let mean = |at: usize| {
+                (self.stamps[at + lag] - self.stamps[at]) / (self.rows[at + lag] - self.rows[at]) as f64
+            };
+            median_of(&mut (0..points.saturating_sub(lag)).step_by(stride).map(mean))
+        };
+        let [long, short] = [of(points / 16), of(LEAST_WINDOW.min(points / 16))];
+        if (short / long - 1.0).abs() < JITTER { short.min(long) } else { long }
+    }
+
+    /// The mean step, found together with the gaps: each in turn until neither changes.
+    fn step(&self) -> f64 {
+        let points = self.rows.len();
+        let mut step = self.step_of_lags();
+        let part = (points / 4).clamp(1, 4 * LONGEST_LAG);
+        for _ in 0..MOST_TURNS {
+            let gaps = self.gaps(step);
+            let mut next = gaps.iter().peekable();
+            let mut lost = 0.0;
+            let places: Vec<f64> = self
+                .rows
+                .iter()
+                .map(|&row| {
+                    while let Some(gap) = next.next_if(|gap| gap.0 <= row) {
+                        lost += gap.1;
+                    }
+                    row as f64 + lost
+                })
+                .collect();
+            let middle = |part: Range<usize>| {
+                let away = |at: usize| self.stamps[at] - self.stamps[0] - step * places[at];
+                [median_of(&mut part.clone().map(|at| places[at])), median_of(&mut part.map(away))]
+            };
+            let [[start, first], [end, last]] = [middle(0..part), middle(points - part..points)];
+            let change = (last - first) / (end - start);
+            if !change.is_finite() {
+                break;
+            }
+            step += change;
+            if change.abs() < 1e-12 * step {
+                break;
+            }
+        }
+        step
+    }
+
+    /// The rises of the stamps over the rows, in steps.
+    fn levels(&self, step: f64) -> Levels {
+        let rise = |(row, stamp): (&usize, &f64)| (stamp - self.stamps[0]) / step - *row as f64;
+        Levels(self.rows.iter().zip(&self.stamps).map(rise).collect())
+    }
+
+    /// The gaps between samples that follow each other in `step`.
+    ///
+    /// Samples that are missing raise all later stamps over their rows; stamps that are late, early, rounded or in bursts do not. So
+    /// the levels on both sides of a row are compared, over as many rows as make their differences small against one sample.
+    fn gaps(&self, step: f64) -> Gaps {
+        let mut levels = self.levels(step);
+        let (window, trend, least_rise) = levels.window();
+        let least_rise = least_rise.max(self.least_rise);
+        let stride = window / LEAST_WINDOW;
+        let (mut gaps, mut lost, mut lowered) = (BTreeMap::new(), 0.0, 0);
+        let points = self.rows.len();
+        for at in (1..points).step_by(stride) {
+            let reached = points.min(at + 2 * window);
+            levels.0[lowered..reached].iter_mut().for_each(|level| *level -= lost);
+            lowered = reached;
+            let rise = |at: usize| {
+                let is_sure = points - at >= LEAST_WINDOW;
+                let rise = levels.rise(at, window) - trend;
+                (at, rise, rise >= if is_sure { least_rise } else { LONG_GAP })
+            };
+            if !levels.may_rise(at, stride, least_rise) || !rise(at).2 {
+                continue;
+            }
+            // The gap is at the first of the rows with about the largest rise.
+            let around = at.saturating_sub(stride).max(1)..points.min(at + window);
+            let around: Vec<(usize, f64, bool)> = around.map(rise).collect();
+            let largest = around.iter().map(|found| found.1).fold(0.0, f64::max);
+            let at = around.iter().find(|found| found.1 >= 0.75 * largest).map_or(at, |found| found.0);
+            let missing = libm::round(largest).max(1.0);
+            *gaps.entry(self.starts[at]).or_insert(0.0) += missing;
+            lost += missing;
+            levels.0[at..lowered].iter_mut().for_each(|level| *level -= missing);
+        }
+        let mut gaps: Gaps = gaps.into_iter().collect();
+        if are_regular(&gaps) {
+            gaps.retain(|gap| gap.1 > 1.0);
+        }
+        gaps
+    }
+}
+
+/// Rises of stamps over their rows, in sampling steps.
+struct Levels(Vec<f64>);
+
+impl Levels {
+    /// By how much the levels rise at a point, within so many on each side.
+    fn rise(&self, at: usize, window: usize) -> f64 {
+        let [low, median] = low_and_median(&self.0[at.saturating_sub(window)..at]);
+        let [next_low, next_median] = low_and_median(&self.0[at..self.0.len().min(at + window)]);
+        (next_low - low).min(next_median - median)
+    }
+
+    /// Whether one of some levels from a point on is so much higher than one just before it.
+    fn may_rise(&self, at: usize, count: usize, least_rise: f64) -> bool {
+        let near = self.0[at.saturating_sub(LEAST_WINDOW)..at].iter().copied().fold(f64::INFINITY, f64::min);
+        self.0[at..self.0.len().min(at + count)].iter().any(|level| level - near >= least_rise)
+    }
+
+    /// The median rise over `window` levels on each side of a point, and how far rises fall below it in one of [`ONE_IN`] points,
+    /// which gaps do not cause; `None` in a shorter record.
+    fn fall(&self, window: usize) -> Option<[f64; 2]> {
+        let inner = self.0.len().checked_sub(2 * window).filter(|inner| *inner > 0)?;
+        let stride = (inner / MOST_COMPARED).max(1);
+        let mut rises: Vec<f64> =
+            (0..inner).step_by(stride).map(|at| self.rise(at + window, window)).collect();
+        let [_, median] = low_and_median(&rises);
+        let lowest = rises.len() / ONE_IN;
+        Some([median, median - *rises.select_nth_unstable_by(lowest, f64::total_cmp).1])
+    }
+
+    /// The shortest window in which rises vary little against one sample, the median rise there, and the least one of a gap.
+    fn window(&self) -> (usize, f64, f64) {
+        let mut found = (LEAST_WINDOW, 0.0, LONG_GAP);
+        let mut window = LEAST_WINDOW;
+        while let Some([trend, fall]) = self.fall(window).filter(|_| window <= LONGEST_WINDOW) {
+            if FALLS * fall < found.2 {
+                found = (window, trend, FALLS * fall);
+            }
+            if found.2 <= 0.5 {
+                break;
+            }
+            window *= 2;
+        }
+        found
+    }
+}
+
+/// The value below which an eighth of them lies, and the median.
+fn low_and_median(values: &[f64]) -> [f64; 2] {
     let mut values = values.to_vec();
     // Of two in the middle the lower one, because gaps raise values.
     let middle = (values.len() - 1) / 2;
     let (below, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
     let median = *median;
-    [below.iter().copied().fold(median, f64::min), median]
+    let low = below.len() / 4;
+    let low = if below.is_empty() { median } else { *below.select_nth_unstable_by(low, f64::total_cmp).1 };
+    [low, median]
 }
 
 fn median_of(values: &mut dyn Iterator<Item = f64>) -> f64 {
-    least_and_median(&values.collect::<Vec<_>>())[1]
-}
-
-/// Whether all short steps are within a tenth of whole multiples of the median one, which is the sampling step. It is not where more than half
-/// of the samples would be missing at many places, as between stamps in bursts.
-pub(crate) fn is_even(stamps: &[f64], median: f64) -> bool {
-    let (mut total, mut gaps) = (0.0, 0.0);
-    let mut is_whole = |pair: &[f64]| {
-        let ratio = (pair[1] - pair[0]) / median;
-        let steps = libm::round(ratio);
-        total += steps;
-        gaps += f64::from(u8::from(steps > 1.0));
-        steps >= LONG_GAP || steps >= 1.0 && (ratio - steps).abs() <= JITTER
-    };
-    let is_whole = median > 0.0 && stamps.windows(2).all(&mut is_whole);
-    let rows = stamps.len() as f64;
-    is_whole && (MOST_MISSING * total < rows || ROWS_PER_GAP * gaps < rows)
-}
-
-/// The mean step between samples over the whole record, without the gaps.
-///
-/// It is refined from the median step, or from the mean steps of blocks where these contradict it.
-pub(crate) fn mean_step(stamps: &[f64]) -> f64 {
-    let rows = stamps.len();
-    let firsts: Vec<usize> = (1..rows).filter(|&row| stamps[row] != stamps[row - 1]).collect();
-    let block = BLOCK.min(firsts.len().saturating_sub(1));
-    if block == 0 {
-        return (stamps[rows - 1] - stamps[0]) / (rows - 1) as f64;
-    }
-    let ends = (0..firsts.len() - block).step_by(block).map(|at| [firsts[at], firsts[at + block]]);
-    let of_blocks = median_of(&mut ends.map(|[a, b]| (stamps[b] - stamps[a]) / (b - a) as f64));
-    let median = median_step(stamps);
-    let is_near = is_even(stamps, median) || (of_blocks / median - 1.0).abs() < JITTER;
-    let mut step = if is_near { median } else { of_blocks };
-    // The median distances from the grid in the first and the last part of the record.
-    let part = (rows / 4).clamp(1, 4 * block * rows.div_ceil(firsts.len()));
-    for _ in 0..2 {
-        let Ok(Grid { places, samples, .. }) = grid_of_rows(stamps, step, usize::MAX) else { break };
-        let place = |row: usize| places.as_ref().map_or(row as f64, |places| f64::from(places[row]));
-        let away = |row: usize| stamps[row] - stamps[0] - step * place(row);
-        let [first, last] = [0..part, rows - part..rows].map(|rows| median_of(&mut rows.map(away)));
-        step += (last - first) / (samples - part).max(1) as f64;
-    }
-    step
+    let values = values.collect::<Vec<_>>();
+    if values.is_empty() { f64::NAN } else { low_and_median(&values)[1] }
 }
 
 /// The grid of rows of which each is so many `steps` after the one before.
@@ -351,8 +532,9 @@ fn placed(
             place += steps;
             if place >= most {
                 let message = "most of the record is missing".to_owned();
-                let help = "is a time stamp wrong? correct it, cut the log there, or ignore the stamps with `time = none`: at \
-                            most ten times as many samples may be missing as there are";
+                let help = "is a time stamp wrong, or a date day/month/year, which is read as month/day/year? correct it, cut the \
+                            log there, or ignore the stamps with `time = none`: at most ten times as many samples may be missing \
+                            as there are";
                 let label = "after the longest gap".to_owned();
                 return Err(TimeFault { row, words: [message, label, help.to_owned()] });
             }
@@ -461,6 +643,55 @@ mod tests {
         {
             let mut stamps = other.to_vec();
             assert_eq!(unroll(&mut stamps), None, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn stamps_rounded_to_a_little_less_than_the_step_have_its_rate_and_no_gaps() {
+        for (rate_hz, digits) in [(952.0, 1e3), (833.0, 1e3), (90.0, 1e2), (75.0, 1e2), (99.5, 1e2)] {
+            let stamps: Vec<f64> =
+                (0..20_000).map(|i| libm::round(f64::from(i) / rate_hz * digits) / digits).collect();
+            assert!(are_rounded(&stamps), "{rate_hz} Hz");
+            let found = 1.0 / mean_step(&stamps);
+            assert!((found / rate_hz - 1.0).abs() < 1e-4, "{found} and not {rate_hz} Hz");
+            for step in [1.0 / found, 1.0 / rate_hz] {
+                let samples = grid_of_rows(&stamps, step, 1 << 20).unwrap().samples;
+                assert_eq!(samples, 20_000, "{rate_hz} Hz at {step} s");
+            }
+        }
+    }
+
+    #[test]
+    fn short_records_of_coarse_stamps_have_their_rate_within_a_sample_and_no_gaps() {
+        for (rate_hz, unit_s, phase) in
+            [(100.0, 1.0, 0.0), (200.0, 1.0, 0.0), (50.0, 1.0, 0.0), (1000.0, 0.1, 0.0), (100.0, 1.0, 3.5)]
+        {
+            for count in [600_u32, 1000, 1500, 3000] {
+                let stamps: Vec<f64> = (0..count)
+                    .map(|i| libm::floor((f64::from(i) + 0.5) / rate_hz / unit_s + phase) * unit_s)
+                    .collect();
+                let found = 1.0 / mean_step(&stamps);
+                let bound = 2.0 / f64::from(count);
+                assert!((found / rate_hz - 1.0).abs() < bound, "{found} and not {rate_hz} Hz, {count} rows");
+                let samples = grid_of_rows(&stamps, 1.0 / found, 1 << 20).unwrap().samples;
+                assert_eq!(samples, count as usize, "{rate_hz} Hz");
+            }
+        }
+    }
+
+    #[test]
+    fn losses_at_random_places_are_no_beat() {
+        let mut state = 7_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for lost in [0.001, 0.01, 0.2] {
+            let kept: Vec<f64> = (0..20_000).map(f64::from).filter(|_| uniform() >= lost).collect();
+            let stamps: Vec<f64> = kept.iter().map(|at| 0.01 * at).collect();
+            let samples = grid_of_rows(&stamps, mean_step(&stamps), 1 << 20).unwrap().samples;
+            let right = (kept[kept.len() - 1] - kept[0]) as usize + 1;
+            assert_eq!(samples, right, "{lost} lost");
         }
     }
 

@@ -61,14 +61,13 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, T
     let (mut longest, mut gapless, mut total) = ((0, 0.0), true, 0.0);
     for (before, pair) in stamps.windows(2).enumerate() {
         let step = pair[1] - pair[0];
-        let steps = libm::round(step / median);
-        let is_even = steps >= LONG_GAP || (step / median - steps).abs() <= rules.jitter;
-        if steps < 1.0 || !is_even || steps > 1.0 && !rules.has_gaps {
+        let steps = whole_steps(step, median, rules.jitter).filter(|steps| *steps == 1.0 || rules.has_gaps);
+        let Some(steps) = steps else {
             let (step, median) = (seconds(step), seconds(median));
             let message =
                 format!("the samples are not evenly spaced: a step of {step}, the median is {median}");
             return Err(TimeFault::new(before + 1, message, "not on the grid", rules.uneven));
-        }
+        };
         gapless &= steps == 1.0;
         total += steps;
         if step > longest.1 {
@@ -78,8 +77,8 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, T
     if total + 1.0 > rules.most as f64 || total > SPARSEST * stamps.len() as f64 {
         let (gap, median) = (seconds(longest.1), seconds(median));
         let message = format!("most of the record is missing: a gap of {gap} at steps of {median}");
-        let help = "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be missing \
-                    as there are";
+        let help = "is a time stamp wrong, or a date day/month/year, which is read as month/day/year? correct it, or cut the log \
+                    there: at most ten times as many samples may be missing as there are";
         return Err(TimeFault::new(longest.0, message, "after the longest gap", help));
     }
     let places = (!gapless).then(|| {
@@ -92,6 +91,13 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, T
         std::iter::once(0).chain(after).collect()
     });
     Ok(Grid { step: (last - first) / total, samples: total as usize + 1, places })
+}
+
+/// The whole number of median steps in a `step` between stamps, from which it may deviate by `jitter` of them, unless it is long.
+pub(crate) fn whole_steps(step: f64, median: f64, jitter: f64) -> Option<f64> {
+    let steps = libm::round(step / median);
+    let is_whole = steps >= LONG_GAP || steps >= 1.0 && (step / median - steps).abs() <= jitter;
+    is_whole.then_some(steps)
 }
 
 /// The median of all steps, or of [`MOST_STEPS`] evenly spread over the record. Of two in the middle the shorter one is

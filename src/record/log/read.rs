@@ -180,11 +180,12 @@ impl Log {
         let numbers = samples.split_off(samples.len() - instances.len());
         let rests = rest.and_then(|rest| Some((rest, samples.pop()?)));
         let mut stamps = time.map(|_| samples.remove(0));
-        if let Some(((rest, rests), seconds)) = rests.zip(stamps.as_mut())
-            && let Some(added) = rest.added(seconds, &rests)
-        {
-            notes.push(format!("the rest of each second is taken from {}", file.title(rest.column)));
-            *seconds = added;
+        if let Some((((rest, rests), seconds), time)) = rests.zip(stamps.as_mut()).zip(time) {
+            let times = rest.times(seconds, &rests).ok_or_else(|| rest.refused(&file, time.column));
+            if let Some((times, what)) = faults.take(times) {
+                notes.push(format!("{what} taken from {}", file.title(rest.column)));
+                *seconds = times;
+            }
         }
         let taking_turns = instances
             .iter()

@@ -9,8 +9,9 @@ use crate::record::names::{Name, words};
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
-    Doubled, are_coarse, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of, faults as faults_of,
-    grid_of_rows, is_even, is_step_of_sensor, likely_units, mean_step, step_in_stamps, unroll,
+    Doubled, are_coarse, are_rounded, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of,
+    exact_step, faults as faults_of, grid_of_rows, is_step_of_sensor, likely_units, mean_step,
+    step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -38,7 +39,20 @@ const TIMES: [&str; 16] = [
 const SPANS: [&str; 6] = ["dt", "interval", "period", "duration", "delay", "latency"];
 
 /// Names of columns that number the samples.
-const COUNTERS: [&str; 7] = ["counter", "count", "sample", "index", "seq", "sequence", "n"];
+const COUNTERS: [&str; 12] = [
+    "counter",
+    "count",
+    "sample",
+    "index",
+    "seq",
+    "sequence",
+    "n",
+    "packetcounter",
+    "packet",
+    "framecounter",
+    "frame",
+    "samplecounter",
+];
 
 /// Most rows that repeat the numbers of the row before, for each that has only its time, in a log with a coarse clock.
 const REPEATED_PER_OTHER: usize = 20;
@@ -103,15 +117,35 @@ impl Rest {
         is(&SECONDS, word).then(|| (0..names.len()).find_map(rest)).flatten()
     }
 
-    /// The times with the rests of their seconds, from the first second on, which keeps all digits; `None` where the numbers
-    /// are no rests.
-    pub(crate) fn added(&self, seconds: &[f64], rests: &[f64]) -> Option<Vec<f64>> {
-        let first = *seconds.first()?;
-        let sum = |(second, rest): (&f64, &f64)| (second - first) + rest * self.unit_s;
-        let is_rest = |rest: &f64| rest.is_nan() || (0.0..1.0).contains(&(rest * self.unit_s));
-        let are_rests = seconds.iter().all(|second| second.is_nan() || second.fract() == 0.0)
-            && rests.iter().all(is_rest);
-        are_rests.then(|| seconds.iter().zip(rests).map(sum).collect())
+    /// The times from the first one on, which keeps all digits, and where they are taken from: whole seconds have rests, of which
+    /// single ones may reach beyond a second; else a column of rests that increases has all of the time. `None` where the two do not
+    /// fit each other.
+    pub(crate) fn times(&self, seconds: &[f64], rests: &[f64]) -> Option<(Vec<f64>, &'static str)> {
+        let from_first = |times: &[f64]| {
+            let first = times.iter().copied().find(|time| !time.is_nan()).unwrap_or(0.0);
+            times.iter().map(|time| time - first).collect::<Vec<f64>>()
+        };
+        let are_whole = seconds.iter().all(|second| second.is_nan() || second.fract() == 0.0);
+        let within = rests.iter().filter(|rest| (0.0..1.0).contains(&(**rest * self.unit_s))).count();
+        if are_whole && 2 * within > rests.len() {
+            let sum = |(second, rest): (f64, &f64)| second + rest * self.unit_s;
+            return Some((
+                from_first(seconds).into_iter().zip(rests).map(sum).collect(),
+                "the rest of each second is",
+            ));
+        }
+        let increase =
+            rests.windows(2).all(|pair| pair[1] >= pair[0] || pair[0].is_nan() || pair[1].is_nan());
+        let times = || from_first(rests).iter().map(|rest| rest * self.unit_s).collect();
+        (are_whole && increase).then(|| (times(), "not rests of seconds, but all times are"))
+    }
+
+    /// The fault of columns that do not fit each other.
+    pub(crate) fn refused(&self, file: &Recording, column: usize) -> RecordError {
+        let message =
+            format!("{} has no rests of the seconds in {}", file.title(self.column), file.title(column));
+        let help = "name a column with the whole time, as in `time = COLUMN`, or give `rate = 100Hz` with `time = none`";
+        file.refuse(Some(self.column), &message, "no rest of a second", help)
     }
 }
 
@@ -344,10 +378,15 @@ pub(crate) fn spread(
         duplicates = Some(Duplicates::Keep);
         doubled = doubled_of(&stamps, &samples, duplicates);
     }
+    let are_samples = |found: &Doubled| duplicates.is_none() && found.differing > found.repeated;
+    let mut all = doubled.as_ref().is_some_and(are_samples).then(|| stamps.clone());
     if let Some(Doubled { kept, .. }) = &doubled {
         stamps = kept.iter().map(|&row| stamps[row]).collect();
     }
     let rolled = unroll(&mut stamps);
+    if let Some(all) = &mut all {
+        unroll(all);
+    }
     let name = file.names().get(time.column);
     let may_number = time.unit_s.is_some()
         || has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS) || is_time(&name.bare));
@@ -355,7 +394,7 @@ pub(crate) fn spread(
         if !has_step {
             faults.add(without_times(file));
         }
-        if name.is_some_and(|name| is_time(&name.bare)) {
+        if name.is_some_and(|name| is_time(&name.bare) || is_called(&name.bare, &COUNTERS)) {
             notes.push(format!(
                 "{title} does not increase evenly, so it is not taken for times: `time = COLUMN` takes it"
             ));
@@ -397,10 +436,11 @@ pub(crate) fn spread(
         }
     }
     let unit_s = unit_of_stamps(file, clock, time, &stamps, notes, faults);
-    let is_by_mean = !has_step && duplicates == Some(Duplicates::Keep) && doubled.is_some();
-    let mean = (is_by_mean && stamps.len() > 1).then(|| mean_step(&stamps));
+    let are_kept = duplicates == Some(Duplicates::Keep) && doubled.is_some();
+    let is_by_mean = !has_step && stamps.len() > 1 && (are_kept || are_rounded(&stamps));
+    let mean = is_by_mean.then(|| mean_step(&stamps));
     let jitter = (clock.step_s.is_none() && mean.is_none()).then_some(RULES.jitter);
-    let found = faults_of(&stamps, unit_s.unwrap_or(ANY), jitter);
+    let found = faults_of(&stamps, all.as_ref().unwrap_or(&stamps), unit_s.unwrap_or(ANY), jitter);
     if !found.is_empty() || !faults.is_empty() {
         found.into_iter().for_each(|fault| faults.add(refuse(fault)));
         return None;
@@ -517,10 +557,9 @@ fn tell(title: &str, stamps: &[f64], step: f64, samples: usize, notes: &mut Vec<
     // The first and the last stamp of a coarse clock may have few rows.
     let deviation = (ratio - 1.0).abs() - coarseness(stamps) / (last - first);
     // With a wrong rate, even stamps may also look like those of a log in which samples are missing at every step.
-    let median = median_step(stamps);
-    let is_other_step = is_even(stamps, median) && (median / step - 1.0).abs() > MOST_DEVIATION;
-    if is_other_step || deviation > MOST_DEVIATION {
-        return Err(if is_other_step { median / step } else { ratio });
+    let other = exact_step(stamps).map(|own| own / step).filter(|own| (own - 1.0).abs() > MOST_DEVIATION);
+    if let Some(ratio) = other.or((deviation > MOST_DEVIATION).then_some(ratio)) {
+        return Err(ratio);
     }
     if deviation > 0.01 {
         let percent = significant(100.0 / ratio, 4);
