@@ -4,7 +4,8 @@
     python benches/log_clocks_numpy.py [LOGS]     LOGS of each kind (25)
 
 Each log has white noise with N = 0.3 °/√h in 20,000 samples at about 100 Hz. Its clock is uniform, or stamps jitter by 0.3 steps, come in bursts of
-1 to 9 rows, are up to 5 steps late, have the time of the row before, are whole half seconds, drift by 2 %, or 1 % of the samples is lost. A log that
+1 to 9 rows, are up to 5 steps late, have the time of the row before, are whole half seconds, drift by 2 %, or 1 % of the samples is lost; or they
+jitter by a normal 0.8 steps, bursts of random length share the stamp of their last row, or the unit of the stamps is 0.95 steps. A log that
 is refused is read again with the options that the message proposes. A line of the table has the largest relative error of the rate, the
 largest number of samples that are too many or too few, and in how many logs the interval of N holds the true value.
 
@@ -35,6 +36,11 @@ def bursts(rng, t, step):
     return t
 
 
+def shared(rng, t):
+    last = np.append(np.flatnonzero(rng.random(COUNT - 1) < 0.2), COUNT - 1)
+    return t[last[np.searchsorted(last, PLACE)]]
+
+
 # The stamps of samples that were taken at the times t.
 CLOCKS = {
     "uniform": lambda rng, t, step: t,
@@ -44,6 +50,9 @@ CLOCKS = {
     "doubled": lambda rng, t, step: t - step * ((PLACE % 2 == 1) & (rng.random(COUNT) < 0.2)),
     "coarse": lambda rng, t, step: np.floor(2 * t) / 2,
     "drifting": lambda rng, t, step: t + 0.01 * step * (PLACE * PLACE / COUNT - PLACE),
+    "jitter 0.8": lambda rng, t, step: np.maximum.accumulate(t + 0.8 * step * rng.standard_normal(COUNT)),
+    "shared": lambda rng, t, step: shared(rng, t),
+    "rounded": lambda rng, t, step: np.round(t / (0.95 * step)) * 0.95 * step,
     "lost": lambda rng, t, step: t,
 }
 

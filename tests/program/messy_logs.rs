@@ -331,6 +331,72 @@ fn bursts_are_refused_with_the_mean_rate_and_leave_no_gaps_with_it() {
 }
 
 #[test]
+fn rounded_and_coarse_clocks_show_the_rate_of_their_samples_and_no_gaps() {
+    type Stamp = fn(usize) -> String;
+    let clocks: [(&str, usize, f64, Stamp); 4] = [
+        ("ms beside 952 Hz", 5000, 952.0, |i| format!("{:.3}", i as f64 / 952.0)),
+        ("10 ms beside 99.5 Hz", 5000, 99.5, |i| format!("{:.2}", i as f64 / 99.5)),
+        ("whole seconds of 100 Hz", 1500, 100.0, |i| format!("{}", i / 100)),
+        ("whole seconds of 200 Hz", 1000, 200.0, |i| format!("{}", i / 200)),
+    ];
+    for (clock, count, rate_hz, stamp) in clocks {
+        let text = noise(count)
+            .enumerate()
+            .fold("time [s],gz [deg/s]\n".to_owned(), |text, (i, y)| text + &format!("{},{y}\n", stamp(i)));
+        let desk = desk_with("log.csv", text);
+        for words in [String::new(), format!(" --rate {rate_hz}Hz")] {
+            let (missing, samples, step_s) = missing(&desk, &format!("log.csv --data rate{words}"));
+            assert_eq!((missing, samples), (0, count as u64), "{clock}{words}");
+            assert!((step_s * rate_hz - 1.0).abs() < 5e-4, "{clock}{words}: {} Hz", 1.0 / step_s);
+        }
+    }
+}
+
+#[test]
+fn counters_of_any_size_show_what_is_missing() {
+    let lost = [200, 201, 600, 900, 1200, 1300];
+    for (name, limit) in [("count", 256), ("PacketCounter", 65_536)] {
+        let rows = noise(1506).enumerate().filter(|(i, _)| !lost.contains(i));
+        let text = rows.fold(format!("{name},gz [dps]\n"), |text, (i, y)| {
+            text + &format!("{},{y}\n", (i + 65_000) % limit)
+        });
+        let desk = desk_with("log.csv", text);
+        assert_eq!(missing(&desk, "log.csv --data rate --column gz --rate 100Hz"), (6, 1506, 0.01), "{name}");
+    }
+}
+
+#[test]
+fn an_empty_time_is_missing_in_its_row_only() {
+    let text = noise(600).enumerate().fold("time,gz [deg/s]\n".to_owned(), |text, (i, y)| match i {
+        30 => text + &format!(",{y}\n"),
+        _ => text + &format!("2024-01-05 10:00:{:02}.{:02},{y}\n", i / 100, i % 100),
+    });
+    desk_with("log.csv", text).fails("allan log.csv --data rate", 3, &["the time is missing", "log.csv:32"]);
+}
+
+#[test]
+fn rests_of_seconds_are_added_or_refused_but_not_dropped() {
+    let log = |row: &dyn Fn(usize) -> String| {
+        noise(600)
+            .enumerate()
+            .fold("sec,ms,gz [dps]\n".to_owned(), |text, (i, y)| text + &format!("{},{y}\n", row(i)))
+    };
+    let carried =
+        |i: usize| if i == 300 { "2,1000".to_owned() } else { format!("{},{}", i / 100, 10 * (i % 100)) };
+    let whole = |i: usize| format!("{},{}", i / 100, 10 * i);
+    for (name, row) in [("carried", &carried as &dyn Fn(usize) -> String), ("whole", &whole)] {
+        let desk = desk_with("log.csv", log(row));
+        assert_eq!(missing(&desk, "log.csv --data rate --column gz").1, 600, "{name}");
+    }
+    let falling = |i: usize| format!("{},{}", i / 100, 90_000 - 10 * i);
+    desk_with("log.csv", log(&falling)).fails(
+        "allan log.csv --data rate --column gz",
+        3,
+        &["no rests of the seconds"],
+    );
+}
+
+#[test]
 fn increments_over_a_part_of_each_step_are_those_of_the_whole_step() {
     let text = noise(600)
         .enumerate()
