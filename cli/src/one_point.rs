@@ -1,16 +1,18 @@
 //! Output for a study of one point: its fillers side by side, and the best one for each error.
 
 use sagnac::quantity::number::significant;
-use sagnac::table::{Cell, Column, Role, Table};
+use sagnac::table::{Cell, Column, Role, Table, Usual};
 
 use crate::terminal::{aligned, distinct, number};
 
 /// A line for each filler with the estimates of a summary for each error; then the filler with the least value of the
-/// last estimate, the 99.73 % level, and the distance of the next one.
+/// answer, a 99.73 % level, and the distance of the next one.
 pub fn one_point(table: &Table) -> String {
     let keys: Vec<&Column> = table.columns.iter().filter(|column| column.role == Role::Key).collect();
     let estimates: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
-    let ([fillers, errors], Some(level)) = (&keys[..], estimates.last()) else { return String::new() };
+    let ([fillers, errors], Some(level)) = (&keys[..], table.usual(Usual::Answer)) else {
+        return String::new();
+    };
     // The word that all labels share is omitted.
     let name = |column: &Column| column.label.trim_end_matches(" error").to_owned();
     let different = |column: &Column| -> Vec<String> {
@@ -27,7 +29,8 @@ pub fn one_point(table: &Table) -> String {
     for (kind, column) in kinds.iter().flat_map(|kind| estimates.iter().map(move |column| (kind, column))) {
         let values: Vec<Option<f64>> =
             names.iter().map(|name| column.cells[row_of(name, kind)?].number()).collect();
-        if column.role != Role::Error && values.iter().all(Option::is_none) {
+        // What is sampled has a band, and is shown even where it is blank.
+        if column.band.is_none() && values.iter().all(Option::is_none) {
             continue;
         }
         lines[0].push(format!("{kind} {}, {}", name(column), column.unit.symbol));
@@ -49,14 +52,15 @@ pub fn one_point(table: &Table) -> String {
 struct Level<'n> {
     name: &'n str,
     value: f64,
-    /// Its 95 % interval, if there are enough trials to bound it.
+    /// Its 95 % interval, if there are enough trials to bound it; that of a closed form has no width.
     band: Option<(f64, f64)>,
 }
 
 impl<'n> Level<'n> {
     fn of(name: &'n str, column: &Column, row: usize) -> Option<Level<'n>> {
-        let band = column.band.as_ref().and_then(|band| band.get(row).copied().flatten());
-        Some(Level { name, value: column.cells[row].number()?, band })
+        let value = column.cells[row].number()?;
+        let band = column.band.as_ref().map_or(Some((value, value)), |band| band.get(row).copied().flatten());
+        Some(Level { name, value, band })
     }
 }
 

@@ -22,6 +22,8 @@ pub(crate) struct Ground {
     pub(crate) legend: [&'static str; 2],
     /// Whether its axes are linear by default.
     pub(crate) is_linear: bool,
+    /// Whether a specification is what is judged: the default estimates alone, in closed form, whatever charts show.
+    pub(crate) is_specified: bool,
     /// Why this study has no such table, and how to get one.
     pub(crate) absent: Option<(&'static str, &'static str)>,
 }
@@ -54,7 +56,19 @@ impl Ground {
         let texts = keys.zip(texts).map(|(key, text)| Text { name: key.name, listed_by: key.of, ..text });
         let texts = texts.collect();
         let legend = ["Monte Carlo", "95 % band"];
-        Ground { source, columns, texts, laws: &[], limits, legend, is_linear: false, absent: None }
+        let [is_linear, is_specified] = [false; 2];
+        Ground { source, columns, texts, laws: &[], limits, legend, is_linear, is_specified, absent: None }
+    }
+
+    /// Whether the estimate of this name is judged where a chart shows it.
+    pub(crate) fn judges(&self, name: &str) -> bool {
+        let is_usual = |column: &About| column.usual.is_some() && column.is_called(name);
+        !self.is_specified || self.columns.iter().any(is_usual)
+    }
+
+    /// Names of the points and the bands of a chart of the estimate of this name.
+    pub(crate) fn legend_of(&self, name: &str) -> [&'static str; 2] {
+        if self.is_specified && self.judges(name) { ["closed form", ""] } else { self.legend }
     }
 
     /// The names of the text columns.

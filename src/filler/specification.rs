@@ -40,7 +40,7 @@ keys! {
 }
 
 /// A specified motion, the sum of independent parts.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Specification {
     /// Its lines and bands.
     pub parts: Vec<Part>,

@@ -104,7 +104,7 @@ impl Study {
             let texts = ground.map(Ground::text_names).unwrap_or_default();
             let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
             chart.apart = apart.map(str::to_owned).collect();
-            let [points, bands] = ground.map_or([""; 2], |ground| ground.legend);
+            let [points, bands] = ground.map_or([""; 2], |ground| ground.legend_of(&chart.estimate().name));
             (chart.points, chart.bands) = (points.to_owned(), bands.to_owned());
         }
         Ok(Study {

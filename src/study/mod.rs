@@ -83,6 +83,11 @@ impl Study {
         self.subject.grounds().into_iter().find(|ground| ground.source == source)
     }
 
+    /// Whether a chart shows what the study may be judged by.
+    pub(crate) fn is_judged_by(&self, chart: &Chart) -> bool {
+        self.ground(chart.source).is_none_or(|ground| ground.judges(&chart.estimate().name))
+    }
+
     /// The text columns of one of its tables, which distinguish rows in addition to the swept keys.
     pub fn text_columns(&self, source: Source) -> Vec<&'static str> {
         self.ground(source).map(|ground| ground.text_names()).unwrap_or_default()

@@ -20,7 +20,7 @@ pub enum Role {
     Estimate,
     /// An estimate that is a fraction of records, from 0 to 1, of which it matters where it passes one half.
     Fraction,
-    /// An estimate for which less is better: an error, a drift, a deviation.
+    /// An estimate for which less is better: an error, a drift, a deviation. May refer to the column of its rms.
     Error,
     /// The minimum of an error. Refers to the column that locates it.
     Least,

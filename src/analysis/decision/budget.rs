@@ -50,12 +50,14 @@ pub(crate) fn budget(
     Ok(parts)
 }
 
-/// The column whose square adds up over independent parts: the first error in the unit of the judged one that has a
-/// closed form, such as the rms; where there is none, the judged column.
+/// The column whose square adds up over independent parts: the error to which the judged one refers, else the first error in
+/// its unit that has a closed form, such as the rms; where there is none, the judged column.
 pub(crate) fn mean_square<'t>(table: &'t Table, judged: &'t Column) -> &'t Column {
+    let referred =
+        table.referred(judged).filter(|column| judged.role == Role::Error && column.role == Role::Error);
     let fits = |column: &&Column| {
         let is_alike = column.role == Role::Error && column.unit == judged.unit;
         is_alike && table.beside(column, Role::Oracle).is_some()
     };
-    table.columns.iter().find(fits).unwrap_or(judged)
+    referred.or_else(|| table.columns.iter().find(fits)).unwrap_or(judged)
 }

@@ -233,7 +233,7 @@ fn judged<'t>(study: &Study, tables: &'t Tables) -> Result<Option<Judged<'t>>, C
     let is_own = |chart: &&Chart| {
         let has_x =
             !chart.x.span.is_empty() || study.sweeps.iter().any(|sweep| sweep.key.name == chart.x.name);
-        has_x && chart.source != Source::Trajectories
+        has_x && chart.source != Source::Trajectories && study.is_judged_by(chart)
     };
     let judges = |chart: &&Chart| {
         let column = tables.of(chart.source).column(&chart.estimate().name);

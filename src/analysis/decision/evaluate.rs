@@ -126,7 +126,7 @@ impl Evaluator<'_> {
         let plan = Plan::new(&study)?;
         // Closed forms need no trials, but a kind may compute them only beside a store.
         let blank = plan.tables(&Store::in_memory(&plan.identity()), &Silent)?.points;
-        let exact = columns.map(|column| closed(&study, &blank, points, row, column));
+        let exact = columns.map(|column| closed(&blank, points, row, column));
         if exact.iter().all(Option::is_some) {
             return Ok(Some(exact.map(Option::unwrap_or_default)));
         }
@@ -174,11 +174,11 @@ impl Evaluator<'_> {
     }
 }
 
-/// The closed form of a column in the row of every point.
-fn closed(study: &Study, table: &Table, points: usize, row: usize, column: &str) -> Option<Vec<Value>> {
+/// The closed form of a column in the row of every point, from a table without trials: the column itself, or one beside it.
+fn closed(table: &Table, points: usize, row: usize, column: &str) -> Option<Vec<Value>> {
     let column = table.column(column).ok()?;
-    let column = if study.kind().is_exact { column } else { table.beside(column, Role::Oracle)? };
-    let values = of_rows(table, points, row, column)?;
+    let all = [Some(column), table.beside(column, Role::Oracle)];
+    let values = all.into_iter().flatten().find_map(|column| of_rows(table, points, row, column))?;
     Some(values.into_iter().map(|value| Value { value, parts: vec![] }).collect())
 }
 

@@ -43,7 +43,8 @@ impl Row<'_> {
 pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     let specified = is_specified.then(of_specification).into_iter().flatten();
-    let columns = vec![
+    let labelled = |label, of_motion| if is_specified { of_motion } else { label };
+    let mut columns = vec![
         Of::new("dt_nu", Unit::NONE, "Δt·ν", |row| row.proven.point.inputs.dt_nu().into())
             .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
                 one tone of fixed frequency, else blank.")
@@ -59,18 +60,18 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
                 correction; `in-gap`, the largest error while the gap is open."),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "Number of trials behind the estimates of the row."),
-        Of::new("mean", Unit::ARCSEC, "mean error", |row| row.found.cell(|found| found.mean))
+        Of::new("mean", Unit::ARCSEC, labelled("mean error", "mean error on [motion]"), |row| row.found.cell(|found| found.mean))
             .is(Role::Estimate, "Mean error, ″, with its sign."),
-        Of::new("rms", Unit::ARCSEC, "rms error", |row| row.found.cell(|found| found.rms))
+        Of::new("rms", Unit::ARCSEC, labelled("rms error", "rms error on [motion]"), |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square error, ″, motion and noise together.")
             .brief()
             .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),
-        Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
+        Of::new("max", Unit::ARCSEC, labelled("largest error seen", "largest error seen on [motion]"), |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error among the trials, ″; the noise reaches 6.3 standard deviations."),
-        Of::new("q9973", Unit::ARCSEC, "99.73 % error", |row| row.found.level(|q| Some(q.value)).into())
+        Of::new("q9973", Unit::ARCSEC, labelled("99.73 % error", "99.73 % error on [motion]"), |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, which 99.73 % of errors stay below in magnitude; for a Gaussian it is 3 σ.")
             .brief()
             .usual(Usual::Answer)
@@ -88,6 +89,10 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
             .is_of("rms", Role::Representation, found::REPRESENTATION),
     ];
+    if is_specified {
+        // What is sampled is [motion] alone, which is not what fillers are judged on.
+        columns.iter_mut().for_each(|column| column.about.usual = None);
+    }
     specified.chain(columns).collect()
 }
 
@@ -99,19 +104,22 @@ fn of_specification<'a>() -> [ColumnOf<Row<'a>>; 3] {
         Of::new("latency", Unit::S, "latency", |row| row.estimate.specified.map(|own| own.latency_s).into())
             .is(Role::Coordinate, "Time from the end of the gap to the correction, s; of the error `residual`.")
             .brief(),
-        Of::new("specified_rms", Unit::ARCSEC, "rms as specified", |row| row.estimate.specified.map(|own| own.worst.rms).into())
-            .is(Role::Estimate, "The largest root mean square residual on the motion of `[specification]` with all its frequencies within their \
+        Of::new("specified_rms", Unit::ARCSEC, "rms error as specified", |row| row.estimate.specified.map(|own| own.worst.rms).into())
+            .is(Role::Error, "The largest root mean square residual on the motion of `[specification]` with all its frequencies within their \
                 tolerances, with noise, ″, in closed form.")
-            .brief(),
-        Of::new("specified_q9973", Unit::ARCSEC, "99.73 % as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
-            .is(Role::Estimate, "The level, ″, which 99.73 % of these residuals stay below in magnitude; of several lines the one with the largest \
+            .brief()
+            .usual(Usual::Estimate),
+        Of::new("specified_q9973", Unit::ARCSEC, "99.73 % error as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
+            .is_of("specified_rms", Role::Error, "The level, ″, which 99.73 % of these residuals stay below in magnitude; of several lines the one with the largest \
                 residual counts as a sine, and all else as normally distributed.")
-            .brief(),
+            .brief()
+            .usual(Usual::Answer),
     ]
 }
 
 /// All possible columns of such a study except the swept keys.
 pub(crate) fn described() -> Vec<About> {
     let laws = LAWS.iter().map(|law| law.about());
-    abouts(&columns(true)).into_iter().chain(laws).collect()
+    let all = of_specification().into_iter().chain(columns(false)).collect::<Vec<_>>();
+    abouts(&all).into_iter().chain(laws).collect()
 }

@@ -54,9 +54,10 @@ impl Subject for GapFill {
     fn grounds(&self) -> Vec<Ground> {
         let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
         let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name()).when(Error::when);
-        let columns = abouts(&columns::columns(self.inputs.specification.is_some()));
+        let columns = abouts(&columns::columns(self.is_specified()));
         vec![Ground {
             laws: columns::LAWS,
+            is_specified: self.is_specified(),
             ..Ground::of(Source::Points, columns, [fillers, errors], &[Dimension::Angle])
         }]
     }

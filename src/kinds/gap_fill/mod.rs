@@ -51,6 +51,13 @@ pub struct GapFill {
     pub points: Vec<Point>,
 }
 
+impl GapFill {
+    /// Whether the fillers are judged on a specification, which has a residual only.
+    pub(crate) fn is_specified(&self) -> bool {
+        self.inputs.specification.is_some() && self.errors.contains(&Error::Residual)
+    }
+}
+
 /// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
     [

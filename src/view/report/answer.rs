@@ -74,19 +74,22 @@ impl Answer {
             Resolved::of(study, chart, shown, drawn).map_err(|error| refuse(chart, error))
         });
         let charts = charts.collect::<Result<Vec<_>, _>>()?;
-        let judged = charts.iter().find(|resolved| resolved.chart.limit.is_some() && resolved.has_curves());
+        let asked = || charts.iter().filter(|resolved| study.is_judged_by(resolved.chart));
+        let is_judged = |resolved: &&Resolved| resolved.chart.limit.is_some() && resolved.has_curves();
+        let judged = asked().find(is_judged);
         // Where records show a coefficient is what a study of records asks first.
         let shows = |resolved: &&Resolved| resolved.estimate.role == Role::Fraction && resolved.has_curves();
-        let first = charts.iter().find(shows).or(charts.first());
-        let headline = match (verdicts.first().zip(judged), first) {
+        let first = asked().find(shows).or_else(|| asked().next());
+        let verdict_of =
+            |resolved: &Resolved| verdicts.iter().find(|verdict| verdict.is_of(&resolved.drawn.stem));
+        let headline = match (judged.and_then(|judged| verdict_of(judged).zip(Some(judged))), first) {
             (Some((first, resolved)), _) => {
                 let told = resolved.judged(first).map_err(|error| refuse(resolved.chart, error))?;
                 // Charts of the same curves under other conditions answer the same question.
-                let judged = charts.iter().filter(|other| other.chart.limit.is_some() && other.has_curves());
-                let further = judged.filter(|other| resolved.is_continued_by(other)).filter_map(|other| {
-                    let verdict = verdicts.iter().find(|verdict| verdict.is_of(&other.drawn.stem))?;
-                    of_verdict(&verdict.answers, verdict.limit)
-                });
+                let judged = asked().filter(is_judged).filter(|other| resolved.is_continued_by(other));
+                let further = judged
+                    .filter_map(|other| verdict_of(other))
+                    .filter_map(|verdict| of_verdict(&verdict.answers, verdict.limit));
                 let further: Vec<String> = further.collect();
                 let told = told.map(|told| [&[told], &further[..]].concat().join(" "));
                 if further.is_empty() { resolved.with_conditions(told) } else { told }

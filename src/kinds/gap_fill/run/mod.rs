@@ -124,10 +124,9 @@ impl Plan<'_> {
         };
         let found = held.map_or(Ok(vec![]), |held| held.totals(found))?;
         rows.iter_mut().zip(&found).for_each(|(row, found)| row.found = found);
-        let mut table =
-            table(&self.study.sweeps, &columns(self.subject.inputs.specification.is_some()), &rows, |row| {
-                &row.proven.point.swept
-            });
+        let mut table = table(&self.study.sweeps, &columns(self.subject.is_specified()), &rows, |row| {
+            &row.proven.point.swept
+        });
         let of_law = |law: Law| law.about().with(rows.iter().map(|row| row.law(law).into()).collect());
         table.columns.extend(self.study.laws().into_iter().map(of_law));
         Ok(table)
