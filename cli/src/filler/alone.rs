@@ -48,7 +48,7 @@ pub struct Given {
     noise: Option<String>,
     /// Search the fit ticks of minimum-variance: the first after the gap, and then the fewest, with which 99.73 % of
     /// residuals are at most this angle, also if the frequencies are 5 % lower or higher; of a study for its motion, which may
-    /// be recorded
+    /// be recorded, and by default its own limit
     #[arg(long, value_name = "ANGLE", conflicts_with = "fit_ticks")]
     limit: Option<String>,
     /// Search the fit ticks of minimum-variance among those that come at most this time after the gap, such as "20 ms"; also

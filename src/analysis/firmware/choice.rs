@@ -1,6 +1,6 @@
 //! The choice of a point of a study, and of its fillers.
 
-use crate::analysis::firmware::design::{Firmware, rules};
+use crate::analysis::firmware::design::{Firmware, limit, rules};
 use crate::analysis::firmware::search::{Asked, Trade};
 use crate::filler::Filler;
 use crate::key::setting::Swept;
@@ -201,7 +201,8 @@ impl Firmware {
     }
 
     /// The study with a single filler of least variance, whose ticks are searched for the motion and noise at the point that
-    /// [`choose_point`] finds, also where the motion is a recorded profile; with its firmware and the search.
+    /// [`choose_point`] finds, also where the motion is a recorded profile; with its firmware and the search. The limit of the
+    /// study holds where none is asked for.
     ///
     /// # Errors
     /// The study has no fillers or not the given values, the weights differ between points that match, or no ticks determine
@@ -209,6 +210,7 @@ impl Firmware {
     pub fn searched(study: &Study, at: &[String], asked: Asked) -> Result<(Study, Firmware), ChoiceError> {
         let gap_fill = of_gaps(study)?;
         let point = choose_point(study, gap_fill, at, &gap_fill.fillers)?;
+        let asked = Asked { limit_arcsec: asked.limit_arcsec.or(limit(study)), ..asked };
         let trade = Trade::new(&point.inputs, asked, None).ok_or_else(|| {
             let message =
                 "no ticks determine a filler: the noise is too small beside the motion to choose weights by";

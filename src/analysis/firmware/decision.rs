@@ -19,9 +19,20 @@ impl Firmware {
         let mut known: Vec<(&Design, f64)> = self.designs.iter().filter_map(known).collect();
         known.sort_by(|a, b| a.1.total_cmp(&b.1));
         let &(best, rms) = known.first()?;
-        let margin = match known.get(1) {
-            Some((_, next)) => format!("The next filler is {} above the best.", percent(next / rms - 1.0)),
-            None => "Without a limit there is none.".to_owned(),
+        let level = best.judged.map(|judged| judged.worst().level);
+        let (met, requirement, margin) = match (self.limit_arcsec, level) {
+            (Some(limit), Some(level)) => held(level, limit),
+            (Some(limit), None) => {
+                let requirement = format!(
+                    "Not decided here: {} limits the 99.73 % residual, which `sagnac run` samples; the rms residual is {}.",
+                    arcsec(limit),
+                    arcsec(rms)
+                );
+                (None, requirement, "It is unknown without that residual.".to_owned())
+            }
+            (None, _) => {
+                (None, format!("None is given; the rms residual is {}.", arcsec(rms)), above(rms, &known))
+            }
         };
         let option = match known.get(1) {
             Some((next, value)) => {
@@ -36,31 +47,26 @@ impl Firmware {
             None => format!("{}; there is only one filler with a known error.", best.name),
         };
         let sentences = [
-            format!("None is given; the rms residual is {}.", arcsec(rms)),
+            requirement,
             option,
             margin,
             limits(rms, best.noise_rms),
             "Not searched; --limit or --latency searches the ticks of a minimum-variance filler.".to_owned(),
         ];
-        Some(Lines { met: None, sentences })
+        Some(Lines { met, sentences })
     }
 }
 
 impl Trade {
     fn decision(&self) -> Lines {
         let chosen = self.chosen;
-        let level = arcsec(chosen.level);
-        let requirement = match (self.asked.limit_arcsec.map(arcsec), self.meets()) {
-            (Some(limit), Some(true)) => {
-                format!("Met: 99.73 % of residuals are below {level}, within {limit}.")
+        let (met, requirement, margin) = match self.asked.limit_arcsec {
+            Some(limit) => held(chosen.level, limit),
+            None => {
+                let requirement =
+                    format!("None is given; 99.73 % of residuals are below {}.", arcsec(chosen.level));
+                (None, requirement, "Without a limit there is none.".to_owned())
             }
-            (Some(limit), _) => format!("Not met: 99.73 % of residuals are below {level}, above {limit}."),
-            (None, _) => format!("None is given; 99.73 % of residuals are below {level}."),
-        };
-        let margin = match self.asked.limit_arcsec.map(|limit| chosen.level / limit) {
-            None => "Without a limit there is none.".to_owned(),
-            Some(part) if part <= 1.0 => format!("{} of the limit is left.", percent(1.0 - part)),
-            Some(part) => format!("The level is {} times the limit.", significant(part, 3)),
         };
         let sentences = [
             requirement,
@@ -69,7 +75,7 @@ impl Trade {
             limits(chosen.rms, chosen.noise_rms),
             self.lever(),
         ];
-        Lines { met: self.meets(), sentences }
+        Lines { met, sentences }
     }
 
     /// What other ticks would gain.
@@ -86,6 +92,27 @@ impl Trade {
     fn told(&self, one: Candidate) -> String {
         let latency_ms = significant(1e3 * self.latency_s(one), 4);
         format!("{} ticks before the gap and {} after it ({latency_ms} ms)", one.before, one.after)
+    }
+}
+
+/// Whether a 99.73 % residual is within a limit, ″, as a sentence too, with the margin.
+fn held(level: f64, limit: f64) -> (Option<bool>, String, String) {
+    let is_met = level <= limit;
+    let (begin, side) = if is_met { ("Met", "within") } else { ("Not met", "above") };
+    let requirement =
+        format!("{begin}: 99.73 % of residuals are below {}, {side} {}.", arcsec(level), arcsec(limit));
+    let margin = match level / limit {
+        part if is_met => format!("{} of the limit is left.", percent(1.0 - part)),
+        part => format!("The level is {} times the limit.", significant(part, 3)),
+    };
+    (Some(is_met), requirement, margin)
+}
+
+/// How far the next filler is above the best.
+fn above(best: f64, known: &[(&Design, f64)]) -> String {
+    match known.get(1) {
+        Some((_, next)) => format!("The next filler is {} above the best.", percent(next / best - 1.0)),
+        None => "Without a limit there is none.".to_owned(),
     }
 }
 

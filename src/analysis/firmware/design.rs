@@ -39,6 +39,8 @@ pub struct Firmware {
     pub unsampled: Option<String>,
     /// Seed of the study, from which that of the test vectors is derived.
     pub seed: u64,
+    /// The limit of the study on the 99.73 % residual, ″.
+    pub limit_arcsec: Option<f64>,
     /// The search that found the ticks; absent where they are given.
     pub trade: Option<Trade>,
 }
@@ -134,6 +136,7 @@ impl Firmware {
             designs,
             unsampled: lowered.err().map(|refusal| refusal.to_string()),
             seed: study.seed,
+            limit_arcsec: limit(study),
             trade: None,
         })
     }
@@ -144,6 +147,11 @@ impl Firmware {
         let each = each.filter_map(|(key, value)| Some(format!("{key} = {}", shown(&value.quantity()?))));
         each.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// The limit of a study of gaps, which is one on the 99.73 % residual, ″.
+pub(crate) fn limit(study: &Study) -> Option<f64> {
+    study.requirement.map(|required| required.limit.value)
 }
 
 impl Design {

@@ -129,6 +129,36 @@ fn a_run_decides_by_the_specification_whatever_is_sampled_and_drawn() {
 }
 
 #[test]
+fn the_limit_of_a_study_is_that_of_its_fillers_unless_another_one_is_asked_for() {
+    let [line, band] = NOMINAL;
+    let fillers = r#"{ kind = "minimum-variance", name = "mv", fit_ticks = ["-18..0"] }"#;
+    let text = study(line, band, fillers).replace("gap_ticks = 3", "gap_ticks = 2");
+    let desk = Desk::with(&format!("limit = \"4 arcsec\"\n{text}"));
+    for (options, requirement, limit) in [
+        ("", "Not met: 99.73 % of residuals are below 4.496 arcsec, above 4 arcsec.", None),
+        ("--latency 4ms", "Met: 99.73 % of residuals are below 3.9", Some(4.0)),
+        ("--limit 5arcsec", "Met: 99.73 % of residuals are below 4.", Some(5.0)),
+    ] {
+        let found = tables(&desk, &format!("study.toml {options}"));
+        let told = found["decision"]["sentences"][0][1].as_str().unwrap();
+        assert!(told.starts_with(requirement), "{options}: {told}");
+        assert_eq!(found["search"]["limit_arcsec"].as_f64(), limit, "{options}");
+    }
+    let (before, rest) = text.split_once("[specification]").unwrap();
+    let own =
+        format!("limit = \"4 arcsec\"\n{before}[switching]{}", rest.split_once("[switching]").unwrap().1);
+    let found =
+        tables(&Desk::with(&own.replace("\"mv\"", "\"mv\", band = [\"30 Hz\", \"80 Hz\"]")), "study.toml");
+    let told = found["decision"]["sentences"][0][1].as_str().unwrap();
+    assert!(
+        told.starts_with(
+            "Not decided here: 4 arcsec limits the 99.73 % residual, which `sagnac run` samples"
+        ),
+        "{told}"
+    );
+}
+
+#[test]
 fn without_a_specification_a_table_has_no_columns_of_it() {
     let text = study(NOMINAL[0], NOMINAL[1], DESIGNED);
     let (before, rest) = text.split_once("[specification]").unwrap();
