@@ -127,7 +127,8 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
             &closed.rms.map_or_else(String::new, |rms| format!(", rms with noise {} arcsec", number(rms)));
         text += "\n";
     } else if let Some(rms) = closed.rms.filter(|rms| *rms > 0.0) {
-        text += &format!("    rms with noise {} arcsec\n", number(rms));
+        let of = if firmware.shift.is_none() { " on the specification as given" } else { "" };
+        text += &format!("    rms with noise{of} {} arcsec\n", number(rms));
     }
     text
 }

@@ -15,10 +15,9 @@ impl Firmware {
     }
 
     fn of_designs(&self) -> Option<Lines> {
-        let known = |design| Some((design, Design::robust_rms(design)?));
-        let mut known: Vec<(&Design, f64)> = self.designs.iter().filter_map(known).collect();
-        known.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let &(best, rms) = known.first()?;
+        let known = self.ranked();
+        let &(best, size) = known.first()?;
+        let rms = best.robust_rms()?;
         let level = best.judged.map(|judged| judged.worst().level);
         let (met, requirement, margin) = match (self.limit_arcsec, level) {
             (Some(limit), Some(level)) => held(level, limit),
@@ -31,7 +30,11 @@ impl Firmware {
                 (None, requirement, "It is unknown without that residual.".to_owned())
             }
             (None, _) => {
-                (None, format!("None is given; the rms residual is {}.", arcsec(rms)), above(rms, &known))
+                let told = match self.shift {
+                    None => format!("None is given; 99.73 % of residuals are below {}.", arcsec(size)),
+                    Some(_) => format!("None is given; the rms residual is {}.", arcsec(size)),
+                };
+                (None, told, above(size, &known))
             }
         };
         let option = match known.get(1) {

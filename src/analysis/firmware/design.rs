@@ -3,12 +3,13 @@
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Rule, Trade};
 use crate::filler::keys::Error;
+use crate::filler::specification::Part;
 use crate::filler::ticks::latency_ticks;
 use crate::filler::{Fill, Filler, Method, Target};
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{Judged, of_noise, shift};
+use crate::kinds::gap_fill::judged::{Judge, Judged, of_noise, shift};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
@@ -17,6 +18,8 @@ use crate::quantity::number::significant;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::theory::gap::{Weights, sine_response, tick_amplitude};
+use crate::theory::minimum_variance::Band;
+use crate::theory::rows::sides;
 
 /// The fillers of one point of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,8 +32,10 @@ pub struct Firmware {
     pub tick_s: Option<f64>,
     /// Number of lost ticks n.
     pub gap_ticks: u32,
-    /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone.
+    /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone, and there is no specification.
     pub tone: Option<(f64, f64)>,
+    /// The motion that charts of the response mark: the single tone, or the parts of a specification.
+    pub marks: Vec<Mark>,
     /// Relative change of all frequencies on which fillers are judged; `None` where a specification has tolerances.
     pub shift: Option<f64>,
     /// Fillers, in the order of the study or as requested.
@@ -43,6 +48,15 @@ pub struct Firmware {
     pub limit_arcsec: Option<f64>,
     /// The search that found the ticks; absent where they are given.
     pub trade: Option<Trade>,
+}
+
+/// A line or a band of the motion in the chart of the response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// What it is, such as `the motion`.
+    pub name: &'static str,
+    /// Nominal lowest and highest frequency, Hz; equal for a line.
+    pub ends_hz: [f64; 2],
 }
 
 /// A filler.
@@ -92,21 +106,27 @@ impl Firmware {
         let fills = fillers.iter().filter_map(|filler| fill_of(study, point, filler).cloned()).collect();
         let point = Point { fills, ..point.clone() };
         let inputs = &point.inputs;
-        let tone = inputs.motion.single_tone();
-        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
+        // With a specification the motion that is sampled says nothing of the fillers.
+        let is_sampled = inputs.specification.is_none();
+        let tone = inputs.motion.single_tone().filter(|_| is_sampled);
+        let lowered =
+            is_sampled.then(|| Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams)).transpose();
         let mut designs = Vec::new();
         for (place, (filler, (interpolation, extrapolation))) in fillers.iter().zip(rules).enumerate() {
             let amplitude = |rule: &Rule| {
                 let (rate, frequency_hz) = tone?;
                 Some(rate * response(&rule.whole(), inputs.gap_ticks, inputs.tick_s, frequency_hz))
             };
-            let rms = |error: Error| {
-                let estimates = lowered.as_ref().ok()?.fillers.get(place)?;
-                estimates.iter().find(|estimate| estimate.error == error)?.oracle.rms
+            let both = [Some(&interpolation), extrapolation.as_ref()];
+            let rms = |i: usize| match lowered.as_ref().ok()? {
+                Some(lowered) => {
+                    let estimates = lowered.fillers.get(place)?;
+                    estimates.iter().find(|estimate| estimate.error == ERRORS[i])?.oracle.rms
+                }
+                None => Some(specified_rms(inputs, both[i]?)),
             };
-            let amplitudes =
-                [Some(&interpolation), extrapolation.as_ref()].map(|rule| rule.and_then(amplitude));
-            let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(ERRORS[i]) });
+            let amplitudes = both.map(|rule| rule.and_then(amplitude));
+            let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(i) });
             let (name, method) = (filler.name.clone(), method(filler, inputs));
             let judged = point.fills.get(place).and_then(|fill| Judged::of(inputs, filler, fill));
             let latency_ticks = latency_ticks(&interpolation.ticks, inputs.gap_ticks);
@@ -132,6 +152,7 @@ impl Firmware {
             tick_s: Some(inputs.tick_s),
             gap_ticks: inputs.gap_ticks,
             tone,
+            marks: marks(inputs, tone),
             shift: shift(inputs),
             designs,
             unsampled: lowered.err().map(|refusal| refusal.to_string()),
@@ -147,6 +168,23 @@ impl Firmware {
         let each = each.filter_map(|(key, value)| Some(format!("{key} = {}", shown(&value.quantity()?))));
         each.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// The rms error that a rule leaves on the specification as given, with noise, ″.
+fn specified_rms(inputs: &Inputs, rule: &Rule) -> f64 {
+    let weights: Vec<f64> = rule.whole().values().collect();
+    Judge::new(inputs, sides(&rule.ticks, inputs.gap_ticks)).judge(&rule.ticks, &weights).own.rms
+}
+
+/// The frequencies of a single tone or of a specification.
+fn marks(inputs: &Inputs, tone: Option<(f64, f64)>) -> Vec<Mark> {
+    let of_part = |part: &Part| {
+        let Band { low_hz, high_hz } = part.tone.band();
+        let name = if part.is_line() { "line" } else { "band" };
+        Mark { name, ends_hz: [low_hz, high_hz] }
+    };
+    let parts = inputs.specification.iter().flat_map(|specification| &specification.parts).map(of_part);
+    tone.map(|(_, nu)| Mark { name: "the motion", ends_hz: [nu; 2] }).into_iter().chain(parts).collect()
 }
 
 /// The limit of a study of gaps, which is one on the 99.73 % residual, ″.

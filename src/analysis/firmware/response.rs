@@ -1,6 +1,6 @@
 //! The frequency response of fillers, as a chart.
 
-use crate::analysis::firmware::design::{Firmware, response};
+use crate::analysis::firmware::design::{Firmware, Mark, response};
 use crate::filler::closed::LISTED;
 use crate::filler::keys::Error;
 use crate::quantity::number::significant;
@@ -11,6 +11,8 @@ use crate::view::chart::styles::of_names;
 /// Decades below the Nyquist frequency at which the chart begins, which is 1 Hz for ticks of 5 ms. Below it the errors
 /// fall on straight lines.
 const DECADES: f64 = 2.0;
+/// Upper end of the chart relative to the highest frequency of a specification.
+const BEYOND: f64 = 1.25;
 /// Steps of a curve and of its markers.
 const STEPS: usize = 720;
 const MARKER_STEPS: usize = 60;
@@ -27,13 +29,16 @@ fn styles_of(names: &[String]) -> Vec<usize> {
 
 impl Firmware {
     /// The amplitude of the error per amplitude of the rate as a function of the vibration frequency, up to half the
-    /// tick rate: a colour for each filler, solid for the residual and dashed for the extrapolation. The chart also has
-    /// the angle of the gap itself, which is the error without any filler, and the frequency of a motion that is a
-    /// single tone.
+    /// tick rate or beyond what is specified: a colour for each filler, solid for the residual and dashed for the
+    /// extrapolation. The chart also has the angle of the gap itself, which is the error without any filler, and the
+    /// frequency of a motion that is a single tone, or the lines and bands of a specification.
     pub fn response(&self) -> Figure {
         let tick_s = self.tick_s.unwrap_or(1.0);
         let nyquist = 0.5 / tick_s;
-        let frequency = |i: usize| nyquist * libm::pow(10.0, DECADES * (i as f64 / STEPS as f64 - 1.0));
+        let beyond = if self.shift.is_none() { BEYOND } else { 0.0 };
+        let top = self.marks.iter().map(|mark| beyond * mark.ends_hz[1]).fold(nyquist, f64::max);
+        let decades = DECADES + libm::log10(top / nyquist);
+        let frequency = |i: usize| top * libm::pow(10.0, decades * (i as f64 / STEPS as f64 - 1.0));
         let of = |weights: &Weights, nu: f64| response(weights, self.gap_ticks, tick_s, nu);
         let mut series = Vec::new();
         let names: Vec<String> = self.designs.iter().map(|design| design.name.clone()).collect();
@@ -61,13 +66,25 @@ impl Firmware {
         let nothing = Weights { ticks: vec![], numerators: vec![], denominator: 1 };
         let gap = (0..=STEPS).map(|i| (frequency(i), of(&nothing, frequency(i)))).collect();
         let mut laws = vec![law("the gap itself, not filled".to_owned(), gap)];
-        if let Some((_, nu)) = self.tone.filter(|(_, nu)| (frequency(0)..=nyquist).contains(nu)) {
-            let markers = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
-            let curves = series.iter().flat_map(|series| &series.law).map(|place| place.1);
-            // The lower end of the axis, which for curves is a decade below the markers.
-            let low = curves.fold(f64::INFINITY, f64::min).max(0.1 * markers().fold(f64::INFINITY, f64::min));
-            let label = format!("the motion, {} Hz", significant(nu, 4));
-            laws.push(law(label, vec![(nu, low), (nu, markers().fold(0.0, f64::max))]));
+        let markers = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
+        let curves = series.iter().flat_map(|series| &series.law).map(|place| place.1);
+        // The lower end of the axis, which for curves is a decade below the markers.
+        let low = curves.fold(f64::INFINITY, f64::min).max(0.1 * markers().fold(f64::INFINITY, f64::min));
+        let high = markers().fold(0.0, f64::max);
+        for Mark { name, ends_hz: [from, to] } in &self.marks {
+            if *to < frequency(0) || *from > top {
+                continue;
+            }
+            let [begin, end] = [from, to].map(|nu| significant(*nu, 4));
+            let (label, places) = match from == to {
+                true => (format!("{name}, {begin} Hz"), vec![(*from, low), (*from, high)]),
+                false => {
+                    let from = from.max(frequency(0));
+                    let places = vec![(from, low), (from, high), (*to, high), (*to, low)];
+                    (format!("{name}, {begin} to {end} Hz"), places)
+                }
+            };
+            laws.push(law(label, places));
         }
         let entries = names.into_iter().zip(styles).map(|(name, style)| Entry { style, name });
         let extrapolates = self.designs.iter().any(|design| design.extrapolation.is_some());

@@ -11,9 +11,7 @@ impl Firmware {
         if let Some(trade) = &self.trade {
             return trade.headline();
         }
-        let mut known: Vec<(&Design, f64)> =
-            self.designs.iter().filter_map(|design| Some((design, design.robust_rms()?))).collect();
-        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let known = self.ranked();
         match known[..] {
             [] => self.gains(),
             [(only, rms)] => format!("{} leaves {}.", only.name, only.error(rms, self.shift)),
@@ -26,6 +24,19 @@ impl Firmware {
                 next.error(next_rms, self.shift)
             ),
         }
+    }
+
+    /// The fillers with the residual by which they compare, ″, the least first: the 99.73 % level on a specification, else the
+    /// rms, as far as it is known.
+    pub(crate) fn ranked(&self) -> Vec<(&Design, f64)> {
+        let size = |design: &Design| match self.shift {
+            None => design.judged.map(|judged| judged.worst().level),
+            Some(_) => design.robust_rms(),
+        };
+        let mut known: Vec<(&Design, f64)> =
+            self.designs.iter().filter_map(|design| Some((design, size(design)?))).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        known
     }
 
     /// When the correction of a filler comes, and the residual to expect, in ASCII.
@@ -69,15 +80,26 @@ impl Design {
         self.judged.map(|judged| judged.worst().rms).or(self.errors[0].rms).filter(|rms| *rms > 0.0)
     }
 
-    fn error(&self, rms: f64, shift: Option<f64>) -> String {
-        let rms = significant(rms, 4);
-        match self.judged {
-            Some(Judged { own, .. }) => format!(
-                "{rms} arcsec rms with {} ({} arcsec as given)",
-                deviation(shift),
-                significant(own.rms, 4)
-            ),
-            None => format!("{rms} arcsec rms"),
+    fn error(&self, size: f64, shift: Option<f64>) -> String {
+        let number = |size: f64| significant(size, 4);
+        match (self.judged, shift) {
+            (Some(Judged { own, .. }), None) => {
+                format!(
+                    "{} arcsec at 99.73 % with {} ({} arcsec as given)",
+                    number(size),
+                    deviation(shift),
+                    number(own.level)
+                )
+            }
+            (Some(Judged { own, .. }), Some(_)) => {
+                format!(
+                    "{} arcsec rms with {} ({} arcsec as given)",
+                    number(size),
+                    deviation(shift),
+                    number(own.rms)
+                )
+            }
+            (None, _) => format!("{} arcsec rms", number(size)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
 use crate::analysis::page::{chart, study_file};
-use crate::kinds::gap_fill::judged::deviation;
+use crate::kinds::gap_fill::judged::{Judged, deviation};
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::view::chart::picture::Picture;
@@ -42,8 +42,13 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
 
 /// The fillers with the errors of their residuals.
 fn of_designs(firmware: &Firmware) -> Grid {
-    let shifted = format!("rms with {}, arcsec", deviation(firmware.shift));
+    let size = if firmware.shift.is_none() { "99.73 %" } else { "rms" };
+    let shifted = format!("{size} with {}, arcsec", deviation(firmware.shift));
     let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, arcsec", &shifted, "what it is"];
+    let of_shifted = |Judged { shifted, .. }: Judged| match firmware.shift {
+        None => shifted.level,
+        Some(_) => shifted.rms,
+    };
     let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
     let row = |design: &Design| {
         let rule = &design.interpolation;
@@ -53,7 +58,7 @@ fn of_designs(firmware: &Firmware) -> Grid {
             ticks.join(", "),
             significant(rule.whole().noise_gain(), 4),
             number(design.errors[0].rms),
-            number(design.judged.map(|judged| judged.shifted.rms)),
+            number(design.judged.map(of_shifted)),
             design.method.clone(),
         ];
         cells.map(Cell::from).into()

@@ -158,6 +158,34 @@ fn the_limit_of_a_study_is_that_of_its_fillers_unless_another_one_is_asked_for()
     );
 }
 
+/// A motion that no filler of the specification knows, read in pulses.
+#[test]
+fn whatever_moves_a_filler_is_given_with_its_errors_on_the_specification() {
+    let [line, band] = NOMINAL;
+    let text = study(line, band, DESIGNED).replace("[motion]", "readout_lsb = \"1 arcsec\"\n[motion]");
+    let other = text.replace(
+        "amplitude = \"90 arcsec\"\nfrequency = \"345 Hz\"",
+        "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"",
+    );
+    assert_ne!(text, other);
+    let of = |text: &str| {
+        let desk = Desk::with(text);
+        let shown = desk.done("filler study.toml").stdout;
+        let files = ["sagnac_filler.h", "response.svg", "weights.csv"];
+        (shown, files.map(|file| desk.read(&format!("results/study/filler/{file}"))))
+    };
+    let (found, expected) = (of(&other), of(&text));
+    assert_eq!(found, expected);
+    let (shown, [_, chart, _]) = found;
+    for piece in ["line, 345 Hz", "band, 30 to 80 Hz"] {
+        assert!(chart.contains(piece), "no `{piece}` in {chart}");
+    }
+    assert!(
+        !chart.contains("the motion") && shown.contains(" arcsec at 99.73 % with all frequencies"),
+        "{shown}"
+    );
+}
+
 #[test]
 fn without_a_specification_a_table_has_no_columns_of_it() {
     let text = study(NOMINAL[0], NOMINAL[1], DESIGNED);
