@@ -187,6 +187,28 @@ fn whatever_moves_a_filler_is_given_with_its_errors_on_the_specification() {
 }
 
 #[test]
+fn the_study_of_the_guide_finds_what_the_guide_says() {
+    let guide = include_str!("../../../docs/guide.md");
+    let (study, rest) = guide
+        .split("```toml\n")
+        .find(|text| text.starts_with("title = \"A filler for a band and a dither\""))
+        .and_then(|text| text.split_once("```\n"))
+        .expect("the guide has the study");
+    let command = rest.split_once("`sagnac ").and_then(|(_, rest)| rest.split_once('`')).unwrap().0;
+    let told = rest.trim_start().split("\n\n").next().unwrap().replace('\n', " ");
+    let search = &tables(&Desk::with(study), "study.toml --latency 32ms")["search"];
+    let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
+    let [before, after, level] = ["before", "after", "q9973_arcsec"].map(chosen);
+    assert_eq!(command, "filler mine.toml --latency \"32 ms\"");
+    for piece in [
+        format!("finds {before} ticks before the gap and {after} after it: {} ms after", 2.0 * after),
+        format!("below {level:.3} arcsec"),
+    ] {
+        assert!(told.contains(&piece), "no `{piece}` in `{told}`");
+    }
+}
+
+#[test]
 fn without_a_specification_a_table_has_no_columns_of_it() {
     let text = study(NOMINAL[0], NOMINAL[1], DESIGNED);
     let (before, rest) = text.split_once("[specification]").unwrap();
