@@ -283,6 +283,7 @@ pub(crate) fn read_requirement(
         let is_supplied = chart.x.span.is_empty() && matches!(chart.shows, Shows::Curves { .. });
         if is_supplied && chart.estimate().name != column.name {
             (chart.y, chart.beside) = (column.name.into(), vec![]);
+            chart.y_scale = if column.is_linear { Scale::Linear } else { chart.y_scale };
         }
         // Of several columns side by side, the limit belongs to one only.
         if chart.limit.is_none() && chart.beside.is_empty() && chart.estimate().name == column.name {

@@ -67,8 +67,11 @@ impl Known<'_> {
         Ok(found.name.clone())
     }
 
-    /// The default scale of an axis over this column: that of its sweep, or of the sweep on which it depends.
+    /// The default scale of an axis over this column: that of its sweep, or of the sweep on which it depends, else its own.
     pub(crate) fn scale_over(self, name: &str) -> Scale {
+        if self.ground.columns.iter().any(|known| known.is_linear && known.is_called(name)) {
+            return Scale::Linear;
+        }
         let Ok(column) = self.coordinate(&name.into(), "no axis over") else { return Scale::default() };
         let followed = self.ground.coordinates().find(|known| known.name == column).map(|known| known.of);
         let key = followed.filter(|of| !of.is_empty()).unwrap_or(&column);

@@ -84,6 +84,8 @@ pub struct About {
     pub defined: &'static str,
     /// The names among its cells that look the same in every chart.
     pub styled: &'static [&'static str],
+    /// Whether an axis over it is linear by default, as for values with a sign and for those that are 0 or 1.
+    pub is_linear: bool,
 }
 
 impl Role {
@@ -108,6 +110,7 @@ impl About {
             usual: None,
             defined: "",
             styled: &[],
+            is_linear: false,
         }
     }
 
@@ -190,6 +193,11 @@ impl<R> ColumnOf<R> {
     /// Sets what the label stands for.
     pub(crate) const fn defined(self, formula: &'static str) -> ColumnOf<R> {
         ColumnOf { about: About { defined: formula, ..self.about }, ..self }
+    }
+
+    /// Makes an axis over the column linear by default.
+    pub(crate) const fn linear(self) -> ColumnOf<R> {
+        ColumnOf { about: About { is_linear: true, ..self.about }, ..self }
     }
 
     /// Sets the names that look the same in every chart.

@@ -61,7 +61,8 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "Number of trials behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, labelled("mean error", "mean error on [motion]"), |row| row.found.cell(|found| found.mean))
-            .is(Role::Estimate, "Mean error, ″, with its sign."),
+            .is(Role::Estimate, "Mean error, ″, with its sign.")
+            .linear(),
         Of::new("rms", Unit::ARCSEC, labelled("rms error", "rms error on [motion]"), |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square error, ″, motion and noise together.")
             .brief()

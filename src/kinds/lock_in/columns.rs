@@ -121,6 +121,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("angle_random_walk", Role::Z, "Deviation of `angle_random_walk` from its closed form in standard errors; beyond ±5 something is wrong."),
         Of::new("mean_rate", Unit::ARCSEC_PER_S, "mean output rate", |row| row.rate.map(|rate| rate.0).into())
             .is(Role::Estimate, "Mean output rate over the gyros, ″/s.")
+            .linear()
             .within(|row| row.rate_less(0.0)),
         Of::new("mean_rate_se", Unit::ARCSEC_PER_S, "standard error of the mean output rate", |row| row.rate.and_then(|rate| rate.1).into())
             .is_of("mean_rate", Role::StandardError, "Standard error (1 σ) of `mean_rate` over the gyros, ″/s."),
@@ -130,13 +131,17 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             row.rate.map(|rate| rate.0 - row.input_rate).into()
         })
             .is(Role::Error, "Mean output rate minus mean input rate, ″/s.")
+            .linear()
             .within(|row| row.rate_less(row.input_rate)),
         Of::new("zone", Unit::NONE, "zone k nearest to the output", |row| row.zone.map(|zone| f64::from(zone.number)).into())
-            .is(Role::Count, "Number k of the zone of dynamic lock-in whose centre is nearest to the mean output rate; blank without dither."),
+            .is(Role::Count, "Number k of the zone of dynamic lock-in whose centre is nearest to the mean output rate; blank without dither.")
+            .linear(),
         Of::new("zone_centre", Unit::ARCSEC_PER_S, "centre of the zone", |row| row.zone.map(|zone| zone.centre).into())
-            .is(Role::Estimate, "k f_d q, the centre of that zone and its output rate, ″/s."),
+            .is(Role::Estimate, "k f_d q, the centre of that zone and its output rate, ″/s.")
+            .linear(),
         Of::new("locked", Unit::NONE, "locked to the zone", |row| row.locked().into())
-            .is(Role::Estimate, "1 where the mean output rate stays at the centre of the zone, else 0; blank where the input is less than two beats of the record from that centre."),
+            .is(Role::Estimate, "1 where the mean output rate stays at the centre of the zone, else 0; blank where the input is less than two beats of the record from that centre.")
+            .linear(),
         Of::new("zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone", |row| row.width().into())
             .is(Role::Estimate, "Half width of that zone, ″/s, from w² = (Ω − Ω_k)² − (r − Ω_k)² with the output r outside it; blank inside."),
         Of::new("oracle_zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone (closed form)", |row| row.zone.map(|zone| zone.half_width).into())

@@ -76,6 +76,23 @@ fn an_axis_over_a_linear_sweep_is_linear_unless_another_scale_is_named() {
 }
 
 #[test]
+fn an_axis_over_a_column_with_a_sign_is_linear_unless_another_scale_is_named() {
+    let of = |y: &str| {
+        let text = format!(
+            "title = \"t\"\nkind = \"lock-in\"\n[gyro]\nscale_factor = \"2 arcsec/pulse\"\n[lock_in]\n\
+             threshold = \"100 arcsec/s\"\n[dither]\nfrequency = \"400 Hz\"\nrate = \"4000 arcsec/s\"\n[record]\n\
+             length = \"1 s\"\n[[sweep]]\nkey = \"input.rate\"\nlist = [\"1 arcsec/s\", \"2 arcsec/s\"]\n\
+             [chart]\nx = \"input.rate\"\ny = \"{y}\"\n"
+        );
+        [parsed(&text), parsed(&format!("{text}y_scale = \"log\"\n"))].map(|study| study.charts[0].y_scale)
+    };
+    for y in ["mean_rate", "rate_error", "locked", "zone", "zone_centre_arcsec_per_s"] {
+        assert_eq!(of(y), [Scale::Linear, Scale::Log], "{y}");
+    }
+    assert_eq!(of("angle_random_walk"), [Scale::Log, Scale::Log]);
+}
+
+#[test]
 fn keys_of_another_kind_are_refused() {
     let heat = format!("kind = \"heat-map\"\n{AXES}z = \"rms\"\n");
     refused(
