@@ -8,6 +8,8 @@ use crate::drift::schedule::{End, INTERVAL};
 use crate::key::row::Key;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
+use crate::kinds::lock_in::LockInStudy;
+use crate::kinds::lock_in::inputs::{FREQUENCY, SCALE_FACTOR, THRESHOLD};
 use crate::kinds::relock::inputs::BIAS;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::{Dimension, Quantity};
@@ -32,6 +34,9 @@ const MOST_CONDITIONS: usize = 1000;
 
 /// Prefixes of keys that are the question itself, or on which the gyro stands: without its bias it locks in.
 const ASKED: [&str; 3] = ["run.", "navigation.", BIAS.name];
+
+/// Keys that move a zone of lock-in or change its width, which takes it off the inputs that are sampled or onto them.
+const ZONE: [&str; 3] = [SCALE_FACTOR.name, THRESHOLD.name, FREQUENCY.name];
 
 /// Most conditions under which the needed value is searched one after the other.
 const CONDITIONS_SEARCHED: usize = 3;
@@ -132,7 +137,8 @@ impl<'a> Place<'a> {
             let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
             let is_asked =
                 ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
-            if is_new && value.value != 0.0 && !is_asked && !is_parity {
+            let moves_zones = ZONE.contains(&key.name) && has_zones(self.study, self.point);
+            if is_new && value.value != 0.0 && !is_asked && !is_parity && !moves_zones {
                 inputs.push(Input { key, value });
             }
         }
@@ -279,6 +285,14 @@ fn moved(swept: &[(&'static Key, Swept)], input: &Input, value: Quantity) -> Vec
 fn ends_exactly(study: &Study, point: usize) -> bool {
     let runs = study.asked::<SwitchedRun>().map(|runs| &runs.points);
     runs.and_then(|points| points.get(point)).is_some_and(|point| point.schedule.end == End::Exact)
+}
+
+/// Whether a point is of a dither without randomisation, whose zones of lock-in are sharp.
+fn has_zones(study: &Study, point: usize) -> bool {
+    let points = study.asked::<LockInStudy>().map(|study| &study.points);
+    let inputs = points.and_then(|points| points.get(point)).map(|point| &point.inputs);
+    let dither = inputs.and_then(|inputs| Some((inputs.dither.as_ref()?, inputs.length_s)));
+    dither.is_some_and(|(dither, length_s)| dither.spread(length_s) == 0.0 && dither.phase_noise == 0.0)
 }
 
 /// The value of an input that is tried: multiplied by a factor, or the next whole number.

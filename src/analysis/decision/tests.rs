@@ -299,3 +299,14 @@ fn a_lever_that_moves_the_largest_error_to_another_condition_is_none() {
     let told = sheet.lines()[4].1.clone();
     assert!(key.is_some() || told.ends_with("besides what the study varies: input rate."), "{told}");
 }
+
+/// A threshold that narrows the zones, or a frequency that moves them, leaves the sampled inputs outside all zones.
+#[test]
+fn no_lever_takes_zones_off_the_inputs_that_are_sampled() {
+    let sheet = decided(&format!("limit = \"3 arcsec/s\"\n{ZONES}"));
+    assert!(sheet.is_searched && sheet.value.value > 40.0, "{:?}", sheet.value);
+    let also = sheet.lever.iter().flat_map(|lever| lever.also.iter().map(|also| also.key));
+    let keys: Vec<&str> = sheet.lever.iter().map(|lever| lever.key).chain(also).collect();
+    let of_zones = ["lock_in.threshold", "gyro.scale_factor", "dither.frequency"];
+    assert!(keys.iter().all(|key| !of_zones.contains(key)), "{keys:?}");
+}
