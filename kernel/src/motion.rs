@@ -69,8 +69,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
                     motion.tone[t] = with_amplitude(motion.tone[t], words, p, t);
                 }
                 if shape.frequencies {
-                    let turn =
-                        W::splat(p.frequency_low[t]) + words[2].mulhi(W::splat(p.frequency_width[t]));
+                    let turn = W::splat(p.frequency_low[t]) + words[2].mulhi(W::splat(p.frequency_width[t]));
                     motion.half_turn[t] = turn * W::splat(p.frequency_scale[t]);
                     motion.peak[t] = peak_of(turn, motion.half_turn[t], p, t);
                 }
