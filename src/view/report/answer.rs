@@ -88,7 +88,7 @@ impl Answer {
                 // Charts of the same curves under other conditions answer the same question.
                 let judged = asked().filter(is_judged).filter(|other| resolved.is_continued_by(other));
                 let further = judged
-                    .filter_map(|other| verdict_of(other))
+                    .filter_map(verdict_of)
                     .filter_map(|verdict| of_verdict(&verdict.answers, verdict.limit));
                 let further: Vec<String> = further.collect();
                 let told = told.map(|told| [&[told], &further[..]].concat().join(" "));
