@@ -94,6 +94,11 @@ pub(crate) trait Columns {
         vec![]
     }
 
+    /// What was found while the numbers were read, in a line each.
+    fn found(&self) -> Vec<String> {
+        vec![]
+    }
+
     /// The sampling step that the file states, s.
     fn step_s(&self) -> Option<f64> {
         None

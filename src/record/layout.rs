@@ -106,6 +106,11 @@ impl Layout {
             units.iter().flatten().zip(&mut layout.names).for_each(|(unit, name)| name.complete(unit));
             layout.lines = last.number;
             layout.start = head.len().min(last.end);
+        } else if is_numbered(&cells, &shown) {
+            let message = "the first line has the numbers of the columns, as a table of pandas without names, and is no sample";
+            layout.inferred.push(message.to_owned());
+            layout.lines = first.number;
+            layout.start = head.len().min(first.end);
         } else {
             // The header as NumPy's savetxt writes it.
             let is_sign = |byte: &u8| b"#%; \t".contains(byte);
@@ -269,6 +274,17 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
 fn is_header(cells: &[String], decimal: Decimal) -> bool {
     let mut values = cells.iter().map(|cell| decimal.value(cell.as_bytes()));
     values.clone().any(|value| value.is_none()) && !values.any(|value| value.is_some_and(f64::is_finite))
+}
+
+/// Whether cells are the numbers of the columns from 0 on, which may have an index without a name before them, above rows that are
+/// no whole numbers.
+fn is_numbered(cells: &[String], below: &[Vec<u8>]) -> bool {
+    let index = usize::from(cells.first().is_some_and(String::is_empty));
+    let (numbered, below) = (&cells[index..], &below[index.min(below.len())..]);
+    let is_whole = |cell: &Vec<u8>| cell.iter().all(|byte| byte.is_ascii_digit() || *byte == b'-');
+    numbered.len() > 1 - index
+        && numbered.iter().enumerate().all(|(at, cell)| *cell == at.to_string())
+        && !below.iter().any(is_whole)
 }
 
 fn names(cells: &[String]) -> Vec<Name> {

@@ -39,6 +39,13 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
             }
         }
     }
+    let behind = bytes.read(&mut [0]).map_err(|error| RecordError::unreadable(&file, &error))?;
+    if behind > 0 {
+        let help = "give each recording by itself";
+        let message =
+            format!("{file} goes on behind the end of its recording, as where another one was appended");
+        return Err(RecordError::new(message, "", help, None));
+    }
     topics.messages.columns(&file)
 }
 

@@ -129,6 +129,11 @@ impl<'a> Recording<'a> {
         self.columns.inferred()
     }
 
+    /// What was found while the numbers were read, in a line each.
+    pub(crate) fn found(&self) -> Vec<String> {
+        self.columns.found()
+    }
+
     /// The sampling step that the file states, s.
     pub(crate) fn step_s(&self) -> Option<f64> {
         self.columns.step_s()

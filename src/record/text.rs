@@ -28,6 +28,7 @@ const MOST_SHOWN: usize = 3;
 struct Part<'b> {
     columns: Vec<Vec<f64>>,
     lines: usize,
+    comments: usize,
     /// Number of lines that cannot be read, and the first of them, each with the number of lines before it.
     faulty: usize,
     shown: Vec<(usize, &'b [u8])>,
@@ -38,6 +39,8 @@ pub(crate) struct Text<'a> {
     layout: Layout,
     origin: Origin<'a>,
     rows: Bytes<'a>,
+    /// Number of comments among the rows.
+    comments: usize,
 }
 
 impl<'a> Text<'a> {
@@ -54,7 +57,7 @@ impl<'a> Text<'a> {
                 _ => Layout::of(&source.head[..whole], &source.file, decimal).map_err(|_| hidden(&source))?,
             }
         };
-        Ok(Text { origin: source.origin, rows: source.from(layout.start), layout })
+        Ok(Text { origin: source.origin, rows: source.from(layout.start), layout, comments: 0 })
     }
 }
 
@@ -77,7 +80,17 @@ impl Columns for Text<'_> {
     }
 
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
-        read(&self.layout, &mut self.rows, wanted, rules)
+        let (columns, comments) = read(&self.layout, &mut self.rows, wanted, rules)?;
+        self.comments = comments;
+        Ok(columns)
+    }
+
+    fn found(&self) -> Vec<String> {
+        match self.comments {
+            0 => vec![],
+            1 => vec!["1 line among the rows is a comment, which is no sample".to_owned()],
+            count => vec![format!("{count} lines among the rows are comments, which are no samples")],
+        }
     }
 
     fn sample(&self, column: usize) -> Option<f64> {
@@ -105,7 +118,8 @@ impl Columns for Text<'_> {
     }
 }
 
-/// Reads the `wanted` columns in the given order from the `bytes` of all rows, with NaN for missing values.
+/// Reads the `wanted` columns in the given order from the `bytes` of all rows, with NaN for missing values, and counts comments
+/// between rows.
 ///
 /// # Errors
 /// The file cannot be read, has too many rows, or rows do not fit the layout; these are counted, and the first are shown.
@@ -114,13 +128,13 @@ fn read(
     mut bytes: impl Read,
     wanted: &[usize],
     rules: &Rules,
-) -> Result<Vec<Vec<f64>>, RecordError> {
+) -> Result<(Vec<Vec<f64>>, usize), RecordError> {
     let mut slots = vec![None; layout.columns];
     wanted.iter().enumerate().for_each(|(slot, &column)| slots[column] = Some(slot));
     let dates = dates(layout, &slots);
     let mut columns = vec![Vec::new(); wanted.len()];
     let (mut block, mut lines) = (Vec::with_capacity(BLOCK), layout.lines);
-    let (mut faults, mut faulty) = (Faults::default(), 0);
+    let (mut faults, mut faulty, mut comments) = (Faults::default(), 0, 0);
     loop {
         let room = BLOCK - block.len();
         let more = bytes.by_ref().take(room as u64).read_to_end(&mut block);
@@ -140,6 +154,7 @@ fn read(
                 faults.add(refusal(layout, lines + before + 1, line, &slots, rules.missing));
             });
             faulty += part.faulty;
+            comments += part.comments;
             lines += part.lines;
             columns.iter_mut().zip(part.columns).for_each(|(column, values)| column.extend(values));
         }
@@ -151,7 +166,7 @@ fn read(
             return Err(faults.listed(message));
         }
         if at_end {
-            return Ok(columns);
+            return Ok((columns, comments));
         }
     }
 }
@@ -191,14 +206,17 @@ fn parse<'b>(
 ) -> Part<'b> {
     let about = part.len() / 8 / layout.columns.max(1);
     let columns = (0..wanted).map(|_| Vec::with_capacity(about)).collect();
-    let mut read = Part { columns, lines: 0, faulty: 0, shown: vec![] };
+    let mut read = Part { columns, lines: 0, comments: 0, faulty: 0, shown: vec![] };
     for line in part.split_inclusive(|byte| *byte == b'\n') {
         let text = line.trim_ascii_end();
         let mut is_read = || {
             parse_row(text, layout, slots, &mut read.columns)
                 && add_dates(text, layout, dates, &mut read.columns)
         };
-        if !layout.delimiter.skips(text) && !is_read() {
+        if layout.delimiter.skips(text) {
+            // Those at the end are remarks on the whole.
+            read.comments += usize::from(!text.is_empty());
+        } else if !is_read() {
             read.faulty += 1;
             if read.faulty <= MOST_SHOWN {
                 read.shown.push((read.lines, text));

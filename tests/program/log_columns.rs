@@ -302,3 +302,23 @@ fn text_in_utf_16_is_to_be_saved_as_utf_8() {
         "\u{feff}time [s],gz [dps]\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
     desk_with("log.csv", text).fails("allan log.csv --data rate", 3, &["text in UTF-16", "save it as UTF-8"]);
 }
+
+#[test]
+fn numbers_of_columns_comments_among_rows_and_appended_recordings_are_no_samples() {
+    let rows: String = noise(200).map(|y| format!("{y:.4},{:.4}\n", 0.5 * y)).collect();
+    let indexed: String = rows.lines().enumerate().map(|(i, row)| format!("{i},{row}\n")).collect();
+    let read = "--data rate --rate 1Hz --unit deg/h --fit none --column";
+    for (text, column) in [(format!("0,1\n{rows}"), "1"), (format!(",0,1\n{indexed}"), "2")] {
+        let desk = desk_with("log.csv", text);
+        let ended = desk.done(&format!("allan log.csv {read} {column}"));
+        assert!(ended.stdout.contains("log.csv: 200 samples"), "{}", ended.stdout);
+        assert!(ended.stderr.contains("numbers of the columns"), "{}", ended.stderr);
+    }
+    let commented = rows.replacen('\n', "\n# 0.5,0.25\n", 3);
+    let desk = desk_with("log.csv", commented);
+    let ended = desk.done("allan log.csv --data rate --rate 1Hz --unit deg/h --fit none --column 1");
+    assert!(ended.stderr.contains("3 lines among the rows are comments"), "{}", ended.stderr);
+    let one = std::fs::read(format!("{}/tests/data/formats/imu.mcap", crate::ROOT)).unwrap();
+    std::fs::write(desk.path("two.mcap"), [&one[..], &one].concat()).unwrap();
+    desk.fails("allan two.mcap --data rate", 3, &["goes on behind the end of its recording"]);
+}

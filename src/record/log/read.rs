@@ -177,6 +177,7 @@ impl Log {
         let Some(mut samples) = faults.take(file.read(&read, &RULES)) else {
             return Err(faults.into_error(&file.file));
         };
+        notes.extend(file.found());
         let numbers = samples.split_off(samples.len() - instances.len());
         let rests = rest.and_then(|rest| Some((rest, samples.pop()?)));
         let mut stamps = time.map(|_| samples.remove(0));
