@@ -468,6 +468,10 @@ impl Folder {
         let line = format!("\n{}\n", serde_json::to_string(&entry)?);
         if let Some(file) = &mut list.file {
             file.write_all(line.as_bytes())?;
+            // A file must not be on disk before its entry.
+            if sha256.is_some() {
+                file.sync_data()?;
+            }
         }
         list.add(entry);
         Ok(())
