@@ -16,6 +16,8 @@ use cap_std::fs::{Dir, File, Metadata, OpenOptions};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::store::{CARD, FILE};
+
 /// The name of the list.
 pub const LIST: &str = "written_by_sagnac.jsonl";
 
@@ -489,7 +491,7 @@ impl List {
 
 /// Whether this program keeps results in a folder: there is a list, a database or a card.
 fn is_results(folder: &Path) -> bool {
-    [LIST, crate::store::FILE, crate::view::report::CARD].iter().any(|name| folder.join(name).is_file())
+    [LIST, CARD, FILE].iter().any(|name| folder.join(name).is_file())
 }
 
 /// What is no ordinary file.

@@ -5,10 +5,8 @@ use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, html};
 use serde::{Deserialize, Serialize};
 
+pub use crate::store::CARD;
 use crate::view::report::shell::head;
-
-/// The name of a card in its folder of results.
-pub const CARD: &str = "card.json";
 
 /// Results in a gallery. Commands other than `run` keep it beside their page as [`CARD`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
