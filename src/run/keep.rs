@@ -11,13 +11,14 @@ use crate::study::Study;
 /// # Errors
 /// A file cannot be written.
 pub fn keep(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> {
+    // What is refused is refused before anything is written.
+    folder.write(RESOLVED, study.resolved(study.trials).as_bytes())?;
     let mut replaced = Vec::new();
     for input in study.inputs() {
         if folder.write(&input.name, input.text.as_bytes())? == Written::Replaced {
             replaced.push(input.name.clone());
         }
     }
-    folder.write(RESOLVED, study.resolved(study.trials).as_bytes())?;
     Ok(replaced)
 }
 

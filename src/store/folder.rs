@@ -116,6 +116,8 @@ pub struct Folder {
     root: Dir,
     device: u64,
     inputs: Vec<PathBuf>,
+    /// Whether there are results without a list, as of an earlier version.
+    is_earlier: bool,
     list: Mutex<List>,
 }
 
@@ -139,8 +141,16 @@ impl Folder {
             }
         };
         let device = root.dir_metadata().map_err(failed)?.dev();
-        let folder = Folder { path: path.to_owned(), root, device, inputs: vec![], list: Mutex::default() };
+        let mut folder = Folder {
+            path: path.to_owned(),
+            root,
+            device,
+            inputs: vec![],
+            is_earlier: false,
+            list: Mutex::default(),
+        };
         folder.read_list()?;
+        folder.is_earlier = folder.list().digests.is_empty() && is_results(path);
         Ok(folder)
     }
 
@@ -308,8 +318,7 @@ impl Folder {
             self.read_list()?;
         }
         if !self.has(name, &digest) {
-            let is_earlier = self.list().digests.is_empty() && is_results(&self.path);
-            return Err(FolderError::Foreign { path, earlier: is_earlier.then(|| self.path.clone()) });
+            return Err(FolderError::Foreign { path, earlier: self.is_earlier.then(|| self.path.clone()) });
         }
         match path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
             true => Err(FolderError::Input { path }),
@@ -667,6 +676,7 @@ mod tests {
         for name in ["card.json", "report.html", "letter.txt"] {
             std::fs::write(folder.path().join(name), "{}").unwrap();
         }
+        let folder = Folder::open(folder.path()).unwrap();
         assert!(matches!(
             folder.write("report.html", b"new"),
             Err(FolderError::Foreign { earlier: Some(_), .. })

@@ -140,7 +140,7 @@ fn every_output_says_where_the_intervals_come_from() {
     desk.fails(
         "allan rest.csv --data rate --unit deg/h --rate 1Hz --bootstrap 10",
         2,
-        &["--bootstrap", "give 0, or at least 200"],
+        &["--bootstrap", "give 0, or 200 to 100000"],
     );
 }
 

@@ -76,7 +76,7 @@ fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
     desk.fails("filler study.toml --test-vectors 0", 2, &["--test-vectors"]);
     std::fs::write(desk.path("file"), "").unwrap();
     let file = "filler study.toml --at gap_ticks=3 --out file/folder";
-    desk.fails(file, 6, &["cannot write", "file/folder"]);
+    desk.fails(file, 6, &["cannot use the results folder", "file/folder"]);
     let invalid = STUDY.replace("gap_ticks = 3", "gap_ticks = 0");
     Desk::with(&invalid).fails("filler study.toml", 3, &["switching.gap_ticks", "study.toml:"]);
     let alone = Desk::with(STUDY);
