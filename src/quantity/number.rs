@@ -58,13 +58,13 @@ pub fn significant(x: f64, digits: usize) -> String {
 pub fn with_ends(value: f64, ends: [f64; 2]) -> [String; 3] {
     let order = |x: f64| libm::floor(libm::log10(x.abs())) as i32;
     let distance = ends.map(|end| (value - end).abs()).into_iter().fold(f64::INFINITY, f64::min);
-    let of_value = order(value);
-    let last = if distance > 0.0 { order(distance) - 1 } else { i32::MIN };
-    let last = last.clamp(of_value - 4, of_value - 1);
     let all = [value, ends[0], ends[1]];
+    let of_value = order(value);
     if !value.is_normal() || !(-5..6).contains(&of_value) {
         return all.map(|x| significant(x, 4));
     }
+    let last = if distance > 0.0 { order(distance).saturating_sub(1) } else { i32::MIN };
+    let last = last.clamp(of_value - 4, of_value - 1);
     let decimals = usize::try_from(-last).unwrap_or(0);
     let unit = libm::pow(10.0, f64::from(last.max(0)));
     let rounded = |x: f64| if last > 0 { libm::round(x / unit) * unit } else { x };
