@@ -28,7 +28,7 @@ const COMMANDS: [&str; 14] = [
     "filler study.toml --test-vectors 4 --out",
     "filler study.toml --limit 400arcsec --out",
     "design run.toml --trials 32 --device cpu --out",
-    "sensitivity uncertain.toml --samples 8 --device cpu --out",
+    "sensitivity uncertain.toml --samples 8 --where filler=const --device cpu --out",
     "shaders",
 ];
 
@@ -203,15 +203,14 @@ fn a_received_folder_writes_nowhere_else_when_it_is_shown() {
 #[test]
 fn inputs_are_never_outputs_and_files_that_a_user_names_are_new() {
     let desk = desk();
-    desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out a");
-    let before = desk.read("a/curve.csv");
-    desk.fails("lot a/curve.csv log.csv --data rate --unit none --rate 1Hz --column 2 --out a", 3, &[]);
+    desk.done("psd log.csv --data rate --column gz --bootstrap 0 --out a");
+    let before = desk.read("a/psd.csv");
     desk.fails(
-        "allan a/curve.csv --data rate --rate 1Hz --unit none --column oadev_deg_per_h --bootstrap 0 --out a",
+        "psd a/psd.csv --data rate --rate 1Hz --unit none --column 3 --time none --bootstrap 0 --out a",
         6,
-        &["a/curve.csv is read by this command", "write to another folder"],
+        &["a/psd.csv is read by this command", "write to another folder"],
     );
-    assert_eq!(desk.read("a/curve.csv"), before);
+    assert_eq!(desk.read("a/psd.csv"), before);
     desk.write("mine.csv", "mine");
     for option in ["--record", "--kalibr"] {
         let words = format!("allan log.csv --data rate --column gz --bootstrap 0 --out b {option} mine.csv");
