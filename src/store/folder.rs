@@ -150,7 +150,9 @@ impl Folder {
             list: Mutex::default(),
         };
         folder.read_list()?;
-        folder.is_earlier = folder.list().digests.is_empty() && is_results(path);
+        // Every command but `chart` lists its study or its page.
+        let is_own = |name: &String| name.ends_with(".toml") || name.ends_with(".html");
+        folder.is_earlier = is_results(path) && !folder.list().digests.keys().any(is_own);
         Ok(folder)
     }
 

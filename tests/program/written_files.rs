@@ -142,7 +142,8 @@ fn whatever_is_in_the_place_of_a_file_nothing_outside_changes() {
     let kinds = ["link", "hard link", "folder", "pipe", "link to a folder"];
     for (at, command) in COMMANDS.iter().enumerate() {
         desk.done(&format!("{command} out{at}"));
-        let mut names = listed(&desk.path(&format!("out{at}")));
+        let mut names: BTreeSet<String> =
+            listed(&desk.path(&format!("out{at}"))).into_iter().take(12).collect();
         names.extend([LIST, "tallies.sqlite", "tallies.sqlite-wal", "tallies.lock"].map(str::to_owned));
         // Those of one command have the same way to the disk: each is tried as a link, and one as anything else.
         let odd = at % names.len();
