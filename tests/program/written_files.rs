@@ -140,7 +140,9 @@ fn whatever_is_in_the_place_of_a_file_nothing_outside_changes() {
     let desk = desk();
     let victim = desk.path("victim");
     let kinds = ["link", "hard link", "folder", "pipe", "link to a folder"];
-    for (at, command) in COMMANDS.iter().enumerate() {
+    // All write through one gate: those with inputs, pictures, tables, texts and many files.
+    for at in [0, 2, 3, 9, 13] {
+        let command = COMMANDS[at];
         desk.done(&format!("{command} out{at}"));
         let mut names: BTreeSet<String> =
             listed(&desk.path(&format!("out{at}"))).into_iter().take(12).collect();
