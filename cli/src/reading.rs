@@ -188,7 +188,7 @@ impl Reading {
     /// The requests for two files, which may have a rate each.
     ///
     /// # Errors
-    /// As those of [`Reading::request`], but there are more than two rates.
+    /// The errors are those of [`Reading::request`], but only more than two rates are too many.
     pub fn requests_of_two(&self) -> Result<[Request; 2], Failure> {
         match &self.rate[..] {
             [a, b] => Ok([self.request_at(Some(a))?, self.request_at(Some(b))?]),

@@ -88,7 +88,7 @@ pub(crate) struct Messages {
 }
 
 impl Messages {
-    /// Those of a file with so many bytes.
+    /// Starts an empty collection for a file of `stored` bytes.
     pub(crate) fn of(stored: Option<u64>) -> Messages {
         Messages { stored, ..Messages::default() }
     }

@@ -505,7 +505,7 @@ fn is_results(folder: &Path) -> bool {
     [LIST, CARD, FILE].iter().any(|name| folder.join(name).is_file())
 }
 
-/// What is no ordinary file.
+/// Names the kind of a file that is not an ordinary one; `None` for an ordinary file.
 fn special(found: &Metadata) -> Option<&'static str> {
     match found.file_type() {
         kind if kind.is_file() => None,

@@ -422,7 +422,7 @@ fn span_of(file: &Recording, column: usize) -> Option<usize> {
 /// Words at the end of names of columns with the times over which increments were summed.
 const SPANS: [&[&str]; 5] = [&["dt"], &["delta", "t"], &["d", "t"], INTERVALS[0], INTERVALS[1]];
 
-/// Those that alone are no names of such columns.
+/// The endings in [`SPANS`] that count only after other words: a name of one of them alone is no such column.
 const INTERVALS: [&[&str]; 2] = [&["interval"], &["intervals"]];
 
 /// Makes increments over shorter times than the sampling step those of whole steps at the same rate, and says so.

@@ -84,7 +84,7 @@ pub(crate) struct Time {
     pub rest: Option<Rest>,
 }
 
-/// Who says what the unit of stamps is.
+/// The source of the unit of the stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stated {
     /// The user, or a clock in the stamps.
