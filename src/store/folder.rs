@@ -10,7 +10,7 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use cap_fs_ext::{DirExt, FollowSymlinks, MetadataExt, OpenOptionsFollowExt};
+use cap_fs_ext::{DirExt, FollowSymlinks, MetadataExt, OpenOptionsFollowExt, OpenOptionsSyncExt};
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, File, Metadata, OpenOptions};
 use serde::{Deserialize, Serialize};
@@ -432,7 +432,7 @@ impl Folder {
                 }
             }
         }
-        let file = open(&self.root, LIST, OpenOptions::new().read(true).append(true));
+        let file = open_in_place(&self.root, LIST, OpenOptions::new().read(true).append(true));
         // A list on a read-only disk can still be read.
         let (file, can_write) = match file {
             Ok(file) => (file, true),
@@ -462,7 +462,8 @@ impl Folder {
         let entry = Entry { name: name.to_owned(), sha256: sha256.map(str::to_owned) };
         let mut list = self.list();
         if list.file.is_none() {
-            let made = open(&self.root, LIST, OpenOptions::new().read(true).append(true).create_new(true));
+            let made =
+                open_in_place(&self.root, LIST, OpenOptions::new().read(true).append(true).create_new(true));
             match made {
                 Ok(mut file) => {
                     writeln!(file, "{HEAD}")?;
@@ -520,9 +521,20 @@ fn in_place(found: &Metadata) -> Option<&'static str> {
     special(found).or((found.nlink() > 1).then_some("a hard link"))
 }
 
-/// Opens a file without following a link.
+/// Opens an ordinary file without following a link, or waiting for a pipe that took its place since it was looked at.
 fn open(folder: &Dir, name: &str, options: &mut OpenOptions) -> io::Result<File> {
-    folder.open_with(name, options.follow(FollowSymlinks::No))
+    let file = folder.open_with(name, options.follow(FollowSymlinks::No).nonblock(true))?;
+    refuse(name, special(&file.metadata()?)).map(|()| file)
+}
+
+/// Opens a file that is written in place, which has no other names.
+fn open_in_place(folder: &Dir, name: &str, options: &mut OpenOptions) -> io::Result<File> {
+    let file = open(folder, name, options)?;
+    refuse(name, in_place(&file.metadata()?)).map(|()| file)
+}
+
+fn refuse(name: &str, what: Option<&str>) -> io::Result<()> {
+    what.map_or(Ok(()), |what| Err(io::Error::other(format!("{name} is {what}"))))
 }
 
 /// The SHA-256 of what remains to be read, in hexadecimal digits.
@@ -544,7 +556,7 @@ fn digest_of(source: &mut dyn Read) -> io::Result<String> {
 pub(crate) fn single(path: &Path) -> io::Result<std::fs::File> {
     check_single(path)?;
     let (folder, name) = parts(path)?;
-    open(&folder, &name, OpenOptions::new().read(true).write(true).create(true)).map(File::into_std)
+    open_in_place(&folder, &name, OpenOptions::new().read(true).write(true).create(true)).map(File::into_std)
 }
 
 /// Refuses a database that is no ordinary file of one name, or has a journal that is none.
@@ -578,10 +590,7 @@ fn check_single(path: &Path) -> io::Result<()> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         found => found?,
     };
-    match in_place(&found) {
-        Some(what) => Err(io::Error::other(format!("{name} is {what}"))),
-        None => Ok(()),
-    }
+    refuse(&name, in_place(&found))
 }
 
 fn parts(path: &Path) -> io::Result<(Dir, String)> {

@@ -1,11 +1,19 @@
 //! The files that each command writes, and what happens where others are in their places.
+//!
+//! 20 swaps while each command runs by themselves; `SAGNAC_SWAPS=1000 cargo test --release --test program written_files --
+//! --nocapture` for as many as one likes.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
 
+use rand::rngs::SmallRng;
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
 use serde_json::Value;
 
 use crate::desk::{Desk, STUDY};
@@ -178,6 +186,80 @@ fn whatever_is_in_the_place_of_a_file_nothing_outside_changes() {
                 fs::remove_dir_all(&victim).unwrap();
             }
         }
+    }
+}
+
+/// Everything in a folder and in those within it, files first.
+fn all(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .flat_map(|path| if path.is_dir() { [all(&path), vec![path]].concat() } else { vec![path] })
+        .collect()
+}
+
+/// A path with more at its end.
+fn ending(path: &Path, end: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(end);
+    name.into()
+}
+
+/// Puts links, pipes and folders in the places of what a command writes, each for a moment, until `is_done`.
+fn swap(paths: &[PathBuf], victim: &Path, is_done: &AtomicBool, count: &AtomicUsize, random: &mut SmallRng) {
+    while !is_done.load(Ordering::Relaxed) {
+        let path = paths.choose(random).unwrap();
+        let away = ending(path, ".away");
+        let was_there = fs::rename(path, &away).is_ok();
+        let swapped = match random.random_range(0..5) {
+            0 => symlink(victim.join("file"), path).is_ok(),
+            1 => symlink(victim, path).is_ok(),
+            2 => fs::hard_link(victim.join("file"), path).is_ok(),
+            3 => fs::create_dir(path).is_ok(),
+            _ => Command::new("mkfifo").arg(path).stderr(Stdio::null()).status().unwrap().success(),
+        };
+        std::thread::sleep(Duration::from_micros(random.random_range(0..2000)));
+        if swapped {
+            count.fetch_add(1, Ordering::Relaxed);
+            // The command may have put its own there meanwhile.
+            let _ = fs::remove_file(path).or_else(|_| fs::remove_dir(path));
+        }
+        if was_there {
+            let _ = fs::rename(&away, path);
+        }
+    }
+}
+
+#[test]
+fn nothing_outside_changes_while_others_swap_what_a_command_writes() {
+    let wanted: usize = std::env::var("SAGNAC_SWAPS").map_or(20, |text| text.parse().unwrap());
+    let seed: u64 = std::env::var("SAGNAC_SEED").map_or(1, |text| text.parse().unwrap());
+    let mut random = SmallRng::seed_from_u64(seed);
+    let desk = desk();
+    let victim = desk.path("victim");
+    place(&victim.join("file"), "mine");
+    for command in COMMANDS {
+        let (home, count, mut ends) = (desk.path("home"), AtomicUsize::new(0), [0, 0]);
+        while count.load(Ordering::Relaxed) < wanted {
+            desk.done(&format!("{command} home"));
+            fs::write(home.join("letter.txt"), "mine").unwrap();
+            let found = all(&home).into_iter().filter(|path| path.file_name() != Some("letter.txt".as_ref()));
+            let partial = |path: PathBuf| [ending(&path, ".partial"), path];
+            let journals = ["tallies.sqlite-wal", "tallies.sqlite-shm"].map(|name| home.join(name));
+            let paths: Vec<PathBuf> = found.flat_map(partial).chain(journals).collect();
+            let is_done = AtomicBool::new(false);
+            std::thread::scope(|scope| {
+                scope.spawn(|| swap(&paths, &victim, &is_done, &count, &mut random));
+                let code = desk.sagnac(&format!("{command} home")).code;
+                is_done.store(true, Ordering::Relaxed);
+                assert!([0, 6].contains(&code), "{command}: {code}");
+                ends[usize::from(code != 0)] += 1;
+            });
+            assert_eq!(fs::read_to_string(victim.join("file")).unwrap(), "mine", "{command}");
+            assert_eq!(desk.names("victim"), ["file"], "{command}");
+            assert_eq!(fs::read_to_string(home.join("letter.txt")).unwrap(), "mine", "{command}");
+            fs::remove_dir_all(&home).unwrap();
+        }
+        println!("{command}: {count:?} swaps, {} runs that ended well, {} refused", ends[0], ends[1]);
     }
 }
 
