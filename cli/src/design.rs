@@ -45,11 +45,11 @@ pub struct Options {
     #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_q9973")]
     by: Measure,
     /// Longest time from the end of the gap to the correction, such as "10 ms": fillers that read later ticks are left out
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME")]
     latency: Option<String>,
     /// Largest memory of a filler in firmware, its constants and its state on a 32-bit processor: larger fillers are left
     /// out
-    #[arg(long, value_name = "BYTES", value_parser = memory, allow_negative_numbers = true)]
+    #[arg(long, value_name = "BYTES", value_parser = memory)]
     memory: Option<u64>,
     /// Also try a handful of minimum-variance fillers that meet these constraints: of all numbers of ticks before and after
     /// the gap those that are worth their latency and memory
@@ -57,7 +57,7 @@ pub struct Options {
     search: bool,
     /// Frequency band of the vibration for which searched fillers are designed, such as "18 Hz,22 Hz" [default: that of
     /// the study's motion, with 5 % on either side]
-    #[arg(long, value_name = "LOW,HIGH", requires = "search", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW,HIGH", requires = "search")]
     band: Option<String>,
     #[command(flatten)]
     device: DeviceArg,
@@ -66,10 +66,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, instead of the number in the study; rounded up to 32 times a power of two
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Print the recommendation as JSON
     #[arg(help_heading = "Output", long)]

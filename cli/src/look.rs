@@ -29,9 +29,8 @@ pub struct Options {
 static ASKED: OnceLock<ColorChoice> = OnceLock::new();
 
 /// The colour choice before the command line is parsed, so that its errors follow it too.
-pub fn of_arguments(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ColorChoice {
-    let arguments: Vec<String> =
-        arguments.into_iter().map(|argument| argument.to_string_lossy().into_owned()).collect();
+pub fn of_arguments(arguments: &[std::ffi::OsString]) -> ColorChoice {
+    let arguments: Vec<_> = arguments.iter().map(|argument| argument.to_string_lossy()).collect();
     let asks = |word: &str| {
         arguments.iter().any(|argument| argument.strip_prefix("--color=") == Some(word))
             || arguments.windows(2).any(|pair| pair[0] == "--color" && pair[1] == word)
@@ -133,7 +132,7 @@ mod tests {
 
     #[test]
     fn colour_is_known_before_the_command_line_is_read() {
-        let of = |words: &str| of_arguments(words.split(' ').map(Into::into));
+        let of = |words: &str| of_arguments(&words.split(' ').map(Into::into).collect::<Vec<_>>());
         assert_eq!(of("sagnac run --color=never a.toml"), ColorChoice::Never);
         assert_eq!(of("sagnac --color always run"), ColorChoice::Always);
         assert_eq!(of("sagnac run a.toml --color"), ColorChoice::Auto);

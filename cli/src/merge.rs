@@ -39,10 +39,10 @@ pub struct Options {
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
     /// Trials at each point, instead of the number in the study
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Omit damaged rows instead of refusing their folder
     #[arg(long)]

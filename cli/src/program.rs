@@ -1,5 +1,6 @@
 //! The command line.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -206,28 +207,49 @@ fn hides() -> bool {
     arguments.any(|argument| matches!(visible(&argument.to_string_lossy()), std::borrow::Cow::Owned(_)))
 }
 
+/// The arguments, in which a negative quantity is one with the option before it. Alone, as in `--rate -5Hz`, it would be taken for an option.
+fn joined(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut joined: Vec<OsString> = vec![];
+    for argument in arguments {
+        let is_negative = matches!(argument.as_encoded_bytes(), [b'-', b'0'..=b'9' | b'.', ..]);
+        let is_open = |before: &&mut OsString| {
+            let before = before.as_encoded_bytes();
+            before.len() > 2 && before.starts_with(b"--") && !before.contains(&b'=')
+        };
+        match joined.last_mut().filter(|_| is_negative).filter(is_open) {
+            Some(option) => {
+                option.push("=");
+                option.push(argument);
+            }
+            None => joined.push(argument),
+        }
+    }
+    joined
+}
+
 /// Runs the program.
 pub fn main() -> ExitCode {
     crate::output::outlive_limits();
-    let color = crate::look::of_arguments(std::env::args_os());
-    let cli =
-        match command().color(color).try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
-            Ok(cli) => cli,
-            // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
-            // terminal, and `say!` shows the rest.
-            Err(error) if error.use_stderr() && hides() => {
-                say!("{}", error.render());
-                return ExitCode::from(2);
-            }
-            Err(error) if error.use_stderr() => error.exit(),
-            // Help or the version.
-            Err(text) => {
-                return match crate::output::flushed(text.print()) {
-                    Ok(()) => ExitCode::SUCCESS,
-                    Err(failure) => failure.report(),
-                };
-            }
-        };
+    let arguments = joined(std::env::args_os());
+    let color = crate::look::of_arguments(&arguments);
+    let matches = command().color(color).try_get_matches_from(arguments);
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        // An argument, such as a name of a file, stands in the message. Without styles, clap leaves out what commands a
+        // terminal, and `say!` shows the rest.
+        Err(error) if error.use_stderr() && hides() => {
+            say!("{}", error.render());
+            return ExitCode::from(2);
+        }
+        Err(error) if error.use_stderr() => error.exit(),
+        // Help or the version.
+        Err(text) => {
+            return match crate::output::flushed(text.print()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(failure) => failure.report(),
+            };
+        }
+    };
     crate::look::follow(&cli.look);
     match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,

@@ -45,13 +45,13 @@ pub struct Options {
     out: Option<PathBuf>,
     /// Samples, each with two evaluations and one more for each input; rounded up to 32 times a power of two [default:
     /// 8192 in closed form, else 2048]
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = samples)]
     samples: Option<u64>,
     /// Trials of each evaluation of a sampled answer [default: 4096, or more for few evaluations]
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Print the result as JSON
     #[arg(help_heading = "Output", long)]

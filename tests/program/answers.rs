@@ -138,6 +138,14 @@ fn folders_of_folders_negative_numbers_and_terms_are_understood() {
     desk.done("run study.toml --device cpu --quiet");
     desk.fails("check results", 2, &["results holds folders of results", "give one of them: results/study"]);
     desk.fails("run study.toml --trials -5", 2, &["not a whole number: write a whole number"]);
+    desk.write("g.csv", "0\n");
+    for (given, message) in [
+        ("--rate -5Hz", "--rate -5Hz: the rate is not positive"),
+        ("--rate -.5Hz", "--rate -.5Hz: the rate is not positive"),
+        ("--skip -5s", "a time before the start of the file"),
+    ] {
+        desk.fails(&format!("allan g.csv --data rate {given}"), 2, &[message]);
+    }
     for (word, meaning) in
         [("N", "angle random walk"), ("arw", "angle random walk"), ("lsb", "one pulse"), ("shard", "merge")]
     {

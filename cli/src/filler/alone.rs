@@ -26,16 +26,16 @@ const NAMES: [(&str, &str); 9] = [
 #[command(next_help_heading = "Without a study")]
 pub struct Given {
     /// Number n of lost ticks
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     gap_ticks: Option<u32>,
     /// Length of a tick, such as "5 ms"; not needed for polynomials
     #[arg(long, value_name = "TIME")]
     pub tick: Option<String>,
     /// Ticks to which the residual is fitted, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
-    #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TICKS")]
     fit_ticks: Option<String>,
     /// Ticks to which the extrapolation is fitted [default: -3..0, or for minimum-variance the fit ticks up to 0]
-    #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TICKS")]
     extrapolation_ticks: Option<String>,
     /// Frequency band of the vibration, such as "18 Hz,22 Hz", or a single frequency
     #[arg(long, value_name = "LOW,HIGH", requires_all = ["tick", "amplitude"])]

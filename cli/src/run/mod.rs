@@ -52,10 +52,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, instead of the number in the study
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Sample only share I of N, which `sagnac merge` combines with the others; slurm takes I and N from the job array
     #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = crate::run::share::parse)]
