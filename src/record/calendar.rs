@@ -9,39 +9,55 @@ pub(crate) enum Calendar {
     Date,
 }
 
+/// Which number is first in dates with slashes of which none is a year.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum First {
+    Month,
+    Day,
+}
+
+impl First {
+    /// The order of the date in a cell: that of months first, if both are possible.
+    pub(crate) fn of(cell: &[u8]) -> Option<First> {
+        let text = std::str::from_utf8(cell).ok().filter(|text| text.find('/').is_some_and(|at| at < 3))?;
+        [First::Month, First::Day].into_iter().find(|first| {
+            Calendar::Date.seconds(text.as_bytes(), *first).is_some()
+                || Calendar::Time.seconds(text.as_bytes(), *first).is_some()
+        })
+    }
+
+    pub(crate) fn other(self) -> First {
+        if self == First::Month { First::Day } else { First::Month }
+    }
+}
+
 impl Calendar {
     /// What a cell holds, if it is neither a number nor other text.
     pub(crate) fn of(cell: &[u8]) -> Option<Calendar> {
-        let text = std::str::from_utf8(cell).ok()?;
-        date(text).map(|_| Calendar::Date).or_else(|| time(text).map(|_| Calendar::Time))
+        let first = First::of(cell).unwrap_or(First::Month);
+        let holds = |calendar: &Calendar| !cell.is_empty() && calendar.seconds(cell, first).is_some();
+        [Calendar::Date, Calendar::Time].into_iter().find(holds)
     }
 
     /// The seconds that a cell of such a column stands for, since 1970 or since midnight; NaN for an empty one.
-    pub(crate) fn seconds(self, cell: &[u8]) -> Option<f64> {
+    pub(crate) fn seconds(self, cell: &[u8], first: First) -> Option<f64> {
         let text = std::str::from_utf8(cell).ok()?;
         match self {
             _ if text.is_empty() => Some(f64::NAN),
-            Calendar::Date => date(text),
-            Calendar::Time => time(text),
+            Calendar::Date => date(text, first),
+            Calendar::Time => time(text, first),
         }
     }
 }
 
-/// Whether a cell has a date of which either of the first two numbers may be the month.
-pub(crate) fn is_ambiguous(cell: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(cell);
-    let mut parts = text.split('/').map(|part| part.parse::<u8>().is_ok_and(|part| part <= 12));
-    parts.next() == Some(true) && parts.next() == Some(true)
-}
-
-const DAY_S: f64 = 86_400.0;
+pub(crate) const DAY_S: f64 = 86_400.0;
 
 const MONTHS: [&str; 12] =
     ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
 
 /// A time of day, with the date before it if there is one, and with the distance from UTC that may follow.
-fn time(text: &str) -> Option<f64> {
-    let dated = text.split_once(['T', ' ', '_']).and_then(|(day, clock)| Some((date(day)?, clock)));
+fn time(text: &str, first: First) -> Option<f64> {
+    let dated = text.split_once(['T', ' ', '_']).and_then(|(day, clock)| Some((date(day, first)?, clock)));
     let (day_s, clock, signs) = match dated {
         Some((day_s, clock)) => (day_s, clock.trim_start(), &[':', '-'][..]),
         None => (0.0, text, &[':'][..]),
@@ -84,8 +100,8 @@ fn zone(clock: &str) -> (&str, f64) {
 }
 
 /// The start of a date such as `2018-04-25`, `25-Apr-2018`, `25.04.2018` or `04/25/2018`, s since 1970. Of two numbers with a slash
-/// between the first is the month, unless it is above 12.
-fn date(text: &str) -> Option<f64> {
+/// between the `first` is the month or the day.
+fn date(text: &str, first: First) -> Option<f64> {
     let sign = text.chars().find(|c| !c.is_ascii_digit()).filter(|c| ['-', '/', '.'].contains(c))?;
     let month =
         |part: &str| MONTHS.iter().position(|month| part.eq_ignore_ascii_case(month)).map(|at| at as i64 + 1);
@@ -98,7 +114,7 @@ fn date(text: &str) -> Option<f64> {
     };
     let [year, month, day] = match sign {
         _ if a > 31 => [a, b, c],
-        '/' if a <= 12 => [c, a, b],
+        '/' if first == First::Month => [c, a, b],
         _ => [c, b, a],
     };
     let is_short = text.len() - text.rfind(sign)? == 3 && sign != '-';
@@ -120,6 +136,10 @@ mod tests {
     #[test]
     fn dates_and_times_are_read_as_loggers_and_spreadsheets_write_them() {
         let noon = 1_524_650_413.0;
+        let read = |calendar: Calendar, text: &str| {
+            let first = First::of(text.as_bytes()).unwrap_or(First::Month);
+            calendar.seconds(text.as_bytes(), first)
+        };
         for text in [
             "2018-04-25T10:00:13Z",
             "2018-04-25 10:00:13",
@@ -134,29 +154,34 @@ mod tests {
             "4/25/2018 10:00:13 AM",
             "25.04.18 10:00:13:000",
         ] {
-            assert_eq!(Calendar::Time.seconds(text.as_bytes()), Some(noon), "{text}");
+            assert_eq!(read(Calendar::Time, text), Some(noon), "{text}");
             assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Time), "{text}");
         }
         for (text, seconds) in
             [("1970-01-01", 0.0), ("2000-02-29", 951_782_400.0), ("01.03.2000", 951_868_800.0)]
         {
-            assert_eq!(Calendar::Date.seconds(text.as_bytes()), Some(seconds), "{text}");
+            assert_eq!(read(Calendar::Date, text), Some(seconds), "{text}");
             assert_eq!(Calendar::of(text.as_bytes()), Some(Calendar::Date), "{text}");
         }
         for (text, seconds) in [("10:00:13.25", 36_013.25), ("12:00:00 am", 0.0), ("1:30:00 PM", 48_600.0)] {
-            assert_eq!(Calendar::Time.seconds(text.as_bytes()), Some(seconds), "{text}");
+            assert_eq!(read(Calendar::Time, text), Some(seconds), "{text}");
         }
-        assert_eq!(Calendar::Time.seconds(b"25.04.2018 10:00"), Some(noon - 13.0));
-        assert!(Calendar::Time.seconds(b"").is_some_and(f64::is_nan));
+        assert_eq!(read(Calendar::Time, "25.04.2018 10:00"), Some(noon - 13.0));
+        assert!(read(Calendar::Time, "").is_some_and(f64::is_nan));
     }
 
     #[test]
-    fn only_dates_with_slashes_and_small_numbers_are_ambiguous() {
-        for (text, is) in
-            [("05/01/2024 23:59:59", true), ("25/01/2024", false), ("2024/01/05", false), ("1.5", false)]
-        {
-            assert_eq!(is_ambiguous(text.as_bytes()), is, "{text}");
+    fn only_dates_with_slashes_have_a_first_number() {
+        for (text, first) in [
+            ("05/01/2024 23:59:59", Some(First::Month)),
+            ("25/01/2024", Some(First::Day)),
+            ("2024/01/05", None),
+            ("25.01.2024", None),
+            ("1.5", None),
+        ] {
+            assert_eq!(First::of(text.as_bytes()), first, "{text}");
         }
+        assert_eq!(Calendar::Date.seconds(b"25/01/2024", First::Month), None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The layout of a text with columns, determined from its first lines.
 
 use crate::quantity::units::{Dimension, parse as parse_quantity};
-use crate::record::calendar::{Calendar, is_ambiguous};
+use crate::record::calendar::{Calendar, First};
 pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
@@ -26,6 +26,8 @@ pub(crate) struct Layout {
     pub numbers: Vec<Option<f64>>,
     /// The columns with times of the calendar.
     pub calendar: Vec<Option<Calendar>>,
+    /// Which number is first in dates with slashes, if the first rows have such dates.
+    pub first: Option<First>,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
@@ -70,7 +72,9 @@ impl Layout {
             rows.iter().rev().filter_map(cell).find(|cell| !cell.is_empty()).unwrap_or_default()
         };
         let shown: Vec<Vec<u8>> = (0..cells.len()).map(cell).collect();
-        let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| Calendar::of(cell)?.seconds(cell));
+        let date = shown.iter().find_map(|cell| First::of(cell));
+        let of_calendar = |cell: &Vec<u8>| Calendar::of(cell)?.seconds(cell, date.unwrap_or(First::Month));
+        let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| of_calendar(cell));
         let mut layout = Layout {
             file: file.to_owned(),
             delimiter,
@@ -79,15 +83,13 @@ impl Layout {
             columns: cells.len(),
             numbers: shown.iter().map(number).collect(),
             calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
+            first: date,
             start: first.start,
             lines: first.number - 1,
             step_s: stable32.and_then(|found| found.step_s),
             inferred: vec![],
             shown: (first.number, first.text.to_vec()),
         };
-        if shown.iter().any(|cell| is_ambiguous(cell)) {
-            layout.inferred.push("dates with slashes are read as month/day/year".to_owned());
-        }
         if titles > 0 {
             let lines = if titles == 1 { "1 line".to_owned() } else { format!("{titles} lines") };
             layout.inferred.push(format!("{lines} above the header: not read"));
@@ -127,7 +129,7 @@ impl Layout {
     #[inline]
     pub(crate) fn value(&self, column: usize, cell: &[u8]) -> Option<f64> {
         match self.calendar.get(column) {
-            Some(Some(calendar)) => calendar.seconds(cell),
+            Some(Some(calendar)) => calendar.seconds(cell, self.first.unwrap_or(First::Month)),
             _ => self.decimal.value(cell),
         }
     }

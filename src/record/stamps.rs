@@ -532,9 +532,8 @@ fn placed(
             place += steps;
             if place >= most {
                 let message = "most of the record is missing".to_owned();
-                let help = "is a time stamp wrong, or a date day/month/year, which is read as month/day/year? correct it, cut the \
-                            log there, or ignore the stamps with `time = none`: at most ten times as many samples may be missing \
-                            as there are";
+                let help = "is a time stamp wrong? correct it, cut the log there, or ignore the stamps with `time = none`: at most \
+                            ten times as many samples may be missing as there are";
                 let label = "after the longest gap".to_owned();
                 return Err(TimeFault { row, words: [message, label, help.to_owned()] });
             }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::record::calendar::Calendar;
+use crate::record::calendar::{Calendar, DAY_S, First};
 use crate::record::cells::{Cells, Decimal};
 use crate::record::error::{Faults, RecordError};
 use crate::record::excess;
@@ -80,17 +80,36 @@ impl Columns for Text<'_> {
     }
 
     fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError> {
-        let (columns, comments) = read(&self.layout, &mut self.rows, wanted, rules)?;
+        let mut found = read(&self.layout, &mut self.rows, wanted, rules);
+        let span_s = |found: &Result<(Vec<Vec<f64>>, usize), RecordError>| {
+            found.as_ref().map_or(f64::INFINITY, |(columns, _)| span_s(&self.layout, wanted, columns))
+        };
+        // Within a day the order of the date does not matter.
+        if let Some(first) = self.layout.first.filter(|_| span_s(&found) > DAY_S) {
+            let mut layout = self.layout.clone();
+            layout.first = Some(first.other());
+            let other = reopened(&layout, self.origin).map(|rows| read(&layout, rows, wanted, rules));
+            if let Some(other) = other.filter(|other| span_s(other) < span_s(&found)) {
+                (found, self.layout) = (other, layout);
+            }
+        }
+        let (columns, comments) = found?;
         self.comments = comments;
         Ok(columns)
     }
 
     fn found(&self) -> Vec<String> {
-        match self.comments {
-            0 => vec![],
-            1 => vec!["1 line among the rows is a comment, which is no sample".to_owned()],
-            count => vec![format!("{count} lines among the rows are comments, which are no samples")],
-        }
+        let comments = match self.comments {
+            0 => None,
+            1 => Some("1 line among the rows is a comment, which is no sample".to_owned()),
+            count => Some(format!("{count} lines among the rows are comments, which are no samples")),
+        };
+        let order = self.layout.first.map(|first| match first {
+            First::Month => "month/day/year",
+            First::Day => "day/month/year",
+        });
+        let order = order.map(|order| format!("dates with slashes are read as {order}"));
+        comments.into_iter().chain(order).collect()
     }
 
     fn sample(&self, column: usize) -> Option<f64> {
@@ -116,6 +135,26 @@ impl Columns for Text<'_> {
     fn place_of_row(&self, row: usize, column: usize) -> Option<Place> {
         place_of_row(&self.layout, self.origin, row, column)
     }
+}
+
+/// The rows of a text again.
+fn reopened<'a>(layout: &Layout, origin: Origin<'a>) -> Option<impl Read + use<'a>> {
+    let mut bytes = BufReader::new(origin.open().ok()?.0);
+    std::io::copy(&mut bytes.by_ref().take(layout.start as u64), &mut std::io::sink()).ok()?;
+    Some(bytes)
+}
+
+/// Time from the first row to the last by the wanted times of the calendar, s, infinite where they are not in order.
+fn span_s(layout: &Layout, wanted: &[usize], columns: &[Vec<f64>]) -> f64 {
+    let are_times = |column: &usize| layout.calendar.get(*column) == Some(&Some(Calendar::Time));
+    let times = wanted.iter().zip(columns).filter(|(column, _)| are_times(column));
+    let span = |times: &Vec<f64>| {
+        let known = || times.iter().copied().filter(|time| !time.is_nan());
+        let is_in_order = known().zip(known().skip(1)).all(|(before, time)| before <= time);
+        let ends = known().next().zip(known().next_back()).filter(|_| is_in_order);
+        ends.map_or(f64::INFINITY, |(first, last)| last - first)
+    };
+    times.map(|(_, times)| span(times)).fold(0.0, f64::max)
 }
 
 /// Reads the `wanted` columns in the given order from the `bytes` of all rows, with NaN for missing values, and counts comments
@@ -249,7 +288,7 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
 fn add_dates(text: &[u8], layout: &Layout, dates: &[(usize, usize)], columns: &mut [Vec<f64>]) -> bool {
     dates.iter().all(|&(column, slot)| {
         let cell = Cells::new(text, layout.delimiter).nth(column).unwrap_or(0..0);
-        let day_s = Calendar::Date.seconds(&text[cell]);
+        let day_s = Calendar::Date.seconds(&text[cell], layout.first.unwrap_or(First::Month));
         columns[slot].last_mut().zip(day_s).map(|(clock, day_s)| *clock += day_s).is_some()
     })
 }

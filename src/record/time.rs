@@ -77,8 +77,8 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, T
     if total + 1.0 > rules.most as f64 || total > SPARSEST * stamps.len() as f64 {
         let (gap, median) = (seconds(longest.1), seconds(median));
         let message = format!("most of the record is missing: a gap of {gap} at steps of {median}");
-        let help = "is a time stamp wrong, or a date day/month/year, which is read as month/day/year? correct it, or cut the log \
-                    there: at most ten times as many samples may be missing as there are";
+        let help = "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be \
+                    missing as there are";
         return Err(TimeFault::new(longest.0, message, "after the longest gap", help));
     }
     let places = (!gapless).then(|| {

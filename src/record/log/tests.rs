@@ -244,3 +244,43 @@ fn a_mean_rate_that_only_degrees_explain_is_noted_in_radians() {
     }
     assert_eq!(check("rad/s", UnitCheck::Off), "");
 }
+
+#[test]
+fn the_order_of_a_date_is_that_in_which_all_rows_are_a_record() {
+    let desk = Desk::new();
+    // Hours from 16:00 on the first day; the 13th begins behind the rows from which the layout is found.
+    let cases = [
+        (3, 4, "{day:02}/{month:02}/2024", "day/month/year"),
+        (3, 4, "{month:02}/{day:02}/2024", "month/day/year"),
+        (11, 4, "{day:02}/{month:02}/2024", "day/month/year"),
+        (11, 4, "{month:02}/{day:02}/2024", "month/day/year"),
+        (25, 4, "{day}/{month}/2024", "day/month/year"),
+    ];
+    for (first, month, pattern, order) in cases {
+        for sign in [" ", ","] {
+            let date = |day: usize| {
+                let pattern =
+                    pattern.replace("{day:02}", &format!("{day:02}")).replace("{day}", &day.to_string());
+                pattern.replace("{month:02}", &format!("{month:02}")).replace("{month}", &month.to_string())
+            };
+            let rows = lines(|i| {
+                let hour = 16 + i;
+                format!("{}{sign}{:02}:00:00,{}", date(first + hour / 24), hour % 24, sample(i))
+            });
+            let header = if sign == "," { "date,time,gz" } else { "time,gz" };
+            let path = desk.write("g.csv", format!("{header}\n{rows}").as_bytes());
+            let log = Log::read(&path, &request(&["gz"], stamps("time", None))).unwrap();
+            assert_eq!((log.step_s, log.samples()), (3600.0, COUNT), "{first} {pattern}");
+            let note = format!("dates with slashes are read as {order}");
+            assert!(log.notes.contains(&note), "{first} {pattern}: {:?}", log.notes);
+        }
+    }
+    let rows = lines(|i| format!("03/04/2024 10:00:{i:02},{}", sample(i)));
+    let path = desk.write("day.csv", format!("time,gz\n{rows}").as_bytes());
+    let log = Log::read(&path, &request(&["gz"], stamps("time", None))).unwrap();
+    assert!(
+        log.notes.contains(&"dates with slashes are read as month/day/year".to_owned()),
+        "{:?}",
+        log.notes
+    );
+}
