@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::quantity::number::significant;
+use crate::record::calendar::DAY_S;
 use crate::record::log::read::Duplicates;
 use crate::record::time::{Grid, LONG_GAP, SPARSEST, TimeFault, median_step, whole_steps};
 
@@ -73,6 +74,14 @@ pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
 pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
     let is_short = |unit_s: f64| stamps.len() < 2 || median_step(stamps) * unit_s <= LONGEST_STEP_S;
     epoch_unit(*stamps.first()?).filter(|(_, unit_s)| is_short(*unit_s))
+}
+
+/// Numbers of days by which spreadsheets count times, from 1954 to 2119. In seconds their steps are far shorter than those of a sensor.
+const SERIAL_DAYS: Range<f64> = 2e4..8e4;
+
+/// Whether stamps with a mean `step` are times of a spreadsheet, in days.
+pub(crate) fn are_serial_days(stamps: &[f64], step: f64) -> bool {
+    stamps.iter().all(|stamp| SERIAL_DAYS.contains(stamp)) && is_step_of_sensor(step * DAY_S)
 }
 
 /// Whether steps of `step_s` are those of a sensor.

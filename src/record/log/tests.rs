@@ -284,3 +284,23 @@ fn the_order_of_a_date_is_that_in_which_all_rows_are_a_record() {
         log.notes
     );
 }
+
+#[test]
+fn times_of_a_spreadsheet_are_days() {
+    let desk = Desk::new();
+    let timing = || Timing::Stamps { step_s: None, column: None, unit: None };
+    let serial = |name: &str, step_s: f64| {
+        let rows =
+            lines(|i| format!("{:.10},{}", 45_291.500_011_574 + step_s * i as f64 / 86_400.0, sample(i)));
+        desk.write("g.csv", format!("{name},gz\n{rows}").as_bytes())
+    };
+    for name in ["time", "Timestamp", "Date"] {
+        let log = Log::read(&serial(name, 0.02), &request(&["gz"], timing())).unwrap();
+        assert!((log.step_s / 0.02 - 1.0).abs() < 1e-3 && log.samples() == COUNT, "{} s", log.step_s);
+        let note = format!("the time column `{name}` is taken for days, as spreadsheets count them");
+        assert!(log.notes.contains(&note), "{:?}", log.notes);
+    }
+    // Steps of 0.02 in an unknown unit.
+    let message = refused(&serial("time", 0.02 * 86_400.0), &request(&["gz"], timing()));
+    assert!(message.contains("has no unit"), "{message}");
+}

@@ -2,15 +2,15 @@
 
 use crate::quantity::number::significant;
 use crate::quantity::units::{Dimension, parse as parse_quantity};
-use crate::record::calendar::Calendar;
+use crate::record::calendar::{Calendar, DAY_S};
 use crate::record::error::{Faults, RecordError};
 use crate::record::log::read::{Duplicates, RULES, Timing};
 use crate::record::names::{Name, words};
 use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
-    Doubled, are_coarse, are_rounded, coarseness, doubled as doubled_of, epoch_unit, epoch_unit_of,
-    exact_step, faults as faults_of, grid_of_rows, is_step_of_sensor, likely_units, mean_step,
+    Doubled, are_coarse, are_rounded, are_serial_days, coarseness, doubled as doubled_of, epoch_unit,
+    epoch_unit_of, exact_step, faults as faults_of, grid_of_rows, is_step_of_sensor, likely_units, mean_step,
     step_in_stamps, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
@@ -255,8 +255,11 @@ pub(crate) fn found(
     let bare = |column: usize| file.names()[column].bare.as_str();
     let unit = |column: usize| file.names()[column].unit.as_deref();
     let measures_time = |column: usize| has_unit_of_time(&file.names()[column]);
+    let is_time_or_serial = |column: usize| {
+        is_time(bare(column)) || is_called(bare(column), &["date"]) && file.calendar(column).is_none()
+    };
     let is_of_time =
-        |column: usize| is_time(bare(column)) && (unit(column).is_none() || measures_time(column));
+        |column: usize| is_time_or_serial(column) && (unit(column).is_none() || measures_time(column));
     let mut times = candidates(&is_of_time);
     if let Some(&column) = times.iter().find(|column| file.sample(**column).is_none()) {
         notes.push(format!("{} holds no numbers and is not used", time_column(file, column)));
@@ -518,6 +521,10 @@ fn unit_of_stamps(
         (None, Some((unit, unit_s))) => {
             notes.push(format!("{title} is taken for {unit} since 1970"));
             Some(unit_s)
+        }
+        (None, None) if clock.is_sure && step.is_some_and(|step| are_serial_days(stamps, step)) => {
+            notes.push(format!("{title} is taken for days, as spreadsheets count them"));
+            Some(DAY_S)
         }
         (None, None) if clock.step_s.is_none() => {
             let message = match time.unit_s.zip(step) {
