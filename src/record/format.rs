@@ -84,6 +84,11 @@ pub(crate) trait Columns {
         Some(f64::NAN)
     }
 
+    /// Whether a column seems to hold one number, or to count rows.
+    fn is_steady(&self, _column: usize) -> bool {
+        false
+    }
+
     /// What times of the calendar a column holds, if any.
     fn calendar(&self, _column: usize) -> Option<Calendar> {
         None

@@ -12,6 +12,9 @@ use crate::source::place::{Place, decoded};
 /// Lines from which delimiter and decimals are found.
 const SAMPLE: usize = 32;
 
+/// Fewest rows that show whether a column varies.
+const LEAST_STEADY: usize = 8;
+
 /// The layout of a text.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
@@ -24,6 +27,8 @@ pub(crate) struct Layout {
     pub columns: usize,
     /// The number in each cell of one of the first rows, NaN where there is no row.
     pub numbers: Vec<Option<f64>>,
+    /// Columns of which the first rows hold one number, or count up or down by 1.
+    pub steady: Vec<bool>,
     /// The columns with times of the calendar.
     pub calendar: Vec<Option<Calendar>>,
     /// Which number is first in dates with slashes, if the first rows have such dates.
@@ -72,6 +77,14 @@ impl Layout {
             rows.iter().rev().filter_map(cell).find(|cell| !cell.is_empty()).unwrap_or_default()
         };
         let shown: Vec<Vec<u8>> = (0..cells.len()).map(cell).collect();
+        let is_steady = |column: usize| {
+            let value =
+                |line: &Line| decimal_found.value(&line.text[Cells::new(line.text, delimiter).nth(column)?]);
+            let numbers: Vec<f64> = rows.iter().filter_map(value).collect();
+            let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
+            numbers.len() >= LEAST_STEADY
+                && [0.0, 1.0, -1.0].iter().any(|known| steps().all(|step| step == *known))
+        };
         let date = shown.iter().find_map(|cell| First::of(cell));
         let of_calendar = |cell: &Vec<u8>| Calendar::of(cell)?.seconds(cell, date.unwrap_or(First::Month));
         let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| of_calendar(cell));
@@ -82,6 +95,7 @@ impl Layout {
             names: vec![],
             columns: cells.len(),
             numbers: shown.iter().map(number).collect(),
+            steady: (0..cells.len()).map(is_steady).collect(),
             calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
             first: date,
             start: first.start,

@@ -119,6 +119,11 @@ impl<'a> Recording<'a> {
         self.columns.sample(column)
     }
 
+    /// Whether a column seems to hold one number, or to count rows.
+    pub(crate) fn is_steady(&self, column: usize) -> bool {
+        self.columns.is_steady(column)
+    }
+
     /// What times of the calendar a column holds, if any. Those of a time of day include the date in the column before.
     pub(crate) fn calendar(&self, column: usize) -> Option<Calendar> {
         self.columns.calendar(column)

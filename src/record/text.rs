@@ -116,6 +116,10 @@ impl Columns for Text<'_> {
         self.layout.numbers.get(column).copied().flatten()
     }
 
+    fn is_steady(&self, column: usize) -> bool {
+        self.layout.steady.get(column) == Some(&true)
+    }
+
     fn calendar(&self, column: usize) -> Option<Calendar> {
         self.layout.calendar.get(column).copied().flatten()
     }

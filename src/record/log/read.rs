@@ -315,7 +315,11 @@ fn wanted(
                 let name = file.names().get(column).filter(|name| !name.bare.contains([',', ' ', '`']));
                 name.map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
             };
-            let names: Vec<String> = likely(file, taken).iter().map(name).collect();
+            let mut proposed = likely(file, taken);
+            if !proposed.iter().all(|&column| file.is_steady(column)) {
+                proposed.retain(|&column| !file.is_steady(column));
+            }
+            let names: Vec<String> = proposed.iter().map(name).collect();
             let help = format!(
                 "name one or several of them, as in `column = {}`: {}",
                 names.join(","),

@@ -304,3 +304,13 @@ fn times_of_a_spreadsheet_are_days() {
     let message = refused(&serial("time", 0.02 * 86_400.0), &request(&["gz"], timing()));
     assert!(message.contains("has no unit"), "{message}");
 }
+
+#[test]
+fn columns_that_do_not_vary_are_not_proposed() {
+    let desk = Desk::new();
+    let rows = lines(|i| format!("{},7,{},{}", 0.01 * i as f64, i % 256, sample(i)));
+    let path = desk.write("g.csv", format!("time [s],mode,packets,rot\n{rows}").as_bytes());
+    let timing = Timing::Stamps { step_s: None, column: None, unit: None };
+    let message = refused(&path, &request(&[], timing));
+    assert!(message.contains("as in `column = rot`"), "{message}");
+}
