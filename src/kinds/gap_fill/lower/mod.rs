@@ -77,6 +77,17 @@ impl Lowered {
         seed: u64,
         streams: Streams,
     ) -> Result<Lowered, Refusal> {
+        Lowered::of(point, fillers.iter().zip(point.fills.iter()), errors, seed, streams)
+    }
+
+    /// Lowers a point with some of its fillers.
+    pub(crate) fn of<'a>(
+        point: &Point,
+        fillers: impl Iterator<Item = (&'a Filler, &'a Fill)>,
+        errors: &[Error],
+        seed: u64,
+        streams: Streams,
+    ) -> Result<Lowered, Refusal> {
         let sides = point.sides();
         let physical = Physical::of(&point.inputs, sides.max(DEFAULT_SIDES))?;
         let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
@@ -104,8 +115,7 @@ impl Lowered {
             }
             Ok(estimates)
         };
-        let fillers =
-            fillers.iter().zip(point.fills.iter()).map(estimates).collect::<Result<Vec<_>, Refusal>>()?;
+        let fillers = fillers.map(estimates).collect::<Result<Vec<_>, Refusal>>()?;
         Ok(Lowered { id, key, fixed, fillers })
     }
 

@@ -132,7 +132,7 @@ impl<'a> Proven<'a> {
         subject: &'a GapFill,
         point: &'a Point,
     ) -> Result<Proven<'a>, Refusal> {
-        let lowered = lower(study, subject, point)?;
+        let lowered = Lowered::new(point, &subject.fillers, &subject.errors, study.seed, study.streams)?;
         let (id, replay) = (lowered.id, lowered.whole_replays(1));
         let physical = PhysicalOracle::new(&point.inputs, point.sides());
         let fillers = lowered.fillers.iter().zip(&subject.fillers).enumerate();
@@ -179,7 +179,10 @@ impl<'a> Proven<'a> {
 
     /// The launch of some fillers with the same errors.
     pub(crate) fn launch(&self, fillers: &[usize]) -> Result<Launch, Refusal> {
-        Ok(lower(self.study, self.subject, self.point)?.launch(fillers))
+        let Proven { study, subject, point, .. } = self;
+        let own = fillers.iter().map(|&filler| (&subject.fillers[filler], &point.fills[filler]));
+        let lowered = Lowered::of(point, own, &subject.errors, study.seed, study.streams)?;
+        Ok(lowered.launch(&Vec::from_iter(0..fillers.len())))
     }
 
     /// The addresses of the estimates of a launch, in its order.
@@ -190,11 +193,6 @@ impl<'a> Proven<'a> {
         };
         Error::ALL.into_iter().flat_map(of_error).map(|own| self.address(own)).collect()
     }
-}
-
-/// Lowers a point of a study, which gives the same words each time.
-fn lower(study: &Study, subject: &GapFill, point: &Point) -> Result<Lowered, Refusal> {
-    Lowered::new(point, &subject.fillers, &subject.errors, study.seed, study.streams)
 }
 
 impl Launched for Proven<'_> {
