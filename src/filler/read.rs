@@ -35,11 +35,19 @@ pub(crate) enum Extrapolation {
     None,
 }
 
+/// Most fillers of a study.
+const MOST_FILLERS: usize = 1000;
+
 /// Reads the fillers; those of least variance without a band are designed for the specification, if there is one.
 pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> Result<Vec<Written>, Fault> {
     if list.items().is_empty() {
         let message = "switching.fillers is empty, there is nothing to compare";
         return Err(list.fault(message, "no filler", choices("", LISTED)));
+    }
+    let count = list.items().len();
+    if count > MOST_FILLERS {
+        let help = format!("accepted: up to {MOST_FILLERS}; `sagnac design` searches fillers by itself");
+        return Err(list.fault(format!("switching.fillers lists {count} fillers"), "too many", help));
     }
     let mut fillers: Vec<Written> = Vec::new();
     for entry in list.items() {

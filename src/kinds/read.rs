@@ -29,8 +29,8 @@ use crate::kinds::keys::checked;
 use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, StudyError, Text, Wrong};
 use crate::source::text_file::{Files, MOST_TOML, read_text};
-use crate::study::Study;
 use crate::study::kept::{self, Written};
+use crate::study::{MOST_BYTES, Study};
 
 impl Study {
     /// Reads the study file at `path`.
@@ -65,6 +65,10 @@ impl Study {
 
     /// Checks a study. With `joined` sweeps, which belong together, its own sweeps and charts do not apply.
     pub(crate) fn check(text: &Text, joined: Option<Vec<Sweep>>) -> Result<Study, Wrong> {
+        if let Some(at) = text.inner().find('\0') {
+            let message = "the study is not text in UTF-8: it contains a zero byte, as UTF-16 does";
+            return Err(Fault::new(at..at + 1, message, "here", "save it as UTF-8").into());
+        }
         let root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
         let table = Table::root("", &root);
         let (kind, keys) = checked(&table)?;
@@ -88,6 +92,15 @@ impl Study {
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
         let Reading { mut places, notes, precision, .. } = reading;
+        let bytes = subject.bytes();
+        if bytes > MOST_BYTES {
+            let span = sweeps.first().map_or_else(|| table.span_of(&KIND), |sweep| Some(sweep.span.clone()));
+            let message =
+                format!("the points of this study and their tables take {} MiB of memory", bytes >> 20);
+            let help =
+                "accepted: up to 1024 MiB; sweep fewer values, or take fewer fillers, times or trajectories";
+            return Err(Fault::new(span.unwrap_or_default(), message, "too many points", help).into());
+        }
         // After the values that are read, which come first where both are written.
         uncertain.iter().for_each(|input| places.add(input.key.name, input.span.clone()));
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());

@@ -7,8 +7,8 @@ use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Largest size of a study or of a noise file, in bytes.
-pub const MOST_TOML: u64 = 16 << 20;
+/// Largest size of a study or of a noise file, in bytes. The parser of TOML takes up to 100 bytes for each of them.
+pub const MOST_TOML: u64 = 4 << 20;
 
 /// Largest size of a record in bytes, 2^28, which is read and refused in less than 1 GiB of memory.
 pub const MOST_RECORD: u64 = 1 << 28;

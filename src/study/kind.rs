@@ -64,6 +64,9 @@ impl fmt::Debug for Kind {
     }
 }
 
+/// Bytes of memory that a row of a table takes, with the charts and pages that show it.
+pub(crate) const ROW: u64 = 1150;
+
 /// The part of a study that belongs to its kind.
 pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// Lowers every point. `progress` receives their number, and each as it is lowered.
@@ -88,6 +91,12 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// that set them.
     fn values(&self, _point: usize) -> Vec<(&'static Key, Quantity)> {
         vec![]
+    }
+
+    /// Bytes of memory that its points and their rows in tables take, about, where that may be more than the bounds of sweeps
+    /// allow.
+    fn bytes(&self) -> u64 {
+        0
     }
 
     /// The tables of its results, as far as they are known before anything is sampled, with that of the points first.

@@ -66,6 +66,9 @@ pub struct Study {
     pub(crate) values: Vec<(&'static Key, Quantity)>,
 }
 
+/// Most bytes of memory that the points and the tables of a study may take, and so may the trials of one of its points.
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
+
 impl Study {
     /// The kind of the study.
     pub fn kind(&self) -> &'static Kind {
@@ -142,13 +145,15 @@ impl Study {
         Fault::new(span, message, "here", help).within(&self.text)
     }
 
-    /// Refuses more than `most` trials; `what` names what a trial of this kind is.
-    pub(crate) fn check_trials(&self, most: u64, what: &str) -> Result<(), StudyError> {
+    /// Refuses trials of a point that do not fit into [`MOST_BYTES`] where each has these `numbers` in memory, with 32 bytes for
+    /// each of them: its sum and what is made of it. `what` names what a trial of this kind is.
+    pub(crate) fn check_trials(&self, numbers: usize, what: &str) -> Result<(), StudyError> {
+        let most = MOST_BYTES / (32 * numbers.max(1) as u64);
         if self.trials <= most {
             return Ok(());
         }
         let message = format!("{} {what} of a point", self.trials);
-        let help = format!("accepted: up to {most} trials, which are {what} here");
+        let help = format!("accepted: up to {most} trials, which are {what} here and take 1 GiB of memory");
         Err(self.error_at(self.place_of("trials"), message, help))
     }
 

@@ -285,7 +285,13 @@ fn what_is_no_toml_or_no_file_is_told() {
     desk.fails("run folder --device cpu", 3, &["folder is a folder, not a study file", "help:"]);
     std::fs::write(desk.path("latin1.toml"), b"title = \"\xe9\"\n").unwrap();
     desk.fails("run latin1.toml --device cpu", 3, &["cannot read the study latin1.toml", "UTF-8"]);
-    assert_eq!(desk.names("."), ["folder", "latin1.toml", "study.toml"]);
+    std::fs::write(desk.path("utf16.toml"), STUDY.replace('\n', "\0\n")).unwrap();
+    desk.fails(
+        "run utf16.toml --device cpu",
+        3,
+        &["it contains a zero byte, as UTF-16 does", "save it as UTF-8"],
+    );
+    assert_eq!(desk.names("."), ["folder", "latin1.toml", "study.toml", "utf16.toml"]);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::progress::Progress;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::sampling::plan::Planned;
 use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
+use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::Dissected;
 use crate::table::column::abouts;
 use crate::theory::allan::terms::Term;
@@ -59,6 +59,10 @@ impl Subject for Allan {
 
     fn values(&self, point: usize) -> Vec<(&'static Key, Quantity)> {
         self.points.get(point).map(|point| values(&point.inputs.noise)).unwrap_or_default()
+    }
+
+    fn bytes(&self) -> u64 {
+        ROW * self.points.iter().map(|point| point.ms.len() as u64).sum::<u64>()
     }
 
     fn grounds(&self) -> Vec<Ground> {

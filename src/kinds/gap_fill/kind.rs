@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Planned;
 use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
+use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::Dissected;
 use crate::table::column::abouts;
 
@@ -49,6 +49,10 @@ impl Subject for GapFill {
     fn dissected(&self, point: usize) -> Option<Dissected> {
         let (parts, points) = parts::dissected(self.points.get(point)?);
         Some(Dissected { parts, subject: Arc::new(GapFill { points, ..self.clone() }) })
+    }
+
+    fn bytes(&self) -> u64 {
+        ROW * (self.points.len() * self.fillers.len() * self.errors.len()) as u64
     }
 
     fn grounds(&self) -> Vec<Ground> {

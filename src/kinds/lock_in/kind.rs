@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Planned;
 use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
+use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::{self, Dissected};
 use crate::table::column::abouts;
 
@@ -53,6 +53,10 @@ impl Subject for LockInStudy {
         let of = |inputs| Point { swept: swept.clone(), inputs, times: times.clone() };
         let points = inputs.into_iter().map(of).collect();
         Some(Dissected { parts, subject: Arc::new(LockInStudy { points, ..self.clone() }) })
+    }
+
+    fn bytes(&self) -> u64 {
+        ROW * self.points.iter().map(|point| point.times.ms.len() as u64).sum::<u64>()
     }
 
     fn grounds(&self) -> Vec<Ground> {

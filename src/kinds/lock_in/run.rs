@@ -63,6 +63,7 @@ impl<'a> Plan<'a> {
             check_fit(subject.terms.as_ref(), &point.times.ms, point.times.samples)
                 .map_err(|refusal| study.refused(&point.swept, &refusal))?;
             let samples = u64::from(gyros.recipe().samples);
+            study.check_trials(gyros.width(), "gyros")?;
             records.push(Records { address: gyros.address, samples, width: gyros.width() });
             points.push(gyros);
             progress.advance(1);

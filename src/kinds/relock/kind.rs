@@ -16,7 +16,7 @@ use crate::progress::Progress;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Planned;
 use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
+use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::{self, Dissected};
 use crate::table::column::abouts;
 
@@ -58,6 +58,11 @@ impl Subject for RelockStudy {
             |relock| RelockPoint { swept: swept.clone(), inputs: RelockInputs { relock, ..inputs.clone() } };
         let points = relocks.into_iter().map(of).collect();
         Some(Dissected { parts, subject: Arc::new(RelockStudy { points, ..self.clone() }) })
+    }
+
+    fn bytes(&self) -> u64 {
+        let ticks = self.inputs.relock.ticks as u64 + 1;
+        ROW * (self.points.len() * Compensation::ALL.len()) as u64 * ticks
     }
 
     fn grounds(&self) -> Vec<Ground> {

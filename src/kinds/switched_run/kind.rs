@@ -10,12 +10,14 @@ use crate::kinds::relock;
 use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::lower::LoweredRun;
 use crate::kinds::switched_run::parts;
+use crate::kinds::switched_run::point::Point;
+use crate::kinds::switched_run::run::trajectories::MOST_SHOWN;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::progress::Progress;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Planned;
 use crate::study::Study;
-use crate::study::kind::{Kind, Subject};
+use crate::study::kind::{Kind, ROW, Subject};
 use crate::study::part::Dissected;
 use crate::table::column::abouts;
 
@@ -41,6 +43,11 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
     read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
+/// Bytes of memory of a lowered point, and of it for each switch; of a row of trajectories.
+const POINT: u64 = 5000;
+const SWITCH: u64 = 110;
+const MOMENT: u64 = 120;
+
 impl Subject for SwitchedRun {
     fn plan<'a>(&'a self, study: &'a Study, progress: &dyn Progress) -> Planned<'a> {
         let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
@@ -63,6 +70,15 @@ impl Subject for SwitchedRun {
             of_point.fills = [of_point.fills.get(filler)?.clone()].into();
         }
         Some((Arc::new(only), angle))
+    }
+
+    fn bytes(&self) -> u64 {
+        let (fillers, angles) = (self.fillers().len().max(1) as u64, self.angles().len() as u64);
+        let of_point = |point: &Point| {
+            let shown = 2 * point.switches().min(MOST_SHOWN) + 1;
+            POINT + ROW * angles + SWITCH * point.switches() + MOMENT * shown * self.trajectories
+        };
+        fillers * self.points.iter().map(of_point).sum::<u64>()
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -22,7 +22,6 @@ use crate::key::places::Places;
 use crate::key::reading::Reading;
 use crate::key::row::{Key, keys};
 use crate::key::setting;
-use crate::key::sweep::Sweep;
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::motion::keys::MOTION;
 use crate::noise::keys::NOISE;
@@ -150,7 +149,6 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let (places, sweeps) = (&reading.places, reading.sweeps);
     let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
-    check_size(&points, fill.as_ref(), sweeps)?;
     check_moves(&points, places)?;
     let timing = Timing::of(reading.get(&TIMING));
     // The points need the switch, whose notes are there already; what is rounded comes before them.
@@ -158,22 +156,6 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
     let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
     Ok(SwitchedRun { first_mode, timing, fill, times, trajectories, points })
-}
-
-/// Most intervals of all points and fillers together, each of which has a row in memory.
-const MOST_ROWS: u64 = 20_000_000;
-
-/// Refuses studies whose points have too many intervals together.
-fn check_size(points: &[Point], fill: Option<&GapFill>, sweeps: &[Sweep]) -> Result<(), Fault> {
-    let fillers = fill.map_or(1, |fill| fill.fillers.len() as u64);
-    let rows: u64 = points.iter().map(|point| (point.switches() + 1) * fillers).sum();
-    if rows <= MOST_ROWS {
-        return Ok(());
-    }
-    let message = format!("the runs of all points and fillers have {rows} intervals together");
-    let place = sweeps.first().map_or(0..0, |sweep| sweep.span.clone());
-    let help = format!("accepted: up to {MOST_ROWS}; sweep fewer values, or take longer intervals");
-    Err(Fault::new(place, message, "too many points", help))
 }
 
 /// Refuses runs whose angle stays at 0 at every point.

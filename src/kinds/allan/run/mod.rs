@@ -40,10 +40,6 @@ const LONGEST_FITTED: u64 = 8;
 /// Relative deviation that needs no note.
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// Most records of a point, all of which are in memory when its estimates are made, with 24 bytes per record and
-/// averaging time.
-const MOST_RECORDS: u64 = 1 << 24;
-
 /// Most bytes of angles that a thread keeps for the records that it makes side by side.
 const MOST_BYTES: usize = 1 << 30;
 
@@ -69,7 +65,6 @@ impl<'a> Plan<'a> {
         allan: &'a Allan,
         progress: &dyn Progress,
     ) -> Result<Option<Plan<'a>>, StudyError> {
-        study.check_trials(MOST_RECORDS, "records")?;
         let mut plan = Plan { study, allan, records: vec![], off: (0.0, 0.0) };
         progress.start("points", 0, allan.points.len() as u64);
         for point in &allan.points {
@@ -77,6 +72,7 @@ impl<'a> Plan<'a> {
                 return Ok(None);
             }
             plan.push(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
+            study.check_trials(plan.records.last().map_or(0, |records| records.width), "records")?;
             progress.advance(1);
         }
         Ok(Some(plan))

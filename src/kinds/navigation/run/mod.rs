@@ -32,9 +32,6 @@ use crate::study::Study;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// Most navigators of a point, all of which are in memory when its errors are made.
-const MOST_TRIALS: u64 = 1 << 24;
-
 /// A study of navigation whose points are all proven to fit.
 #[derive(Debug)]
 pub(crate) struct Plan<'a> {
@@ -55,7 +52,6 @@ impl<'a> Plan<'a> {
         navigation: &'a Navigation,
         progress: &dyn Progress,
     ) -> Result<Option<Plan<'a>>, StudyError> {
-        study.check_trials(MOST_TRIALS, "navigators")?;
         let mut plan = Plan { study, navigation, records: vec![], of_point: 1, newest: Mutex::new(None) };
         progress.start("points", 0, navigation.points.len() as u64);
         let lower = |point: usize| {
@@ -78,6 +74,7 @@ impl<'a> Plan<'a> {
         for (point, records) in navigation.points.iter().zip(all) {
             let Some(records) = records else { return Ok(None) };
             let records = records.map_err(|refusal| study.refused(&point.swept, &refusal))?;
+            study.check_trials(records.iter().map(|records| records.width).sum(), "navigators")?;
             plan.of_point = records.len();
             plan.records.extend(records);
         }

@@ -14,7 +14,7 @@ use crate::table::Table;
 use crate::tally::block::{Block, missing};
 
 /// Most switches that a trajectory shows; of more of them every second, third, … is shown.
-const MOST_SHOWN: u64 = 500;
+pub(crate) const MOST_SHOWN: u64 = 500;
 
 /// Offset of the angles in the store, which holds non-negative numbers.
 const OFFSET: i64 = 1 << 31;
