@@ -9,6 +9,7 @@ use crate::record::calendar::Calendar;
 use crate::record::error::{RecordError, malformed};
 #[cfg(feature = "hdf5")]
 use crate::record::hdf5::open as hdf5;
+use crate::record::log::measure::Data;
 #[cfg(feature = "ros")]
 use crate::record::mcap::open as mcap;
 use crate::record::names::Name;
@@ -106,6 +107,11 @@ pub(crate) trait Columns {
 
     /// The sampling step that the file states, s.
     fn step_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// The data that the file states.
+    fn data(&self) -> Option<Data> {
         None
     }
 

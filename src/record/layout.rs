@@ -1,10 +1,13 @@
 //! The layout of a text with columns, determined from its first lines.
 
+use std::ops::Range;
+
 use crate::quantity::units::{Dimension, parse as parse_quantity};
 use crate::record::calendar::{Calendar, First};
 pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
+use crate::record::log::measure::Data;
 use crate::record::loggers;
 use crate::record::names::Name;
 use crate::source::place::{Place, decoded};
@@ -36,12 +39,20 @@ pub(crate) struct Layout {
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
-    /// The sampling step that a header of Stable32 states, s.
-    pub step_s: Option<f64>,
+    /// What a header of Stable32 states.
+    pub stated: Stated,
     /// What was inferred, in a line each.
     pub inferred: Vec<String>,
     /// The line that shows the columns, which is the header or else the first row, with its number from 1.
-    shown: (usize, Vec<u8>),
+    shown: Shown,
+}
+
+/// A line with a cell for each column.
+#[derive(Debug, Clone)]
+struct Shown {
+    number: usize,
+    text: Vec<u8>,
+    cells: Vec<Range<usize>>,
 }
 
 /// A line that is neither empty nor a comment.
@@ -59,8 +70,8 @@ impl Layout {
     /// # Errors
     /// The log has no rows.
     pub(crate) fn of(head: &[u8], file: &str, decimal: Option<Decimal>) -> Result<Layout, RecordError> {
-        let stable32 = stable32(head);
-        let (mut content, comment) = first_lines(head, stable32.as_ref().map_or(0, |found| found.end));
+        let (header_end, stated) = stable32(head, file).unwrap_or_default();
+        let (mut content, comment) = first_lines(head, header_end);
         let titles = titles(&content, decimal);
         content.drain(..titles);
         let Some(first) = content.first() else {
@@ -72,15 +83,20 @@ impl Layout {
         let cells = texts(first.text, delimiter);
         // A line below the header may have units, and a cell may be empty.
         let rows = &content[1 + usize::from(content.len() > 2)..];
-        let cell = |column: usize| {
-            let cell = |line: &Line| Some(line.text[Cells::new(line.text, delimiter).nth(column)?].to_vec());
-            rows.iter().rev().filter_map(cell).find(|cell| !cell.is_empty()).unwrap_or_default()
-        };
-        let shown: Vec<Vec<u8>> = (0..cells.len()).map(cell).collect();
-        let is_steady = |column: usize| {
-            let value =
-                |line: &Line| decimal_found.value(&line.text[Cells::new(line.text, delimiter).nth(column)?]);
-            let numbers: Vec<f64> = rows.iter().filter_map(value).collect();
+        let mut shown = vec![vec![]; cells.len()];
+        for line in rows.iter().rev() {
+            let cells = shown.iter_mut().zip(Cells::new(line.text, delimiter));
+            cells.filter(|(shown, _)| shown.is_empty()).for_each(|(shown, cell)| {
+                *shown = line.text[cell].to_vec();
+            });
+        }
+        let mut numbers: Vec<Vec<f64>> = vec![vec![]; cells.len()];
+        for line in rows {
+            for (numbers, cell) in numbers.iter_mut().zip(Cells::new(line.text, delimiter)) {
+                numbers.extend(decimal_found.value(&line.text[cell]));
+            }
+        }
+        let is_steady = |numbers: &Vec<f64>| {
             let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
             numbers.len() >= LEAST_STEADY
                 && [0.0, 1.0, -1.0].iter().any(|known| steps().all(|step| step == *known))
@@ -95,14 +111,18 @@ impl Layout {
             names: vec![],
             columns: cells.len(),
             numbers: shown.iter().map(number).collect(),
-            steady: (0..cells.len()).map(is_steady).collect(),
+            steady: numbers.iter().map(is_steady).collect(),
             calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
             first: date,
             start: first.start,
             lines: first.number - 1,
-            step_s: stable32.and_then(|found| found.step_s),
+            stated,
             inferred: vec![],
-            shown: (first.number, first.text.to_vec()),
+            shown: Shown {
+                number: first.number,
+                text: first.text.to_vec(),
+                cells: Cells::new(first.text, delimiter).collect(),
+            },
         };
         if titles > 0 {
             let lines = if titles == 1 { "1 line".to_owned() } else { format!("{titles} lines") };
@@ -150,37 +170,53 @@ impl Layout {
 
     /// The place where a column is shown, or all of them.
     pub(crate) fn place(&self, column: Option<usize>) -> Place {
-        let (number, text) = &self.shown;
+        let Shown { number, text, cells } = &self.shown;
         // Where blanks divide, units separated by blanks are cells of their own.
         let is_cut = self.delimiter == Delimiter::Blanks && !self.names.is_empty();
-        let cell = column.filter(|_| !is_cut).and_then(|at| Cells::new(text, self.delimiter).nth(at));
-        Place::new(&self.file, *number, text, cell.unwrap_or(0..text.len()))
+        let cell = column.filter(|_| !is_cut).and_then(|at| cells.get(at));
+        Place::new(&self.file, *number, text, cell.cloned().unwrap_or(0..text.len()))
     }
 }
 
-/// The header of a file of Stable32.
-struct Stable32 {
-    /// Its length in bytes.
-    end: usize,
+/// What the header of a file of Stable32 states.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Stated {
     /// The sampling step, s.
-    step_s: Option<f64>,
+    pub step_s: Option<f64>,
+    /// The number of points, and the line that has it.
+    pub points: Option<(usize, Place)>,
+    /// Phases are angles, and frequencies rates.
+    pub data: Option<Data>,
 }
 
-/// Finds the lines up to `# Header End`, such as `File: PHASE.DAT`, `Date: …`, `Type: Phase` and `Tau: 1.0e+00`.
-fn stable32(head: &[u8]) -> Option<Stable32> {
-    let (mut end, mut step_s) = (0, None);
-    for line in head.split_inclusive(|byte| *byte == b'\n').take(MOST_HEADER) {
+/// Finds the lines up to `# Header End`, such as `File: PHASE.DAT`, `Date: …`, `Type: Phase`, `Points: 1000` and `Tau: 1.0e+00`, and
+/// returns their length in bytes with what they state.
+fn stable32(head: &[u8], file: &str) -> Option<(usize, Stated)> {
+    let (mut end, mut stated) = (0, Stated::default());
+    for (line, number) in head.split_inclusive(|byte| *byte == b'\n').take(MOST_HEADER).zip(1..) {
         end += line.len();
         let text = String::from_utf8_lossy(line);
         let text = text.trim().trim_start_matches('#').trim_start();
         if text.eq_ignore_ascii_case("header end") {
-            return Some(Stable32 { end, step_s });
+            return Some((end, stated));
         }
-        let tau = text.split_once([':', '=']).filter(|(key, _)| key.trim().eq_ignore_ascii_case("tau"));
-        if let Some((_, tau)) = tau {
-            let seconds = tau.trim().parse().ok();
-            let with_unit = || parse_quantity(tau, &[Dimension::Time]).ok().map(|tau| tau.value);
-            step_s = seconds.or_else(with_unit).filter(|step_s: &f64| *step_s > 0.0 && step_s.is_finite());
+        let Some((key, value)) = text.split_once([':', '=']) else { continue };
+        let value = value.trim();
+        match key.trim().to_ascii_lowercase().as_str() {
+            "tau" => {
+                let seconds = value.parse().ok();
+                let with_unit = || parse_quantity(value, &[Dimension::Time]).ok().map(|tau| tau.value);
+                let is_step = |step_s: &f64| *step_s > 0.0 && step_s.is_finite();
+                stated.step_s = seconds.or_else(with_unit).filter(is_step);
+            }
+            "points" | "number of points" => {
+                let line = line.trim_ascii_end();
+                let place = Place::new(file, number, line, 0..line.len());
+                stated.points = value.parse().ok().map(|points| (points, place));
+            }
+            "type" if value.eq_ignore_ascii_case("phase") => stated.data = Some(Data::Angle),
+            "type" if value.eq_ignore_ascii_case("frequency") => stated.data = Some(Data::Rate),
+            _ => {}
         }
     }
     None
@@ -391,7 +427,10 @@ mod tests {
     fn a_header_of_stable32_is_skipped_and_its_sampling_step_taken() {
         let text = "File: PHASE.DAT\nDate: 10/03/2008 12:00:00\nType: Phase\nTau: 1.00e-01\n# Header End\n1.5e-9\n2.5e-9\n";
         let found = layout(text);
-        assert_eq!((found.step_s, found.lines, found.columns, found.names.len()), (Some(0.1), 5, 1, 0));
+        assert_eq!(
+            (found.stated.step_s, found.lines, found.columns, found.names.len()),
+            (Some(0.1), 5, 1, 0)
+        );
         assert!(text[found.start..].starts_with("1.5e-9"));
     }
 

@@ -6,6 +6,7 @@ use crate::record::calendar::Calendar;
 use crate::record::error::RecordError;
 use crate::record::format::{Columns, FORMATS, Origin, Source};
 use crate::record::layout::Decimal;
+use crate::record::log::measure::Data;
 use crate::record::log::read::Hints;
 use crate::record::names::Name;
 use crate::record::spelling::unit_of;
@@ -15,13 +16,14 @@ use crate::source::diagnose::choices;
 use crate::source::place::Place;
 
 /// Most columns that a message lists.
-const MOST_LISTED: usize = 20;
+pub(crate) const MOST_LISTED: usize = 20;
 
 /// Advice on text in another encoding.
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
 
 /// First bytes of unsupported files that users often give, with their descriptions and what to do.
-const OTHERS: [(&[u8], &str, &str); 5] = [
+const OTHERS: [(&[u8], &str, &str); 6] = [
+    (b"CDF", "netCDF of an old version", "convert it with `nccopy -k nc4 OLD.nc NEW.nc`"),
     (b"\x1f\x8b", "compressed by gzip", TEXT_WANTED),
     (b"PAR1", "Parquet", TEXT_WANTED),
     (b"\xff\xfe", "text in UTF-16", UTF_8_WANTED),
@@ -144,6 +146,11 @@ impl<'a> Recording<'a> {
         self.columns.step_s()
     }
 
+    /// The data that the file states.
+    pub(crate) fn data(&self) -> Option<Data> {
+        self.columns.data()
+    }
+
     /// All columns as part of a sentence, such as `1 time, 2 gx` or `columns 1 … 4`.
     pub(crate) fn listed(&self) -> String {
         let (names, columns) = (self.names(), self.columns());
@@ -206,8 +213,11 @@ impl<'a> Recording<'a> {
             [only] => return Ok(only),
             [] => {}
             ref several => {
-                let numbers: Vec<String> = several.iter().map(|i| (i + 1).to_string()).collect();
-                let message = format!("columns {} are both called `{word}`", numbers.join(" and "));
+                let numbers: Vec<String> =
+                    several.iter().take(MOST_LISTED).map(|i| (i + 1).to_string()).collect();
+                let more = if several.len() > MOST_LISTED { " and others" } else { "" };
+                let both = if several.len() == 2 { "both " } else { "" };
+                let message = format!("columns {}{more} are {both}called `{word}`", numbers.join(" and "));
                 return refused(message, "give the number of the one you mean".to_owned());
             }
         }

@@ -11,6 +11,7 @@ use crate::record::error::{Faults, RecordError};
 use crate::record::excess;
 use crate::record::format::{Bytes, Columns, HEAD, Origin, Source};
 use crate::record::layout::Layout;
+use crate::record::log::measure::Data;
 use crate::record::names::Name;
 use crate::record::recording::Rules;
 use crate::source::place::{Place, decoded};
@@ -129,7 +130,11 @@ impl Columns for Text<'_> {
     }
 
     fn step_s(&self) -> Option<f64> {
-        self.layout.step_s
+        self.layout.stated.step_s
+    }
+
+    fn data(&self) -> Option<Data> {
+        self.layout.stated.data
     }
 
     fn place(&self, column: Option<usize>) -> Option<Place> {
@@ -207,6 +212,18 @@ fn read(
             let more = if faulty > MOST_SHOWN { "; the first of them are shown" } else { "" };
             let message = format!("{faulty} rows of {} cannot be read{more}", layout.file);
             return Err(faults.listed(message));
+        }
+        let other = layout
+            .stated
+            .points
+            .as_ref()
+            .zip(columns.first())
+            .filter(|(stated, rows)| stated.0 != rows.len());
+        if let (true, Some(((points, place), rows))) = (at_end, other) {
+            let (file, rows) = (&layout.file, rows.len());
+            let message = format!("{file} has {rows} rows, but its header states {points} points");
+            let help = "copy it again from where it was recorded, or correct the header";
+            return Err(RecordError::new(message, "another number", help, place.clone()));
         }
         if at_end {
             return Ok((columns, comments));

@@ -148,6 +148,34 @@ fn a_header_of_stable32_gives_the_sampling_step() {
 }
 
 #[test]
+fn what_a_header_of_stable32_contradicts_is_said() {
+    let rows: String = noise(200).map(|y| format!("{:e}\n", 1e-9 * y)).collect();
+    let desk = desk_with("PHASE.DAT", "");
+    let write =
+        |lines: &str| desk.write("PHASE.DAT", &format!("File: PHASE.DAT\n{lines}# Header End\n{rows}"));
+    let words = "allan PHASE.DAT --data angle --unit none --rate 10Hz";
+    write("Type: Phase\nPoints: 200\nTau: 1.0e-01\n");
+    let said = desk.done(words).stderr;
+    assert!(!said.contains("the header") && !said.contains("in the header"), "{said}");
+    write("Type: Phase\nPoints: 250\nTau: 1.0e-01\n");
+    desk.fails(words, 3, &["PHASE.DAT has 200 rows, but its header states 250 points", "PHASE.DAT:3:1"]);
+    for (lines, piece) in [
+        (
+            "Type: Phase\nTau: 1.0e+00\n",
+            "the header states steps of 1 s, but the samples are taken as 0.1 s apart",
+        ),
+        ("Type: Frequency\nTau: 0.1\n", "stands for `data = rate`, but the samples are taken as angle"),
+    ] {
+        write(lines);
+        let said = crate::desk::unwrapped(&desk.done(words).stderr);
+        assert!(
+            said.contains(piece) || said.contains(&piece.replace("`data = rate`", "--data rate")),
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn a_raw_binary_file_is_refused_without_its_bytes_and_read_by_its_layout() {
     let rows: Vec<(usize, f64)> = lossy().collect();
     let bytes: Vec<u8> =

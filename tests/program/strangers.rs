@@ -85,8 +85,8 @@ fn pipes_devices_and_folders_in_the_place_of_inputs_are_refused_at_once() {
                  [noise]\nfile = \"pipe\"\n";
     desk.write("noise.toml", noise);
     refused(&desk, "run noise.toml", &[3], &[WHAT]);
-    desk.write("long.toml", &format!("{STUDY}# {}", "x".repeat(17 << 20)));
-    refused(&desk, "run long.toml", &[3], &["longer than 16 MiB"]);
+    desk.write("long.toml", &format!("{STUDY}# {}", "x".repeat(5 << 20)));
+    refused(&desk, "run long.toml", &[3], &["longer than 4 MiB"]);
 }
 
 #[test]
@@ -264,4 +264,58 @@ fn names_that_spreadsheets_take_for_formulas_are_guarded_in_every_table_and_stil
         }
     }
     assert!(desk.read("a/curve.csv").contains("'=cmd"), "{}", desk.read("a/curve.csv"));
+}
+
+#[test]
+fn what_would_take_more_than_a_gibibyte_is_refused_before_it_does() {
+    let desk = Desk::with("");
+    let linear = |key: &str, to: &str, points: u32| {
+        format!(
+            "[[sweep]]\nkey = \"{key}\"\nlinear = {{ from = \"1 {to}\", to = \"50 {to}\", points = {points} }}\n"
+        )
+    };
+    let sweeps = linear("motion.frequency", "Hz", 10_000) + &linear("motion.amplitude", "arcsec/s", 10);
+    let errors = "\"quadratic\"]\nerrors = [\"residual\", \"extrapolation\", \"in-gap\"";
+    let names = |count: usize| -> String {
+        (0..count).map(|filler| format!(", {{ kind = \"const\", name = \"f{filler}\" }}")).collect()
+    };
+    let fillers = |count: usize| replaced("\"quadratic\"]", &format!("\"quadratic\"{}]", names(count)));
+    let runs = "title = \"t\"\nkind = \"switched-run\"\n[drift]\nnon_magnetic = \"0.05 arcsec/s\"\n[switching]\ninterval = \"1 s\"\n\
+                [run]\nduration = \"5 h\"\n";
+    let curves = |trials: u64| {
+        format!(
+            "title = \"t\"\nkind = \"allan\"\ntrials = {trials}\n[record]\nsample = \"1 s\"\nlength = \"64 s\"\n\
+             [noise]\nangle_random_walk = \"0.01 deg/sqrt(h)\"\n[allan]\ntau = \"decade10\"\n"
+        )
+    };
+    for (text, pieces) in [
+        (
+            replaced("\"quadratic\"]", &format!("\"quadratic\"{}]\n{}", names(8), &errors[13..]))
+                + "]\n"
+                + &sweeps,
+            ["the points of this study and their tables take", "MiB of memory"],
+        ),
+        (
+            format!("{runs}trajectories = 1000\n{}", linear("drift.non_magnetic", "arcsec/s", 20)),
+            ["the points of this study and their tables take", "fewer fillers, times or trajectories"],
+        ),
+        (
+            format!("{runs}{}", linear("drift.non_magnetic", "arcsec/s", 1000)),
+            ["the points of this study and their tables take", "sweep fewer values"],
+        ),
+        (curves(1 << 24), ["16777216 records of a point", "take 1 GiB of memory"]),
+        (fillers(1000), ["switching.fillers lists 1002 fillers", "accepted: up to 1000"]),
+    ] {
+        desk.write("study.toml", &text);
+        refused(&desk, "run study.toml --device cpu", &[3], &pieces);
+    }
+    let started = Instant::now();
+    desk.write("study.toml", &fillers(400));
+    desk.done("run study.toml --trials 8 --device cpu");
+    assert!(started.elapsed() < AT_ONCE, "400 fillers took {:?}", started.elapsed());
+    let names: Vec<String> = (0..1001).map(|column| format!("g{column} [deg/h]")).collect();
+    let row = vec!["1"; names.len()].join(",") + "\n";
+    desk.write("log.csv", &format!("{}\n{}", names.join(","), row.repeat(20)));
+    let pieces = ["1001 columns of samples, more than 1000", "--column 2-100"];
+    refused(&desk, "allan log.csv --data rate --rate 1Hz", &[3], &pieces);
 }

@@ -14,7 +14,7 @@ use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::temperature::{Degree, Thermometer};
 use crate::record::log::timing::{Clock, found, is_time, is_timing, parts_of_times, spread};
 use crate::record::names::{Name, words};
-use crate::record::recording::{Recording, Rules};
+use crate::record::recording::{MOST_LISTED, Recording, Rules};
 use crate::record::spelling::unit_of;
 use crate::record::stamps::interleaved;
 
@@ -134,6 +134,7 @@ impl Log {
         let (time, is_sure) = faults.take(time).unwrap_or_default();
         let used = [time.map(|time| time.column), taken];
         let columns = wanted(&file, request, &words, &named, used, &mut notes)
+            .and_then(|columns| few(&file, columns))
             .and_then(|columns| Ok((given(&file, &request.units, &columns)?, columns)));
         // Without a choice of columns, times and units are still examined by one that may be meant.
         let (units, columns) = faults.take(columns).unwrap_or_else(|| {
@@ -210,6 +211,18 @@ impl Log {
         if !faults.is_empty() {
             return Err(faults.into_error(&file.file));
         }
+        if let Some(stated_s) = file.step_s().filter(|stated_s| (stated_s / step_s - 1.0).abs() > MOST_OFF) {
+            let [stated, step] = [stated_s, step_s].map(|step_s| significant(step_s, 6));
+            notes.push(format!(
+                "the header states steps of {stated} s, but the samples are taken as {step} s apart"
+            ));
+        }
+        if let Some(stated) = file.data().filter(|stated| *stated != request.data) {
+            let [stated, data] = [stated, request.data].map(Data::name);
+            notes.push(format!(
+                "the type in the header stands for `data = {stated}`, but the samples are taken as {data}"
+            ));
+        }
         if let Some(column) = span {
             let spans = samples.pop().unwrap_or_default();
             let channels = 0..channels.len().min(samples.len());
@@ -241,6 +254,21 @@ impl Log {
     }
 }
 
+/// Largest relative deviation of the sampling step from that of the header without a note.
+const MOST_OFF: f64 = 0.01;
+
+/// Most columns that are read as samples.
+const MOST_CHANNELS: usize = 1000;
+
+/// Refuses more columns of samples than [`MOST_CHANNELS`].
+fn few(file: &Recording, columns: Vec<usize>) -> Result<Vec<usize>, RecordError> {
+    if columns.len() <= MOST_CHANNELS {
+        return Ok(columns);
+    }
+    let message = format!("{} columns of samples, more than {MOST_CHANNELS}", columns.len());
+    Err(file.refuse(None, &message, "too many", "give a part of them, as in `column = 2-100`"))
+}
+
 /// The error for a log whose rows are in turn of several sensors, with their numbers in a column.
 fn several_sensors(file: &Recording, column: usize, sensors: &[f64]) -> RecordError {
     let (title, numbers) = (file.title(column), sensors.iter().map(f64::to_string).collect::<Vec<_>>());
@@ -259,7 +287,9 @@ fn name_of(file: &Recording, column: usize) -> String {
 
 /// The names of columns in a list.
 fn names_of(file: &Recording, columns: &[usize]) -> String {
-    columns.iter().map(|&column| name_of(file, column)).collect::<Vec<_>>().join(", ")
+    let more = if columns.len() > MOST_LISTED { ", …" } else { "" };
+    let names = columns.iter().take(MOST_LISTED).map(|&column| name_of(file, column));
+    names.collect::<Vec<_>>().join(", ") + more
 }
 
 /// Whether a column is called like a temperature.
@@ -319,7 +349,7 @@ fn wanted(
             if !proposed.iter().all(|&column| file.is_steady(column)) {
                 proposed.retain(|&column| !file.is_steady(column));
             }
-            let names: Vec<String> = proposed.iter().map(name).collect();
+            let names: Vec<String> = proposed.iter().take(MOST_LISTED).map(name).collect();
             let help = format!(
                 "name one or several of them, as in `column = {}`: {}",
                 names.join(","),
