@@ -37,6 +37,16 @@ fn read(sample: &Sample, bytes: &[u8], folder: &Path) -> Option<Vec<Vec<u64>>> {
     within(bytes, kept, || sample.read(&path).ok().map(|log| bits(&log))).0
 }
 
+/// Number of samples that a file does not hold; altered times may move samples and leave out others.
+fn strangers(found: &[Vec<u64>], expected: &[Vec<u64>]) -> usize {
+    let of_column = |(found, expected): (&Vec<u64>, &Vec<u64>)| {
+        let known: HashSet<&u64> = expected.iter().collect();
+        let missing = f64::NAN.to_bits();
+        found.iter().filter(|bits| **bits != missing && !known.contains(bits)).count()
+    };
+    found.iter().zip(expected).map(of_column).sum()
+}
+
 #[test]
 fn a_file_that_was_cut_off_is_refused_or_has_lost_no_sample_of_those_it_gives() {
     let folder = TempDir::new().unwrap();
@@ -85,13 +95,7 @@ fn a_file_that_was_altered_is_refused_or_has_the_same_samples() {
                 "{}: another number in case {case}",
                 sample.file
             );
-            // Altered times may move samples and leave out others.
-            let strangers = found.iter().zip(&expected).map(|(found, expected)| {
-                let known: HashSet<&u64> = expected.iter().collect();
-                let missing = f64::NAN.to_bits();
-                found.iter().filter(|bits| **bits != missing && !known.contains(bits)).count()
-            });
-            let strangers: usize = strangers.sum();
+            let strangers = strangers(&found, &expected);
             assert!(
                 strangers <= MOST_ALTERED,
                 "{}: {strangers} numbers that the file does not hold in case {case}",
@@ -99,5 +103,47 @@ fn a_file_that_was_altered_is_refused_or_has_the_same_samples() {
             );
         }
         println!("{}: {given} of {COUNT} alterations give samples, {other} other ones", sample.file);
+    }
+}
+
+#[test]
+fn a_file_with_removed_or_repeated_bytes_or_other_lengths_is_refused_or_has_the_same_samples() {
+    let folder = TempDir::new().unwrap();
+    for (seed, sample) in (200..).zip(&BINARIES) {
+        let whole = std::fs::read(sample.path()).unwrap();
+        let expected = read(sample, &whole, folder.path()).unwrap();
+        let (mut draws, mut counts) = (Draws(seed), [[0; 3]; 3]);
+        for case in 0..COUNT as usize {
+            let mut bytes = whole.clone();
+            let at = draws.below(whole.len());
+            let end = whole.len().min(at + 1 + draws.below(64));
+            match case % 3 {
+                0 => drop(bytes.drain(at..end)),
+                1 => drop(bytes.splice(at..at, whole[at..end].to_vec())),
+                _ => {
+                    // Half of the words in the first bytes, where lengths are.
+                    let at = draws.below(if case % 2 == 0 { 512.min(whole.len()) } else { whole.len() } - 4);
+                    let word = u32::from_le_bytes(whole[at..at + 4].try_into().unwrap());
+                    let others = [word.wrapping_add(1), word.wrapping_sub(1), word.wrapping_mul(2), word / 2];
+                    bytes[at..at + 4].copy_from_slice(&others[draws.below(4)].to_le_bytes());
+                }
+            }
+            let found = read(sample, &bytes, folder.path());
+            let outcome = match &found {
+                None => 0,
+                Some(found) if *found == expected => 1,
+                Some(_) => 2,
+            };
+            counts[case % 3][outcome] += 1;
+            // Raw files have no length, and words of numbers no checksum.
+            let is_told = sample.is_checked || case % 3 < 2 && sample.binary.is_none();
+            let strangers = found.map_or(0, |found| strangers(&found, &expected));
+            assert!(
+                outcome < 2 || !is_told && (strangers <= MOST_ALTERED || case % 3 < 2),
+                "{}: {strangers} other numbers in case {case}",
+                sample.file
+            );
+        }
+        println!("{}: [refused, same, other] {counts:?}, removed, repeated, lengths", sample.file);
     }
 }

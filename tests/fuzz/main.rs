@@ -7,6 +7,7 @@
 #[path = "../desks/formats.rs"]
 mod formats;
 
+mod bombs;
 mod campaign;
 mod cases;
 mod damaged;
