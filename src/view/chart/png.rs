@@ -38,6 +38,9 @@ static FACES: LazyLock<[Option<Face<'static>>; 2]> = LazyLock::new(|| {
     [REGULAR, BOLD].map(|font| Face::parse(font, 0).ok())
 });
 
+/// Most places of a line that are drawn as one path, whose time grows with the square of their number.
+const MOST_JOINED: usize = 4096;
+
 impl Canvas {
     /// The picture as PNG, with `scale` pixels per CSS pixel.
     pub(crate) fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
@@ -98,7 +101,11 @@ impl Painter {
                 self.stroke(path, stroke, LineCap::Round, LineJoin::Miter);
             }
             Shape::Line { places, stroke } => {
-                self.stroke(path([&places[..]], false), stroke, LineCap::Butt, LineJoin::Round);
+                // Each piece begins where the one before ends.
+                for start in (0..places.len().saturating_sub(1)).step_by(MOST_JOINED) {
+                    let end = places.len().min(start + MOST_JOINED + 1);
+                    self.stroke(path([&places[start..end]], false), stroke, LineCap::Butt, LineJoin::Round);
+                }
             }
             Shape::Text { place, text, lettering, set } => self.text(*place, text, lettering, *set),
         }
