@@ -31,6 +31,6 @@ pub use crate::allan::curve::{Minimum, Point, Supposed, curve, minimum, suppose}
 pub use crate::allan::deviation::{Deviation, UnknownDeviation};
 pub use crate::allan::noise::{LEAST_GROUPS, Noise};
 pub use crate::allan::spread::Spread;
-pub use crate::allan::tau::{MOST_FOR_ALL, TauError, Taus};
+pub use crate::allan::tau::{MOST_FOR_ALL, MOST_OF_COLUMNS, TauError, Taus};
 pub use crate::allan::trend::{Line, Trend};
 pub use crate::allan::unit::Unit;

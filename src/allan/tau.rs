@@ -18,6 +18,9 @@ pub enum Taus {
 /// Most samples for [`Taus::All`], whose work grows with their square; at this limit it takes half a minute.
 pub const MOST_FOR_ALL: usize = 200_000;
 
+/// Most samples of all columns together for [`Taus::All`], whose points and charts take less than 1 GiB of memory then.
+pub const MOST_OF_COLUMNS: usize = 2_000_000;
+
 /// Why a curve cannot be computed at the requested times.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TauError {
@@ -57,6 +60,12 @@ pub enum TauError {
          give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooMany(usize),
+    /// The curves of all columns together would take more memory than they may.
+    #[error(
+        "`tau = all` is for at most {MOST_OF_COLUMNS} samples of all columns together, the log has {0}\n\
+         give fewer columns, or `tau = decade20`, whose points are as good as all of them on a chart"
+    )]
+    TooManyTogether(usize),
 }
 
 impl Deviation {

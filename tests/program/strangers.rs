@@ -318,4 +318,8 @@ fn what_would_take_more_than_a_gibibyte_is_refused_before_it_does() {
     desk.write("log.csv", &format!("{}\n{}", names.join(","), row.repeat(20)));
     let pieces = ["1001 columns of samples, more than 1000", "--column 2-100"];
     refused(&desk, "allan log.csv --data rate --rate 1Hz", &[3], &pieces);
+    let row = ["1"; 900].join(",") + "\n1" + &",2".repeat(899) + "\n";
+    desk.write("log.csv", &row.repeat(1200));
+    let pieces = ["at most 2000000 samples of all columns together, the log has 2157600", "decade20"];
+    refused(&desk, "allan log.csv --data rate --unit deg/h --rate 1Hz --column all --tau all", &[3], &pieces);
 }

@@ -23,7 +23,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use crate::allan::curve::{curve, suppose};
-use crate::allan::{Angles, Deviation, Line, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum};
+use crate::allan::{
+    Angles, Deviation, Line, MOST_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum,
+};
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::{LEAST_CHANGE, averages};
@@ -322,6 +324,10 @@ impl Analysis {
         asked: &Asked,
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
+        let together = log.samples() * log.channels.len();
+        if asked.taus == Taus::All && together > MOST_OF_COLUMNS {
+            return Err(TauError::TooManyTogether(together));
+        }
         let (thermometers, temperatures) = temperatures(log);
         let column = |channel: &Channel| column(log, channel, &temperatures, treatment, asked, progress);
         let mut columns: Vec<Column> = log.channels.iter().map(column).collect::<Result<_, _>>()?;
