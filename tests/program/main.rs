@@ -40,6 +40,7 @@ mod decisions;
 mod descriptions;
 mod design;
 mod design_choices;
+mod detection;
 mod documents;
 #[cfg(unix)]
 mod escapes;
