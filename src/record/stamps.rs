@@ -63,6 +63,14 @@ const MOST_TURNS: usize = 10;
 const MOST_MISSING: f64 = 0.5;
 /// Fewest rows for each gap of samples that are missing, or row that is doubled, for a reason.
 const ROWS_PER_GAP: f64 = 50.0;
+/// Fewest blocks of stamps of which the wander is compared, and the least part and number of the samples that it shows to be missing:
+/// slow beats of coarse clocks wander too. The estimated part is uncertain, and the rate is off by at most so many times it.
+const FEWEST_BLOCKS: usize = 8;
+const LEAST_UNSEEN: f64 = 5e-4;
+const FEWEST_UNSEEN: f64 = 8.0;
+const MOST_PER_UNSEEN: f64 = 4.0;
+/// Longest beat of a rounded clock with the sampling rate that is found among losses, in samples.
+const LONGEST_BEAT: usize = 1000;
 
 /// The unit of stamps since the epoch, of which the first is `stamp`.
 pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
@@ -229,7 +237,15 @@ pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Optio
     }
     // Rows that are doubled for a reason are rare; more of them are late samples.
     let doubled = (samples.len() - stamps.len()) as f64;
-    let mean = mean_step(if ROWS_PER_GAP * doubled > samples.len() as f64 { samples } else { stamps });
+    let stamps_of_samples = if ROWS_PER_GAP * doubled > samples.len() as f64 { samples } else { stamps };
+    let mean = mean_step(stamps_of_samples);
+    let doubt = match uncertainty(stamps_of_samples) {
+        0.0 => String::new(),
+        off => format!(
+            ". They do not tell for sure which, so this rate may be off by up to {} %: give that of the gyro if it is known",
+            significant(100.0 * off, 1)
+        ),
+    };
     tell(&uneven, &|row| {
         let seconds = |step: f64| format!("{} s", significant(step * unit_s, 6));
         let message = format!(
@@ -240,7 +256,7 @@ pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Optio
         let rate = significant(1.0 / (mean * unit_s), 6);
         let help = format!(
             "if the samples are even, and only the stamps are rounded, late or in bursts, give the sampling rate too, here \
-             `rate = {rate}Hz`: the stamps then only show where samples are missing"
+             `rate = {rate}Hz`: the stamps then only show where samples are missing{doubt}"
         );
         [message, "not on the grid".to_owned(), help]
     });
@@ -262,6 +278,40 @@ pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Gri
 /// The mean step between samples over the whole record, without the gaps.
 pub(crate) fn mean_step(stamps: &[f64]) -> f64 {
     exact_gaps(stamps).map_or_else(|| Points::of(stamps).step(), |exact| exact.step)
+}
+
+/// The part by which the mean step may be off because the stamps do not tell which samples are missing; 0 where they do.
+pub(crate) fn uncertainty(stamps: &[f64]) -> f64 {
+    if let Some(exact) = exact_gaps(stamps) {
+        return beat(&exact.gaps).map_or(0.0, |distance| 1.0 / distance as f64);
+    }
+    let unseen = Points::of(stamps).unseen();
+    let are_many = unseen > LEAST_UNSEEN && unseen * stamps.len() as f64 > FEWEST_UNSEEN;
+    if are_many { MOST_PER_UNSEEN * unseen } else { 0.0 }
+}
+
+/// The distance at which far more gaps follow each other than losses at random places do, in sampling steps: the beat of a rounded
+/// clock with the sampling rate, among losses.
+fn beat(gaps: &[(usize, f64)]) -> Option<usize> {
+    let (mut lost, mut places) = (0, Vec::with_capacity(gaps.len()));
+    for gap in gaps {
+        places.push(gap.0 + lost);
+        lost += gap.1 as usize;
+    }
+    let span = (places.last()? - places[0]) as f64;
+    let mut pairs = [0_usize; LONGEST_BEAT + 2];
+    for (at, place) in places.iter().enumerate() {
+        let distances = places[at + 1..].iter().map(|next| next - place);
+        distances
+            .take_while(|distance| *distance < LONGEST_BEAT + 2)
+            .for_each(|distance| pairs[distance] += 1);
+    }
+    let at_random = 2.0 * (places.len() * places.len()) as f64 / span;
+    let most_at_random = at_random + 6.0 * at_random.sqrt() + 6.0;
+    (2..=LONGEST_BEAT).find(|&distance| {
+        let pairs = (pairs[distance] + pairs[distance + 1]) as f64;
+        pairs > most_at_random.max(0.5 * span / distance as f64)
+    })
 }
 
 /// Rows before which samples are missing, with their number.
@@ -384,19 +434,7 @@ impl Points {
         let mut step = self.step_of_lags();
         let part = (points / 4).clamp(1, 4 * LONGEST_LAG);
         for _ in 0..MOST_TURNS {
-            let gaps = self.gaps(step);
-            let mut next = gaps.iter().peekable();
-            let mut lost = 0.0;
-            let places: Vec<f64> = self
-                .rows
-                .iter()
-                .map(|&row| {
-                    while let Some(gap) = next.next_if(|gap| gap.0 <= row) {
-                        lost += gap.1;
-                    }
-                    row as f64 + lost
-                })
-                .collect();
+            let places = self.places(step);
             let middle = |part: Range<usize>| {
                 let away = |at: usize| self.stamps[at] - self.stamps[0] - step * places[at];
                 [median_of(&mut part.clone().map(|at| places[at])), median_of(&mut part.map(away))]
@@ -412,6 +450,47 @@ impl Points {
             }
         }
         step
+    }
+
+    /// The places of the points among the samples that follow each other in `step`.
+    fn places(&self, step: f64) -> Vec<f64> {
+        let gaps = self.gaps(step);
+        let mut next = gaps.iter().peekable();
+        let mut lost = 0.0;
+        let place = |&row: &usize| {
+            while let Some(gap) = next.next_if(|gap| gap.0 <= row) {
+                lost += gap.1;
+            }
+            row as f64 + lost
+        };
+        self.rows.iter().map(place).collect()
+    }
+
+    /// About the part of the samples that is missing without being found, or found without being missing.
+    ///
+    /// The stamps of samples lost at random places wander about the grid without them: the second differences of their medians over
+    /// n samples have n times that part as variance. Stamps that are late, rounded or in bursts make it smaller with n, and
+    /// a clock that drifts makes it larger, so the least over all n is taken.
+    fn unseen(&self) -> f64 {
+        let points = self.rows.len();
+        if points < FEWEST_BLOCKS * LEAST_WINDOW {
+            return 0.0;
+        }
+        let step = self.step();
+        let places = self.places(step);
+        let away = |(stamp, place): (&f64, f64)| (stamp - self.stamps[0]) / step - place;
+        let away: Vec<f64> = self.stamps.iter().zip(places).map(away).collect();
+        let rows_per_point = (self.rows[points - 1] - self.rows[0]) as f64 / (points - 1) as f64;
+        let part = |window: usize| {
+            let starts = (0..points - window).step_by(window / 2);
+            let medians: Vec<f64> = starts.map(|at| low_and_median(&away[at..at + window])[1]).collect();
+            // Blocks begin at every half of them, so those side by side are two apart.
+            let second = |of: &[f64]| of[4] - 2.0 * of[2] + of[0];
+            let squares: f64 = medians.windows(5).map(|of| second(of) * second(of)).sum();
+            squares / (medians.len() - 4) as f64 / (window as f64 * rows_per_point)
+        };
+        let windows = std::iter::successors(Some(LEAST_WINDOW), |window| Some(2 * window));
+        windows.take_while(|window| FEWEST_BLOCKS * window <= points).map(part).fold(f64::INFINITY, f64::min)
     }
 
     /// The rises of the stamps over the rows, in steps.
@@ -791,6 +870,65 @@ mod tests {
                 assert!((found / step - 1.0).abs() < 1e-4, "clock {kind}, {seed}: {found} and not {step}");
                 let grid = grid_of_rows(&stamps, found, 1 << 20).unwrap();
                 assert_eq!(grid.samples, kept[last] - kept[0] + 1, "clock {kind}, {seed}");
+                assert_eq!(uncertainty(&stamps), 0.0, "clock {kind}, {seed}");
+            }
+        }
+    }
+
+    /// Loggers' clocks of which 1 % of the samples is lost, for rows of `step`.
+    fn clock_with_losses(kind: &str, seed: u64, step: f64) -> Vec<f64> {
+        let mut state = seed;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut stamps: Vec<f64> = (0..20_000).map(|i| 3.0 + step * f64::from(i)).collect();
+        let mut normal = |sigma: f64| step * sigma * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0);
+        match kind {
+            "jitter of 0.5" => stamps.iter_mut().for_each(|stamp| *stamp += normal(0.5)),
+            "jitter of 0.8" => stamps.iter_mut().for_each(|stamp| *stamp += normal(0.8)),
+            "units of 0.95 steps" => {
+                stamps.iter_mut().for_each(|stamp| *stamp = libm::round(*stamp / step / 0.95) * 0.95 * step);
+            }
+            "10 ms" => stamps.iter_mut().for_each(|stamp| *stamp = libm::round(*stamp * 100.0) / 100.0),
+            "0.5 s" => stamps.iter_mut().for_each(|stamp| *stamp = libm::floor(*stamp * 2.0) / 2.0),
+            "1 s" => stamps.iter_mut().for_each(|stamp| *stamp = libm::floor(*stamp)),
+            _ => {
+                let mut at = 0;
+                while at < stamps.len() {
+                    let end = stamps.len().min(at + 1 + (9.0 * uniform()) as usize);
+                    let last = stamps[end - 1];
+                    (at..end).for_each(|row| stamps[row] = last + 0.1 * step * (row - at) as f64);
+                    at = end;
+                }
+            }
+        }
+        (1..stamps.len()).for_each(|i| stamps[i] = stamps[i].max(stamps[i - 1]));
+        stamps.retain(|_| uniform() > 0.01);
+        stamps
+    }
+
+    #[test]
+    fn clocks_that_do_not_tell_which_samples_are_lost_are_uncertain() {
+        for (kind, rate_hz) in [
+            ("jitter of 0.5", 98.7),
+            ("jitter of 0.8", 98.7),
+            ("bursts", 101.3),
+            ("units of 0.95 steps", 98.7),
+            ("10 ms", 99.5),
+            ("10 ms", 98.7),
+            ("0.5 s", 98.7),
+            ("1 s", 98.7),
+            ("1 s", 100.0),
+        ] {
+            for seed in 0..8 {
+                let stamps = clock_with_losses(kind, seed, 1.0 / rate_hz);
+                let error = (mean_step(&stamps) * rate_hz - 1.0).abs();
+                let uncertain = uncertainty(&stamps);
+                assert!(
+                    error < 1e-4 || uncertain > 1e-3,
+                    "{kind}, {seed}: off by {error}, uncertain {uncertain}"
+                );
             }
         }
     }

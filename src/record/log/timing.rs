@@ -11,7 +11,7 @@ use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, are_coarse, are_rounded, are_serial_days, coarseness, doubled as doubled_of, epoch_unit,
     epoch_unit_of, exact_step, faults as faults_of, grid_of_rows, is_step_of_sensor, likely_units, mean_step,
-    step_in_stamps, unroll,
+    step_in_stamps, uncertainty, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -69,6 +69,9 @@ const RESTS: [(&[&str], f64); 3] = [
 
 /// Largest deviation of the rate by the stamps from the given one, as a part of it; the stamps may be late or rounded.
 const MOST_DEVIATION: f64 = 0.1;
+
+/// Largest part by which the rate by the stamps may be off, because they do not tell which samples are missing.
+const MOST_UNCERTAINTY: f64 = 0.03;
 
 /// The unit of stamps that are numbers of samples, or whose unit does not matter.
 const ANY: f64 = 1.0;
@@ -452,6 +455,15 @@ pub(crate) fn spread(
         let rate = significant(1.0 / (mean * unit_s), 6);
         notes.push(format!("by {title}, the mean rate of the samples is {rate} Hz"));
     }
+    if let (false, Some(unit_s)) = (has_step, unit_s)
+        && let Some((doubt, help, is_large)) = doubted(&title, &stamps, unit_s)
+    {
+        if is_large {
+            faults.add(file.refuse(Some(time.column), &doubt, "these stamps", &help));
+            return None;
+        }
+        notes.push(format!("{doubt}; {help}"));
+    }
     let (step_s, grid) = match clock.step_s.or(mean.zip(unit_s).map(|(mean, unit_s)| mean * unit_s)) {
         None => {
             let grid = faults.take(grid(&stamps, unit_s?, &RULES).map_err(refuse))?;
@@ -548,6 +560,20 @@ fn unit_of_stamps(
         }
         (unit_s, _) => unit_s,
     }
+}
+
+/// A note and a help where stamps do not tell which samples are missing, and whether the rate is too uncertain.
+fn doubted(title: &str, stamps: &[f64], unit_s: f64) -> Option<(String, String, bool)> {
+    let off = if stamps.len() > 1 { uncertainty(stamps) } else { 0.0 };
+    let rate = || significant(1.0 / (mean_step(stamps) * unit_s), 6);
+    let doubt = |rate: &str| {
+        let percent = significant(100.0 * off, 1);
+        format!(
+            "{title} does not tell for sure which samples are missing: its rate of {rate} Hz may be off by up to {percent} %"
+        )
+    };
+    let help = |rate: &str| format!("if the rate of the gyro is known, give it as in `rate = {rate}Hz`");
+    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help(&rate), off > MOST_UNCERTAINTY))
 }
 
 /// Notes what the stamps were used for.
