@@ -4,12 +4,12 @@
 mod fillers;
 
 use fillers::{cells, chart, column};
+use sagnac::answer::Answer;
 use sagnac::table::{Table, Unit};
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;
 use sagnac::view::report::Report;
-use sagnac::view::report::answer::Answer;
 use sagnac::view::report::source::Source;
 
 fn main() {
@@ -36,7 +36,7 @@ fn page(bencher: divan::Bencher, points: usize) {
         let report = Report {
             title: "Errors",
             question: "How large are they?",
-            answer: Answer::default(),
+            answer: &Answer::default(),
             notes: &[],
             charts: &[drawn],
             tables: vec![(sagnac::chart::Source::Points, &table)],

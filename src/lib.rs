@@ -69,6 +69,7 @@
 
 pub mod allan;
 pub mod analysis;
+pub mod answer;
 pub mod device;
 pub mod events;
 pub mod fit;

@@ -16,7 +16,7 @@ use crate::charts::{is_chart_stem, write_pictures};
 use crate::failure::Failure;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
-use crate::results::summary::summary;
+use crate::results::summary::{crossings, summary};
 use crate::results::{held, lacking};
 use crate::run::checked;
 use crate::{folders, look};
@@ -154,7 +154,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     }
     let curves = shown(&study, &tables)?;
     let verdicts = verdicts(&study, &curves)?;
-    print(&summary(&study, &tables, &curves, &verdicts, lacking)?)?;
+    print(&format!("{}\n{}", summary(&study, &tables, &curves)?, crossings(&verdicts)))?;
     say!("{}.svg and .png are in {}", options.name, options.folder.display());
     Ok(())
 }

@@ -34,7 +34,6 @@ mod merge;
 mod model;
 mod new;
 mod one_point;
-mod optima;
 mod output;
 mod planning;
 mod program;

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::folders;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
-use crate::results::{Ran, names};
+use crate::results::{Printed, Ran, names};
 use crate::run::checked;
 use crate::whole;
 
@@ -50,14 +50,10 @@ pub struct Options {
     /// Print the table and the verdict as JSON
     #[arg(help_heading = "Output", long)]
     json: bool,
-    /// Also draw the first chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    plot: bool,
+    #[command(flatten)]
+    printed: Printed,
     #[command(flatten)]
     progress: progress::Options,
-    /// Print only errors
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
 }
 
 /// Merges results, and writes tables and charts of the whole.
@@ -65,7 +61,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     let mut study = study(options)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
-    let plan = checked(&study, options.progress.how(options.quiet), None)?;
+    let plan = checked(&study, options.progress.how(options.printed.quiet), None)?;
     // All folders are checked before anything is merged, so a mistyped name or another study has no effect. They are
     // opened one at a time, as there may be thousands.
     let mut shares = BTreeSet::new();
@@ -84,7 +80,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     for folder in distinct(options) {
         let source = Source::open(folder)?;
         let Merged { added, held, damaged } = store.merge(&source, options.salvage)?;
-        if !options.quiet {
+        if !options.printed.quiet {
             let known = if held > 0 { format!(", {held} already present") } else { String::new() };
             say!("{}: {added} rows added{known}", folder.display());
         }
@@ -93,14 +89,14 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
-    let (json, quiet, plot) = (options.json, options.quiet, options.plot);
-    let ran = Ran { study: &study, plan: &plan, folder: &results, done: None, lacking, json, quiet, plot };
-    let progress = Shown::new(options.progress.how(options.quiet));
+    let (json, shown) = (options.json, options.printed);
+    let ran = Ran { study: &study, plan: &plan, folder: &results, done: None, lacking, json, shown };
+    let progress = Shown::new(options.progress.how(options.printed.quiet));
     if let Some(document) = ran.show(&store, &progress)? {
         print_json(&document)?;
     }
     match lacking {
-        0 if options.json || options.quiet => Ok(()),
+        0 if options.json || options.printed.quiet => Ok(()),
         0 => {
             say!("complete; results are in {}", options.out.display());
             Ok(())

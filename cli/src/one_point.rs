@@ -1,18 +1,14 @@
-//! Output for a study of one point: its fillers side by side, and the best one for each error.
+//! Output for a study of one point: its fillers side by side.
 
-use sagnac::quantity::number::significant;
-use sagnac::table::{Cell, Column, Role, Table, Usual};
+use sagnac::table::{Cell, Column, Role, Table};
 
 use crate::terminal::{aligned, distinct, number};
 
-/// A line for each filler with the estimates of a summary for each error; then the filler with the least value of the
-/// answer, a 99.73 % level, and the distance of the next one.
+/// A line for each filler with the estimates of a summary for each error.
 pub fn one_point(table: &Table) -> String {
     let keys: Vec<&Column> = table.columns.iter().filter(|column| column.role == Role::Key).collect();
     let estimates: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
-    let ([fillers, errors], Some(level)) = (&keys[..], table.usual(Usual::Answer)) else {
-        return String::new();
-    };
+    let [fillers, errors] = keys[..] else { return String::new() };
     // The word that all labels share is omitted.
     let name = |column: &Column| column.label.trim_end_matches(" error").to_owned();
     let different = |column: &Column| -> Vec<String> {
@@ -38,86 +34,5 @@ pub fn one_point(table: &Table) -> String {
             line.push(number(value, 4));
         }
     }
-    let mut text = aligned(&lines);
-    for kind in &kinds {
-        let levels = names.iter().filter_map(|name| Level::of(name, level, row_of(name, kind)?));
-        if let Some(sentence) = least(levels.collect()) {
-            text += &format!("\nleast {} {kind}: {sentence}", name(level));
-        }
-    }
-    text + "\n"
-}
-
-/// The 99.73 % level of one filler.
-struct Level<'n> {
-    name: &'n str,
-    value: f64,
-    /// Its 95 % interval, if there are enough trials to bound it; that of a closed form has no width.
-    band: Option<(f64, f64)>,
-}
-
-impl<'n> Level<'n> {
-    fn of(name: &'n str, column: &Column, row: usize) -> Option<Level<'n>> {
-        let value = column.cells[row].number()?;
-        let band = column.band.as_ref().map_or(Some((value, value)), |band| band.get(row).copied().flatten());
-        Some(Level { name, value, band })
-    }
-}
-
-/// The filler with the least level, or all of them if several are equal, and the distance of the next one; `None` for a
-/// single level.
-fn least(mut levels: Vec<Level>) -> Option<String> {
-    levels.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let (first, others) = levels.split_first().filter(|(_, others)| !others.is_empty())?;
-    // Equal to the nine digits that files show.
-    let equal = others.iter().take_while(|level| level.value - first.value <= 1e-9 * level.value).count();
-    let names: Vec<&str> = levels[..=equal].iter().map(|level| level.name).collect();
-    let best = format!("{}, {} arcsec", names.join(" = "), significant(first.value, 4));
-    let Some(next) = others.get(equal) else { return Some(best) };
-    let ratio = next.value / first.value;
-    let more = match ratio {
-        r if r < 1.1 => format!("{} % more", significant(100.0 * (r - 1.0), 2)),
-        r if r.is_finite() => format!("{} times that", significant(r, 3)),
-        _ => format!("{} arcsec", significant(next.value, 4)),
-    };
-    let close = match (first.band, next.band) {
-        (Some((_, high)), Some((low, _))) if low > high => "",
-        (Some(_), Some(_)) => ", and the 95 % intervals overlap",
-        _ => ", and the trials are too few to bound the difference",
-    };
-    Some(format!("{best}; next {}, {more}{close}", next.name))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The sentence for levels with these half widths of their intervals.
-    fn said(levels: &[(&str, f64, f64)]) -> String {
-        let level = |&(name, value, width)| Level { name, value, band: Some((value - width, value + width)) };
-        least(levels.iter().map(level).collect()).unwrap_or_default()
-    }
-
-    #[test]
-    fn equal_fillers_share_the_first_place() {
-        assert_eq!(
-            said(&[("quadratic", 986.7, 1.0), ("mine", 986.7, 1.0)]),
-            "quadratic = mine, 986.7 arcsec"
-        );
-        let three = said(&[("const", 156.0, 1.0), ("mine", 312.0, 1.0), ("linear", 156.0, 1.0)]);
-        assert_eq!(three, "const = linear, 156 arcsec; next mine, 2 times that");
-    }
-
-    #[test]
-    fn a_lead_within_the_uncertainty_is_said_to_be_such() {
-        assert_eq!(
-            said(&[("a", 100.0, 2.0), ("b", 103.0, 2.0)]),
-            "a, 100 arcsec; next b, 3 % more, and the 95 % intervals overlap"
-        );
-        assert_eq!(said(&[("a", 100.0, 1.0), ("b", 103.0, 1.0)]), "a, 100 arcsec; next b, 3 % more");
-        assert_eq!(said(&[("a", 0.0, 0.0), ("b", 103.0, 1.0)]), "a, 0 arcsec; next b, 103 arcsec");
-        assert_eq!(said(&[("a", 100.0, 2.0)]), "");
-        let unbounded = ["a", "b"].map(|name| Level { name, value: name.len() as f64, band: None });
-        assert_eq!(least(unbounded.into()).as_deref(), Some("a = b, 1 arcsec"));
-    }
+    aligned(&lines)
 }

@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
+use sagnac::analysis::answer::of_study;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::text_file::read_bytes;
 use sagnac::store::folder::Folder;
@@ -16,7 +17,7 @@ use crate::failure::Failure;
 use crate::folders::{self, left_out, whole};
 use crate::output::unwritten;
 use crate::progress::{self, Shown};
-use crate::results::{decision, held, lacking, sheet_lines};
+use crate::results::{decision, held, lacking};
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
@@ -124,13 +125,13 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
         note!("{}: {sentence}", folder.display());
     }
     let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
-    let mut answer = results.answer(&results.verdicts()?)?;
-    answer.sheet = sheet_lines(decision(&study, &tables, lacking, &progress)?.as_ref(), lacking);
+    let answer =
+        of_study(&study, &tables, &results, decision(&study, &tables, lacking, &progress)?.as_ref())?;
     progress.clear();
     let card = results.card(&answer.headline);
     let path = folder.join(REPORT);
     let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&path))?;
-    results_folder.write(REPORT, results.page(answer, &digest).as_bytes())?;
+    results_folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
     Ok(card)
 }
 

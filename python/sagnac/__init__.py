@@ -40,12 +40,13 @@ from .fillers import Filler, Fillers, Rule, filler
 from .models import model
 from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .records import allan, fit
-from .results import Results, Table, Verdict
+from .results import Answer, Results, Table, Verdict
 from .studies import run
 
 __all__ = [
     "Allan",
     "Analysis",
+    "Answer",
     "Coefficient",
     "Curve",
     "DeviceError",

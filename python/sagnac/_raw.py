@@ -31,7 +31,8 @@ class RawAnalysis(TypedDict):
 
 class RawResults(TypedDict):
     title: str
-    answer: str
+    #: The headline, the answer as text, as HTML and as JSON.
+    answer: tuple[str, str, str, str]
     question: str
     kind: str
     decision: str | None

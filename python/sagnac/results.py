@@ -85,6 +85,52 @@ class Verdict:
         return self.text
 
 
+class Answer(str):
+    """The answer of a study: its headline as a text, with what stands behind it. A notebook shows it as the card of the page."""
+
+    text: str
+    """Status, headline, table, facts and checks, as a terminal shows them."""
+    card: str
+    """The same as HTML."""
+    data: dict[str, Any]
+    """The same for programs, as in ``sagnac run --json``: ``kind``, ``status``, ``value``, ``limit``, ``table``, ``facts`` and ``checks``."""
+
+    @property
+    def value(self) -> float | None:
+        """The value of the headline; None if it has none."""
+        return None if self.data["value"] is None else float(self.data["value"]["value"])
+
+    @property
+    def unit(self) -> str:
+        """The unit of the value; empty for a pure number."""
+        return "" if self.data["value"] is None else str(self.data["value"]["unit"])
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """The 95 % interval of the value; None for closed forms and too few trials."""
+        ends = None if self.data["value"] is None else self.data["value"]["interval"]
+        return None if ends is None else (float(ends[0]), float(ends[1]))
+
+    @property
+    def status(self) -> str:
+        """``met``, ``not_met``, ``partly_met``, ``inconclusive`` or ``no_limit``."""
+        return str(self.data["status"]["is"])
+
+    @property
+    def table(self) -> list[list[str]]:
+        """The headings and the rows of the table, as texts."""
+        rows = [[str(cell["text"]) for cell in row] for row in self.data["table"]["rows"]]
+        return [list(self.data["table"]["columns"]), *rows]
+
+    @property
+    def facts(self) -> dict[str, dict[str, Any]]:
+        """The facts by their names: ``worst_case``, ``error_budget``, ``change_to_meet``, ``most_effective_change``, ``caveat``."""
+        return {str(fact["fact"]): fact for fact in self.data["facts"]}
+
+    def _repr_html_(self) -> str:
+        return self.card
+
+
 @dataclass(frozen=True)
 class Charted:
     """What has a page with an answer and charts."""
@@ -118,6 +164,8 @@ class Charted:
 class Results(Charted):
     """The results of a study, as ``sagnac run`` gives them."""
 
+    answer: Answer
+    """The answer; empty where there is none."""
     question: str
     """Question of the study; may be empty."""
     kind: str

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::decision::{Lines, decide};
+use sagnac::analysis::answer::of_study;
+use sagnac::analysis::decision::decide;
 use sagnac::chart::Source;
 use sagnac::device::select::Selection;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
@@ -23,6 +24,9 @@ use super::compute::compute;
 use super::failure::Failure;
 use super::progress::Listener;
 use super::table::columns;
+
+/// Width of the answer as text.
+const WIDTH: usize = 80;
 
 /// The request.
 struct Asked {
@@ -55,8 +59,8 @@ struct Ran {
     is_sampled: bool,
     tables: Tables,
     pictures: Vec<Drawn>,
-    /// The headline.
-    answer: String,
+    /// The headline, the answer as text, as HTML and as JSON.
+    answer: [String; 4],
     /// The decision sheet as JSON.
     decision: Option<String>,
     /// The report as HTML.
@@ -153,12 +157,11 @@ impl Asked {
         // A run that ended early has raised an exception before.
         let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let judged = results.verdicts()?;
-        let mut answer = results.answer(&judged)?;
         let sheet = decide(&study, &tables, listener)?;
-        answer.sheet = Lines::of_study(sheet.as_ref());
+        let answer = of_study(&study, &tables, &results, sheet.as_ref())?;
         let decision = sheet.map(|sheet| sheet.json().to_string());
-        let headline = answer.headline.clone();
-        let report = results.page(answer, &digest);
+        let document = serde_json::to_string(&answer).map_err(|error| Failure::Usage(error.to_string()))?;
+        let report = results.page(&answer, &digest);
         if let Some(folder) = &kept {
             folder.write(RESOLVED, results.resolved().as_bytes())?;
             folder.write(REPORT, report.as_bytes())?;
@@ -173,7 +176,12 @@ impl Asked {
             is_sampled,
             tables,
             pictures,
-            answer: headline,
+            answer: [
+                answer.headline.clone(),
+                answer.text(WIDTH),
+                answer.card("", &[]).into_string(),
+                document,
+            ],
             decision,
             report,
             verdicts,

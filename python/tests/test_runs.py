@@ -66,6 +66,8 @@ def test_tables_verdicts_and_files_are_those_of_the_program(
     assert [verdict.data for verdict in found.verdicts] == expected["verdicts"]
     for key in ["title", "question", "seed", "trials", "device", "sampled_trials"]:
         assert getattr(found, key) == expected[key], key
+    assert found.answer.data == expected["answer"]
+    assert found.answer == expected["answer"]["headline"] and found.answer in found.answer.text
     assert list(found.notes) == expected["notes"]
     written = sorted(path.name for path in (tmp_path / "python").glob("*.csv"))
     for file in [*written, "resolved_study.toml"]:

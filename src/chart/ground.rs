@@ -40,8 +40,6 @@ pub(crate) struct Text {
     pub(crate) usual: Option<String>,
     /// The value that stands for all others together.
     pub(crate) whole: Option<&'static str>,
-    /// When the estimates with some value hold, as a part of a sentence.
-    pub(crate) when: fn(&str) -> Option<&'static str>,
 }
 
 impl Ground {
@@ -116,16 +114,11 @@ impl Text {
     /// A text column with these values.
     pub(crate) fn of(values: impl IntoIterator<Item = impl Into<String>>) -> Text {
         let values = values.into_iter().map(Into::into).collect();
-        Text { name: "", listed_by: "", values, usual: None, whole: None, when: |_| None }
+        Text { name: "", listed_by: "", values, usual: None, whole: None }
     }
 
     /// Sets the default value.
     pub(crate) fn usual(self, value: impl Into<String>) -> Text {
         Text { usual: Some(value.into()), ..self }
-    }
-
-    /// Sets when the estimates with some value hold.
-    pub(crate) fn when(self, when: fn(&str) -> Option<&'static str>) -> Text {
-        Text { when, ..self }
     }
 }

@@ -18,17 +18,6 @@ words! {
     }
 }
 
-impl Error {
-    /// When the error of this name is that of the angle, as a part of a sentence.
-    pub(crate) fn when(name: &str) -> Option<&'static str> {
-        Error::ALL.into_iter().find(|error| error.name() == name).map(|error| match error {
-            Error::Residual => "after the correction",
-            Error::Extrapolation => "at the end of the gap, before the correction",
-            Error::InGap => "while the gap is open",
-        })
-    }
-}
-
 /// Longest gap, ticks.
 pub(crate) const LONGEST_GAP: i64 = FARTHEST;
 

@@ -26,7 +26,7 @@ use crate::key::refusal::Refusal;
 use crate::key::row::Key;
 use crate::key::sensitivity::Uncertain;
 use crate::key::setting::Swept;
-use crate::key::sweep::Sweep;
+use crate::key::sweep::{self, Sweep};
 use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, StudyError, Text};
 use crate::study::kept::Written;
@@ -84,6 +84,11 @@ impl Study {
     /// The properties of one of its tables, as far as they are known before anything is sampled.
     pub(crate) fn ground(&self, source: Source) -> Option<Ground> {
         self.subject.grounds().into_iter().find(|ground| ground.source == source)
+    }
+
+    /// Number of points of its sweeps.
+    pub fn points(&self) -> usize {
+        sweep::count(&self.sweeps)
     }
 
     /// Whether a chart shows what the study may be judged by.

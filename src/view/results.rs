@@ -1,5 +1,6 @@
 //! The results of a study as a whole: tables, charts, verdicts, notes and the report.
 
+use crate::answer::Answer;
 use crate::quantity::number::short;
 use crate::run::{Plan, Tables};
 use crate::source::diagnose::StudyError;
@@ -11,7 +12,6 @@ use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::{Verdict, verdicts};
 use crate::view::picture::{Drawn, incomplete, pictures, shown};
 use crate::view::report::Report;
-use crate::view::report::answer::Answer;
 use crate::view::report::gallery::Card;
 use crate::view::report::source::Source;
 use crate::view::report::still::still;
@@ -69,9 +69,18 @@ impl<'a> Results<'a> {
         &self.source.study
     }
 
-    /// Notes attached to the results, each a sentence, with those on charts first.
+    /// Notes attached to the results, each a sentence and once, with those on charts first.
     pub fn notes(&self) -> Vec<String> {
-        self.charts.iter().filter_map(Drawn::sentence).chain(self.notes.iter().cloned()).collect()
+        let mut of_charts: Vec<(&str, String)> = Vec::new();
+        for drawn in &self.charts {
+            let Some(note) = &drawn.note else { continue };
+            match of_charts.iter_mut().find(|(earlier, _)| earlier == note) {
+                Some((_, stems)) => *stems += &format!(", {}", drawn.stem),
+                None => of_charts.push((note, drawn.stem.clone())),
+            }
+        }
+        let of_charts = of_charts.into_iter().map(|(note, stems)| format!("{stems}: {note}"));
+        of_charts.chain(self.notes.iter().cloned()).collect()
     }
 
     /// The verdicts on all curves with a limit.
@@ -82,14 +91,6 @@ impl<'a> Results<'a> {
         verdicts(self.study, &self.curves)
     }
 
-    /// The answer of the study to its question.
-    ///
-    /// # Errors
-    /// The table lacks something that a chart requires.
-    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
-        Answer::of(self.study, &self.tables.points, &self.charts, &self.curves, verdicts, self.lacking)
-    }
-
     /// The card of the study in galleries.
     pub fn card(&self, headline: &str) -> Card {
         let picture = self.charts.first().map(|drawn| still(&drawn.picture));
@@ -98,7 +99,7 @@ impl<'a> Results<'a> {
     }
 
     /// The page of the study, with the SHA-256 of its points that [`Table::write_csv`] returned.
-    pub fn page(&self, answer: Answer, digest: &str) -> String {
+    pub fn page(&self, answer: &Answer, digest: &str) -> String {
         let report = Report {
             title: &self.study.title,
             question: &self.study.question,

@@ -10,6 +10,7 @@ const ORDER: &[&str] = &[
     "quantity",
     "source",
     "table",
+    "answer",
     "theory",
     "key",
     "chart",

@@ -1,5 +1,7 @@
 //! The answers of pages, and what messages say to do next.
 
+use serde_json::{Value, json};
+
 use crate::desk::{Desk, replaced, with};
 
 const FREQUENCIES: &str =
@@ -27,13 +29,27 @@ fillers = ["const", "quadratic"]
 duration = "10 min"
 "#;
 
-/// The answer of the page of a study.
+/// The headline of a study, which is that of its page and of a quiet run.
 fn headline(study: &str) -> String {
     let desk = Desk::with(study);
-    desk.done("run study.toml --device cpu --trials 2000 --quiet");
+    let said = desk.done("run study.toml --device cpu --trials 2000 --quiet").stdout;
     let page = desk.read("results/study/report.html");
-    let answer = page.split("<p class=\"headline\">").nth(1).and_then(|rest| rest.split("</p>").next());
-    answer.unwrap_or_else(|| panic!("no answer in\n{page}")).to_owned()
+    let answer = page.split("<h2 class=\"headline\">").nth(1).and_then(|rest| rest.split("</h2>").next());
+    assert_eq!(answer, Some(said.trim_end()), "{page}");
+    said.trim_end().to_owned()
+}
+
+/// The answer of a study as JSON.
+fn answer(study: &str) -> Value {
+    let desk = Desk::with(study);
+    let ended = desk.done("run study.toml --device cpu --trials 2000 --json");
+    serde_json::from_str::<Value>(&ended.stdout).unwrap()["answer"].take()
+}
+
+/// The texts of a row of an answer's table.
+fn row(answer: &Value, row: usize) -> Vec<&str> {
+    let cells = answer["table"]["rows"][row].as_array().unwrap();
+    cells.iter().map(|cell| cell["text"].as_str().unwrap()).collect()
 }
 
 fn chart(lines: &str) -> String {
@@ -41,56 +57,72 @@ fn chart(lines: &str) -> String {
 }
 
 #[test]
-fn an_interval_is_answered_by_the_best_one_before_the_limit() {
+fn a_chosen_interval_is_answered_by_the_best_one_and_by_what_costs_as_much() {
     let sweep =
         "[[sweep]]\nkey = \"switching.interval\"\nlist = [\"5 s\", \"10 s\", \"20 s\", \"30 s\", \"60 s\"]\n";
-    let over = chart("x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"filler\"]\nlimit = \"1 deg/h\"");
+    let over = chart("x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"filler\"]");
     let said = headline(&format!("{RUNS}{sweep}{over}"));
-    assert!(
-        said.starts_with("The least 99.73 % drift is ") && said.contains("quadratic, switching interval"),
-        "{said}"
-    );
-    assert!(said.contains("1 °/h"), "what the limit says comes behind: {said}");
-    // The length of a run is given, so that the best interval of each is the answer.
+    assert!(said.starts_with("Best switching interval: ") && said.contains("(quadratic)"), "{said}");
+    // The length of a run is given, so that each has a best interval, and the one that costs most is told.
     let lengths = "[[sweep]]\nkey = \"run.duration\"\nlist = [\"10 min\", \"20 min\"]\n";
     let by_length = chart(
         "x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"duration\"]\nwhere = { filler = \"const\" }",
     );
-    let said = headline(&format!("{RUNS}{lengths}{sweep}{by_length}"));
-    let places = said.strip_prefix("The 99.73 % drift is least at switching interval ");
-    let [first, second] =
-        ["(run time 600 s: ", "(run time 1200 s: "].map(|name| places.and_then(|said| said.find(name)));
-    assert!(first.is_some() && first < second, "{said}");
-    // Of fillers the better one is told with the interval, and that firmware cannot have it.
+    let found = answer(&format!("{RUNS}{lengths}{sweep}{by_length}"));
+    assert_eq!(found["kind"], "optimum");
+    assert_eq!([row(&found, 0)[0], row(&found, 1)[0]], ["10 min", "20 min"]);
+    // Of fillers the one that firmware cannot have is told as such.
     let free = RUNS.replace("\"quadratic\"]", "{ kind = \"minimum-variance\", name = \"mv\" }]");
-    let both = chart("x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"filler\", \"duration\"]");
-    let said = headline(&format!("{free}{lengths}{sweep}{both}"));
-    assert!(said.contains(" s with mv") && said.contains(" (run time 1200 s: "), "{said}");
-    assert!(
-        said.ends_with(
-            "Without a band mv is designed for exactly this motion, which firmware does not know."
-        ),
-        "{said}"
-    );
+    let found = answer(&format!("{free}{sweep}{over}"));
+    let caveat = found["facts"].as_array().unwrap().iter().find(|fact| fact["fact"] == "caveat").unwrap();
+    assert!(caveat["text"].as_str().unwrap().starts_with("mv: designed for exactly this motion"), "{caveat}");
+    // With a limit the question is for which intervals it is met.
+    let limited = over.trim_end().to_owned() + "\nlimit = \"1 deg/h\"\n";
+    let found = answer(&format!("{RUNS}{sweep}{limited}"));
+    assert_eq!((&found["kind"], &found["limit"]["value"]), (&json!("threshold"), &json!(1.0)));
     // Names side by side are judged each for itself.
     let beside =
         chart("x = \"filler\"\ny = \"drift_q9973\"\nwhere = { interval = \"20 s\" }\nlimit = \"0.3 deg/h\"");
-    let said = headline(&format!("{RUNS}{sweep}{beside}{over}"));
-    assert!(said.starts_with("1 of 2 curves stays within 0.3 °/h (quadratic, at most "), "{said}");
-    assert!(said.contains("is nowhere within 0.3 °/h (const, at least "), "{said}");
-    assert!(said.ends_with(" °/h). That is for switching interval 20 s."), "{said}");
+    let found = answer(&format!("{RUNS}{sweep}{beside}"));
+    assert_eq!([0, 1].map(|at| row(&found, at)[0]), ["quadratic", "const"]);
+    assert_eq!([0, 1].map(|at| *row(&found, at).last().unwrap()), ["met", "not met"]);
+    assert!(
+        found["headline"].as_str().unwrap().starts_with("Quadratic meets the 0.3 °/h limit: "),
+        "{found}"
+    );
 }
 
 #[test]
 fn names_side_by_side_are_answered_by_what_their_chart_shows() {
     let one = headline(&with(""));
-    assert!(one.starts_with("The least 99.73 % error is "), "{one}");
+    assert!(one.starts_with("Quadratic: 99.73 % error "), "{one}");
     let open = chart("x = \"filler\"\ny = \"rms\"\nwhere = { error = \"extrapolation\" }");
     let said = headline(&with(&open));
-    assert!(said.starts_with("The least rms error is "), "{said}");
+    assert!(said.contains(": rms error "), "{said}");
     let at_20_hz = chart("x = \"filler\"\ny = \"rms\"\nwhere = { frequency = \"20 Hz\" }");
     let said = headline(&with(&format!("{FREQUENCIES}{at_20_hz}")));
-    assert!(said.starts_with("The least rms error is "), "{said}");
+    assert!(said.starts_with("Quadratic: rms error "), "{said}");
+}
+
+#[test]
+fn a_limit_is_answered_by_where_each_curve_crosses_it_with_the_interval_of_that_place() {
+    let over = chart("x = \"frequency\"\ny = \"q9973\"\nseries = [\"filler\"]\nlimit = \"20 arcsec\"");
+    let found = answer(&with(&format!("{FREQUENCIES}{over}")));
+    assert_eq!((&found["kind"], &found["status"]["is"]), (&json!("threshold"), &json!("partly_met")));
+    let value = &found["value"];
+    let ends =
+        value["interval"].as_array().unwrap().iter().map(|end| end.as_f64().unwrap()).collect::<Vec<_>>();
+    let place = value["value"].as_f64().unwrap();
+    assert!(ends[0] < place && place < ends[1] && value["unit"] == "Hz", "{value}");
+    // The same value in the table and in the headline.
+    assert_eq!(found["table"]["best"], 0);
+    assert_eq!(row(&found, 0)[0], "quadratic");
+    assert_eq!(found["table"]["rows"][0][1]["value"]["value"].as_f64(), Some(place));
+    assert!(found["headline"].as_str().unwrap().starts_with("Quadratic: good up to "), "{found}");
+    // Equal options share a row.
+    let three = replaced("[\"const\", \"quadratic\"]", "[\"const\", \"linear\", \"quadratic\"]");
+    let found = answer(&format!("{three}{FREQUENCIES}{over}"));
+    assert_eq!(row(&found, 1)[0], "const = linear");
 }
 
 #[test]

@@ -66,7 +66,7 @@ fn a_merge_without_all_shares_says_in_its_verdict_and_document_what_is_missing()
     let merge = "merge results/study/shard-1-of-2 --out results/study --trials 4096";
     let text = desk.sagnac(merge);
     assert_eq!(text.code, 4, "{}", text.stderr);
-    assert!(text.stdout.contains("of an incomplete run (4096 trials are missing)"), "{}", text.stdout);
+    assert!(text.stdout.contains("incomplete: 4096 trials missing"), "{}", text.stdout);
     let json = desk.sagnac(&format!("{merge} --json"));
     check(&schema("merge"), &json.stdout, "an incomplete merge");
     let document: Value = serde_json::from_str(&json.stdout).unwrap();

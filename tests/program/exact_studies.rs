@@ -185,7 +185,7 @@ fn a_suspension_responds_at_its_useful_mode_as_it_says() {
 #[test]
 fn closed_forms_need_no_device_and_say_that_trials_have_no_use() {
     let desk = Desk::with(&format!("{BUDGET}{RUNS}"));
-    let ended = desk.sagnac("run study.toml --trials 10 --device none");
+    let ended = desk.sagnac("run study.toml --trials 10 --device none --table");
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert!(ended.stderr.contains("trials, seed and device are not used"), "{}", ended.stderr);
     assert!(!ended.stderr.contains("device: "), "{}", ended.stderr);
@@ -215,8 +215,7 @@ fn closed_forms_need_no_device_and_say_that_trials_have_no_use() {
 #[test]
 fn a_single_point_is_shown_whole() {
     let desk = Desk::with(BUDGET);
-    let ended = desk.sagnac("run study.toml");
-    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let ended = desk.done("run study.toml --table");
     for piece in ["drift: bound, Z(7), ″/s", "0.500802", "best interval: Z(9) as published, s", "61.1993"] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
@@ -226,8 +225,7 @@ fn a_single_point_is_shown_whole() {
 fn each_column_of_a_list_is_a_curve_with_a_verdict_of_its_own() {
     let chart = "[chart]\nx = \"duration\"\ny = [\"bound\", \"switching_drift\"]\nlimit = \"0.5 arcsec/s\"\n";
     let desk = Desk::with(&format!("{BUDGET}{RUNS}{chart}"));
-    let ended = desk.sagnac("run study.toml");
-    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let ended = desk.done("run study.toml --verbose");
     for piece in [
         "chart: drift against the limit",
         "bound, Z(7): within 0.5 arcsec/s from run time",

@@ -23,35 +23,39 @@ const NEW_ANSWERS: &str = "docs/answers.md.new";
 
 const ABOUT_ANSWERS: &str = "# Questions and answers
 
-The question of every shipped study, and its answer: the bold line of its page, and what its decision sheet says of the requirement and of the
-next lever. A test writes this page from runs with few trials, so the figures of a full run differ a little.
+The question of every shipped study, and its answer as a terminal of 80 columns shows it. A test writes this page from runs with few
+trials, so the figures of a full run differ a little.
 ";
 
-/// A section of the page of answers, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`.
-fn digests(study: &Path) -> (String, BTreeMap<String, String>) {
+/// Most words of a headline, and most lines of an answer with its heading.
+const MOST: [usize; 2] = [12, 20];
+
+/// A row and a section of the page of answers, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`.
+fn digests(study: &Path) -> ([String; 2], BTreeMap<String, String>) {
     let name = study.file_stem().unwrap().to_str().unwrap();
     let desk = Desk::with("");
     let trials = own_trials(study).filter(|own| *own < FEW).unwrap_or(TRIALS);
-    let ended =
-        desk.done(&format!("run {} --device cpu --trials {trials} --json --out {name}", study.display()));
-    let document: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
-    let of = |key: &str| document[key].as_str().unwrap().to_owned();
-    let (question, answer) = (of("question"), of("answer"));
-    assert!(question.ends_with('?') && !answer.is_empty(), "{name}: {question} {answer}");
-    let mut section = format!("\n## {name}\n\n{question}\n\n**{answer}**\n");
-    let sentences = document["decision"]["sentences"].as_array().cloned().unwrap_or_default();
-    for line in [0, 4].into_iter().filter_map(|line| sentences.get(line)) {
-        let [heading, sentence] = [&line[0], &line[1]].map(|text| text.as_str().unwrap());
-        write!(section, "\n- {heading}: {sentence}").unwrap();
-    }
-    let section = section.trim_end().to_owned() + "\n";
+    let words = format!("run {} --device cpu --trials {trials} --out {name}", study.display());
+    let ended = desk.sagnac_with(&words, &[("COLUMNS", "80")]);
+    assert_eq!(ended.code, 0, "{name}: {}", ended.stderr);
+    let shown = ended.stdout.trim_end();
+    let parts: Vec<&str> = shown.splitn(3, "\n\n").collect();
+    let headline =
+        parts.get(1).unwrap_or_else(|| panic!("{name} has no headline:\n{shown}")).replace('\n', " ");
+    let counts = [headline.split_whitespace().count(), shown.lines().count()];
+    assert!(counts.iter().zip(MOST).all(|(count, most)| *count <= most), "{name}: {counts:?}\n{shown}");
+    assert!(shown.lines().all(|line| line.chars().count() <= 80), "{name}: a line is too long\n{shown}");
+    let text = std::fs::read_to_string(study).unwrap();
+    let question = text.parse::<toml::Table>().unwrap()["question"].as_str().unwrap().to_owned();
+    let row = format!("| [{name}](#{name}) | {headline} | {} | {} |\n", counts[0], counts[1]);
+    let section = format!("\n## {name}\n\n{question}\n\n```text\n{shown}\n```\n");
     let tables = desk.names(name).into_iter().filter(|file| file.ends_with(".csv"));
     let tables = tables.map(|file| {
         let digest = Sha256::digest(desk.read(&format!("{name}/{file}")));
         let hex = digest.iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
         (format!("{name}/{file}"), hex)
     });
-    (section, tables.collect())
+    ([row, section], tables.collect())
 }
 
 /// The trials that a study asks for.
@@ -69,10 +73,12 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
     let mut studies: Vec<PathBuf> =
         files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     studies.sort();
-    let (answers, found): (Vec<String>, Vec<BTreeMap<String, String>>) =
+    let (answers, found): (Vec<[String; 2]>, Vec<BTreeMap<String, String>>) =
         studies.iter().map(|study| digests(study)).unzip();
     let found: BTreeMap<String, String> = found.into_iter().flatten().collect();
-    let answers = format!("{ABOUT_ANSWERS}{}", answers.concat());
+    let all = |part: usize| answers.iter().map(|parts| parts[part].as_str()).collect::<String>();
+    let heading = "\n| study | headline | words | lines |\n|---|---|---|---|\n";
+    let answers = format!("{ABOUT_ANSWERS}{heading}{}{}", all(0), all(1));
     let is_current = std::fs::read_to_string(root.join(ANSWERS)).unwrap_or_default() == answers;
     if !is_current {
         std::fs::write(root.join(NEW_ANSWERS), answers).unwrap();

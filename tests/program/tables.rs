@@ -182,14 +182,14 @@ fn the_printed_table_has_a_line_for_every_value_of_every_sweep() {
     let sweep = |key: &str, list: &str| format!("[[sweep]]\nkey = \"{key}\"\nlist = {list}\n");
     let near = sweep("motion.frequency", r#"["20.001 Hz", "20.002 Hz", "25 Hz"]"#);
     let desk = Desk::with(&with(&near));
-    let said = desk.done("run study.toml --device cpu --trials 1000").stdout;
+    let said = desk.done("run study.toml --device cpu --trials 1000 --table").stdout;
     let firsts: Vec<&str> = cells(&said)[1..].iter().map(|line| line[0]).collect();
     assert_eq!(firsts, ["20.001", "20.002", "25"], "{said}");
 
     let gaps = sweep("switching.gap_ticks", "[1, 2]");
     let rates = sweep("motion.amplitude", r#"["10 arcsec/s", "20 arcsec/s"]"#);
     desk.write("three.toml", &with(&format!("{near}{gaps}{rates}")));
-    let said = desk.done("run three.toml --device cpu --trials 1000").stdout;
+    let said = desk.done("run three.toml --device cpu --trials 1000 --table").stdout;
     let lines = cells(&said);
     assert_eq!(lines.len(), 1 + 3 * 2, "{said}");
     assert_eq!(lines[0][..2], ["vibration frequency, Hz", "vibration amplitude, ″/s"], "{said}");
@@ -212,7 +212,7 @@ fn the_printed_table_has_a_line_for_every_value_of_every_sweep() {
         "both.toml",
         &with(&format!("{gaps}[chart]\nx = \"gap_ticks\"\ny = \"rms\"\nseries = [\"filler\", \"error\"]\nwhere = {{ gap_ticks = 2 }}")),
     );
-    let said = desk.done("run both.toml --device cpu --trials 1000").stdout;
+    let said = desk.done("run both.toml --device cpu --trials 1000 --table").stdout;
     assert_eq!(cells(&said)[1].len(), 1 + 4, "residual and extrapolation of two fillers:\n{said}");
 }
 
@@ -224,7 +224,7 @@ fn a_thinned_table_shows_all_values_of_the_faster_sweeps() {
          [chart]\nkind = \"winner-map\"\nx = \"frequency\"\ny = \"amplitude\"\nz = \"rms\"",
     );
     let desk = Desk::with(&study);
-    let said = desk.done("run study.toml --device cpu --trials 1").stdout;
+    let said = desk.done("run study.toml --device cpu --trials 1 --table").stdout;
     let lines = cells(&said);
     // Two of 34 lines in three are left out, but not the one with the least error of a filler.
     assert!(said.contains("(one line in 3, and those with the least of a column)"), "{said}");

@@ -44,10 +44,8 @@ impl Navigation {
     pub fn sheet(&self) -> Option<Vec<(&'static str, String)>> {
         let worst = worst(&self.columns)?;
         let mut lines = worst.sheet.lines();
-        if self.columns.iter().flatten().count() > 1
-            && let Some((_, sentence)) = lines.first_mut()
-        {
-            *sentence = format!("Worst with three gyros like {}. {sentence}", worst.column);
+        if self.columns.iter().flatten().count() > 1 {
+            lines.insert(0, ("Worst column", worst.column.clone()));
         }
         Some(lines)
     }

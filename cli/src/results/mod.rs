@@ -7,10 +7,12 @@ use std::path::Path;
 use std::sync::mpsc::{self, Receiver};
 use std::thread;
 
+use sagnac::analysis::answer::of_study;
 use sagnac::analysis::decision::{Lines, Sheet, decide};
 use sagnac::analysis::requirement::Decision;
 use sagnac::chart::Source;
 use sagnac::progress::Progress;
+use sagnac::quantity::number::short;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
@@ -28,7 +30,7 @@ use crate::failure::Failure;
 use crate::look;
 use crate::output::{print, print_drawn, write_table};
 use crate::progress::Shown;
-use crate::results::summary::summary;
+use crate::results::summary::{crossings, summary};
 
 /// The files that a run of a study always writes into its folder.
 pub fn names(study: &Study) -> Vec<String> {
@@ -74,11 +76,6 @@ pub fn decision(
     if lacking > 0 { Ok(None) } else { Ok(decide(study, tables, progress)?) }
 }
 
-/// The lines of the decision of results; none where trials are `lacking`.
-pub fn sheet_lines(sheet: Option<&Sheet>, lacking: u64) -> Vec<(&'static str, String)> {
-    if lacking > 0 { vec![] } else { Lines::of_study(sheet) }
-}
-
 /// The lines of a decision sheet, with their headings in a column.
 pub fn sheet_text(lines: &[(&'static str, String)]) -> String {
     let widest = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
@@ -113,6 +110,26 @@ fn write_tables(folder: &Folder, tables: &Tables) -> Result<String, Failure> {
     Ok(digests.into_iter().next().unwrap_or_default())
 }
 
+/// Most notes that are printed unless all are asked for.
+const MOST_NOTES: usize = 2;
+
+/// What is printed of results.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Printed {
+    /// Also print the table of the first chart
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    table: bool,
+    /// Also print all notes, and where each curve crosses the limit
+    #[arg(help_heading = "Output", long, short, conflicts_with_all = ["json", "quiet"])]
+    verbose: bool,
+    /// Also draw the first chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    /// Print only errors and the headline
+    #[arg(help_heading = "Output", long, short)]
+    pub quiet: bool,
+}
+
 /// A study with results to show.
 pub struct Ran<'a> {
     pub study: &'a Study,
@@ -124,10 +141,8 @@ pub struct Ran<'a> {
     pub lacking: u64,
     /// Whether results are returned as JSON instead of printed.
     pub json: bool,
-    /// Whether only errors are printed.
-    pub quiet: bool,
-    /// Whether the first chart is drawn as text too.
-    pub plot: bool,
+    /// What is printed.
+    pub shown: Printed,
 }
 
 impl Ran<'_> {
@@ -165,14 +180,12 @@ impl Ran<'_> {
         folder.write(RESOLVED, results.resolved().as_bytes())?;
         let page = || {
             let verdicts = results.verdicts()?;
-            let mut answer = results.answer(&verdicts)?;
             let sheet = decision(study, tables, *lacking, progress)?;
-            answer.sheet = sheet_lines(sheet.as_ref(), *lacking);
-            let (headline, lines) = (answer.headline.clone(), answer.sheet.clone());
+            let answer = of_study(study, tables, &results, sheet.as_ref())?;
             // Without a word from the task that writes, it has panicked, and so does the scope that waits for it.
             let digest = written.recv().unwrap_or_else(|_| Ok(String::new()))?;
-            folder.write(REPORT, results.page(answer, &digest).as_bytes())?;
-            Ok::<_, Failure>((verdicts, sheet, headline, lines))
+            folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
+            Ok::<_, Failure>((verdicts, sheet, answer))
         };
         // The picture of a chart of 10,000 points takes as long as the page.
         let (drawn, made) = thread::scope(|scope| {
@@ -181,32 +194,53 @@ impl Ran<'_> {
             (drawn.join().unwrap_or_else(|panic| resume_unwind(panic)), made)
         });
         drawn?;
-        let (verdicts, sheet, headline, lines) = made?;
+        let (verdicts, sheet, answer) = made?;
         progress.clear();
         if self.json {
             let mut document = self.to_json(tables, &verdicts, &results.notes());
-            document["answer"] = json!(headline);
+            document["answer"] = json!(answer);
             document["decision"] = json!(sheet.as_ref().map(Sheet::json));
             return Ok(Some(document));
         }
-        if !self.quiet {
-            for note in results.notes() {
-                note!("{note}");
-            }
-            if let Some(first) = results.charts.first().filter(|_| self.plot) {
-                print_drawn(&format!("{}\n", first.picture.text(look::of_output())))?;
-            }
-            print(&summary(study, tables, &results.curves, &verdicts, *lacking)?)?;
-            // For a single curve the verdict says the same.
-            let judged: usize = verdicts.iter().map(|verdict| verdict.answers.len()).sum();
-            if judged != 1 && !headline.is_empty() {
-                print(&format!("\n{}", look::wrapped(&headline, look::width())))?;
-            }
-            if !lines.is_empty() {
-                print(&format!("\n{}", sheet_text(&lines)))?;
-            }
+        let Printed { table, verbose, plot, quiet } = self.shown;
+        if quiet {
+            return if answer.headline.is_empty() || *lacking > 0 {
+                Ok(None)
+            } else {
+                print(&answer.headline).map(|()| None)
+            };
         }
+        let notes = results.notes();
+        let few = if verbose { notes.len() } else { MOST_NOTES };
+        for note in notes.iter().take(few) {
+            note!("{note}");
+        }
+        if notes.len() > few {
+            note!("{} more with --verbose", notes.len() - few);
+        }
+        if let Some(first) = results.charts.first().filter(|_| plot) {
+            print_drawn(&format!("{}\n", first.picture.text(look::of_output())))?;
+            print("")?;
+        }
+        if table {
+            print(&summary(study, tables, &results.curves)?)?;
+            print("")?;
+        }
+        if verbose && !verdicts.is_empty() {
+            print(&crossings(&verdicts))?;
+            print("")?;
+        }
+        let heading = look::wrapped(&self.heading(), look::width());
+        print(&format!("{heading}\n{}", answer.text(look::width())))?;
         Ok(None)
+    }
+
+    /// The title with the number of points and trials.
+    fn heading(&self) -> String {
+        let points = self.study.points();
+        let points = format!("{points} point{}", if points == 1 { "" } else { "s" });
+        let trials = self.plan.is_sampled().then(|| format!(" × {} trials", short(self.study.trials as f64)));
+        format!("{} · {points}{}", self.study.title, trials.unwrap_or_default())
     }
 
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {

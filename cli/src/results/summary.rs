@@ -15,22 +15,10 @@ use sagnac::view::picture::{refused, written};
 use crate::failure::Failure;
 use crate::look;
 use crate::one_point::one_point;
-use crate::optima::optima;
 use crate::terminal::{aligned, pivot};
-use sagnac::quantity::number::short;
 
-/// The table of the first chart, the coefficients and all verdicts, for people.
-pub(crate) fn summary(
-    study: &Study,
-    tables: &Tables,
-    curves: &[Curves],
-    verdicts: &[Verdict],
-    lacking: u64,
-) -> Result<String, Failure> {
-    let mut text = format!("{}\n", study.title);
-    if !study.question.is_empty() {
-        text += &format!("{}\n", study.question);
-    }
+/// The table of the first chart and the coefficients, for people.
+pub(crate) fn summary(study: &Study, tables: &Tables, curves: &[Curves]) -> Result<String, Failure> {
     let failed = |error: ColumnError| Failure::Picture(error.to_string());
     let points = &tables.points;
     let brief: Vec<&Column> = points.columns.iter().filter(|column| column.brief).collect();
@@ -42,30 +30,22 @@ pub(crate) fn summary(
         _ if study.sweeps.is_empty() && !brief.is_empty() => one_point(points),
         _ => undrawn(study, points).map_err(failed)?,
     };
-    text += &format!("\n{shown}");
+    let mut text = shown;
     if let Some(coefficients) = &tables.coefficients {
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }
-    if points.of_role(Role::Least).is_some() {
-        text += &format!("\n{}", optima(study, points).map_err(failed)?);
-    }
-    let incomplete = match lacking {
-        0 => String::new(),
-        lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
-    };
-    if verdicts.is_empty()
-        && let Some(sentence) = sagnac::view::picture::incomplete(lacking)
-    {
-        text += &format!("\n{sentence}\n");
-    }
-    for verdict in verdicts {
-        // A pipe gets unbroken lines.
-        let width = look::columns().unwrap_or(usize::MAX);
-        let lines: Vec<String> =
-            verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect();
-        text += &format!("\n{}\n", lines.join("\n"));
-    }
     Ok(text)
+}
+
+/// Where each curve crosses its limit.
+pub(crate) fn crossings(verdicts: &[Verdict]) -> String {
+    // A pipe gets unbroken lines.
+    let width = look::columns().unwrap_or(usize::MAX);
+    let text = |verdict: &Verdict| {
+        let lines: Vec<String> = verdict.text("").lines().map(|line| look::wrapped(line, width)).collect();
+        format!("{}\n", lines.join("\n"))
+    };
+    verdicts.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
 /// Each column of a table on its own line, with its values.

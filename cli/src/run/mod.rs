@@ -16,6 +16,7 @@ use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::view::picture::pictures;
+use sagnac::view::report::FILE as REPORT;
 use serde_json::Value;
 
 use crate::failure::Failure;
@@ -23,7 +24,7 @@ use crate::output::{print, print_documents};
 use crate::planning::Planning;
 use crate::program::DeviceArg;
 use crate::progress::{self, How, Shown};
-use crate::results::{Ran, names};
+use crate::results::{Printed, Ran, names};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
@@ -66,14 +67,10 @@ pub struct Options {
     /// Print the table and the verdict as JSON: one object, or an array of objects for several studies
     #[arg(help_heading = "Output", long, conflicts_with = "shard")]
     json: bool,
-    /// Also draw the first chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet", "shard"])]
-    plot: bool,
+    #[command(flatten)]
+    printed: Printed,
     #[command(flatten)]
     progress: progress::Options,
-    /// Print only errors
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
 }
 
 /// The subfolder of a share.
@@ -137,15 +134,15 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     };
     let course = Course { share, stop: Stop::listen(options.time_limit).map_err(Failure::Signals)? };
     let studies = studies(options, share)?;
-    let how = options.progress.how(options.quiet);
+    let how = options.progress.how(options.printed.quiet);
     let plans = studies.iter().map(|(_, study)| checked(study, how, Some(&course.stop)));
     let plans = plans.collect::<Result<Vec<_>, _>>()?;
     let is_sampled = plans.iter().any(Plan::is_sampled);
-    let mut device = is_sampled.then(|| options.device.select(!options.quiet)).transpose()?;
+    let mut device = is_sampled.then(|| options.device.select(!options.printed.quiet)).transpose()?;
     let mut documents: Vec<Value> = Vec::new();
     let mut ended = Ok(());
     for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
-        if at > 0 && !options.json && !options.quiet {
+        if at > 0 && !options.json && !options.printed.quiet {
             print("\n")?;
         }
         match run_study(study, plan, folder, device.as_mut(), &course, options) {
@@ -246,7 +243,7 @@ fn run_study(
         note!("{name} changed since the last run; the affected points are resampled");
     }
     store.note_share(course.share)?;
-    let shown = Shown::new(options.progress.how(options.quiet)).until(&course.stop);
+    let shown = Shown::new(options.progress.how(options.printed.quiet)).until(&course.stop);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
@@ -265,7 +262,7 @@ fn run_study(
         for note in done.iter().flat_map(|done| &done.degraded) {
             note!("{note}");
         }
-        if !options.quiet {
+        if !options.printed.quiet {
             let share = course.share;
             say!(
                 "{share} is done and in {}; when all are done: {}",
@@ -275,11 +272,17 @@ fn run_study(
         }
         return Ok(None);
     }
-    let (json, quiet, plot) = (options.json, options.quiet, options.plot);
-    let ran =
-        Ran { study, plan, folder: &results, done: done.as_ref().zip(name), lacking: 0, json, quiet, plot };
+    let ran = Ran {
+        study,
+        plan,
+        folder: &results,
+        done: done.as_ref().zip(name),
+        lacking: 0,
+        json: options.json,
+        shown: options.printed,
+    };
     let document = ran.show(&store, &shown)?;
-    if !options.json && !options.quiet {
+    if !options.json && !options.printed.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {
                 let seconds = match done.seconds {
@@ -295,7 +298,7 @@ fn run_study(
             Some(_) => "nothing was left to sample; ".to_owned(),
             None => String::new(),
         };
-        say!("{rate}results are in {}", folder.display());
+        say!("{rate}report {}", folder.join(REPORT).display());
     }
     Ok(document)
 }

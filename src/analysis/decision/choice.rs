@@ -1,15 +1,15 @@
 //! The best option of a study, and the condition under which it is worst.
 
 use crate::analysis::decision::compared::Compared;
-use crate::analysis::decision::varied::Varied;
-use crate::chart::{Chart, Limit, Shows, Source};
+use crate::answer::Reading;
+use crate::answer::reading::place as place_of;
+use crate::chart::{Chart, Limit, Source};
 use crate::kinds::allan::keys::LENGTH;
 use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
-use crate::view::report::answer::{apart, is_given};
 use crate::view::report::bandless::Bandless;
-use crate::view::report::sentences::names;
+use crate::view::report::role::{apart, is_given};
 
 /// The option after the best one.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,8 +50,6 @@ pub(crate) struct Choice<'t> {
     pub(crate) point: usize,
     /// The rows of the best option under all conditions.
     pub(crate) rows: Vec<usize>,
-    /// Labels of the swept keys that are conditions, and of all swept keys, each with several values.
-    pub(crate) swept: [Vec<String>; 2],
     /// Name of the best option; empty where there is only one.
     pub(crate) option: String,
     /// The condition under which it is worst; empty where there is only one.
@@ -68,12 +66,6 @@ pub(crate) struct Choice<'t> {
     pub(crate) equal: Vec<String>,
     /// The next best option.
     pub(crate) next: Option<Next>,
-    /// Whether the best option is the shortest record that meets the limit as often.
-    pub(crate) is_shortest: bool,
-    /// The change of a swept key of the gyro itself that gains most.
-    pub(crate) varied: Option<Varied>,
-    /// Whether a map shows where each option is the best.
-    pub(crate) is_mapped: bool,
     /// Names of fillers that do not count as options, because firmware cannot have them.
     pub(crate) left_out: Vec<String>,
 }
@@ -153,17 +145,10 @@ impl<'t> Choice<'t> {
             met: next.met,
             is_alike: column.is_alike(row, next.row),
         });
-        let varied = Varied::most(study, table, &filter, &compared, (row, &rows));
         let at: Vec<&Column> = compared.given.iter().copied().chain(abscissa).collect();
-        let condition = names(&at, row);
+        let condition = place_of(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
         let met = [met, rows.len()];
-        let several = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1);
-        let swept: Vec<&Column> = several.filter_map(|sweep| table.column(sweep.key.name).ok()).collect();
-        let label = |column: &&Column| column.label.clone();
-        let is_condition = |column: &&&Column| compared.given.iter().any(|by| std::ptr::eq(*by, **column));
-        let swept =
-            [swept.iter().filter(is_condition).map(label).collect(), swept.iter().map(label).collect()];
         Ok(Some(Choice {
             source,
             column,
@@ -172,7 +157,6 @@ impl<'t> Choice<'t> {
             row_of_point,
             point,
             rows,
-            swept,
             option,
             condition,
             is_minimum,
@@ -181,11 +165,13 @@ impl<'t> Choice<'t> {
             options,
             equal,
             next,
-            is_shortest,
-            varied,
-            is_mapped: study.charts.iter().any(|chart| matches!(chart.shows, Shows::WinnerMap { .. })),
             left_out,
         }))
+    }
+
+    /// The value of the best option with its interval.
+    pub(crate) fn reading(&self) -> Reading {
+        Reading::new(self.column, self.value(), self.interval())
     }
 
     /// The magnitude of the best option.

@@ -4,7 +4,9 @@ use crate::analysis::decision::budget::mean_square;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator};
 use crate::analysis::decision::place::{Change, EVALUATIONS, Input, Place, Tried, changed};
+use crate::analysis::decision::words::short;
 use crate::analysis::decision::{DecisionError, Figure};
+use crate::answer::{Alternative, Fact};
 use crate::filler::{FILLERS, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gyro::TICK;
@@ -18,6 +20,9 @@ const COMPARED: usize = 6;
 
 /// The least gain that is worth a line.
 const LEAST_GAIN: f64 = 0.01;
+
+/// Most changes that are named beside one another.
+const MAX_ALTERNATIVES: usize = 3;
 
 /// The input whose change gains most.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,15 +67,6 @@ pub enum Needed {
     NotEven(Quantity, f64),
 }
 
-/// What the search for a lever found.
-#[derive(Debug, Default)]
-pub(crate) struct Found {
-    /// The lever.
-    pub(crate) lever: Option<Lever>,
-    /// Where there is no lever, the first input tried that gains under the worst condition, but makes another one as bad.
-    pub(crate) only_here: Option<Lever>,
-}
-
 /// The best lever at the chosen row: of the changes that gain most, the one that meets the limit with the least relative
 /// change, else the one that gains most. There is none where no change gains anything, and no search where changes cost too much
 /// to sample.
@@ -79,7 +75,7 @@ pub(crate) fn lever(
     table: &Table,
     choice: &Choice,
     evaluator: &mut Evaluator,
-) -> Result<Option<Found>, DecisionError> {
+) -> Result<Option<Lever>, DecisionError> {
     // A change of an input may move a notch to the place that is judged.
     if choice.is_notched {
         return Ok(None);
@@ -92,7 +88,7 @@ pub(crate) fn lever(
     };
     let of_one = 1 + if limit.is_some() { EVALUATIONS } else { 0 };
     evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
-    let (mut levers, mut only_here) = (Vec::<Lever>::new(), None);
+    let mut levers = Vec::<Lever>::new();
     for Tried { input, factor, .. } in tried {
         let to = changed(&input, factor);
         let found = match at.values(&at.swept, &input, &[input.value, to], judged, evaluator, Effort::Parts) {
@@ -118,10 +114,7 @@ pub(crate) fn lever(
             Lever { key, label, from, to, gain, needed, remark, also: vec![] }
         };
         match at.gain_everywhere(&input, to, judged, evaluator)? {
-            Some(largest) if largest < LEAST_GAIN => {
-                only_here.get_or_insert_with(|| lever(gain, None, String::new()));
-                continue;
-            }
+            Some(largest) if largest < LEAST_GAIN => continue,
             // Another condition becomes the worst.
             Some(value) if gain.interval.map_or(gain.value, |(low, _)| low) > value => {
                 gain = Figure { value, interval: None };
@@ -137,11 +130,10 @@ pub(crate) fn lever(
     // The order of equal changes, such as those that do not meet the limit, is that of their gains.
     levers.sort_by(|a, b| a.change().total_cmp(&b.change()));
     let mut levers = levers.into_iter();
-    let first = levers.next().map(|mut first| {
+    Ok(levers.next().map(|mut first| {
         first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
         first
-    });
-    Ok(Some(Found { only_here: only_here.filter(|_| first.is_none()), lever: first }))
+    }))
 }
 
 /// What a change of an input does besides what its name says: a tick that changes keeps the number of lost ticks, and fillers
@@ -165,7 +157,37 @@ fn remark(study: &Study, table: &Table, choice: &Choice, input: &Input, is_down:
     }
 }
 
+/// A quantity with the sign of arc seconds.
+fn shown(quantity: Quantity) -> String {
+    let text = short(quantity).replace("arcsec", "″");
+    text.strip_suffix(" ″").map_or(text.clone(), |number| format!("{number}″"))
+}
+
 impl Lever {
+    /// The changes that meet the limit, else the change that gains most.
+    pub(crate) fn fact(&self) -> Fact {
+        let alternative = |key: &str, label: &str, from, to| Alternative {
+            key: key.to_owned(),
+            label: label.to_owned(),
+            from: shown(from),
+            to: shown(to),
+        };
+        match self.needed {
+            Some(Needed::Value(to)) => {
+                let first = alternative(self.key, self.label, self.from, to);
+                let also = self.also.iter();
+                let others = also.map(|Also { key, label, from, to }| alternative(key, label, *from, *to));
+                let alternatives = std::iter::once(first).chain(others).take(MAX_ALTERNATIVES).collect();
+                Fact::ChangeToMeet { alternatives }
+            }
+            _ => Fact::MostEffectiveChange {
+                change: alternative(self.key, self.label, self.from, self.to),
+                gain: self.gain.value,
+                interval: self.gain.interval.map(|(low, high)| [low, high]),
+            },
+        }
+    }
+
     /// The input with the value that meets the limit by itself, if any does.
     fn meets(self) -> Option<Also> {
         let Lever { key, label, from, needed, .. } = self;

@@ -16,11 +16,8 @@ mod compared;
 pub(crate) mod evaluate;
 pub(crate) mod lever;
 pub(crate) mod lines;
-mod next_lever;
 mod place;
 pub(crate) mod sheet;
-pub(crate) mod shown;
-mod varied;
 pub(crate) mod words;
 
 pub use crate::analysis::decision::budget::Part;
@@ -28,7 +25,6 @@ pub use crate::analysis::decision::choice::Next;
 pub use crate::analysis::decision::lever::{Also, Lever, Needed};
 pub use crate::analysis::decision::lines::Lines;
 pub use crate::analysis::decision::sheet::Sheet;
-pub use crate::analysis::decision::varied::Varied;
 
 use crate::analysis::decision::budget::budget;
 use crate::analysis::decision::choice::Choice;
@@ -93,9 +89,6 @@ pub fn decide(
     let mut device = processor()?;
     let (row, count) = (choice.row_of_point, [0, 0]);
     let mut evaluator = Evaluator { device: &mut device, row, progress, count };
-    if let Some(sentences) = shown::sentences(study, tables, &mut evaluator)? {
-        return Ok(Some(Sheet { shown: Some(sentences), ..Sheet::new(&choice, vec![], None) }));
-    }
     if choice.source != Source::Points {
         return Ok(Some(Sheet::new(&choice, vec![], None)));
     }

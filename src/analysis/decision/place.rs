@@ -15,7 +15,7 @@ use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::study::Study;
 use crate::table::Table;
-use crate::view::report::answer::is_given;
+use crate::view::report::role::is_given;
 
 /// Factor by which each input is tried.
 const TRIED: f64 = 1.25;

@@ -1,22 +1,15 @@
-//! The decision sheet as sentences and as JSON.
+//! The decision sheet as facts and as JSON.
 
 use serde_json::{Value as Json, json};
 
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::{Choice, Next};
-use crate::analysis::decision::lever::{Found, Lever, Needed};
-use crate::analysis::decision::lines::Lines;
-use crate::analysis::decision::varied::Varied;
-use crate::analysis::decision::words::{LEVEL, margin_in_words, rounded, with_interval};
+use crate::analysis::decision::lever::{Lever, Needed};
+use crate::answer::{self as fact, Fact, Reading, Status};
 use crate::chart::Limit;
 use crate::quantity::list::listed;
-use crate::quantity::number::percent;
-use crate::table::{Unit, titled, worded};
-use crate::view::report::agreement::capitalised;
-
-/// Parts below this fraction of the mean square are not worth a line.
-const LEAST_SHARE: f64 = 0.005;
+use crate::table::{Unit, titled};
 
 /// The decision sheet of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +32,8 @@ pub struct Sheet {
     pub met: [usize; 2],
     /// The estimate of the best option under that condition.
     pub value: Figure,
+    /// The same as it is shown.
+    pub reading: Reading,
     /// Options with the same value as the best one.
     pub equal: Vec<String>,
     /// The next best option.
@@ -49,28 +44,10 @@ pub struct Sheet {
     pub budget: Vec<Part>,
     /// The next lever.
     pub lever: Option<Lever>,
-    /// Where there is no lever, the first input tried that gains under the worst condition, but makes another one as bad.
-    pub only_here: Option<Lever>,
-    /// Whether inputs were searched for it.
-    pub is_searched: bool,
-    /// Whether notches interrupt the judged curves.
-    pub is_notched: bool,
-    /// Whether the best option is the shortest record that meets the limit as often.
-    pub is_shortest: bool,
-    /// Whether a map shows where each option is the best.
-    pub is_mapped: bool,
-    /// The change of a swept key of the gyro itself that gains most.
-    pub varied: Option<Varied>,
-    /// Labels of the swept keys that are conditions, which no lever is, and of all swept keys.
-    pub swept: [Vec<String>; 2],
-    /// The sentences of a study that asks which coefficients records show, instead of those on the estimate.
-    pub shown: Option<[String; 5]>,
 }
 
 impl Sheet {
-    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, found: Option<Found>) -> Sheet {
-        let is_searched = found.is_some();
-        let Found { lever, only_here } = found.unwrap_or_default();
+    pub(crate) fn new(choice: &Choice, budget: Vec<Part>, lever: Option<Lever>) -> Sheet {
         Sheet {
             label: choice.column.label.clone(),
             unit: choice.column.unit,
@@ -81,19 +58,12 @@ impl Sheet {
             is_minimum: choice.is_minimum,
             met: choice.met,
             value: (choice.value(), choice.interval()).into(),
+            reading: choice.reading(),
             equal: choice.equal.clone(),
             next: choice.next.clone(),
             left_out: choice.left_out.clone(),
-            is_shortest: choice.is_shortest,
-            varied: choice.varied.clone(),
-            is_mapped: choice.is_mapped,
             budget,
             lever,
-            only_here,
-            is_searched,
-            is_notched: choice.is_notched,
-            swept: choice.swept.clone(),
-            shown: None,
         }
     }
 
@@ -116,174 +86,49 @@ impl Sheet {
         Some(Figure { value: left(self.value.value), interval })
     }
 
-    /// The five lines of the sheet: a heading with a sentence each.
+    /// The state of the limit.
+    pub fn status(&self) -> Status {
+        match (self.limit, self.is_met(), self.met) {
+            (None, ..) => Status::NoLimit,
+            (_, None, _) => Status::Inconclusive,
+            (_, Some(true), _) => Status::Met,
+            (_, _, [0, _]) => Status::NotMet,
+            (_, _, [met, of]) => Status::PartlyMet { met, of },
+        }
+    }
+
+    /// The facts of the sheet.
+    pub fn facts(&self) -> Vec<Fact> {
+        let mut facts = Vec::new();
+        if self.met[1] > 1 && self.value.value.is_finite() {
+            let ratio = self.limit.map(|limit| self.value.value / limit.value).filter(|ratio| *ratio > 1.0);
+            let at = self.condition.clone();
+            facts.push(Fact::WorstCase { value: self.reading.clone(), at, ratio_to_limit: ratio });
+        }
+        if self.budget.len() > 1 {
+            let part = |part: &Part| fact::Part {
+                name: part.name.to_owned(),
+                share: part.share.value,
+                interval: part.share.interval.map(|(low, high)| [low, high]),
+            };
+            facts.push(Fact::ErrorBudget { parts: self.budget.iter().map(part).collect() });
+        }
+        facts.extend(self.lever.as_ref().filter(|_| self.is_met() != Some(true)).map(Lever::fact));
+        if !self.left_out.is_empty() {
+            let names = listed(&self.left_out);
+            facts.push(Fact::Caveat {
+                text: format!("{names}: designed for exactly this motion, which firmware does not know"),
+            });
+        }
+        facts
+    }
+
+    /// The status and the facts, each with its label.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        if let Some(sentences) = &self.shown {
-            return Lines { met: None, sentences: sentences.clone() }.headed();
-        }
-        let sentences =
-            [self.requirement(), self.best(), self.margin_told(), self.limits(), self.lever_told()];
-        Lines { met: self.is_met(), sentences }.headed()
-    }
-
-    pub(super) fn shown(&self, value: f64) -> String {
-        if !value.is_finite() {
-            return "unknown".to_owned();
-        }
-        Limit { value: rounded(value), unit: self.unit }.text()
-    }
-
-    /// Where the best option is worst, as the end of a sentence.
-    pub(super) fn at(&self) -> String {
-        if self.condition.is_empty() { String::new() } else { format!(" at {}", self.condition) }
-    }
-
-    fn requirement(&self) -> String {
-        let (label, value, at) = (worded(&self.label), self.shown(self.value.value), self.at());
-        let which = match (self.met[1] > 1, self.is_minimum) {
-            (true, true) => "largest minimum of the ",
-            (true, false) => "largest ",
-            (false, true) => "least ",
-            (false, false) => "",
-        };
-        let of_best = if self.options > 1 { " of the best option" } else { "" };
-        let told = format!("the {which}{label}{of_best} is {value}{at}");
-        match (self.limit, self.is_met()) {
-            // Both sides of the limit are in the interval.
-            (Some(limit), _) if self.is_open(limit.value) => {
-                format!("Not decided by these trials: {told}, whose 95 % interval contains {}.", limit.text())
-            }
-            (Some(limit), Some(true)) => format!("Met: {told}, within {}.", limit.text()),
-            (Some(limit), _) => {
-                let [met, all] = self.met;
-                let part =
-                    if met > 0 { format!("Met under {met} of {all} conditions") } else { "Not met".into() };
-                match self.value.value.is_finite() {
-                    true => format!("{part}: {told}, above {}.", limit.text()),
-                    false => format!("{part}: {told}, so that nothing shows it within {}.", limit.text()),
-                }
-            }
-            (None, _) if !self.value.value.is_finite() => "None is given.".to_owned(),
-            (None, _) => format!("None is given; {told}."),
-        }
-    }
-
-    fn best(&self) -> String {
-        let left_out = match &self.left_out[..] {
-            [] => String::new(),
-            names => format!(" {} would need a motion that firmware does not know.", listed(names)),
-        };
-        if self.options < 2 {
-            let [conditions, all] = &self.swept;
-            let fixed: Vec<&String> = all.iter().filter(|label| !conditions.contains(label)).collect();
-            let none = match (&conditions[..], &fixed[..]) {
-                ([], _) => "There is only one option.".to_owned(),
-                (conditions, []) => {
-                    format!("None is compared: the study varies conditions only ({}).", listed(conditions))
-                }
-                (conditions, fixed) => format!(
-                    "None is compared: what is judged has one {}, and varies conditions only ({}).",
-                    listed(fixed),
-                    listed(conditions)
-                ),
-            };
-            return format!("{none}{left_out}");
-        }
-        let equal = match &self.equal[..] {
-            [] => String::new(),
-            names => format!(" (as good: {})", listed(names)),
-        };
-        let [met, all] = self.met;
-        let next = match &self.next {
-            _ if self.is_shortest => {
-                let under = match all {
-                    1 => String::new(),
-                    all => format!(" under {met} of {all} conditions"),
-                };
-                format!(", the shortest of {} lengths within the limit{under}", self.options)
-            }
-            // The option that meets the limit more often may be the one with the larger value.
-            Some(Next { option, met: less, .. }) if *less != met => {
-                let other = if self.options == 2 { "the other one," } else { "next is" };
-                format!(", within the limit under {met} of {all} conditions; {other} {option}, under {less}")
-            }
-            Some(Next { option, value, is_alike: true, .. }) => format!(
-                ", of {} options; but {option} has {}, and the 95 % intervals show no difference",
-                self.options,
-                self.shown(*value)
-            ),
-            Some(Next { option, value, .. }) if self.options == 2 => {
-                format!("; the other one, {option}, has {}", self.shown(*value))
-            }
-            Some(Next { option, value, .. }) => {
-                format!(", of {} options; next is {option} with {}", self.options, self.shown(*value))
-            }
-            None => format!(", of {} options", self.options),
-        };
-        let is_alike = self.next.as_ref().is_some_and(|next| next.is_alike && next.met == met);
-        let begin = match (self.is_mapped, is_alike) {
-            (false, false) => "",
-            (false, true) => "None is shown to be the best: least is ",
-            (true, false) => "Which is the best depends on the place in the map; over all conditions it is ",
-            (true, true) => {
-                "Which is the best depends on the place in the map; over all conditions none is shown to be the best, and least is "
-            }
-        };
-        format!("{begin}{}{equal}{next}.{left_out}", self.option)
-    }
-
-    fn margin_told(&self) -> String {
-        let Some(margin) = self.margin().filter(|margin| margin.value.is_finite()) else {
-            if self.limit.is_some() {
-                return format!("It is unknown{}, where too few records show a value.", self.at());
-            }
-            let over = |next: f64| next / self.value.value - 1.0;
-            return match &self.next {
-                Some(Next { value, .. }) if over(*value) > 0.0 => {
-                    format!("The next option is {} above the best.", percent(over(*value)))
-                }
-                _ => "Without a limit there is none.".to_owned(),
-            };
-        };
-        let worst = margin_in_words(margin, LEVEL);
-        match self.met {
-            [met, all] if (1..all).contains(&met) => {
-                let worst = match worst.strip_prefix("The") {
-                    Some(rest) => format!("the{rest}"),
-                    None => worst,
-                };
-                format!("The limit is met under {met} of {all} conditions;{} {worst}", self.at())
-            }
-            _ => worst,
-        }
-    }
-
-    fn limits(&self) -> String {
-        let Some(first) = self.budget.first() else {
-            return "The parts of this estimate are not separated.".to_owned();
-        };
-        let without = |part: &Part| with_interval(part.without, |value| self.shown(value));
-        let told = |part: &Part| format!("{} {}", part.name, with_interval(part.share, percent));
-        let parts: Vec<String> =
-            self.budget.iter().filter(|part| part.share.value >= LEAST_SHARE).map(told).collect();
-        // A share below 0 would not tell how much the part helps.
-        let helps = |part: &Part| {
-            format!(" {} lowers it: without that it is {}.", capitalised(part.name), without(part))
-        };
-        let helpful: String =
-            self.budget.iter().filter(|part| part.share.value <= -LEAST_SHARE).map(helps).collect();
-        let all: f64 = self.budget.iter().map(|part| part.share.value).sum();
-        let together = match (all - 1.0).abs() > 0.02 && helpful.is_empty() {
-            true => " The shares do not add up to 100 %, because parts act together.",
-            false => "",
-        };
-        format!(
-            "{} of the mean square; without {} the {} is {}.{helpful}{together}",
-            capitalised(&parts.join(", ")),
-            first.name,
-            worded(&self.label),
-            without(first)
-        )
+        let limit = self.limit.map_or_else(String::new, |limit| format!(", limit {}", limit.text()));
+        let status = (self.limit.is_some()).then(|| ("Status", self.status().text() + &limit));
+        let facts = self.facts().into_iter().map(|fact| (fact.label(), fact.text()));
+        status.into_iter().chain(facts).collect()
     }
 
     /// The sheet as JSON; values are in the units of tables, fractions as such.

@@ -54,7 +54,3 @@ pub(crate) fn short(quantity: Quantity) -> String {
         _ => Quantity { value, ..quantity }.to_string(),
     }
 }
-
-pub(super) fn rounded(value: f64) -> f64 {
-    significant(value, 4).parse().unwrap_or(value)
-}

@@ -57,7 +57,7 @@ impl Subject for GapFill {
 
     fn grounds(&self) -> Vec<Ground> {
         let fillers = Text::of(self.fillers.iter().map(|filler| &filler.name));
-        let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name()).when(Error::when);
+        let errors = Text::of(Error::ALL.map(Error::name)).usual(Error::Residual.name());
         let columns = abouts(&columns::columns(self.is_specified()));
         vec![Ground {
             laws: columns::LAWS,

@@ -84,11 +84,6 @@ impl Verdict<'_> {
         format!("{}{besides}\n{sentences}", self.heading())
     }
 
-    /// Whether a chart with this name of its files shows it.
-    pub(crate) fn is_of(&self, stem: &str) -> bool {
-        self.charts.iter().any(|chart| chart == stem)
-    }
-
     /// The judged column, and the charts that show it.
     pub fn heading(&self) -> String {
         let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));

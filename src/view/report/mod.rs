@@ -12,31 +12,25 @@
 //! prints sharply nor works with a screen reader.
 
 pub(crate) mod agreement;
-pub mod answer;
 pub(crate) mod axes;
 pub(crate) mod bandless;
-pub(crate) mod course;
-pub(crate) mod curves;
 pub(crate) mod data;
 pub mod gallery;
-mod growth;
-mod headline;
 pub(crate) mod notch;
 mod page;
+pub(crate) mod role;
 pub mod sections;
-pub(crate) mod sentences;
 pub(crate) mod shell;
 pub mod source;
-pub(crate) mod standing;
 pub(crate) mod still;
 #[cfg(test)]
 mod tests;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
-pub use crate::view::report::answer::Answer;
 pub use crate::view::report::gallery::{CARD, Card, gallery};
 pub use crate::view::report::source::{Named, Source};
 
+use crate::answer::Answer;
 use crate::chart;
 use crate::table::Table;
 use crate::view::picture::Drawn;
@@ -52,7 +46,7 @@ pub struct Report<'a> {
     /// Question of the study; may be empty.
     pub question: &'a str,
     /// Answer.
-    pub answer: Answer,
+    pub answer: &'a Answer,
     /// Notes attached to the results, each a sentence.
     pub notes: &'a [String],
     /// Charts, in the order of the study.

@@ -10,7 +10,6 @@ use crate::view::picture::Drawn;
 use crate::view::report::Report;
 use crate::view::report::agreement::{Agreement, agreements, representation};
 use crate::view::report::data::{Packed, data};
-use crate::view::report::sections::sheet;
 use crate::view::report::shell::{READING, Shell, chart, file, listings};
 use crate::view::report::source::Source;
 
@@ -42,29 +41,18 @@ pub(crate) fn page(report: &Report) -> String {
         question: report.question,
         style: "",
         links: &links,
-        answer: answer(report),
+        answer: report.answer.card(&scope(report.source), report.notes),
         sections,
         data: &packed,
     };
     shell.page()
 }
 
-fn answer(report: &Report) -> Markup {
-    html! {
-        section #answer {
-            h2 { "Answer" }
-            @if !report.answer.headline.is_empty() { p.headline { (report.answer.headline) } }
-            (sheet(&report.answer.sheet, &|sentence| html! { (sentence) }))
-            @for (heading, sentences) in &report.answer.curves {
-                @if sentences.len() > 1 {
-                    details open[sentences.len() <= 4] {
-                        summary { (heading) }
-                        ul { @for sentence in sentences { li { (sentence) } } }
-                    }
-                }
-            }
-            @for note in report.notes { p.note { (note) } }
-        }
+/// The number of points with that of their trials.
+fn scope(source: &Source) -> String {
+    match source.sampled {
+        Some((_, trials)) => format!("{} × {} trials", source.points, grouped(trials)),
+        None => "closed form".to_owned(),
     }
 }
 

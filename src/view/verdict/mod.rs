@@ -187,7 +187,7 @@ fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Ite
 }
 
 /// Whether a count leads from one row to the other, so that nothing lies between them.
-fn counts_between(table: &Table, a: usize, b: usize) -> bool {
+pub(crate) fn counts_between(table: &Table, a: usize, b: usize) -> bool {
     table.columns.iter().filter(|column| !matches!(column.role, Role::Trials | Role::Count)).any(|column| {
         let (a, b) = (&column.cells[a], &column.cells[b]);
         matches!((a, b), (Cell::Integer(_), Cell::Integer(_))) && a != b
@@ -196,7 +196,7 @@ fn counts_between(table: &Table, a: usize, b: usize) -> bool {
 
 /// The fraction of the way from a to b at which the limit lies, one of the two being beyond it; on a logarithmic scale
 /// where possible.
-fn fraction(a: f64, b: f64, limit: f64) -> f64 {
+pub(crate) fn fraction(a: f64, b: f64, limit: f64) -> f64 {
     let beyond = if a.abs() > b.abs() { a } else { b };
     let limit = limit * beyond.signum();
     match a == b {
@@ -206,7 +206,7 @@ fn fraction(a: f64, b: f64, limit: f64) -> f64 {
     }
 }
 
-fn between(a: f64, b: f64, part: f64) -> f64 {
+pub(crate) fn between(a: f64, b: f64, part: f64) -> f64 {
     if a > 0.0 && b > 0.0 { a * libm::pow(b / a, part) } else { a + (b - a) * part }
 }
 

@@ -1,12 +1,12 @@
 //! Reports of what is little, nothing or very much.
 
+use sagnac::answer::Answer;
 use sagnac::chart::{Chart, Shows};
 use sagnac::table::Table;
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;
 use sagnac::view::report::Report;
-use sagnac::view::report::answer::Answer;
 use sagnac::view::report::source::Source;
 use serde_json::json;
 use tempfile::TempDir;
@@ -37,7 +37,7 @@ fn page_of(table: &Table, chart: &Chart) -> String {
     let report = Report {
         title: "Edges",
         question: "",
-        answer: Answer::default(),
+        answer: &Answer::default(),
         notes: &[],
         charts: &[drawn],
         tables: vec![(sagnac::chart::Source::Points, table)],

@@ -71,14 +71,6 @@ terms! {
     WarmUp = warm_up(amplitude, time_s),
 }
 
-/// The name in a sentence of a coefficient or shape with a symbol of several letters, which is the name of a program.
-pub(crate) fn in_words(symbol: &str) -> Option<&'static str> {
-    let rows = || Term::EVERY.into_iter().map(Term::row);
-    let of_term = rows().find(|row| row.symbol == symbol && symbol.chars().count() > 1).map(|row| row.title);
-    let shape = |row: &'static Row| row.shape.as_ref().filter(|shape| shape.symbol == symbol);
-    of_term.or_else(|| Some(rows().find_map(shape)?.title))
-}
-
 /// The properties of a term: its names, its units, and the closed forms for a part of it.
 pub(crate) struct Row {
     /// Name in studies; for a term with a shape, the name of its table.

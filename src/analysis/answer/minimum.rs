@@ -1,0 +1,67 @@
+//! The least values of curves over the averaging time.
+
+use crate::analysis::answer::{Line, Outline, Question, at, headline, table};
+use crate::answer::{AnswerCell, Kind, Reading};
+use crate::table::Column;
+use crate::view::report::notch::Notches;
+
+/// Most words of a name with labels in a headline.
+const MAX_WORDS: usize = 5;
+
+pub(super) fn outline(question: &Question, x: &Column) -> Outline {
+    let (choices, conditions) = (question.choices(), question.columns());
+    let notches =
+        Notches::of(x, question.y, choices.iter().flat_map(|choice| choice.rows.iter().map(Vec::as_slice)));
+    let mut found: Vec<(String, String, bool, usize)> = Vec::new();
+    for choice in &choices {
+        for (rows, condition) in choice.rows.iter().zip(&conditions) {
+            let known = rows
+                .iter()
+                .copied()
+                .filter(|&row| question.y.cells[row].number().is_some() && !notches.are_at(x.value(row)));
+            let Some(row) = known.min_by(|&a, &b| question.size(a).total_cmp(&question.size(b))) else {
+                continue;
+            };
+            let named = |name: &str| {
+                [name, condition]
+                    .iter()
+                    .filter(|part| !part.is_empty())
+                    .copied()
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            };
+            found.push((named(&choice.name), named(&choice.long), choice.is_usable, row));
+        }
+    }
+    found.sort_by(|a, b| b.2.cmp(&a.2).then(question.size(a.3).total_cmp(&question.size(b.3))));
+    let line = |(name, _, is_usable, row): &(String, String, bool, usize)| {
+        let least = question.reading(*row);
+        let interval = least.interval_text().unwrap_or_default();
+        let cells =
+            vec![least.into(), AnswerCell::from(interval), Reading::new(x, x.value(*row), None).into()];
+        Line { name: name.clone(), is_usable: *is_usable, cells }
+    };
+    let lines = found.iter().map(line).collect();
+    let labels = question.options.iter().chain(&question.conditions).map(|column| column.label.as_str());
+    let columns = vec![
+        labels.collect::<Vec<_>>().join(", "),
+        format!("least {}", question.label()),
+        "95 % interval".to_owned(),
+        format!("at {}", x.label),
+    ];
+    let (headline, value) = match found.first() {
+        Some((name, long, _, row)) => {
+            let value = question.reading(*row);
+            let long = if long.split(' ').count() > MAX_WORDS { name } else { long };
+            (
+                headline(
+                    long,
+                    &format!("least {} {} at {}", question.label(), value.text(), at(x, x.value(*row))),
+                ),
+                Some(value),
+            )
+        }
+        None => (String::new(), None),
+    };
+    Outline { kind: Kind::Choice, headline, value, table: table(columns, lines) }
+}

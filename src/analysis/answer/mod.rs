@@ -1,0 +1,462 @@
+//! The answer of a study: from the chart that asks its question, else from its points.
+//!
+//! The rows of the table are the options between which a designer chooses, its columns the conditions. Which of them a column
+//! of the study is, its key says.
+
+mod detection;
+mod map;
+mod minimum;
+mod optimum;
+mod peaks;
+mod threshold;
+mod values;
+
+use crate::analysis::decision::Sheet;
+use crate::answer::reading::{joined, labelled, place, shown, symbol};
+use crate::answer::{
+    Answer, AnswerCell, AnswerTable, Check, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status,
+};
+use crate::chart::{Chart, Limit, Source};
+use crate::quantity::list::listed;
+use crate::run::Tables;
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
+use crate::view::chart::picture::Picture;
+use crate::view::chart::stack::Shown;
+use crate::view::picture::{Drawn, refused};
+use crate::view::report::agreement::{Agreement, agreements, capitalised};
+use crate::view::report::bandless::Bandless;
+use crate::view::report::role::{apart, is_given, less_is_better};
+use crate::view::results::Results;
+
+/// The rows that answer the question of a study.
+pub(super) struct Question<'t> {
+    pub(super) table: &'t Table,
+    /// The abscissa of the curves, where there is one.
+    pub(super) x: Option<&'t Column>,
+    /// The estimate.
+    pub(super) y: &'t Column,
+    /// The columns between whose values a designer chooses.
+    pub(super) options: Vec<&'t Column>,
+    /// The columns that are given.
+    pub(super) conditions: Vec<&'t Column>,
+    pub(super) rows: Vec<usize>,
+    pub(super) limit: Option<Limit>,
+    /// Fillers that firmware cannot have.
+    unusable: Option<Bandless<'t>>,
+}
+
+/// An option with its rows under each condition.
+pub(super) struct Choice {
+    /// Its name in the table.
+    pub(super) name: String,
+    /// Its name in a headline.
+    pub(super) long: String,
+    /// Whether firmware can have it.
+    pub(super) is_usable: bool,
+    /// Its rows under each condition, those of a curve by rising x.
+    pub(super) rows: Vec<Vec<usize>>,
+}
+
+/// An answer without facts and checks.
+pub(super) struct Outline {
+    pub(super) kind: Kind,
+    pub(super) headline: String,
+    pub(super) value: Option<Reading>,
+    pub(super) table: AnswerTable,
+}
+
+/// A row of the table before equal ones are joined.
+pub(super) struct Line {
+    pub(super) name: String,
+    pub(super) is_usable: bool,
+    pub(super) cells: Vec<AnswerCell>,
+}
+
+/// The answer of a study, with the facts of its decision.
+///
+/// # Errors
+/// The table lacks something that a chart requires.
+pub fn of_study(
+    study: &Study,
+    tables: &Tables,
+    results: &Results,
+    decided: Option<&Sheet>,
+) -> Result<Answer, StudyError> {
+    let (drawn, curves, lacking) = (&results.charts, &results.curves, results.lacking);
+    let charts =
+        || study.charts.iter().zip(curves).zip(drawn).filter(|((chart, _), _)| study.is_judged_by(chart));
+    let has_curves = |drawn: &Drawn| matches!(drawn.picture, Picture::Curves(_));
+    let role = |curves: &Shown| curves.table.column(&curves.estimate).map(|column| column.role);
+    // Where records show a coefficient is what a study of records asks first.
+    let asked = charts()
+        .find(|((chart, _), drawn)| chart.limit.is_some() && has_curves(drawn))
+        .or_else(|| {
+            charts().find(|((_, curves), drawn)| role(curves) == Ok(Role::Fraction) && has_curves(drawn))
+        })
+        .or_else(|| charts().next());
+    let (mut outline, limit) = match asked {
+        Some(((chart, curves), drawn)) if !curves.is_supplied(chart) || chart.limit.is_some() => {
+            let outline = match &drawn.picture {
+                Picture::Map(found) => Ok(map::of_map(found)),
+                _ => Question::of_chart(study, chart, curves).map(|question| question.outline(study)),
+            };
+            (outline.map_err(|error| refused(study, chart, &error.into()))?, chart.limit)
+        }
+        _ => {
+            let question = Question::of_points(study, &tables.points, decided);
+            (question.and_then(|question| question.outline(study)), None)
+        }
+    };
+    let continued = charts().filter(|((chart, _), drawn)| chart.limit.is_some() && has_curves(drawn));
+    if let Some(outline) = &mut outline
+        && let [line] = &outline.table.rows[..]
+        && line[0].text.is_empty()
+    {
+        let found = continued.map(|((chart, curves), _)| {
+            let outline = Question::of_chart(study, chart, curves).map(|question| question.outline(study));
+            outline
+                .map(|outline| (chart, curves, outline))
+                .map_err(|error| refused(study, chart, &error.into()))
+        });
+        outline.continue_with(&found.collect::<Result<Vec<_>, _>>()?);
+    }
+    let limit = limit.or(decided.and_then(|sheet| sheet.limit));
+    let outline = outline.unwrap_or(Outline {
+        kind: Kind::Estimate,
+        headline: String::new(),
+        value: None,
+        table: AnswerTable::default(),
+    });
+    let limit = limit.map(|limit| Reading::new(&limited(limit), limit.value, None));
+    Ok(Answer {
+        kind: outline.kind,
+        status: if lacking > 0 {
+            Status::Incomplete { missing: lacking }
+        } else {
+            decided.map_or(Status::NoLimit, Sheet::status)
+        },
+        headline: outline.headline,
+        value: outline.value,
+        limit,
+        table: outline.table,
+        facts: facts(study, tables, decided),
+        checks: theory(tables).into_iter().collect(),
+    })
+}
+
+impl Outline {
+    /// Gives an answer of a single curve a row for each of several charts of such a curve, under other conditions.
+    fn continue_with(&mut self, charts: &[(&Chart, &Shown, Option<Outline>)]) {
+        let name = |chart: &Chart, curves: &Shown| {
+            let value = |(column, value): (String, String)| {
+                let column = curves.table.column(&column).ok()?;
+                Some(shown(column, &Cell::Text(value.clone())))
+            };
+            chart.filter().into_iter().filter_map(value).collect::<Vec<_>>().join(", ")
+        };
+        let row = |(chart, curves, outline): &(&Chart, &Shown, Option<Outline>)| {
+            let table = &outline.as_ref()?.table;
+            let [row] = &table.rows[..] else { return None };
+            let mut row = row.clone();
+            row[0].text = name(chart, curves);
+            (table.columns == self.table.columns && row.len() == self.table.columns.len()).then_some(row)
+        };
+        let rows: Vec<Vec<AnswerCell>> = charts.iter().filter_map(row).collect();
+        if let [first, _, ..] = &rows[..] {
+            self.headline = headline(&first[0].text, &uncapitalised(&self.headline));
+            self.table.rows = rows;
+        }
+    }
+}
+
+/// A headline as what follows a name.
+fn uncapitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// The agreement of all estimates with their closed forms.
+fn theory(tables: &Tables) -> Option<Check> {
+    let all = agreements(&tables.points);
+    (!all.is_empty()).then(|| Check::Theory {
+        values: all.iter().map(|one| one.rows).sum(),
+        max_abs_z: all.iter().map(|one| one.largest).fold(0.0, f64::max),
+        holds: all.iter().all(Agreement::holds),
+    })
+}
+
+/// A column of a limit's unit.
+fn limited(limit: Limit) -> Column {
+    Column { name: "limit".to_owned(), unit: limit.unit, role: Role::Error, ..Column::default() }
+}
+
+/// The facts of a decision; without one, on fillers that firmware cannot have.
+fn facts(study: &Study, tables: &Tables, decided: Option<&Sheet>) -> Vec<Fact> {
+    let unusable = || {
+        let Bandless { names, why, .. } = Bandless::of(study, &tables.points)?;
+        Some(Fact::Caveat { text: format!("{}: designed for {why}", listed(&names)) })
+    };
+    decided.map_or_else(|| unusable().into_iter().collect(), Sheet::facts)
+}
+
+impl<'t> Question<'t> {
+    fn of_chart(study: &'t Study, chart: &'t Chart, curves: &'t Shown) -> Result<Question<'t>, ColumnError> {
+        let table: &Table = &curves.table;
+        let (x, y) = (table.column(&chart.x.name)?, table.column(&curves.estimate)?);
+        let series = curves.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+        let mut filter = chart.filter();
+        let is_named = curves.is_named(chart);
+        // The least of all parts says nothing about an option; what is left in their sum does.
+        let ground = study.ground(chart.source);
+        let whole =
+            ground.and_then(|ground| ground.texts.iter().find_map(|text| Some((text.name, text.whole?))));
+        let whole = whole.filter(|(name, _)| {
+            (is_named || x.role == Role::Coordinate) && filter.iter().all(|(column, _)| column != name)
+        });
+        filter.extend(whole.map(|(name, whole)| (name.to_owned(), whole.to_owned())));
+        let rows = table.rows_where(&filter)?;
+        // A key is asked for, not what follows from it.
+        let key = table.column(&x.of).ok().filter(|_| x.role == Role::Coordinate && !x.of.is_empty());
+        let x = if whole.is_some() { x } else { key.unwrap_or(x) };
+        let is_named = is_named || whole.is_some();
+        let by = series.into_iter().chain(is_named.then_some(x)).collect();
+        Ok(Question::new(study, table, Some(x).filter(|_| !is_named), y, by, rows, chart.limit))
+    }
+
+    /// The points of a study without its own chart.
+    fn of_points(study: &'t Study, table: &'t Table, decided: Option<&Sheet>) -> Option<Question<'t>> {
+        let y = table.usual(Usual::Answer)?;
+        // Errors and angles that the study omits have no rows.
+        let filter =
+            Some(study.usual_rows()).filter(|rows| table.rows_where(rows).is_ok()).unwrap_or_default();
+        let rows = table.rows_where(&filter).ok()?;
+        let x = table.usual(Usual::Abscissa).filter(|_| table.usual(Usual::Places).is_none());
+        // Every study of the kind has the columns.
+        let by = apart(study, Source::Points, table, vec![]).ok()?;
+        let limit = decided.filter(|sheet| sheet.label == y.label).and_then(|sheet| sheet.limit);
+        Some(Question::new(study, table, x, y, by, rows, limit))
+    }
+
+    fn new(
+        study: &'t Study,
+        table: &'t Table,
+        x: Option<&'t Column>,
+        y: &'t Column,
+        by: Vec<&'t Column>,
+        mut rows: Vec<usize>,
+        limit: Option<Limit>,
+    ) -> Question<'t> {
+        let has_place = |row: usize| x.is_none_or(|x| x.cells[row].number().is_some());
+        rows.retain(|&row| has_place(row) && (x.is_some() || y.cells[row].number().is_some()));
+        let varies = |by: &&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
+        let x = x.filter(varies);
+        let by: Vec<&Column> = by.into_iter().filter(varies).collect();
+        let (conditions, options) = by.into_iter().partition(|by| is_given(by));
+        Question { table, x, y, options, conditions, rows, limit, unusable: Bandless::of(study, table) }
+    }
+
+    /// The answer in the shape of the question; `None` for rows without a value.
+    fn outline(&self, study: &Study) -> Option<Outline> {
+        if self.rows.iter().all(|&row| self.y.cells[row].number().is_none()) {
+            return None;
+        }
+        let is_error = less_is_better(self.table, self.y, &self.rows);
+        Some(match (self.x, self.limit) {
+            (Some(x), _) if self.y.role == Role::Fraction => detection::outline(self, x),
+            (Some(x), Some(limit)) => threshold::outline(self, x, limit),
+            (Some(x), None) if is_error && x.usual == Some(Usual::Abscissa) => minimum::outline(self, x),
+            (Some(x), None) if is_error && !is_given(x) => optimum::outline(self, x),
+            (Some(x), None) if study.kind().is_exact => {
+                peaks::outline(self, x).unwrap_or_else(|| values::outline(self))
+            }
+            _ => values::outline(self),
+        })
+    }
+
+    /// The options with their rows; where there are none, the conditions take their place.
+    pub(super) fn choices(&self) -> Vec<Choice> {
+        let (rows_by, columns_by) = self.sides();
+        let conditions = self.condition_rows(columns_by);
+        let is_usable = |row: usize| {
+            self.unusable
+                .as_ref()
+                .is_none_or(|unusable| !unusable.names.contains(&unusable.column.cells[row].text().as_str()))
+        };
+        let by_name = grouped(self.rows.iter().copied(), |row| key(rows_by, row));
+        let choice = |(_, rows): (Vec<String>, Vec<usize>)| {
+            let of_condition = |row: &usize, condition: &Vec<String>| key(columns_by, *row) == *condition;
+            let under = |condition: &Vec<String>| {
+                let mut rows: Vec<usize> =
+                    rows.iter().copied().filter(|row| of_condition(row, condition)).collect();
+                if let Some(x) = self.x {
+                    rows.sort_by(|&a, &b| x.value(a).total_cmp(&x.value(b)));
+                }
+                rows
+            };
+            Choice {
+                name: name(rows_by, rows[0]),
+                long: long(rows_by, rows[0]),
+                is_usable: is_usable(rows[0]),
+                rows: conditions.iter().map(under).collect(),
+            }
+        };
+        by_name.into_iter().map(choice).collect()
+    }
+
+    /// The columns whose values are the rows of the table, and those whose values are its columns.
+    fn sides(&self) -> (&[&'t Column], &[&'t Column]) {
+        match self.options.is_empty() {
+            true => (&self.conditions, &[]),
+            false => (&self.options, &self.conditions),
+        }
+    }
+
+    fn condition_rows(&self, columns: &[&Column]) -> Vec<Vec<String>> {
+        grouped(self.rows.iter().copied(), |row| key(columns, row)).into_iter().map(|(key, _)| key).collect()
+    }
+
+    /// The names of the conditions that are columns, in the order of [`choices`](Question::choices); a single empty one where there
+    /// are none.
+    pub(super) fn columns(&self) -> Vec<String> {
+        let (_, columns) = self.sides();
+        let first = grouped(self.rows.iter().copied(), |row| key(columns, row));
+        first.into_iter().map(|(_, rows)| name(columns, rows[0])).collect()
+    }
+
+    /// The heading of the rows, in front of columns by a further one.
+    pub(super) fn heading_by(&self, x: &Column) -> String {
+        format!("{}, by {}", self.heading(), x.label)
+    }
+
+    /// The heading of the rows.
+    pub(super) fn heading(&self) -> String {
+        let (rows, columns) = self.sides();
+        let labels =
+            |columns: &[&Column]| columns.iter().map(|column| column.label.clone()).collect::<Vec<_>>();
+        match (&labels(rows)[..], &labels(columns)[..]) {
+            (rows, []) => rows.join(", "),
+            (rows, columns) => format!("{}, by {}", rows.join(", "), listed(columns)),
+        }
+    }
+
+    /// The label of the estimate.
+    pub(super) fn label(&self) -> String {
+        worded(&self.y.label)
+    }
+
+    /// The size of the estimate in a row.
+    pub(super) fn size(&self, row: usize) -> f64 {
+        self.y.magnitude(row)
+    }
+
+    /// The value of a row with its interval, as a magnitude where less is better.
+    pub(super) fn reading(&self, row: usize) -> Reading {
+        match self.limit.is_some() || self.y.role.less_is_better() {
+            true => Reading::new(self.y, self.size(row), self.y.interval_of_magnitude(row)),
+            false => Reading::of_row(self.y, row),
+        }
+    }
+
+    /// The row with the largest size among some.
+    pub(super) fn largest(&self, rows: &[usize]) -> Option<usize> {
+        let known = rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some());
+        known.max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)))
+    }
+}
+
+fn key(columns: &[&Column], row: usize) -> Vec<String> {
+    columns.iter().map(|column| column.cells[row].text()).collect()
+}
+
+/// The name of an option in a headline, a number after its label.
+fn long(columns: &[&Column], row: usize) -> String {
+    let known = columns.iter().filter(|column| column.cells[row] != Cell::Blank);
+    known.map(|column| labelled(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
+}
+
+/// The name of a row or a column of the table: without labels where a single column is enough.
+fn name(columns: &[&Column], row: usize) -> String {
+    match columns {
+        [column] => shown(column, &column.cells[row]),
+        columns => place(columns, row),
+    }
+}
+
+/// A table of lines, usable ones in their order first; equal ones are joined, and the first one is the best.
+pub(super) fn table(columns: Vec<String>, lines: Vec<Line>) -> AnswerTable {
+    let (usable, others): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.is_usable);
+    let mut joined: Vec<Line> = Vec::new();
+    for line in usable.into_iter().chain(others) {
+        match joined.iter_mut().find(|other| {
+            other.is_usable == line.is_usable && !line.cells.is_empty() && other.cells == line.cells
+        }) {
+            Some(other) => other.name += &format!(" = {}", line.name),
+            None => joined.push(line),
+        }
+    }
+    let omitted = joined.len().saturating_sub(MAX_ROWS);
+    joined.truncate(MAX_ROWS);
+    let row = |line: Line| std::iter::once(AnswerCell::from(line.name)).chain(line.cells).collect();
+    let rows: Vec<Vec<AnswerCell>> = joined.into_iter().map(row).collect();
+    AnswerTable { columns, best: (rows.len() > 1).then_some(0), rows, omitted }
+}
+
+/// At most as many of some places as columns beside the first are shown, evenly and with both ends.
+pub(super) fn sampled(count: usize) -> Vec<usize> {
+    spread(count, MAX_COLUMNS - 1)
+}
+
+/// At most so many of `count` places, evenly and with both ends.
+pub(super) fn spread(count: usize, most: usize) -> Vec<usize> {
+    match count <= most {
+        true => (0..count).collect(),
+        false => (0..most).map(|at| at * (count - 1) / (most - 1)).collect(),
+    }
+}
+
+/// A name and a result as a headline; a name of its own may be missing.
+pub(super) fn headline(name: &str, result: &str) -> String {
+    let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
+    compact(&begun(&format!("{name}{result}")))
+}
+
+/// A text as the start of a headline: a name with figures keeps its letters.
+pub(super) fn begun(text: &str) -> String {
+    let first = text.split([' ', ':', ',']).next().unwrap_or_default();
+    if first.len() > 3 && first.chars().all(|letter| letter.is_alphabetic() || letter == '-') {
+        capitalised(text)
+    } else {
+        text.to_owned()
+    }
+}
+
+/// A text without the spaces around signs of equality.
+fn compact(text: &str) -> String {
+    text.replace(" = ", "=")
+}
+
+/// A value of the abscissa in a headline: with its symbol where it has no unit.
+pub(super) fn at(x: &Column, value: f64) -> String {
+    let reading = Reading::new(x, value, None);
+    let symbol = symbol(&x.label);
+    match (reading.unit.is_empty(), symbol == x.label) {
+        (true, false) => format!("{symbol}={}", reading.text()),
+        _ => joined(&crate::answer::reading::number(reading.value), &reading.unit),
+    }
+}
+
+/// A value of the abscissa as the name of a row or a column of the table.
+pub(super) fn at_place(x: &Column, value: f64) -> String {
+    shown(x, &Cell::Number(value))
+}
+
+/// Values of the abscissa as such names, in full where three digits do not tell them apart.
+pub(super) fn at_places(x: &Column, values: &[f64]) -> Vec<String> {
+    let names: Vec<String> = values.iter().map(|&value| at_place(x, value)).collect();
+    match names.windows(2).any(|pair| pair[0] == pair[1]) {
+        true => values.iter().map(|&value| x.valued(&Cell::Number(value).text())).collect(),
+        false => names,
+    }
+}

@@ -1,0 +1,218 @@
+//! How far along the curves a value stays within its limit.
+
+use crate::analysis::answer::{Line, Outline, Question, at, headline, table, values};
+use crate::answer::reading::{Reading, joined, number, span};
+use crate::answer::{AnswerCell, Kind, MAX_COLUMNS};
+use crate::chart::Limit;
+use crate::table::Column;
+use crate::view::verdict::{between, counts_between, fraction};
+
+/// A stretch of a curve within the limit; an end is absent where the curve ends within it.
+type Window = [Option<f64>; 2];
+
+/// The stretches of a curve that are within the limit.
+struct Extent {
+    windows: Vec<Window>,
+    /// Number of points within the limit.
+    within: usize,
+    /// The row with the largest value.
+    largest: Option<usize>,
+}
+
+pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline {
+    let choices = question.choices();
+    let extents: Vec<Vec<Extent>> = choices
+        .iter()
+        .map(|choice| choice.rows.iter().map(|rows| extent(question, x, rows, limit)).collect())
+        .collect();
+    let crosses = |extent: &Extent| !extent.windows.is_empty() && extent.windows != [[None, None]];
+    if !extents.iter().flatten().any(crosses) {
+        return values::outline(question);
+    }
+    let mut order: Vec<usize> = (0..choices.len()).collect();
+    let within = |at: usize| extents[at].iter().map(|extent| extent.within).sum::<usize>();
+    let largest = |at: usize| {
+        let sizes = extents[at].iter().filter_map(|extent| Some(question.size(extent.largest?)));
+        sizes.fold(0.0, f64::max)
+    };
+    // Conditions have no best one, and keep their order.
+    let is_chosen = !question.options.is_empty();
+    if is_chosen {
+        order.sort_by(|&a, &b| {
+            let usable = choices[b].is_usable.cmp(&choices[a].is_usable);
+            usable.then(within(b).cmp(&within(a))).then(largest(a).total_cmp(&largest(b)))
+        });
+    }
+    let conditions = question.columns();
+    let is_single = conditions.len() == 1;
+    let cell = |extent: &Extent| cell(x, &extent.windows);
+    let line = |&at: &usize| {
+        let mut cells: Vec<AnswerCell> = extents[at].iter().take(MAX_COLUMNS - 1).map(cell).collect();
+        if is_single {
+            let interval = interval(question, x, &choices[at].rows[0], limit, &extents[at][0]);
+            let interval = interval.map_or_else(String::new, |[low, high]| span(x, low, high));
+            let largest = extents[at][0].largest.map(|row| question.reading(row).into());
+            cells.extend([AnswerCell::from(interval), largest.unwrap_or_default()]);
+        }
+        Line { name: choices[at].name.clone(), is_usable: choices[at].is_usable, cells }
+    };
+    let lines: Vec<Line> = order.iter().map(line).collect();
+    let mut columns = vec![question.heading()];
+    match is_single {
+        true => {
+            columns.push(format!("good for {}", x.label));
+            columns.extend(["95 % interval".to_owned(), format!("largest {}", question.label())]);
+        }
+        false => columns.extend(conditions.iter().take(MAX_COLUMNS - 1).cloned()),
+    }
+    // The condition under which the best option is within the limit for the least part.
+    let are_crossing = |&at: &usize| extents[at].iter().any(crosses);
+    let hardest = order.iter().copied().filter(are_crossing).min_by_key(|&at| within(at));
+    let best = if is_chosen { order[0] } else { hardest.unwrap_or(0) };
+    let crossing = (0..extents[best].len()).filter(|&at| crosses(&extents[best][at]));
+    let hardest = crossing.min_by_key(|&at| extents[best][at].within);
+    let (headline, value) = match hardest {
+        Some(condition) => {
+            let extent = &extents[best][condition];
+            let interval = interval(question, x, &choices[best].rows[condition], limit, extent);
+            let bracket =
+                interval.map_or_else(String::new, |[low, high]| format!(" ({})", span(x, low, high)));
+            let under = match conditions[condition].as_str() {
+                "" => String::new(),
+                name => format!(" at {name}"),
+            };
+            let place = place(x, extent.windows[0]);
+            let value = extent.windows[0][1]
+                .or(extent.windows[0][0])
+                .map(|place| Reading::new(x, place, interval.map(|[low, high]| (low, high))));
+            (headline(&choices[best].long, &format!("good {place}{under}{bracket}")), value)
+        }
+        None => {
+            let row = question.largest(&choices[best].rows.concat());
+            let value = row.map(|row| question.reading(row));
+            let text = value.as_ref().map_or_else(String::new, Reading::with_interval);
+            let verb = if within(best) > 0 { "meets" } else { "misses" };
+            (values::requirement(question, &choices[best].long, verb, limit, &text), value)
+        }
+    };
+    let mut table = table(columns, lines);
+    if !is_chosen && table.best.is_some() {
+        table.best = table.rows.iter().position(|row| row[0].text == choices[best].name);
+    }
+    Outline { kind: Kind::Threshold, headline, value, table }
+}
+
+fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Extent {
+    let known: Vec<usize> =
+        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+    let mut windows = windows(question, x, &known, limit, |row| question.y.value(row));
+    // Beyond values that are missing, nothing is known.
+    let [first, last] = [known.first(), known.last()].map(|row| row.map(|&row| x.value(row)));
+    let is_missing = |is_beyond: &dyn Fn(f64) -> bool| rows.iter().any(|&row| is_beyond(x.value(row)));
+    if let Some((window, first)) = windows.first_mut().zip(first)
+        && window[0].is_none()
+        && is_missing(&|place| place < first)
+    {
+        window[0] = Some(first);
+    }
+    if let Some((window, last)) = windows.last_mut().zip(last)
+        && window[1].is_none()
+        && is_missing(&|place| place > last)
+    {
+        window[1] = Some(last);
+    }
+    let within = known.iter().filter(|&&row| question.size(row) <= limit.value).count();
+    Extent { windows, within, largest: question.largest(&known) }
+}
+
+/// The stretches within the limit of a curve with some value in each row.
+fn windows(
+    question: &Question,
+    x: &Column,
+    rows: &[usize],
+    limit: Limit,
+    value: impl Fn(usize) -> f64,
+) -> Vec<Window> {
+    let is_above = |row: usize| value(row).abs() > limit.value;
+    let stretches: Vec<&[usize]> = rows.chunk_by(|&a, &b| is_above(a) == is_above(b)).collect();
+    let crossing =
+        |before: usize, after: usize, inner: usize| match counts_between(question.table, before, after) {
+            true => x.value(inner),
+            false => {
+                let part = fraction(value(before), value(after), limit.value);
+                between(x.value(before), x.value(after), part)
+            }
+        };
+    let window = |at: usize| {
+        let rows = stretches[at];
+        let (first, last) = (rows[0], rows[rows.len() - 1]);
+        let before =
+            at.checked_sub(1).map(|at| crossing(stretches[at][stretches[at].len() - 1], first, first));
+        let after = stretches.get(at + 1).map(|next| crossing(last, next[0], last));
+        [before, after]
+    };
+    (0..stretches.len()).filter(|&at| !is_above(stretches[at][0])).map(window).collect()
+}
+
+/// The range of the end of the first window of a curve between the places where both ends of its 95 % band cross the limit;
+/// `None` for a window with two ends, and where a band does not cross it alike.
+fn interval(
+    question: &Question,
+    x: &Column,
+    rows: &[usize],
+    limit: Limit,
+    extent: &Extent,
+) -> Option<[f64; 2]> {
+    let known: Vec<usize> =
+        rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
+    let end = |window: &Window| match window {
+        [None, Some(end)] | [Some(end), None] => Some(*end),
+        _ => None,
+    };
+    let place = end(extent.windows.first()?)?;
+    let of_band = |pick: fn((f64, f64)) -> f64| {
+        let value = |row: usize| question.y.interval_of_magnitude(row).map_or(f64::NAN, pick);
+        let found = windows(question, x, &known, limit, value);
+        (found.len() == extent.windows.len()).then(|| end(&found[0])).flatten()
+    };
+    let [one, other] = [of_band(|(low, _)| low)?, of_band(|(_, high)| high)?];
+    let (low, high) = (one.min(other), one.max(other));
+    let is_known = known.iter().all(|&row| question.y.interval(row).is_some());
+    (is_known && low < high && low <= place && place <= high).then_some([low, high])
+}
+
+/// A window as a cell.
+fn cell(x: &Column, windows: &[Window]) -> AnswerCell {
+    let text = |window: &Window| match window {
+        [None, None] => "everywhere".to_owned(),
+        [None, Some(end)] => format!("≤ {}", Reading::new(x, *end, None).text()),
+        [Some(end), None] => format!("≥ {}", Reading::new(x, *end, None).text()),
+        [Some(from), Some(to)] => span(x, *from, *to),
+    };
+    match windows {
+        [] => "nowhere".to_owned().into(),
+        [window] => {
+            let value = window[1].or(window[0]).map(|end| Reading::new(x, end, None));
+            AnswerCell {
+                text: text(window),
+                value: value.filter(|_| window[0].is_none() || window[1].is_none()),
+            }
+        }
+        [first, second] => format!("{}, {}", text(first), text(second)).into(),
+        [first, ..] => format!("{}, …", text(first)).into(),
+    }
+}
+
+/// A window in a headline.
+fn place(x: &Column, window: Window) -> String {
+    match window {
+        [None, None] => "everywhere".to_owned(),
+        [None, Some(end)] => format!("up to {}", at(x, end)),
+        [Some(end), None] => format!("from {}", at(x, end)),
+        [Some(from), Some(to)] => {
+            let to = Reading::new(x, to, None);
+            let factor = if to.value == 0.0 { 1.0 } else { to.value / window[1].unwrap_or(to.value) };
+            format!("from {} to {}", number(from * factor), joined(&number(to.value), &to.unit))
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! An answer as lines of text.
+
+use crate::answer::{Answer, AnswerTable};
+
+/// The mark of the row of the headline.
+const BEST: &str = "▸ ";
+
+/// Distance between columns.
+const GAP: usize = 3;
+
+/// Width up to which a heading stays in one line.
+const HEADING: usize = 14;
+
+/// The same of the first column.
+const FIRST_HEADING: usize = 24;
+
+impl Answer {
+    /// The answer as lines: checks, headline, table, and facts with their labels in a column.
+    pub fn text(&self, width: usize) -> String {
+        let checks = self
+            .checks
+            .iter()
+            .map(|check| format!("{} {}", if check.holds() { "✓" } else { "!" }, check.text()));
+        let chips = self.chips().into_iter().chain(checks).collect::<Vec<_>>().join(" · ");
+        let mut text = format!("{}\n", wrapped(&chips, width).join("\n"));
+        if !self.headline.is_empty() {
+            text += &format!("\n{}\n", wrapped(&self.headline, width).join("\n"));
+        }
+        let table = self.table.text(width);
+        if !table.is_empty() {
+            text += &format!("\n{table}");
+        }
+        let labels = self.facts.iter().map(|fact| fact.label().chars().count()).max().unwrap_or(0);
+        let facts = self.facts.iter().map(|fact| {
+            let indent = labels + 4;
+            let lines = wrapped(&fact.text(), width.saturating_sub(indent).max(20))
+                .join(&format!("\n{:indent$}", ""));
+            format!("  {:<labels$}  {lines}\n", fact.label())
+        });
+        let facts: String = facts.collect();
+        if facts.is_empty() { text } else { format!("{text}\n{facts}") }
+    }
+}
+
+impl AnswerTable {
+    /// The table in aligned columns, numbers flush right; columns that do not fit are left out from the end.
+    pub fn text(&self, width: usize) -> String {
+        let length = |text: &str| text.chars().count();
+        // A heading has as many lines as its words need beside the cells.
+        let widths: Vec<usize> = (0..self.columns.len())
+            .map(|column| {
+                let cells = self.rows.iter().filter_map(|row| Some(length(&row.get(column)?.text)));
+                let words = words(&self.columns[column]);
+                let words = words.iter().map(|word| length(word));
+                let whole =
+                    length(&self.columns[column]).min(if column == 0 { FIRST_HEADING } else { HEADING });
+                cells.chain(words).chain([whole]).max().unwrap_or(0)
+            })
+            .collect();
+        let broken: Vec<Vec<String>> =
+            self.columns.iter().zip(&widths).map(|(heading, &width)| wrapped(heading, width)).collect();
+        let height = broken.iter().map(Vec::len).max().unwrap_or(0);
+        let heading = |line: usize| {
+            let of = |lines: &Vec<String>| {
+                (line + lines.len()).checked_sub(height).map_or_else(String::new, |at| lines[at].clone())
+            };
+            broken.iter().map(of).collect::<Vec<String>>()
+        };
+        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect());
+        let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
+        let (mut fits, mut total) = (0, BEST.chars().count());
+        for width_of in &widths {
+            total += width_of + if fits > 0 { GAP } else { 0 };
+            if total > width && fits > 1 {
+                break;
+            }
+            fits += 1;
+        }
+        let line = |(at, row): (usize, &Vec<String>)| {
+            let mark = if at >= height && self.best == Some(at - height) { BEST } else { "  " };
+            let cells =
+                row.iter().zip(&widths).take(fits).enumerate().map(|(column, (cell, &width))| match column {
+                    0 => format!("{cell:<width$}"),
+                    _ => format!("{:GAP$}{cell:>width$}", ""),
+                });
+            format!("{}\n", format!("{mark}{}", cells.collect::<String>()).trim_end())
+        };
+        let mut text: String =
+            if self.rows.is_empty() { String::new() } else { cells.iter().enumerate().map(line).collect() };
+        if self.omitted > 0 {
+            text += &format!("  … {} more\n", self.omitted);
+        }
+        text
+    }
+}
+
+/// The words of a text; a sign and a bar stay with the word before.
+fn words(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match words.last_mut() {
+            Some(last) if word.starts_with(['%', '█', '▏', '▎', '▍', '▌', '▋', '▊', '▉', '(', '×']) =>
+            {
+                *last += &format!(" {word}");
+            }
+            _ => words.push(word.to_owned()),
+        }
+    }
+    words
+}
+
+/// A text in lines of at most a width, broken between words.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in words(text) {
+        let last = lines.len() - 1;
+        if !lines[last].is_empty() && lines[last].chars().count() + 1 + word.chars().count() > width {
+            lines.push(word);
+        } else {
+            if !lines[last].is_empty() {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(&word);
+        }
+    }
+    lines
+}
