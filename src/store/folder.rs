@@ -21,8 +21,8 @@ use crate::store::{CARD, FILE};
 /// The name of the list.
 pub const LIST: &str = "written_by_sagnac.jsonl";
 
-/// The first line of the list, without which a file of that name is not one.
-const HEAD: &str = r#"{"list":"files that sagnac wrote here, with the SHA-256 of each"}"#;
+/// What the first line of the list says, without which a file of that name is not one.
+const HEAD: &str = "files that sagnac wrote here, with the SHA-256 of each";
 
 /// Largest list that is read, in bytes.
 const MOST_LIST: u64 = 64 << 20;
@@ -82,19 +82,32 @@ fn help(earlier: Option<&Path>) -> String {
     }
 }
 
-/// A file in the list.
+/// The first line of a list.
 #[derive(Serialize, Deserialize)]
+struct Head {
+    list: String,
+    /// Whether there were results of an earlier version when it was begun, which it lacks.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_late: bool,
+}
+
+/// A file in the list.
+#[derive(Debug, Serialize, Deserialize)]
 struct Entry {
     name: String,
     /// Absent for a name that files have only while they are written.
     sha256: Option<String>,
+    /// Whether it was there before the list, so that it may be replaced under its name, but not removed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_adopted: bool,
 }
 
-/// The list as it is known: the digests of each name, and the names of files being written.
+/// The list as it is known: the entries of each name in their order, and the names of files being written.
 #[derive(Debug, Default)]
 struct List {
     file: Option<File>,
-    digests: HashMap<String, HashSet<String>>,
+    is_late: bool,
+    entries: HashMap<String, Vec<Entry>>,
     partial: HashSet<String>,
 }
 
@@ -116,7 +129,7 @@ pub struct Folder {
     root: Dir,
     device: u64,
     inputs: Vec<PathBuf>,
-    /// Whether there are results without a list, as of an earlier version.
+    /// Whether there were results before the list, as of an earlier version.
     is_earlier: bool,
     list: Mutex<List>,
 }
@@ -149,10 +162,10 @@ impl Folder {
             is_earlier: false,
             list: Mutex::default(),
         };
-        folder.read_list()?;
-        // Every command but `chart` lists its study or its page.
-        let is_own = |name: &String| name.ends_with(".toml") || name.ends_with(".html");
-        folder.is_earlier = is_results(path) && !folder.list().digests.keys().any(is_own);
+        folder.is_earlier = match folder.read_list()? {
+            true => folder.list().is_late,
+            false => is_results(path),
+        };
         Ok(folder)
     }
 
@@ -209,7 +222,7 @@ impl Folder {
             .and_then(|()| file.sync_all())
             .and_then(|()| file.seek(SeekFrom::Start(0)))
             .and_then(|_| digest_of(&mut file))
-            .and_then(|digest| self.enter(name, Some(&digest)).map(|()| digest));
+            .and_then(|digest| self.enter(Entry::written(name, Some(&digest))).map(|()| digest));
         // What is there now may have come meanwhile.
         let renamed = written.map_err(failed).and_then(|digest| {
             self.replaceable(name, None)?;
@@ -221,12 +234,13 @@ impl Folder {
         })
     }
 
-    /// Removes a file that this program wrote and nobody changed; `false` if there is none.
+    /// Removes a file that this program wrote and nobody changed; `false` if there is none. One that was adopted stays.
     ///
     /// # Errors
     /// It cannot be removed.
     pub fn remove(&self, name: &str) -> Result<bool, FolderError> {
-        if !self.is_own(name)? {
+        let is_own = |(digest, _): (String, _)| self.list().entry(name, &digest).is_some_and(|entry| !entry.is_adopted);
+        if !self.found(name)?.is_some_and(is_own) {
             return Ok(false);
         }
         let (Some(folder), last) = self.place(name, false)? else { return Ok(false) };
@@ -235,7 +249,7 @@ impl Folder {
 
     /// The names in the list.
     pub fn listed(&self) -> Vec<String> {
-        self.list().digests.keys().cloned().collect()
+        self.list().entries.keys().cloned().collect()
     }
 
     /// The files in the list that somebody changed since they were written, by name; `None` in a folder without a list.
@@ -258,22 +272,31 @@ impl Folder {
         Ok((!listed.is_empty()).then_some(changed))
     }
 
-    /// Enters existing files into the list as if this program had written them; returns their names.
+    /// Enters files of an earlier version, which kept no list, so that they can be replaced under their names; returns these. It
+    /// does so once for a folder, as nothing tells files of later date from those of somebody else.
     ///
     /// # Errors
     /// One of them cannot be read.
     pub fn adopt(&self, is_ours: impl Fn(&str) -> bool) -> Result<Vec<String>, FolderError> {
         let mut adopted = Vec::new();
-        for name in self.names()?.into_iter().filter(|name| is_ours(name)) {
-            if let Some((digest, _)) = self.found(&name)?
-                && !self.has(&name, &digest)
-            {
-                self.enter(&name, Some(&digest)).map_err(|source| self.failed(&name, source))?;
-                adopted.push(name);
+        if self.can_adopt() {
+            for name in self.names()?.into_iter().filter(|name| is_ours(name)) {
+                if let Some((digest, _)) = self.found(&name)?
+                    && !self.list().entries.contains_key(&name)
+                {
+                    self.enter(Entry { name: name.clone(), sha256: Some(digest), is_adopted: true })
+                        .map_err(|source| self.failed(&name, source))?;
+                    adopted.push(name);
+                }
             }
         }
         adopted.sort();
         Ok(adopted)
+    }
+
+    /// Whether files of an earlier version can still be adopted.
+    fn can_adopt(&self) -> bool {
+        self.is_earlier && !self.list().entries.values().flatten().any(|entry| entry.is_adopted)
     }
 
     /// The names of ordinary files in the folder and one level deeper.
@@ -301,11 +324,6 @@ impl Folder {
         Ok(names)
     }
 
-    /// Whether this program wrote the file of this name, and nobody changed it.
-    fn is_own(&self, name: &str) -> Result<bool, FolderError> {
-        Ok(self.found(name)?.is_some_and(|(digest, _)| self.has(name, &digest)))
-    }
-
     /// What a file of this name with these contents would be.
     ///
     /// # Errors
@@ -320,7 +338,7 @@ impl Folder {
             self.read_list()?;
         }
         if !self.has(name, &digest) {
-            return Err(FolderError::Foreign { path, earlier: self.is_earlier.then(|| self.path.clone()) });
+            return Err(FolderError::Foreign { path, earlier: self.can_adopt().then(|| self.path.clone()) });
         }
         match path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
             true => Err(FolderError::Input { path }),
@@ -395,7 +413,7 @@ impl Folder {
             folder.remove_file(partial).map_err(|source| self.failed(&whole_name, source))?;
         }
         if !is_left_over {
-            self.enter(&whole_name, None).map_err(|source| self.failed(LIST, source))?;
+            self.enter(Entry::written(&whole_name, None)).map_err(|source| self.failed(LIST, source))?;
         }
         let path = || self.path.join(&whole_name);
         match open(folder, partial, &mut options()) {
@@ -407,7 +425,7 @@ impl Folder {
     }
 
     fn has(&self, name: &str, digest: &str) -> bool {
-        self.list().digests.get(name).is_some_and(|digests| digests.contains(digest))
+        self.list().entry(name, digest).is_some()
     }
 
     fn list(&self) -> MutexGuard<'_, List> {
@@ -418,12 +436,13 @@ impl Folder {
         FolderError::Io { path: self.path.join(name), source }
     }
 
-    /// Reads the list, if there is one.
-    fn read_list(&self) -> Result<(), FolderError> {
+    /// Reads the list; `false` if there is none.
+    fn read_list(&self) -> Result<bool, FolderError> {
         let path = self.path.join(LIST);
         let failed = |source| self.failed(LIST, source);
+        let mut list = self.list();
         match self.root.symlink_metadata(LIST) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
             Err(error) => return Err(failed(error)),
             // It is written in place.
             Ok(found) => {
@@ -442,31 +461,33 @@ impl Folder {
         (&file).take(MOST_LIST).read_to_end(&mut text).map_err(failed)?;
         let text = String::from_utf8_lossy(&text);
         let mut lines = text.lines();
-        if lines.next() != Some(HEAD) {
+        let head = lines.next().and_then(|line| serde_json::from_str::<Head>(line).ok());
+        let Some(head) = head.filter(|head| head.list == HEAD) else {
             return Err(FolderError::Foreign { path, earlier: None });
-        }
-        let mut list = self.list();
+        };
+        let file = can_write.then_some(file);
+        *list = List { file, is_late: head.is_late, ..List::default() };
         // The last line of a run that was killed may be a part of one.
         for entry in lines.filter_map(|line| serde_json::from_str::<Entry>(line).ok()) {
             list.add(entry);
         }
-        list.file = can_write.then_some(file);
-        Ok(())
+        Ok(true)
     }
 
     /// Adds a file to the list, on disk first.
-    fn enter(&self, name: &str, sha256: Option<&str>) -> io::Result<()> {
-        if sha256.is_some_and(|digest| self.has(name, digest)) {
+    fn enter(&self, entry: Entry) -> io::Result<()> {
+        if entry.sha256.as_ref().is_some_and(|digest| self.has(&entry.name, digest)) {
             return Ok(());
         }
-        let entry = Entry { name: name.to_owned(), sha256: sha256.map(str::to_owned) };
         let mut list = self.list();
         if list.file.is_none() {
             let made =
                 open_in_place(&self.root, LIST, OpenOptions::new().read(true).append(true).create_new(true));
             match made {
                 Ok(mut file) => {
-                    writeln!(file, "{HEAD}")?;
+                    list.is_late = self.is_earlier;
+                    let head = Head { list: HEAD.to_owned(), is_late: self.is_earlier };
+                    file.write_all(format!("{}\n", serde_json::to_string(&head)?).as_bytes())?;
                     list.file = Some(file);
                 }
                 // Another command has begun it.
@@ -483,7 +504,7 @@ impl Folder {
         if let Some(file) = &mut list.file {
             file.write_all(line.as_bytes())?;
             // A file must not be on disk before its entry.
-            if sha256.is_some() {
+            if entry.sha256.is_some() {
                 file.sync_data()?;
             }
         }
@@ -492,12 +513,24 @@ impl Folder {
     }
 }
 
+impl Entry {
+    fn written(name: &str, sha256: Option<&str>) -> Entry {
+        Entry { name: name.to_owned(), sha256: sha256.map(str::to_owned), is_adopted: false }
+    }
+}
+
 impl List {
     fn add(&mut self, entry: Entry) {
         match entry.sha256 {
-            Some(digest) => drop(self.digests.entry(entry.name).or_default().insert(digest)),
+            Some(_) => self.entries.entry(entry.name.clone()).or_default().push(entry),
             None => drop(self.partial.insert(entry.name)),
         }
+    }
+
+    /// The last entry of this name and digest.
+    fn entry(&self, name: &str, digest: &str) -> Option<&Entry> {
+        let entries = self.entries.get(name)?.iter().rev();
+        entries.into_iter().find(|entry| entry.sha256.as_deref() == Some(digest))
     }
 }
 
@@ -694,6 +727,28 @@ mod tests {
         ));
         assert_eq!(folder.adopt(|name| name != "letter.txt").unwrap(), ["card.json", "report.html"]);
         assert!(folder.write("report.html", b"new").is_ok() && folder.write("letter.txt", b"new").is_err());
+    }
+
+    #[test]
+    fn adopted_files_are_replaced_but_never_removed_and_are_adopted_once() {
+        let (_parent, folder) = new();
+        for name in ["card.json", "noise.toml", "noise_of_unit7.toml"] {
+            std::fs::write(folder.path().join(name), "{}").unwrap();
+        }
+        // A list that is begun late does not have them.
+        Folder::open(folder.path()).unwrap().write("redrawn.svg", b"ours").unwrap();
+        let folder = Folder::open(folder.path()).unwrap();
+        assert_eq!(folder.adopt(|name| name != LIST).unwrap(), ["card.json", "noise.toml", "noise_of_unit7.toml"]);
+        let folder = Folder::open(folder.path()).unwrap();
+        assert!(!folder.remove("noise_of_unit7.toml").unwrap());
+        assert_eq!(read(&folder, "noise_of_unit7.toml"), "{}");
+        folder.write("noise.toml", b"new").unwrap();
+        assert!(folder.remove("noise.toml").unwrap());
+        // What comes later is no file of an earlier version.
+        std::fs::write(folder.path().join("card.json"), "edited").unwrap();
+        std::fs::write(folder.path().join("noise_x.toml"), "mine").unwrap();
+        assert!(folder.adopt(|_| true).unwrap().is_empty());
+        assert!(matches!(folder.write("card.json", b"new"), Err(FolderError::Foreign { earlier: None, .. })));
     }
 
     #[cfg(unix)]

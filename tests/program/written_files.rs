@@ -322,6 +322,23 @@ fn a_folder_of_an_earlier_version_is_left_until_it_is_adopted() {
 }
 
 #[test]
+fn files_that_were_adopted_are_never_removed() {
+    let desk = desk();
+    let allan = "allan log.csv --data rate --column gz,gx --bootstrap 0 --out al";
+    desk.done(allan);
+    fs::remove_file(desk.path("al").join(LIST)).unwrap();
+    desk.write("al/noise_of_unit7.toml", "mine");
+    desk.done("check al --adopt");
+    desk.done(&allan.replace("gz,gx", "gz"));
+    assert_eq!(desk.read("al/noise_of_unit7.toml"), "mine");
+    // With a list, nothing is an earlier version's.
+    desk.write("al/noise_x.toml", "mine");
+    desk.write("al/curve.csv", "edited");
+    assert!(desk.done("check al --adopt").stdout.contains("took over nothing"));
+    desk.fails(allan, 6, &["curve.csv is not as sagnac wrote it", "move it"]);
+}
+
+#[test]
 fn check_says_what_was_changed_and_what_it_cannot_check() {
     let desk = desk();
     desk.done("check done");
