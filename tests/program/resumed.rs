@@ -181,6 +181,29 @@ fn the_resolved_study_of_a_record_repeats_the_run_from_where_it_lies() {
 }
 
 #[test]
+fn a_record_whose_first_half_changed_is_resampled_for_the_fillers_that_are_designed_from_it() {
+    let record = "profile = { file = \"data/record.csv\", position = \"every\" }";
+    let least = "{ kind = \"minimum-variance\", name = \"mv\", fit_ticks = [-1, 0, \"n+1\", \"n+2\"] }";
+    let study = with_motion(record).replace("[\"const\", \"quadratic\"]", &format!("[\"const\", {least}]"));
+    let desk = Desk::with(&study);
+    std::fs::create_dir(desk.path("data")).unwrap();
+    let write = |first_half: f64| {
+        let rate = |i: usize| 3.0 * (0.7 * i as f64).sin() * if i < 380 { first_half } else { 1.0 };
+        let noise = |i: usize| ((i * 7919) % 101) as f64 / 101.0;
+        let samples: String = (0..800).map(|i| format!("{}, {}\n", 5 * i, rate(i) + noise(i))).collect();
+        desk.write("data/record.csv", &format!("time [ms], rate [deg/s]\n{samples}"));
+    };
+    write(1.0);
+    desk.done("run study.toml --device cpu --trials 300");
+    write(0.1);
+    let said = desk.done("run study.toml --device cpu --trials 300").stderr;
+    assert!(said.contains("record.csv changed since the last run; the affected points are resampled"), "{said}");
+    assert!(!said.contains("nothing was left to sample"), "{said}");
+    desk.done("run study.toml --device cpu --trials 300 --out afresh");
+    assert_eq!(desk.read("results/study/points.csv"), desk.read("afresh/points.csv"));
+}
+
+#[test]
 fn fewer_trials_than_are_held_are_told_and_the_resolved_study_has_those_held() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 5000");

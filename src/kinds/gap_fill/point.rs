@@ -13,7 +13,8 @@ use crate::key::sweep::{self, Sweep};
 use crate::key::{places::Places, setting};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::keys::{NOISE_RANDOM_WALK, SETTINGS};
-use crate::motion::{self, Frequency, Gaussian, Tone, vibration};
+use crate::motion::keys::Design;
+use crate::motion::{self, Frequency, Gaussian, Profile, Tone, vibration};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::minimum_variance::Band;
@@ -39,7 +40,28 @@ pub struct Point {
     pub(crate) design: Option<Box<Inputs>>,
 }
 
+/// What the fillers of least error for the motion of a point are designed for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Designed {
+    /// The motion and noise that determine the draws.
+    Here,
+    /// A part of a record other than the one that is replayed.
+    OtherPart,
+    /// Other inputs.
+    Elsewhere,
+}
+
 impl Point {
+    /// What its fillers of least error are designed for.
+    pub(crate) fn designed(&self) -> Designed {
+        let is_half = |profile: &Profile| profile.design == Design::FirstHalf;
+        match (&self.design, &self.inputs.motion.profile) {
+            (Some(_), _) => Designed::Elsewhere,
+            (None, Some(profile)) if is_half(profile) => Designed::OtherPart,
+            (None, _) => Designed::Here,
+        }
+    }
+
     /// Most ticks on a side of the gap that a filler reads.
     pub(crate) fn sides(&self) -> usize {
         let ticks = |fill: &Fill| {

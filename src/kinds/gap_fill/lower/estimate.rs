@@ -15,6 +15,7 @@ use crate::kinds::gap_fill::lower::readout::Fractions;
 use crate::kinds::gap_fill::lower::response::{Functional, Response};
 use crate::kinds::gap_fill::lower::weights::{Rows, singular_covariance};
 use crate::kinds::gap_fill::lower::{definition, words_of};
+use crate::kinds::gap_fill::point::Designed;
 use crate::store::Address;
 use crate::tally::id::Id;
 
@@ -77,7 +78,7 @@ const TWELVE_DIGITS: f64 = 1e-11;
 impl Estimate {
     /// Lowers an error of a filler, of the point `point` with the key `key`.
     ///
-    /// `is_designed_here` says whether its weights are those for the motion and noise of this point.
+    /// `designed` says what its weights are for if they are those of least error for the motion.
     pub(crate) fn new(
         point: Id,
         key: [u32; 2],
@@ -85,7 +86,7 @@ impl Estimate {
         error: Error,
         fractions: &Fractions,
         rows: Arc<Rows>,
-        is_designed_here: bool,
+        designed: Designed,
     ) -> Result<Estimate, Refusal> {
         let fixed = fractions.fixed;
         let scale = rows.denominator as f64;
@@ -173,8 +174,8 @@ impl Estimate {
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
         let lost = oracle.rms.is_some_and(|rms| oracle.resolution > MOST_ROUNDING * rms);
         // Without motion nothing is cancelled, and an oracle of 0 is possible.
-        let designed = is_designed_here && matches!(filler.method, Method::MinimumVariance(_));
-        if designed && lost && response.terms > whole.gain() {
+        let is_least = designed != Designed::Elsewhere && matches!(filler.method, Method::MinimumVariance(_));
+        if is_least && lost && response.terms > whole.gain() {
             return Err(singular_covariance(&filler.name, sigma * fixed.lsb_arcsec));
         }
         let words = [gap_fill::VERSION, key[0], key[1]]
@@ -184,7 +185,7 @@ impl Estimate {
             .chain(rows.numerators.iter().flatten().map(|&w| w as u32))
             .chain([rows.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
-        let (definition, name, ticks) = (definition(filler, Some(&rows)), error.name(), &rows.ticks);
+        let (definition, name, ticks) = (definition(filler, Some(&rows), designed), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
         let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);

@@ -49,7 +49,7 @@ use crate::kinds::gap_fill::lower::fixed::{Fixed, long_words};
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::lower::readout::Fractions;
 use crate::kinds::gap_fill::lower::unit::DEFAULT_SIDES;
-use crate::kinds::gap_fill::point::Point;
+use crate::kinds::gap_fill::point::{Designed, Point};
 use crate::kinds::plan::identity;
 use crate::tally::id::Id;
 use crate::theory::minimum_variance::Band;
@@ -110,7 +110,7 @@ impl Lowered {
                     error,
                     &fractions,
                     rows,
-                    point.design.is_none(),
+                    point.designed(),
                 )?);
             }
             Ok(estimates)
@@ -135,10 +135,14 @@ impl Lowered {
 }
 
 /// Definition of a filler with these weights regardless of its name, part of the identity of its estimates.
-pub(crate) fn definition(filler: &Filler, rows: Option<&Rows>) -> String {
+pub(crate) fn definition(filler: &Filler, rows: Option<&Rows>, designed: Designed) -> String {
     let weights = || rows.map(|rows| (&rows.numerators, rows.denominator));
     match &filler.method {
         Method::Closed(closed) => closed.identity.to_owned(),
+        // The part of the record from which they follow does not enter the identity of the point.
+        Method::MinimumVariance(Target::Own) if designed == Designed::OtherPart => {
+            format!("minimum-variance weights={:?}", weights())
+        }
         Method::MinimumVariance(Target::Own) => "minimum-variance".to_owned(),
         Method::MinimumVariance(Target::Specification(_)) => {
             format!("minimum-variance specification weights={:?}", weights())

@@ -230,7 +230,7 @@ fn residuals(
         residual.constant_arcsec += relock;
         let estimate = lowered.fillers[place].first();
         let physical = estimate.map(|estimate| oracle.switch(&estimate.rows));
-        let definition = definition(filler, estimate.map(|estimate| &*estimate.rows));
+        let definition = definition(filler, estimate.map(|estimate| &*estimate.rows), fill.designed());
         Switched {
             name: filler.name.clone(),
             definition: format!("{definition} ticks={:?}", fill.fills[place].fit_ticks),
