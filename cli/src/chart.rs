@@ -131,14 +131,15 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let asked = changed(&written, options)?;
     let study = Study::parse(&format!("{} with the requested chart", path.display()), &asked)?;
     let plan = checked(&study, options.progress.how(options.quiet), None)?;
-    let store = held(&options.folder, &plan)?;
+    let results = Folder::open(&options.folder)?;
+    let store = held(&results, &plan)?;
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
     let drawn = pictures(&study, &tables, lacking)?;
-    let results = Folder::open(&options.folder)?;
     for drawn in &drawn {
         write_pictures(&results, &options.name, &drawn.picture)?;
     }
+    results.commit()?;
     // Said even where only errors are: the picture is not the one of the study.
     if let Some(sentence) = incomplete(lacking) {
         note!("{}: {sentence}", options.folder.display());

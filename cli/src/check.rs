@@ -1,5 +1,6 @@
 //! `sagnac check`.
 
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use sagnac::source::text_file::read_bytes;
 use sagnac::store::FILE as DATABASE;
 use sagnac::store::check::Report;
 use sagnac::store::error::StoreError;
-use sagnac::store::folder::Folder;
+use sagnac::store::folder::{Difference, Folder};
 use sagnac::store::source::Source;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
@@ -18,6 +19,7 @@ use crate::failure::{self, Failure};
 use crate::folders;
 use crate::output::{csv, print};
 use crate::progress::{How, Shown};
+use crate::results::names;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -113,7 +115,9 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         );
         faults.push(message);
     }
-    let changed = Folder::open(folder)?.changed()?;
+    let listed = Folder::read(folder)?;
+    let changed = listed.changed()?;
+    let is_changed = |name: &str| changed.as_ref().is_some_and(|changed| changed.contains_key(name));
     let mut compared = vec![];
     if changed.is_none() {
         note!(
@@ -125,6 +129,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     }
     if faults.is_empty() {
         let study = Study::read(&resolved)?;
+        note_unlisted(&listed, &study);
         let plan = Plan::new(&study)?;
         let store = source.into_store(&plan.identity())?;
         lacking = plan.lacks(&store, Share::WHOLE)?;
@@ -146,8 +151,8 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             let named =
                 shares.iter().zip(&missing).map(|(share, trials)| format!("{share} {}", state(*trials)));
             about = named.collect::<Vec<_>>().join(", ");
-            let is_changed = changed.iter().flatten().next().is_some();
-            if missing.iter().all(|trials| *trials == 0) && !is_changed {
+            let is_as_written = changed.as_ref().is_none_or(BTreeMap::is_empty);
+            if missing.iter().all(|trials| *trials == 0) && is_as_written {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }
@@ -158,27 +163,44 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             let path = folder.join(name);
             let earlier = format!(", {name} is from an earlier state");
             let wanted = csv(table, &path)?;
+            // An interrupted run has not written the table yet, or not for all trials.
+            let may_differ = lacking > 0 && !is_changed(name);
             // A table that is longer cannot match, so no more of it is read.
             match read_bytes(&path, wanted.len() as u64 + 1) {
                 Ok(found) if found == wanted => about += &format!(", {name} matches them"),
-                // An interrupted run has not written the table yet, or not for all trials.
-                Err(error) if error.kind() == ErrorKind::FileTooLarge && lacking > 0 => about += &earlier,
-                Ok(_) if lacking > 0 => about += &earlier,
-                Err(_) if lacking > 0 => {}
+                Err(error) if error.kind() == ErrorKind::FileTooLarge && may_differ => about += &earlier,
+                Ok(_) if may_differ => about += &earlier,
+                Err(_) if may_differ => {}
                 Err(error) if error.kind() != ErrorKind::FileTooLarge => {
                     faults.push(format!("cannot read {}: {error}", path.display()));
                 }
-                _ => faults.push(format!(
-                    "{} does not match the tallies\nrun {} again to rebuild it",
-                    path.display(),
-                    resolved.display()
-                )),
+                _ => {
+                    // A run does not replace what it cannot know as its own.
+                    let is_own = changed.is_some() && !is_changed(name);
+                    let first = if is_own { "" } else { "move it away, and " };
+                    faults.push(format!(
+                        "{} does not match the tallies\n{first}run {} again to rebuild it",
+                        path.display(),
+                        resolved.display()
+                    ));
+                }
             }
         }
     }
     // Tables are compared with the tallies.
-    for name in changed.iter().flatten().filter(|name| !compared.contains(&name.as_str())) {
-        faults.push(format!("{} was changed since it was written", folder.join(name).display()));
+    for (name, difference) in changed.iter().flatten().filter(|(name, _)| !compared.contains(&name.as_str()))
+    {
+        let path = folder.join(name);
+        match difference {
+            Difference::Changed => {
+                faults.push(format!("{} was changed since it was written", path.display()))
+            }
+            // Without a study, this was said above.
+            Difference::Missing if name == RESOLVED => {}
+            Difference::Missing => {
+                faults.push(format!("{} was removed since it was written", path.display()))
+            }
+        }
     }
     for fault in faults.iter().take(MOST_TOLD) {
         say!("error: {}", failure::in_options(fault));
@@ -192,6 +214,20 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         (0, _) => State::Incomplete,
         (faults, _) => State::Faulty(faults),
     })
+}
+
+/// Notes files of a run that its list does not have, as where a command of this version began the list of an earlier one.
+fn note_unlisted(folder: &Folder, study: &Study) {
+    let listed = folder.listed();
+    let is_unlisted = |name: &String| !listed.contains(name) && folder.path().join(name).is_file();
+    let unlisted: Vec<String> = names(study).into_iter().filter(is_unlisted).take(MOST_TOLD).collect();
+    if !listed.is_empty() && !unlisted.is_empty() {
+        note!(
+            "{}: its list lacks {}, so that changes of them are not found",
+            folder.path().display(),
+            unlisted.join(", ")
+        );
+    }
 }
 
 /// Reports intact rows and the state of the results.

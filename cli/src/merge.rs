@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::folders;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
-use crate::results::{Printed, Ran, names};
+use crate::results::{Printed, Ran, check_places};
 use crate::run::checked;
 use crate::whole;
 
@@ -73,8 +73,8 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let results = Folder::open(&options.out)?;
-    results.check(names(&study).iter().map(String::as_str))?;
-    let mut store = Store::open(&options.out, &plan.identity())?;
+    check_places(&study, &results)?;
+    let mut store = Store::open_in(&results, &plan.identity())?;
     keep(&study, &results)?;
     store.note_share(Share::WHOLE)?;
     for folder in distinct(options) {

@@ -137,7 +137,7 @@ pub fn write_or_remove(folder: &Folder, name: &str, table: Option<Table>) -> Res
     }
 }
 
-/// Writes the page of a results folder, with its card for galleries.
+/// Writes the page of a results folder, with its card for galleries, and puts them and all files written before in their places.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -145,7 +145,7 @@ pub fn write_page(folder: &Folder, page: &Page) -> Result<(), Failure> {
     let spell = |text: &str| in_options(&text);
     folder.write(REPORT, page.html(&spell).as_bytes())?;
     folder.write(CARD, json!(page.card(&spell)).to_string().as_bytes())?;
-    Ok(())
+    Ok(folder.commit()?)
 }
 
 /// The place of the results with a page.

@@ -95,7 +95,9 @@ fn write_gallery(
     let all_studies = folders.iter().all(|folder| folders::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    Folder::open(path.parent().unwrap_or(Path::new("")))?.write(&name, gallery(&cards, called).as_bytes())?;
+    let holder = Folder::open(path.parent().unwrap_or(Path::new("")))?;
+    holder.write(&name, gallery(&cards, called).as_bytes())?;
+    holder.commit()?;
     if !options.quiet {
         let here = std::env::current_dir().unwrap_or_default();
         say!("{}", path.strip_prefix(here).unwrap_or(&path).display());
@@ -114,8 +116,8 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
     // Its charts are drawn at once, so nothing needs to be checked before.
     let plan = Plan::new(&study)?;
-    let store = held(folder, &plan)?;
     let results_folder = Folder::open(folder)?;
+    let store = held(&results_folder, &plan)?;
     // Folders of earlier versions lack the input files of the study.
     keep(&study, &results_folder)?;
     let progress = Shown::new(options.progress.how(options.quiet));
@@ -132,6 +134,7 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let path = folder.join(REPORT);
     let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&path))?;
     results_folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
+    results_folder.commit()?;
     Ok(card)
 }
 

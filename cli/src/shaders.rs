@@ -28,6 +28,7 @@ pub fn shaders(options: &Options) -> Result<(), Failure> {
     for (name, text) in files() {
         written.write(&name, text.as_bytes())?;
     }
+    written.commit()?;
     print(&format!(
         "wrote the shaders and {}\nopen {} in a browser with WebGPU: it runs them and compares all words",
         folder.join(DESCRIPTION).display(),

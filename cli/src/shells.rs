@@ -50,6 +50,7 @@ pub fn man(options: &Man) -> Result<(), Failure> {
     for command in command().get_subcommands().filter(|command| !command.is_hide_set()) {
         page(command.clone(), format!("sagnac-{}", command.get_name()), &written)?;
     }
+    written.commit()?;
     print(&format!(
         "pages are in {}; read them with `man -l {}`",
         folder.display(),

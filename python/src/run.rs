@@ -126,7 +126,10 @@ impl Asked {
         // Checks for errors that would otherwise occur after sampling.
         pictures(&study, &plan.blank_tables(), 0)?;
         let kept = self.is_kept.then(|| Folder::open(&self.folder)).transpose()?;
-        let mut store = Store::open(&self.folder, &plan.identity())?;
+        let mut store = match &kept {
+            Some(folder) => Store::open_in(folder, &plan.identity())?,
+            None => Store::open(&self.folder, &plan.identity())?,
+        };
         if let Some(folder) = &kept {
             // Kept from the start, as the run may be killed.
             keep(&study, folder)?;
@@ -165,6 +168,7 @@ impl Asked {
         if let Some(folder) = &kept {
             folder.write(RESOLVED, results.resolved().as_bytes())?;
             folder.write(REPORT, report.as_bytes())?;
+            folder.commit()?;
         }
         let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let verdicts = judged.iter().map(said).collect();

@@ -11,7 +11,6 @@ use crate::study::Study;
 /// # Errors
 /// A file cannot be written.
 pub fn keep(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> {
-    // What is refused is refused before anything is written.
     folder.write(RESOLVED, study.resolved(study.trials).as_bytes())?;
     let mut replaced = Vec::new();
     for input in study.inputs() {
@@ -19,6 +18,7 @@ pub fn keep(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> 
             replaced.push(input.name.clone());
         }
     }
+    folder.commit()?;
     Ok(replaced)
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
@@ -25,7 +26,7 @@ pub(crate) struct Database {
     pub(crate) connection: Connection,
     /// Which file was opened, where the system tells.
     file: Option<[u64; 2]>,
-    _lock: Option<Lock>,
+    _lock: Option<Arc<Lock>>,
     /// The key of this session's provenance.
     session: Id,
 }
@@ -44,10 +45,12 @@ const MOST_CACHED_KIB: u32 = 64 << 10;
 const SHARE: &str = "share ";
 
 impl Database {
-    pub(crate) fn open(folder: &Path, path: PathBuf, identity: &Identity) -> Result<Database, StoreError> {
-        std::fs::create_dir_all(folder)
-            .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
-        let lock = Lock::take(folder)?;
+    pub(crate) fn open(
+        folder: &Path,
+        path: PathBuf,
+        identity: &Identity,
+        lock: Arc<Lock>,
+    ) -> Result<Database, StoreError> {
         single_database(&path).map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let flags = OpenFlags::default() | OpenFlags::SQLITE_OPEN_NOFOLLOW;
         let connection = Connection::open_with_flags(real(&path), flags)
@@ -67,7 +70,7 @@ impl Database {
         Ok(database)
     }
 
-    pub(crate) fn of(path: PathBuf, connection: Connection, lock: Option<Lock>) -> Database {
+    pub(crate) fn of(path: PathBuf, connection: Connection, lock: Option<Arc<Lock>>) -> Database {
         // It fails only for a negative limit.
         let _ = connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MOST_BYTES);
         let count = SESSIONS.fetch_add(1, Ordering::Relaxed);

@@ -1,14 +1,15 @@
 //! A results folder, through which everything in it is written.
 //!
-//! The folder has a list of the files that this program wrote there, with their SHA-256. A file is replaced or removed only if
-//! the list has it with the digest of its present contents. All else belongs to someone else and is left as it is, and what is
-//! to be written in its place is refused. Below the folder no link is followed: each component is opened from the one that
-//! contains it.
+//! The folder has a list of the files that this program wrote there, with their sizes and their SHA-256. A file is replaced or
+//! removed only if the list has it with the digest of its present contents. All else belongs to someone else and is left as it
+//! is, and what is to be written in its place is refused. The files of a command are written beside those that they replace,
+//! and take their places together, once none is refused. Below the folder no link is followed: each component is opened from
+//! the one that contains it.
 
-use std::collections::{HashMap, HashSet};
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::collections::{BTreeMap, HashMap};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use cap_fs_ext::{DirExt, FollowSymlinks, MetadataExt, OpenOptionsFollowExt, OpenOptionsSyncExt};
 use cap_std::ambient_authority;
@@ -16,7 +17,8 @@ use cap_std::fs::{Dir, File, Metadata, OpenOptions};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::store::{CARD, FILE};
+use crate::store::lock::{LOCK, Lock};
+use crate::store::{CARD, FILE, StoreError};
 
 /// The name of the list.
 pub const LIST: &str = "written_by_sagnac.jsonl";
@@ -24,8 +26,18 @@ pub const LIST: &str = "written_by_sagnac.jsonl";
 /// What the first line of the list says, without which a file of that name is not one.
 const HEAD: &str = "files that sagnac wrote here, with the SHA-256 of each";
 
-/// Largest list that is read, in bytes.
+/// End of the name that a file has while it is written. No other program gives it.
+const PARTIAL: &str = ".sagnac_partial";
+
+/// Largest list that is read, and longest name in it, in bytes.
 const MOST_LIST: u64 = 64 << 20;
+const MOST_NAME: usize = 1 << 10;
+
+/// Length of the beginning of a page in which its mark is sought, in bytes.
+const MOST_BEGINNING: u64 = 1 << 10;
+
+/// Largest file that is compared with an entry without a size, in bytes.
+const MOST_UNSIZED: u64 = 1 << 30;
 
 /// Why a file of a results folder was not written or removed.
 #[derive(Debug, thiserror::Error)]
@@ -38,10 +50,21 @@ pub enum FolderError {
         /// The cause.
         source: io::Error,
     },
-    /// The operating system refused it.
+    /// Another command has the folder, or it cannot be locked.
+    #[error(transparent)]
+    Lock(#[from] StoreError),
+    /// The operating system refused to write it.
     #[error("cannot write {}: {source}", path.display())]
     Io {
         /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// The operating system refused to read it.
+    #[error("cannot read {}: {source}", path.display())]
+    Unread {
+        /// The file.
         path: PathBuf,
         /// The cause.
         source: io::Error,
@@ -55,7 +78,7 @@ pub enum FolderError {
         earlier: Option<PathBuf>,
     },
     /// A component of the path is a link, a pipe or a mount.
-    #[error("{} is {what}, and nothing is written there\nremove it, or write to another folder", path.display())]
+    #[error("{} is {what}, and nothing is written there\n{}, or write to another folder", path.display(), if *what == HARD_LINK { "copy it in its place" } else { "remove it" })]
     Special {
         /// The component.
         path: PathBuf,
@@ -69,6 +92,9 @@ pub enum FolderError {
         path: PathBuf,
     },
 }
+
+/// What a file with several names is.
+const HARD_LINK: &str = "a hard link";
 
 /// What to do about a file of someone else.
 fn help(earlier: Option<&Path>) -> String {
@@ -91,24 +117,55 @@ struct Head {
     is_late: bool,
 }
 
-/// A file in the list.
-#[derive(Debug, Serialize, Deserialize)]
+/// A line of the list.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Entry {
     name: String,
-    /// Absent for a name that files have only while they are written.
+    /// Absent for a file that was removed.
     sha256: Option<String>,
+    /// Absent in lists of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    size: Option<u64>,
     /// Whether it was there before the list, so that it may be replaced under its name, but not removed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_adopted: bool,
 }
 
-/// The list as it is known: the entries of each name in their order, and the names of files being written.
+/// The list as it is known: the entries of each name in their order.
 #[derive(Debug, Default)]
 struct List {
+    /// Absent before it is begun, and where it is only read.
     file: Option<File>,
+    /// Whether its file has the first line.
+    is_begun: bool,
+    /// Whether its last line is a part of one, as a command that was killed leaves it.
+    is_torn: bool,
     is_late: bool,
     entries: HashMap<String, Vec<Entry>>,
-    partial: HashSet<String>,
+}
+
+/// A file that is there.
+struct Found {
+    path: PathBuf,
+    file: File,
+    size: u64,
+    digest: Option<String>,
+}
+
+/// What a command does to a file once all its files are written.
+#[derive(Debug)]
+enum Staged {
+    Written { sha256: String, size: u64 },
+    Removed,
+}
+
+/// How a listed file differs from what was written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Difference {
+    /// It has other contents, or is no ordinary file.
+    Changed,
+    /// It is not there.
+    Missing,
 }
 
 /// What became of a file.
@@ -129,44 +186,82 @@ pub struct Folder {
     root: Dir,
     device: u64,
     inputs: Vec<PathBuf>,
+    /// Absent where the folder is only read.
+    lock: Option<Arc<Lock>>,
     /// Whether there were results before the list, as of an earlier version.
     is_earlier: bool,
     list: Mutex<List>,
+    staged: Mutex<BTreeMap<String, Staged>>,
+}
+
+impl Drop for Folder {
+    /// Removes what was written but not committed.
+    fn drop(&mut self) {
+        let staged = std::mem::take(&mut *self.staged());
+        staged.keys().for_each(|name| self.discard(name));
+    }
 }
 
 impl Folder {
-    /// Opens the folder, which is made if it is missing.
+    /// Opens the folder for writing, which is made if it is missing. No other command can write there meanwhile.
     ///
     /// # Errors
-    /// It cannot be made or opened, or is a link within another results folder.
+    /// It cannot be made or opened, is in use, or is a link within another results folder.
     pub fn open(path: &Path) -> Result<Folder, FolderError> {
+        let mut folder = Folder::at(path, true)?;
+        // Below the folder that is open, whatever takes the place of its path meanwhile.
+        let opened = single_in(&folder.root, LOCK);
+        folder.lock = Some(Arc::new(Lock::of(path, opened)?));
+        folder.with_list()
+    }
+
+    /// Opens an existing folder for reading.
+    ///
+    /// # Errors
+    /// It cannot be opened, or is a link within another results folder.
+    pub fn read(path: &Path) -> Result<Folder, FolderError> {
+        Folder::at(path, false)?.with_list()
+    }
+
+    fn at(path: &Path, make: bool) -> Result<Folder, FolderError> {
         let failed = |source| FolderError::Folder { path: path.to_owned(), source };
         let root = match path.parent().zip(path.file_name()).filter(|(parent, _)| is_results(parent)) {
             // Whoever made that folder may have made this component of it.
             Some((parent, name)) => {
-                let parent = Folder::open(parent)?;
-                parent.within(Path::new(name), true)?.ok_or_else(|| failed(ErrorKind::NotFound.into()))?
+                let parent = Folder::at(parent, false)?;
+                parent.within(Path::new(name), make)?.ok_or_else(|| failed(ErrorKind::NotFound.into()))?
             }
             None => {
                 let path = if path == Path::new("") { Path::new(".") } else { path };
-                std::fs::create_dir_all(path).map_err(failed)?;
+                if make {
+                    std::fs::create_dir_all(path).map_err(failed)?;
+                }
                 Dir::open_ambient_dir(path, ambient_authority()).map_err(failed)?
             }
         };
-        let device = root.dir_metadata().map_err(failed)?.dev();
-        let mut folder = Folder {
+        Ok(Folder {
             path: path.to_owned(),
+            device: root.dir_metadata().map_err(failed)?.dev(),
             root,
-            device,
             inputs: vec![],
+            lock: None,
             is_earlier: false,
             list: Mutex::default(),
+            staged: Mutex::default(),
+        })
+    }
+
+    fn with_list(mut self) -> Result<Folder, FolderError> {
+        self.is_earlier = match self.read_list()? {
+            true => self.list().is_late,
+            false => is_results(&self.path),
         };
-        folder.is_earlier = match folder.read_list()? {
-            true => folder.list().is_late,
-            false => is_results(path),
-        };
-        Ok(folder)
+        Ok(self)
+    }
+
+    /// Its lock, for the store within it.
+    pub(crate) fn lock(&self) -> Option<Arc<Lock>> {
+        self.lock.clone()
     }
 
     /// The folder of a command that reads these files, none of which it replaces.
@@ -181,23 +276,31 @@ impl Folder {
         &self.path
     }
 
-    /// Whether files of these names may be written, so that long work need not end in a refusal.
+    /// Whether files of these names may be written, with contents where they are known, so that long work need not end in a
+    /// refusal.
     ///
     /// # Errors
     /// One of them is in the place of a file that [`Folder::write`] would refuse to replace.
-    pub fn check<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<(), FolderError> {
-        names.into_iter().try_for_each(|name| self.replaceable(name, None).map(drop))
+    pub fn check<'a>(
+        &self,
+        files: impl IntoIterator<Item = (&'a str, Option<&'a [u8]>)>,
+    ) -> Result<(), FolderError> {
+        files.into_iter().try_for_each(|(name, contents)| self.replaceable(name, contents).map(drop))
     }
 
-    /// Writes a file as a whole or not at all: an existing file stays until the new one is on disk. One with the same contents
-    /// stays as it is.
+    /// Writes a file, which takes its place when the folder is [committed](Folder::commit). One with the same contents stays as
+    /// it is.
     ///
     /// # Errors
     /// The file cannot be written, or one of this name is not from this program.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<Written, FolderError> {
         let place = self.replaceable(name, Some(contents))?;
-        if place != Written::Same {
-            self.write_by(name, |file| file.write_all(contents))?;
+        match place {
+            Written::Same => {
+                self.staged().remove(name);
+                self.discard(name);
+            }
+            _ => drop(self.stage(name, |file| file.write_all(contents))?),
         }
         Ok(place)
     }
@@ -213,63 +316,131 @@ impl Folder {
         contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<String, FolderError> {
         self.replaceable(name, None)?;
-        let (folder, last) = self.place(name, true)?;
-        let folder = folder.ok_or_else(|| self.failed(name, ErrorKind::NotFound.into()))?;
-        let partial = format!("{last}.partial");
-        let failed = |source| self.failed(name, source);
-        let mut file = self.begin(&folder, name, &partial)?;
-        let written = contents(&mut file)
-            .and_then(|()| file.sync_all())
-            .and_then(|()| file.seek(SeekFrom::Start(0)))
-            .and_then(|_| digest_of(&mut file))
-            .and_then(|digest| self.enter(Entry::written(name, Some(&digest))).map(|()| digest));
-        // What is there now may have come meanwhile.
-        let renamed = written.map_err(failed).and_then(|digest| {
-            self.replaceable(name, None)?;
-            folder.rename(&partial, &folder, &last).map_err(failed).map(|()| digest)
-        });
-        renamed.inspect_err(|_| {
-            // On a full disk, the space is worth more than half a file.
-            let _ = folder.remove_file(&partial);
-        })
+        self.stage(name, contents)
     }
 
-    /// Removes a file that this program wrote and nobody changed; `false` if there is none. One that was adopted stays.
+    /// Removes a file that this program wrote and nobody changed when the folder is [committed](Folder::commit); `false` if there
+    /// is none. One that was adopted stays.
     ///
     /// # Errors
-    /// It cannot be removed.
+    /// It cannot be looked at.
     pub fn remove(&self, name: &str) -> Result<bool, FolderError> {
-        let is_own = |(digest, _): (String, _)| self.list().entry(name, &digest).is_some_and(|entry| !entry.is_adopted);
-        if !self.found(name)?.is_some_and(is_own) {
-            return Ok(false);
+        let is_own = self.is_removable(name)?;
+        if is_own {
+            self.staged().insert(name.to_owned(), Staged::Removed);
         }
-        let (Some(folder), last) = self.place(name, false)? else { return Ok(false) };
-        folder.remove_file(last).map_err(|source| self.failed(name, source)).map(|()| true)
+        Ok(is_own)
     }
 
-    /// The names in the list.
+    /// Puts the files that were written in their places, and removes those to be removed: all of them, or none where one is
+    /// refused.
+    ///
+    /// # Errors
+    /// A file in the place of one of them is not from this program, or the disk fails.
+    pub fn commit(&self) -> Result<(), FolderError> {
+        let staged = std::mem::take(&mut *self.staged());
+        // On a full disk, the space is worth more than files without a place.
+        self.put(&staged).inspect_err(|_| staged.keys().for_each(|name| self.discard(name)))
+    }
+
+    fn put(&self, staged: &BTreeMap<String, Staged>) -> Result<(), FolderError> {
+        let mut entries = Vec::new();
+        for (name, change) in staged {
+            // What is there now may have come meanwhile.
+            let (sha256, size) = match change {
+                Staged::Written { sha256, size } => {
+                    self.replaceable(name, None)?;
+                    (Some(sha256.clone()), Some(*size))
+                }
+                Staged::Removed if self.is_removable(name)? => (None, None),
+                Staged::Removed => continue,
+            };
+            entries.push((Entry { name: name.clone(), sha256, size, is_adopted: false }, change));
+        }
+        let listed = entries.iter().map(|(entry, _)| entry.clone()).collect();
+        self.enter(listed).map_err(|source| self.failed(LIST, source))?;
+        for (Entry { name, .. }, change) in entries {
+            let (Some(folder), last) = self.place(&name, false)? else {
+                return Err(self.failed(&name, ErrorKind::NotFound.into()));
+            };
+            match change {
+                Staged::Written { .. } => folder.rename(partial(&last), &folder, &last),
+                Staged::Removed => folder.remove_file(&last),
+            }
+            .map_err(|source| self.failed(&name, source))?;
+        }
+        Ok(())
+    }
+
+    /// Removes a file that was written and has not got its place.
+    fn discard(&self, name: &str) {
+        if let Ok((Some(folder), last)) = self.place(name, false) {
+            let _ = folder.remove_file(partial(&last));
+        }
+    }
+
+    /// Writes a file beside its place, and returns its SHA-256.
+    fn stage(
+        &self,
+        name: &str,
+        contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<String, FolderError> {
+        let (folder, last) = self.place(name, true)?;
+        let folder = folder.ok_or_else(|| self.failed(name, ErrorKind::NotFound.into()))?;
+        let partial = partial(&last);
+        let mut file = Hashed { file: self.begin(&folder, name, &partial)?, digest: Sha256::new(), size: 0 };
+        let written = contents(&mut file).and_then(|()| file.file.sync_all());
+        written.map_err(|source| {
+            let _ = folder.remove_file(&partial);
+            self.failed(name, source)
+        })?;
+        let (sha256, size) = (hexadecimal(file.digest), file.size);
+        self.staged().insert(name.to_owned(), Staged::Written { sha256: sha256.clone(), size });
+        Ok(sha256)
+    }
+
+    /// The names of files in the list that were not removed.
     pub fn listed(&self) -> Vec<String> {
-        self.list().entries.keys().cloned().collect()
+        let list = self.list();
+        let is_there = |entries: &Vec<Entry>| entries.last().is_some_and(|entry| entry.sha256.is_some());
+        list.entries.iter().filter(|(_, entries)| is_there(entries)).map(|(name, _)| name.clone()).collect()
     }
 
-    /// The files in the list that somebody changed since they were written, by name; `None` in a folder without a list.
+    /// The files in the list that are no longer as they were last written, by name; `None` in a folder without a list.
     ///
     /// # Errors
     /// A file cannot be read.
-    pub fn changed(&self) -> Result<Option<Vec<String>>, FolderError> {
-        let mut changed = Vec::new();
-        let listed = self.listed();
-        for name in &listed {
-            let is_changed = match self.found(name) {
-                Err(FolderError::Special { .. }) => true,
-                found => found?.is_some_and(|(digest, _)| !self.has(name, &digest)),
+    pub fn changed(&self) -> Result<Option<BTreeMap<String, Difference>>, FolderError> {
+        let mut changed = BTreeMap::new();
+        for name in self.listed() {
+            let difference = match self.found(&name) {
+                Err(FolderError::Special { .. }) => Some(Difference::Changed),
+                Err(error) => return Err(error),
+                Ok(None) => self.is_sized(&name).then_some(Difference::Missing),
+                Ok(Some(mut found)) => {
+                    let is_as_written = match self.known(&name, &mut found)? {
+                        // A command that was killed may have listed what has not got its place.
+                        Some((_, is_last)) => is_last || self.is_unfinished(&name),
+                        None => false,
+                    };
+                    (!is_as_written).then_some(Difference::Changed)
+                }
             };
-            if is_changed {
-                changed.push(name.clone());
-            }
+            changed.extend(difference.map(|difference| (name, difference)));
         }
-        changed.sort();
-        Ok((!listed.is_empty()).then_some(changed))
+        Ok(self.list().is_begun.then_some(changed))
+    }
+
+    /// Whether the last entry of a name has a size. Lists of earlier versions have none, and do not say what was removed.
+    fn is_sized(&self, name: &str) -> bool {
+        let list = self.list();
+        list.entries.get(name).and_then(|entries| entries.last()).is_some_and(|entry| entry.size.is_some())
+    }
+
+    fn is_unfinished(&self, name: &str) -> bool {
+        self.place(name, false).is_ok_and(|(folder, last)| {
+            folder.is_some_and(|folder| folder.symlink_metadata(partial(&last)).is_ok())
+        })
     }
 
     /// Enters files of an earlier version, which kept no list, so that they can be replaced under their names; returns these. It
@@ -281,17 +452,18 @@ impl Folder {
         let mut adopted = Vec::new();
         if self.can_adopt() {
             for name in self.names()?.into_iter().filter(|name| is_ours(name)) {
-                if let Some((digest, _)) = self.found(&name)?
+                if let Some(mut found) = self.found(&name)?
                     && !self.list().entries.contains_key(&name)
                 {
-                    self.enter(Entry { name: name.clone(), sha256: Some(digest), is_adopted: true })
-                        .map_err(|source| self.failed(&name, source))?;
-                    adopted.push(name);
+                    let (sha256, size) = (Some(found.digest()?), Some(found.size));
+                    adopted.push(Entry { name, sha256, size, is_adopted: true });
                 }
             }
         }
-        adopted.sort();
-        Ok(adopted)
+        adopted.sort_by(|a, b| a.name.cmp(&b.name));
+        let names = adopted.iter().map(|entry| entry.name.clone()).collect();
+        self.enter(adopted).map_err(|source| self.failed(LIST, source))?;
+        Ok(names)
     }
 
     /// Whether files of an earlier version can still be adopted.
@@ -329,41 +501,66 @@ impl Folder {
     /// # Errors
     /// Something of this name is not from this program.
     fn replaceable(&self, name: &str, contents: Option<&[u8]>) -> Result<Written, FolderError> {
-        let Some((digest, path)) = self.found(name)? else { return Ok(Written::New) };
-        if contents.is_some_and(|contents| digest_of(&mut &contents[..]).is_ok_and(|new| new == digest)) {
-            return Ok(Written::Same);
+        let Some(mut found) = self.found(name)? else { return Ok(Written::New) };
+        let is_same = match contents.filter(|contents| contents.len() as u64 == found.size) {
+            Some(contents) => found.digest()? == digest_of(&mut &contents[..]).unwrap_or_default(),
+            None => false,
+        };
+        let known = self.known(name, &mut found)?;
+        match known {
+            // One that is listed as an earlier version is written again, so that it is listed as the present one.
+            None | Some((_, true)) if is_same => return Ok(Written::Same),
+            None => {
+                let earlier = self.can_adopt().then(|| self.path.clone());
+                return Err(FolderError::Foreign { path: found.path, earlier });
+            }
+            Some(_) => {}
         }
-        if !self.has(name, &digest) {
-            // Another command may have written it meanwhile.
-            self.read_list()?;
-        }
-        if !self.has(name, &digest) {
-            return Err(FolderError::Foreign { path, earlier: self.can_adopt().then(|| self.path.clone()) });
-        }
-        match path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
-            true => Err(FolderError::Input { path }),
+        match found.path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
+            true => Err(FolderError::Input { path: found.path }),
             false => Ok(Written::Replaced),
         }
     }
 
-    /// The digest and the path of the file of this name; `None` if there is none.
+    /// Whether this program wrote the file of this name, nobody changed it, and it was not adopted.
+    fn is_removable(&self, name: &str) -> Result<bool, FolderError> {
+        let Some(mut found) = self.found(name)? else { return Ok(false) };
+        Ok(self.known(name, &mut found)?.is_some_and(|(entry, _)| !entry.is_adopted))
+    }
+
+    /// The last entry of a file with these contents, and whether it is the last of its name; `None` if there is none. Only a file
+    /// of a listed size is read.
+    fn known(&self, name: &str, found: &mut Found) -> Result<Option<(Entry, bool)>, FolderError> {
+        let may_be = |entry: &Entry| {
+            entry.sha256.is_some() && entry.size.map_or(found.size <= MOST_UNSIZED, |size| size == found.size)
+        };
+        let entries = self.list().entries.get(name).cloned().unwrap_or_default();
+        if !entries.iter().any(may_be) {
+            return Ok(None);
+        }
+        let digest = found.digest()?;
+        let place = entries.iter().rposition(|entry| entry.sha256.as_ref() == Some(&digest));
+        Ok(place.map(|place| (entries[place].clone(), place + 1 == entries.len())))
+    }
+
+    /// The file of this name; `None` if there is none.
     ///
     /// # Errors
-    /// It is no ordinary file, or cannot be read.
-    fn found(&self, name: &str) -> Result<Option<(String, PathBuf)>, FolderError> {
+    /// It is no ordinary file, or cannot be opened.
+    fn found(&self, name: &str) -> Result<Option<Found>, FolderError> {
         let (Some(folder), last) = self.place(name, false)? else { return Ok(None) };
         let path = self.path.join(name);
+        let failed = |source| FolderError::Unread { path: path.clone(), source };
         let metadata = match folder.symlink_metadata(&last) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            found => found.map_err(|source| self.failed(name, source))?,
+            found => found.map_err(failed)?,
         };
         if let Some(what) = special(&metadata) {
             return Err(FolderError::Special { path, what });
         }
-        let digest = open(&folder, &last, OpenOptions::new().read(true))
-            .and_then(|mut file| digest_of(&mut file))
-            .map_err(|source| self.failed(name, source))?;
-        Ok(Some((digest, path)))
+        let file = open(&folder, &last, OpenOptions::new().read(true)).map_err(failed)?;
+        let size = file.metadata().map_err(failed)?.len();
+        Ok(Some(Found { path, file, size, digest: None }))
     }
 
     /// The folder that contains a file, and the last component of its name; `None` if that folder is missing and not made.
@@ -404,19 +601,13 @@ impl Folder {
         Ok(Some(dir))
     }
 
-    /// The file that a file is until it is whole.
+    /// The file that a file is until it is whole, in place of one that a command that was killed left.
     fn begin(&self, folder: &Dir, name: &str, partial: &str) -> Result<File, FolderError> {
-        let whole_name = format!("{name}.partial");
-        let options = || OpenOptions::new().read(true).write(true).create_new(true).clone();
-        let is_left_over = self.list().partial.contains(&whole_name);
-        if is_left_over && folder.symlink_metadata(partial).is_ok_and(|found| found.is_file()) {
-            folder.remove_file(partial).map_err(|source| self.failed(&whole_name, source))?;
+        let path = || ending(&self.path.join(name));
+        if folder.symlink_metadata(partial).is_ok_and(|found| found.is_file()) {
+            folder.remove_file(partial).map_err(|source| FolderError::Io { path: path(), source })?;
         }
-        if !is_left_over {
-            self.enter(Entry::written(&whole_name, None)).map_err(|source| self.failed(LIST, source))?;
-        }
-        let path = || self.path.join(&whole_name);
-        match open(folder, partial, &mut options()) {
+        match open(folder, partial, OpenOptions::new().write(true).create_new(true)) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 Err(FolderError::Foreign { path: path(), earlier: None })
             }
@@ -424,8 +615,8 @@ impl Folder {
         }
     }
 
-    fn has(&self, name: &str, digest: &str) -> bool {
-        self.list().entry(name, digest).is_some()
+    fn staged(&self) -> MutexGuard<'_, BTreeMap<String, Staged>> {
+        self.staged.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn list(&self) -> MutexGuard<'_, List> {
@@ -439,99 +630,116 @@ impl Folder {
     /// Reads the list; `false` if there is none.
     fn read_list(&self) -> Result<bool, FolderError> {
         let path = self.path.join(LIST);
-        let failed = |source| self.failed(LIST, source);
-        let mut list = self.list();
-        match self.root.symlink_metadata(LIST) {
+        let unread = |source| FolderError::Unread { path: path.clone(), source };
+        let found = match self.root.symlink_metadata(LIST) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
-            Err(error) => return Err(failed(error)),
-            // It is written in place.
-            Ok(found) => {
-                if let Some(what) = in_place(&found) {
-                    return Err(FolderError::Special { path, what });
-                }
-            }
+            found => found.map_err(unread)?,
+        };
+        // It is written in place.
+        let is_written = self.lock.is_some();
+        if let Some(what) = if is_written { in_place(&found) } else { special(&found) } {
+            return Err(FolderError::Special { path, what });
         }
-        let file = open_in_place(&self.root, LIST, OpenOptions::new().read(true).append(true));
-        // A list on a read-only disk can still be read.
-        let (file, can_write) = match file {
-            Ok(file) => (file, true),
-            Err(_) => (open(&self.root, LIST, OpenOptions::new().read(true)).map_err(failed)?, false),
+        let file = match is_written {
+            true => open_in_place(&self.root, LIST, OpenOptions::new().read(true).append(true))
+                .map_err(|source| self.failed(LIST, source))?,
+            false => open(&self.root, LIST, OpenOptions::new().read(true)).map_err(unread)?,
         };
         let mut text = Vec::new();
-        (&file).take(MOST_LIST).read_to_end(&mut text).map_err(failed)?;
+        (&file).take(MOST_LIST).read_to_end(&mut text).map_err(unread)?;
         let text = String::from_utf8_lossy(&text);
+        let mut list = self.list();
+        list.file = is_written.then_some(file);
         let mut lines = text.lines();
-        let head = lines.next().and_then(|line| serde_json::from_str::<Head>(line).ok());
-        let Some(head) = head.filter(|head| head.list == HEAD) else {
-            return Err(FolderError::Foreign { path, earlier: None });
-        };
-        let file = can_write.then_some(file);
-        *list = List { file, is_late: head.is_late, ..List::default() };
-        // The last line of a run that was killed may be a part of one.
-        for entry in lines.filter_map(|line| serde_json::from_str::<Entry>(line).ok()) {
-            list.add(entry);
-        }
+        // A command that was killed may have made it, and no more.
+        let Some(head) = lines.next() else { return Ok(false) };
+        let head = serde_json::from_str(head).ok().filter(|head: &Head| head.list == HEAD);
+        let Some(head) = head else { return Err(FolderError::Foreign { path, earlier: None }) };
+        (list.is_begun, list.is_late, list.is_torn) = (true, head.is_late, !text.ends_with('\n'));
+        let entries = lines.filter_map(|line| serde_json::from_str::<Entry>(line).ok());
+        entries.filter(|entry| entry.name.len() <= MOST_NAME).for_each(|entry| list.add(entry));
         Ok(true)
     }
 
-    /// Adds a file to the list, on disk first.
-    fn enter(&self, entry: Entry) -> io::Result<()> {
-        if entry.sha256.as_ref().is_some_and(|digest| self.has(&entry.name, digest)) {
+    /// Adds entries to the list, on disk first.
+    fn enter(&self, entries: Vec<Entry>) -> io::Result<()> {
+        if entries.is_empty() {
             return Ok(());
         }
         let mut list = self.list();
         if list.file.is_none() {
-            let made =
-                open_in_place(&self.root, LIST, OpenOptions::new().read(true).append(true).create_new(true));
-            match made {
-                Ok(mut file) => {
-                    list.is_late = self.is_earlier;
-                    let head = Head { list: HEAD.to_owned(), is_late: self.is_earlier };
-                    file.write_all(format!("{}\n", serde_json::to_string(&head)?).as_bytes())?;
-                    list.file = Some(file);
-                }
-                // Another command has begun it.
-                Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                    drop(list);
-                    self.read_list().map_err(io::Error::other)?;
-                    list = self.list();
-                }
-                Err(error) => return Err(error),
-            }
+            let mut options = OpenOptions::new();
+            list.file =
+                Some(open_in_place(&self.root, LIST, options.read(true).append(true).create_new(true))?);
         }
-        // A line of its own, even behind a torn one.
-        let line = format!("\n{}\n", serde_json::to_string(&entry)?);
-        if let Some(file) = &mut list.file {
-            file.write_all(line.as_bytes())?;
-            // A file must not be on disk before its entry.
-            if entry.sha256.is_some() {
-                file.sync_data()?;
-            }
+        let mut text = String::new();
+        if !list.is_begun {
+            let head = Head { list: HEAD.to_owned(), is_late: self.is_earlier };
+            text = serde_json::to_string(&head)? + "\n";
+        } else if list.is_torn {
+            text.push('\n');
         }
-        list.add(entry);
+        for entry in &entries {
+            text += &(serde_json::to_string(entry)? + "\n");
+        }
+        let file = list.file.as_mut().ok_or(ErrorKind::NotFound)?;
+        file.write_all(text.as_bytes())?;
+        // A file must not be on disk before its entry.
+        file.sync_data()?;
+        (list.is_begun, list.is_torn) = (true, false);
+        list.is_late |= self.is_earlier;
+        entries.into_iter().for_each(|entry| list.add(entry));
         Ok(())
-    }
-}
-
-impl Entry {
-    fn written(name: &str, sha256: Option<&str>) -> Entry {
-        Entry { name: name.to_owned(), sha256: sha256.map(str::to_owned), is_adopted: false }
     }
 }
 
 impl List {
     fn add(&mut self, entry: Entry) {
-        match entry.sha256 {
-            Some(_) => self.entries.entry(entry.name.clone()).or_default().push(entry),
-            None => drop(self.partial.insert(entry.name)),
+        self.entries.entry(entry.name.clone()).or_default().push(entry);
+    }
+}
+
+impl Found {
+    /// Its SHA-256, in hexadecimal digits.
+    fn digest(&mut self) -> Result<String, FolderError> {
+        if let Some(digest) = &self.digest {
+            return Ok(digest.clone());
         }
+        let digest = digest_of(&mut self.file)
+            .map_err(|source| FolderError::Unread { path: self.path.clone(), source })?;
+        Ok(self.digest.insert(digest).clone())
+    }
+}
+
+/// A file with the digest of what is written to it.
+struct Hashed {
+    file: File,
+    digest: Sha256,
+    size: u64,
+}
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.digest.update(&bytes[..count]);
+        self.size += count as u64;
+        Ok(count)
     }
 
-    /// The last entry of this name and digest.
-    fn entry(&self, name: &str, digest: &str) -> Option<&Entry> {
-        let entries = self.entries.get(name)?.iter().rev();
-        entries.into_iter().find(|entry| entry.sha256.as_deref() == Some(digest))
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
     }
+}
+
+/// The name of a file while it is written.
+fn partial(name: &str) -> String {
+    format!("{name}{PARTIAL}")
+}
+
+fn ending(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(PARTIAL);
+    name.into()
 }
 
 /// Whether this program keeps results in a folder: there is a list, a database or a card.
@@ -551,7 +759,7 @@ fn special(found: &Metadata) -> Option<&'static str> {
 
 /// What forbids to write to a file in place: it is no ordinary one, or has other names.
 fn in_place(found: &Metadata) -> Option<&'static str> {
-    special(found).or((found.nlink() > 1).then_some("a hard link"))
+    special(found).or((found.nlink() > 1).then_some(HARD_LINK))
 }
 
 /// Opens an ordinary file without following a link, or waiting for a pipe that took its place since it was looked at.
@@ -567,7 +775,15 @@ fn open_in_place(folder: &Dir, name: &str, options: &mut OpenOptions) -> io::Res
 }
 
 fn refuse(name: &str, what: Option<&str>) -> io::Result<()> {
-    what.map_or(Ok(()), |what| Err(io::Error::other(format!("{name} is {what}"))))
+    match what {
+        None => Ok(()),
+        Some(HARD_LINK) => {
+            let message =
+                format!("{name} is a hard link: copy the files of the folder instead of linking them");
+            Err(io::Error::new(ErrorKind::TooManyLinks, message))
+        }
+        Some(what) => Err(io::Error::other(format!("{name} is {what}"))),
+    }
 }
 
 /// The SHA-256 of what remains to be read, in hexadecimal digits.
@@ -579,7 +795,11 @@ fn digest_of(source: &mut dyn Read) -> io::Result<String> {
             count => digest.update(&block[..count]),
         }
     }
-    Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(digest))
+}
+
+fn hexadecimal(digest: Sha256) -> String {
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Opens a file that is written in place, without following a link; it is made if it is missing.
@@ -587,9 +807,13 @@ fn digest_of(source: &mut dyn Read) -> io::Result<String> {
 /// # Errors
 /// It is a link, a hard link or no ordinary file, or cannot be opened.
 pub(crate) fn single(path: &Path) -> io::Result<std::fs::File> {
-    check_single(path)?;
     let (folder, name) = parts(path)?;
-    open_in_place(&folder, &name, OpenOptions::new().read(true).write(true).create(true)).map(File::into_std)
+    single_in(&folder, &name)
+}
+
+fn single_in(folder: &Dir, name: &str) -> io::Result<std::fs::File> {
+    check_single(folder, name)?;
+    open_in_place(folder, name, OpenOptions::new().read(true).write(true).create(true)).map(File::into_std)
 }
 
 /// Refuses a database that is no ordinary file of one name, or has a journal that is none.
@@ -600,8 +824,44 @@ pub(crate) fn single_database(path: &Path) -> io::Result<()> {
     ["", "-wal", "-journal", "-shm"].into_iter().try_for_each(|end| {
         let mut name = path.as_os_str().to_owned();
         name.push(end);
-        check_single(Path::new(&name))
+        let (folder, name) = parts(Path::new(&name))?;
+        check_single(&folder, &name)
     })
+}
+
+/// Writes a page that is kept outside of results folders, and therefore in no list: where there is none of its name, or in the place
+/// of one that has `mark` at its beginning. No link is followed below its folder.
+///
+/// # Errors
+/// The file in its place has no mark or is no ordinary one, or the disk fails.
+pub fn write_marked(path: &Path, mark: &str, contents: &[u8]) -> Result<(), FolderError> {
+    let failed = |source| FolderError::Io { path: path.to_owned(), source };
+    std::fs::create_dir_all(parent(path)).map_err(failed)?;
+    let (folder, name) = parts(path).map_err(failed)?;
+    match folder.symlink_metadata(&name) {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let mut file =
+                open(&folder, &name, OpenOptions::new().write(true).create_new(true)).map_err(failed)?;
+            return file.write_all(contents).and_then(|()| file.sync_all()).map_err(failed);
+        }
+        found => {
+            if let Some(what) = special(&found.map_err(failed)?) {
+                return Err(FolderError::Special { path: path.to_owned(), what });
+            }
+        }
+    }
+    let mut beginning = Vec::new();
+    let before = open(&folder, &name, OpenOptions::new().read(true)).map_err(failed)?;
+    before.take(MOST_BEGINNING).read_to_end(&mut beginning).map_err(failed)?;
+    if !String::from_utf8_lossy(&beginning).contains(mark) {
+        return Err(FolderError::Foreign { path: path.to_owned(), earlier: None });
+    }
+    let partial = partial(&name);
+    let _ = folder.remove_file(&partial);
+    let written = open(&folder, &partial, OpenOptions::new().write(true).create_new(true))
+        .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()))
+        .and_then(|()| folder.rename(&partial, &folder, &name));
+    written.map_err(failed).inspect_err(|_| drop(folder.remove_file(&partial)))
 }
 
 /// Device and number of a file, where there is one.
@@ -617,13 +877,12 @@ pub(crate) fn real(path: &Path) -> PathBuf {
     folder.ok().zip(path.file_name()).map_or_else(|| path.to_owned(), |(folder, name)| folder.join(name))
 }
 
-fn check_single(path: &Path) -> io::Result<()> {
-    let (folder, name) = parts(path)?;
-    let found = match folder.symlink_metadata(&name) {
+fn check_single(folder: &Dir, name: &str) -> io::Result<()> {
+    let found = match folder.symlink_metadata(name) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         found => found?,
     };
-    refuse(&name, in_place(&found))
+    refuse(name, in_place(&found))
 }
 
 fn parts(path: &Path) -> io::Result<(Dir, String)> {
@@ -645,6 +904,23 @@ mod tests {
         (parent, folder)
     }
 
+    /// The folder as the next command opens it.
+    fn reopened(folder: Folder) -> Folder {
+        let path = folder.path().to_owned();
+        drop(folder);
+        Folder::open(&path).unwrap()
+    }
+
+    fn put(folder: &Folder, name: &str, contents: &[u8]) -> Result<Written, FolderError> {
+        let written = folder.write(name, contents)?;
+        folder.commit().map(|()| written)
+    }
+
+    fn removed(folder: &Folder, name: &str) -> Result<bool, FolderError> {
+        let removed = folder.remove(name)?;
+        folder.commit().map(|()| removed)
+    }
+
     fn read(folder: &Folder, name: &str) -> String {
         std::fs::read_to_string(folder.path().join(name)).unwrap()
     }
@@ -652,66 +928,146 @@ mod tests {
     #[test]
     fn own_files_are_replaced_and_removed_also_by_a_later_command() {
         let (_parent, folder) = new();
-        assert_eq!(folder.write("inputs/a.toml", b"one").unwrap(), Written::New);
-        assert_eq!(folder.write("inputs/a.toml", b"one").unwrap(), Written::Same);
-        let again = Folder::open(folder.path()).unwrap();
-        assert_eq!(again.write("inputs/a.toml", b"two").unwrap(), Written::Replaced);
-        assert_eq!(read(&again, "inputs/a.toml"), "two");
-        // The first one has read the list before.
-        assert!(folder.write("inputs/a.toml", b"three").is_ok());
+        assert_eq!(put(&folder, "inputs/a.toml", b"one").unwrap(), Written::New);
+        assert_eq!(put(&folder, "inputs/a.toml", b"one").unwrap(), Written::Same);
+        let folder = reopened(folder);
+        assert_eq!(put(&folder, "inputs/a.toml", b"two").unwrap(), Written::Replaced);
+        assert_eq!(read(&folder, "inputs/a.toml"), "two");
         let digest = folder.write_by("points.csv", |file| file.write_all(b"abc")).unwrap();
         assert_eq!(digest, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-        assert!(Folder::open(folder.path()).unwrap().remove("points.csv").unwrap());
-        assert!(!folder.remove("points.csv").unwrap());
-        assert!(!folder.path().join("inputs/a.toml.partial").exists());
+        // It has not got its place.
+        assert!(!folder.path().join("points.csv").exists());
+        folder.commit().unwrap();
+        let folder = reopened(folder);
+        assert!(removed(&folder, "points.csv").unwrap());
+        assert!(!removed(&folder, "points.csv").unwrap());
+        assert_eq!(folder.listed(), ["inputs/a.toml"]);
+        assert_eq!(std::fs::read_dir(folder.path().join("inputs")).unwrap().count(), 1);
+        let list = read(&folder, LIST);
+        assert!(!list.contains("\n\n"), "{list}");
     }
 
     #[test]
     fn files_of_others_stay_and_what_was_changed_belongs_to_who_changed_it() {
         let (_parent, folder) = new();
-        folder.write("report.html", b"ours").unwrap();
-        for (name, text) in
-            [("curve.csv", "mine"), ("report.html", "changed"), ("psd.csv.partial", "mine too")]
-        {
+        put(&folder, "report.html", b"ours").unwrap();
+        for (name, text) in [("curve.csv", "mine"), ("report.html", "changed")] {
             std::fs::write(folder.path().join(name), text).unwrap();
-            let written = name.trim_end_matches(".partial");
-            let error = folder.write(written, b"new").unwrap_err();
+            let error = put(&folder, name, b"new").unwrap_err();
             assert!(matches!(error, FolderError::Foreign { earlier: None, .. }), "{name}: {error}");
-            assert!(folder.check([written]).is_err() || name.ends_with("partial"), "{name}");
-            assert!(!folder.remove(name).unwrap(), "{name}");
+            assert!(folder.check([(name, None)]).is_err(), "{name}");
+            assert!(!removed(&folder, name).unwrap(), "{name}");
             assert_eq!(read(&folder, name), text);
         }
+        std::fs::write(folder.path().join("psd.csv.partial"), "mine too").unwrap();
+        put(&folder, "psd.csv", b"new").unwrap();
+        put(&folder, "psd.csv", b"newer").unwrap();
+        assert_eq!(read(&folder, "psd.csv.partial"), "mine too");
         // With the same contents nothing is written.
-        assert_eq!(folder.write("curve.csv", b"mine").unwrap(), Written::Same);
-        assert!(folder.write("curve.csv", b"new").is_err());
-        assert_eq!(folder.changed().unwrap().unwrap(), ["report.html"]);
+        assert_eq!(put(&folder, "curve.csv", b"mine").unwrap(), Written::Same);
+        assert!(put(&folder, "curve.csv", b"new").is_err());
+        let changed = || folder.changed().unwrap().unwrap().into_iter().collect::<Vec<_>>();
+        assert_eq!(changed(), [("report.html".to_owned(), Difference::Changed)]);
+        std::fs::remove_file(folder.path().join("report.html")).unwrap();
+        assert_eq!(changed(), [("report.html".to_owned(), Difference::Missing)]);
+        put(&folder, "report.html", b"newer").unwrap();
+        assert_eq!(changed(), []);
+        // Only the last one is as it was written.
+        std::fs::write(folder.path().join("report.html"), "ours").unwrap();
+        assert_eq!(changed(), [("report.html".to_owned(), Difference::Changed)]);
+        put(&folder, "report.html", b"ours").unwrap();
+        assert_eq!(changed(), []);
+    }
+
+    #[test]
+    fn where_one_file_is_refused_none_is_replaced() {
+        let (_parent, folder) = new();
+        for name in ["a.csv", "b.csv", "c.csv"] {
+            put(&folder, name, b"old").unwrap();
+        }
+        folder.write("a.csv", b"new").unwrap();
+        folder.write("b.csv", b"new").unwrap();
+        folder.remove("c.csv").unwrap();
+        std::fs::write(folder.path().join("b.csv"), "edited meanwhile").unwrap();
+        assert!(matches!(folder.commit(), Err(FolderError::Foreign { .. })));
+        assert_eq!(
+            ["a.csv", "b.csv", "c.csv"].map(|name| read(&folder, name)),
+            ["old", "edited meanwhile", "old"]
+        );
+        folder.write("a.csv", b"new").unwrap();
+        let folder = reopened(folder);
+        assert_eq!(read(&folder, "a.csv"), "old");
+        let names = std::fs::read_dir(folder.path()).unwrap();
+        assert_eq!(names.filter(|entry| ending_is_partial(entry.as_ref().unwrap())).count(), 0);
+    }
+
+    fn ending_is_partial(entry: &std::fs::DirEntry) -> bool {
+        entry.file_name().to_string_lossy().ends_with(PARTIAL)
+    }
+
+    #[test]
+    fn one_command_at_a_time_writes() {
+        let (_parent, folder) = new();
+        assert!(matches!(Folder::open(folder.path()), Err(FolderError::Lock(StoreError::Busy { .. }))));
+        assert!(Folder::read(folder.path()).unwrap().changed().unwrap().is_none());
+        drop(reopened(folder));
+    }
+
+    #[test]
+    fn a_file_of_another_size_is_not_read() {
+        let (_parent, folder) = new();
+        put(&folder, "curve.csv", b"ours").unwrap();
+        let file = std::fs::File::create(folder.path().join("curve.csv")).unwrap();
+        // Reading it would take minutes.
+        file.set_len(200 << 30).unwrap();
+        let started = std::time::Instant::now();
+        assert!(put(&folder, "curve.csv", b"new").is_err() && folder.changed().unwrap().unwrap().len() == 1);
+        assert!(started.elapsed().as_secs() < 5);
+    }
+
+    #[test]
+    fn a_list_of_the_form_without_sizes_is_read() {
+        let (_parent, folder) = new();
+        let digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        let entries = [
+            r#"{"name":"a.csv.partial","sha256":null}"#.to_owned(),
+            format!(r#"{{"name":"a.csv","sha256":"{digest}"}}"#),
+            format!(r#"{{"name":"gone.csv","sha256":"{digest}"}}"#),
+        ];
+        let text = format!("{{\"list\":\"{HEAD}\"}}\n\n{}\n", entries.join("\n\n"));
+        std::fs::write(folder.path().join(LIST), text).unwrap();
+        std::fs::write(folder.path().join("a.csv"), "abc").unwrap();
+        let folder = reopened(folder);
+        // It does not say what was removed.
+        assert!(folder.changed().unwrap().unwrap().is_empty());
+        assert_eq!(put(&folder, "a.csv", b"new").unwrap(), Written::Replaced);
     }
 
     #[test]
     fn an_input_is_never_an_output() {
         let (_parent, folder) = new();
-        folder.write("curve.csv", b"ours").unwrap();
+        put(&folder, "curve.csv", b"ours").unwrap();
         let path = folder.path().join("../results/curve.csv");
         let folder = folder.reading([path.as_path()]);
-        assert!(matches!(folder.write("curve.csv", b"new"), Err(FolderError::Input { .. })));
+        assert!(matches!(put(&folder, "curve.csv", b"new"), Err(FolderError::Input { .. })));
         assert_eq!(read(&folder, "curve.csv"), "ours");
     }
 
     #[test]
     fn what_a_run_that_was_killed_left_is_removed_and_a_torn_list_goes_on() {
         let (_parent, folder) = new();
-        folder.write("a.csv", b"a").unwrap();
-        std::fs::write(folder.path().join("a.csv.partial"), "half").unwrap();
+        put(&folder, "a.csv", b"a").unwrap();
+        std::fs::write(folder.path().join(partial("a.csv")), "half").unwrap();
         let list = folder.path().join(LIST);
         let torn = std::fs::read_to_string(&list).unwrap() + "{\"name\":\"b.cs";
         std::fs::write(&list, torn).unwrap();
-        let folder = Folder::open(folder.path()).unwrap();
-        folder.write("a.csv", b"b").unwrap();
-        folder.write("b.csv", b"b").unwrap();
-        let folder = Folder::open(folder.path()).unwrap();
+        let folder = reopened(folder);
+        put(&folder, "a.csv", b"b").unwrap();
+        put(&folder, "b.csv", b"b").unwrap();
+        let folder = reopened(folder);
         assert_eq!([read(&folder, "a.csv"), read(&folder, "b.csv")], ["b", "b"]);
-        assert!(folder.write("a.csv", b"c").is_ok() && folder.write("b.csv", b"c").is_ok());
-        assert!(!folder.path().join("a.csv.partial").exists());
+        assert!(put(&folder, "a.csv", b"c").is_ok() && put(&folder, "b.csv", b"c").is_ok());
+        assert!(!folder.path().join(partial("a.csv")).exists());
     }
 
     #[test]
@@ -720,13 +1076,16 @@ mod tests {
         for name in ["card.json", "report.html", "letter.txt"] {
             std::fs::write(folder.path().join(name), "{}").unwrap();
         }
-        let folder = Folder::open(folder.path()).unwrap();
+        let folder = reopened(folder);
         assert!(matches!(
-            folder.write("report.html", b"new"),
+            put(&folder, "report.html", b"new"),
             Err(FolderError::Foreign { earlier: Some(_), .. })
         ));
-        assert_eq!(folder.adopt(|name| name != "letter.txt").unwrap(), ["card.json", "report.html"]);
-        assert!(folder.write("report.html", b"new").is_ok() && folder.write("letter.txt", b"new").is_err());
+        assert_eq!(
+            folder.adopt(|name| !["letter.txt", LOCK].contains(&name)).unwrap(),
+            ["card.json", "report.html"]
+        );
+        assert!(put(&folder, "report.html", b"new").is_ok() && put(&folder, "letter.txt", b"new").is_err());
     }
 
     #[test]
@@ -736,19 +1095,23 @@ mod tests {
             std::fs::write(folder.path().join(name), "{}").unwrap();
         }
         // A list that is begun late does not have them.
-        Folder::open(folder.path()).unwrap().write("redrawn.svg", b"ours").unwrap();
-        let folder = Folder::open(folder.path()).unwrap();
-        assert_eq!(folder.adopt(|name| name != LIST).unwrap(), ["card.json", "noise.toml", "noise_of_unit7.toml"]);
-        let folder = Folder::open(folder.path()).unwrap();
-        assert!(!folder.remove("noise_of_unit7.toml").unwrap());
+        let folder = reopened(folder);
+        put(&folder, "redrawn.svg", b"ours").unwrap();
+        let folder = reopened(folder);
+        assert_eq!(
+            folder.adopt(|name| ![LIST, LOCK].contains(&name)).unwrap(),
+            ["card.json", "noise.toml", "noise_of_unit7.toml"]
+        );
+        let folder = reopened(folder);
+        assert!(!removed(&folder, "noise_of_unit7.toml").unwrap());
         assert_eq!(read(&folder, "noise_of_unit7.toml"), "{}");
-        folder.write("noise.toml", b"new").unwrap();
-        assert!(folder.remove("noise.toml").unwrap());
+        put(&folder, "noise.toml", b"new").unwrap();
+        assert!(removed(&folder, "noise.toml").unwrap());
         // What comes later is no file of an earlier version.
         std::fs::write(folder.path().join("card.json"), "edited").unwrap();
         std::fs::write(folder.path().join("noise_x.toml"), "mine").unwrap();
         assert!(folder.adopt(|_| true).unwrap().is_empty());
-        assert!(matches!(folder.write("card.json", b"new"), Err(FolderError::Foreign { earlier: None, .. })));
+        assert!(matches!(put(&folder, "card.json", b"new"), Err(FolderError::Foreign { earlier: None, .. })));
     }
 
     #[cfg(unix)]
@@ -766,12 +1129,12 @@ mod tests {
         for name in
             ["inputs/a.toml", "inputs/new.toml", "points.csv", "hard.csv", "folder.csv", "../victim/a.toml"]
         {
-            assert!(folder.write(name, b"new").is_err(), "{name}");
-            assert!(!matches!(folder.remove(name), Ok(true)), "{name}");
+            assert!(put(&folder, name, b"new").is_err(), "{name}");
+            assert!(!matches!(removed(&folder, name), Ok(true)), "{name}");
         }
-        symlink(victim.join("new.csv"), folder.path().join("new.csv.partial")).unwrap();
-        assert!(folder.write("new.csv", b"new").is_err());
-        folder.write("own.csv", b"own").unwrap();
+        symlink(victim.join("new.csv"), folder.path().join(partial("new.csv"))).unwrap();
+        assert!(put(&folder, "new.csv", b"new").is_err());
+        put(&folder, "own.csv", b"own").unwrap();
         // Within results a folder is none of the user's choice.
         symlink(&victim, folder.path().join("shard-1-of-2")).unwrap();
         assert!(matches!(
@@ -781,7 +1144,10 @@ mod tests {
         assert_eq!(std::fs::read_dir(&victim).unwrap().count(), 1);
         // The list is written in place.
         std::fs::hard_link(folder.path().join(LIST), victim.join("list")).unwrap();
-        assert!(matches!(Folder::open(folder.path()), Err(FolderError::Special { .. })));
+        let path = folder.path().to_owned();
+        drop(folder);
+        assert!(matches!(Folder::open(&path), Err(FolderError::Special { what: HARD_LINK, .. })));
+        assert!(Folder::read(&path).unwrap().changed().unwrap().unwrap().is_empty());
         assert_eq!(std::fs::read_to_string(victim.join("a.toml")).unwrap(), "mine");
     }
 
@@ -794,7 +1160,7 @@ mod tests {
         let victim = parent.path().join("victim");
         std::fs::create_dir(&victim).unwrap();
         std::fs::write(victim.join("a.toml"), "mine").unwrap();
-        folder.write("inputs/a.toml", b"0").unwrap();
+        put(&folder, "inputs/a.toml", b"0").unwrap();
         let place = |name: &str| folder.path().join(name);
         let (inputs, away) = (place("inputs"), place("away"));
         let is_done = AtomicBool::new(false);
@@ -818,7 +1184,7 @@ mod tests {
             let write = |k: u32| {
                 let text = k.to_string();
                 let done =
-                    ["inputs/a.toml", "points.csv"].map(|name| folder.write(name, text.as_bytes()).is_ok());
+                    ["inputs/a.toml", "points.csv"].map(|name| put(&folder, name, text.as_bytes()).is_ok());
                 u32::from(done[0]) + u32::from(done[1])
             };
             let written: u32 = (1..=1000).map(write).sum();

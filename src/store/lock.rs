@@ -36,27 +36,30 @@ impl Lock {
     /// # Errors
     /// Another program has the folder, or the lock file cannot be opened.
     pub(crate) fn take(folder: &Path) -> Result<Lock, StoreError> {
-        let path = folder.join(LOCK);
+        Lock::of(folder, single(&folder.join(LOCK)))
+    }
+
+    /// Takes a folder by its lock file.
+    ///
+    /// # Errors
+    /// It fails where [`Lock::take`] does.
+    pub(crate) fn of(folder: &Path, opened: std::io::Result<File>) -> Result<Lock, StoreError> {
         let failed = |source: std::io::Error| match source.kind() {
             ErrorKind::ReadOnlyFilesystem => StoreError::ReadOnly(folder.to_owned()),
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => StoreError::Full(folder.to_owned()),
             _ => StoreError::Folder { path: folder.to_owned(), source },
         };
-        let mut file = single(&path).map_err(failed)?;
+        let mut file = opened.map_err(failed)?;
         match file.try_lock() {
             // On a file system without such locks, SQLite's lock is the only one.
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => {
-                let mut text = String::new();
-                let read = file.read_to_string(&mut text);
-                let holder = read.ok().and_then(|_| Holder::parse(&text)).unwrap_or(Holder::Unknown);
+                let holder = text_of(&file).and_then(|text| Holder::parse(&text)).unwrap_or(Holder::Unknown);
                 return Err(StoreError::Busy { path: folder.to_owned(), holder });
             }
         }
-        let mut text = String::new();
-        let is_ours =
-            file.read_to_string(&mut text).is_ok() && (text.is_empty() || Holder::parse(&text).is_some());
-        if !is_ours {
+        let is_ours = |text: String| text.is_empty() || Holder::parse(&text).is_some();
+        if !text_of(&file).is_some_and(is_ours) {
             return Err(failed(Error::other(format!("{LOCK} is not a lock of sagnac"))));
         }
         // The name serves messages only; if the disk is full, more important writes will report it.
@@ -64,6 +67,14 @@ impl Lock {
             file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(own_name().as_bytes()));
         Ok(Lock { file })
     }
+}
+
+/// Most bytes of a lock that are read.
+const MOST_BYTES: u64 = 4096;
+
+fn text_of(file: &File) -> Option<String> {
+    let mut text = String::new();
+    file.take(MOST_BYTES).read_to_string(&mut text).is_ok().then_some(text)
 }
 
 /// The program that has a results folder.
@@ -127,6 +138,14 @@ mod tests {
         assert!(refused.contains(&format!("process {} on {host}, for 0 s", std::process::id())), "{refused}");
         drop(first);
         Lock::take(folder.path()).unwrap();
+    }
+
+    #[test]
+    fn of_a_lock_without_end_only_the_beginning_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        File::create(folder.path().join(LOCK)).unwrap().set_len(1 << 40).unwrap();
+        let refused = Lock::take(folder.path()).unwrap_err().to_string();
+        assert!(refused.contains("tallies.lock is not a lock of sagnac"), "{refused}");
     }
 
     #[test]

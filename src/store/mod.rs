@@ -50,6 +50,8 @@ pub mod source;
 #[cfg(all(test, feature = "store"))]
 mod tests;
 use std::path::{Path, PathBuf};
+#[cfg(feature = "store")]
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -60,7 +62,11 @@ pub use crate::store::check::Report;
 #[cfg(feature = "store")]
 use crate::store::database::Database;
 pub use crate::store::error::StoreError;
+#[cfg(feature = "store")]
+use crate::store::folder::Folder;
 pub use crate::store::index::Index;
+#[cfg(feature = "store")]
+use crate::store::lock::Lock;
 #[cfg(feature = "store")]
 pub use crate::store::lock::{Holder, LOCK};
 use crate::store::memory::Memory;
@@ -220,8 +226,27 @@ impl Store {
     /// The folder cannot be written, is in use, holds another study, or is damaged.
     #[cfg(feature = "store")]
     pub fn open(folder: &Path, identity: &Identity) -> Result<Store, StoreError> {
+        std::fs::create_dir_all(folder)
+            .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
+        Store::locked(folder, identity, Arc::new(Lock::take(folder)?))
+    }
+
+    /// Opens the store of a results folder that is open for writing.
+    ///
+    /// # Errors
+    /// It fails where [`Store::open`] does.
+    #[cfg(feature = "store")]
+    pub fn open_in(folder: &Folder, identity: &Identity) -> Result<Store, StoreError> {
+        match folder.lock() {
+            Some(lock) => Store::locked(folder.path(), identity, lock),
+            None => Store::open(folder.path(), identity),
+        }
+    }
+
+    #[cfg(feature = "store")]
+    fn locked(folder: &Path, identity: &Identity, lock: Arc<Lock>) -> Result<Store, StoreError> {
         let path = folder.join(FILE);
-        let keep = Box::new(Database::open(folder, path.clone(), identity)?);
+        let keep = Box::new(Database::open(folder, path.clone(), identity, lock)?);
         Ok(Store { path, keep, identity: identity.clone() })
     }
 

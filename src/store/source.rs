@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::path::Path;
+use std::sync::Arc;
 
 use rusqlite::{Connection, OpenFlags};
 
 use crate::store::database::Database;
-use crate::store::folder::{real, single_database};
+use crate::store::folder::{Folder, real, single_database};
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
 use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
@@ -43,19 +44,41 @@ impl Source {
     /// # Errors
     /// The store is missing, in use, or cannot be read.
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
+        let lock = || match Lock::take(folder) {
+            Ok(lock) => Ok(Some(Arc::new(lock))),
+            Err(StoreError::ReadOnly(_)) => Ok(None),
+            // The folder belongs to another user, or its files are those of a copy too.
+            Err(StoreError::Folder { source, .. })
+                if matches!(source.kind(), ErrorKind::PermissionDenied | ErrorKind::TooManyLinks) =>
+            {
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        };
+        Source::locked(folder, lock)
+    }
+
+    /// Opens the store of a results folder that is open for writing.
+    ///
+    /// # Errors
+    /// It fails where [`Source::open`] does.
+    pub fn open_in(folder: &Folder) -> Result<Source, StoreError> {
+        Source::locked(folder.path(), || Ok(folder.lock()))
+    }
+
+    fn locked(
+        folder: &Path,
+        lock: impl FnOnce() -> Result<Option<Arc<Lock>>, StoreError>,
+    ) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
-        if let Err(source) = single_database(&path).and_then(|()| std::fs::File::open(&path)) {
-            return Err(match source.kind() {
-                ErrorKind::NotFound => StoreError::NoResults(folder.to_owned()),
-                _ => StoreError::Folder { path, source },
-            });
-        }
-        let lock = match Lock::take(folder) {
-            Ok(lock) => Some(lock),
-            Err(StoreError::ReadOnly(_)) => None,
-            // The folder belongs to another user.
-            Err(StoreError::Folder { source, .. }) if source.kind() == ErrorKind::PermissionDenied => None,
-            Err(error) => return Err(error),
+        let lock = match single_database(&path).and_then(|()| std::fs::File::open(&path)) {
+            Ok(_) => lock()?,
+            // It can be read, but not written in place.
+            Err(source) if source.kind() == ErrorKind::TooManyLinks => None,
+            Err(source) if source.kind() == ErrorKind::NotFound => {
+                return Err(StoreError::NoResults(folder.to_owned()));
+            }
+            Err(source) => return Err(StoreError::Folder { path, source }),
         };
         let is_locked = lock.is_some();
         let connection = if is_locked {

@@ -11,9 +11,8 @@ use std::time::Instant;
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rusqlite::Connection;
-use sagnac::run::{Plan, RESOLVED};
-use sagnac::store::folder::LIST;
-use sagnac::store::{FILE, Store};
+use sagnac::run::Plan;
+use sagnac::store::{FILE, LOCK, Store};
 use sagnac::tally::share::Share;
 
 use crate::desk::Desk;
@@ -160,11 +159,8 @@ fn whole(text: &str, trials: u64) -> Desk {
 fn copied(from: &Desk) -> Desk {
     let desk = Desk(folder());
     std::fs::create_dir(desk.path("f")).unwrap();
-    for name in [FILE, JOURNAL, RESOLVED, LIST, "points.csv", "coefficients.csv"] {
-        // Only some studies have coefficients.
-        if from.path("f").join(name).exists() {
-            std::fs::copy(from.path("f").join(name), desk.path("f").join(name)).unwrap();
-        }
+    for name in from.names("f").iter().filter(|name| *name != LOCK) {
+        std::fs::copy(from.path("f").join(name), desk.path("f").join(name)).unwrap();
     }
     desk
 }

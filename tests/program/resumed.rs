@@ -197,7 +197,10 @@ fn a_record_whose_first_half_changed_is_resampled_for_the_fillers_that_are_desig
     desk.done("run study.toml --device cpu --trials 300");
     write(0.1);
     let said = desk.done("run study.toml --device cpu --trials 300").stderr;
-    assert!(said.contains("record.csv changed since the last run; the affected points are resampled"), "{said}");
+    assert!(
+        said.contains("record.csv changed since the last run; the affected points are resampled"),
+        "{said}"
+    );
     assert!(!said.contains("nothing was left to sample"), "{said}");
     desk.done("run study.toml --device cpu --trials 300 --out afresh");
     assert_eq!(desk.read("results/study/points.csv"), desk.read("afresh/points.csv"));

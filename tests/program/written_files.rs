@@ -243,7 +243,7 @@ fn nothing_outside_changes_while_others_swap_what_a_command_writes() {
             desk.done(&format!("{command} home"));
             fs::write(home.join("letter.txt"), "mine").unwrap();
             let found = all(&home).into_iter().filter(|path| path.file_name() != Some("letter.txt".as_ref()));
-            let partial = |path: PathBuf| [ending(&path, ".partial"), path];
+            let partial = |path: PathBuf| [ending(&path, ".sagnac_partial"), path];
             let journals = ["tallies.sqlite-wal", "tallies.sqlite-shm"].map(|name| home.join(name));
             let paths: Vec<PathBuf> = found.flat_map(partial).chain(journals).collect();
             let is_done = AtomicBool::new(false);
@@ -322,6 +322,93 @@ fn a_folder_of_an_earlier_version_is_left_until_it_is_adopted() {
 }
 
 #[test]
+fn two_commands_never_write_into_a_folder_at_once() {
+    let desk = desk();
+    desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out al");
+    let lock = fs::File::options().read(true).write(true).open(desk.path("al/tallies.lock")).unwrap();
+    lock.lock().unwrap();
+    for command in COMMANDS {
+        let before = fs::read_dir(desk.path("al")).unwrap().count();
+        desk.fails(&format!("{command} al"), 6, &["al is in use by"]);
+        assert_eq!(fs::read_dir(desk.path("al")).unwrap().count(), before, "{command}");
+    }
+    desk.fails("check al --adopt", 6, &["al is in use by"]);
+}
+
+#[test]
+fn a_refused_command_replaces_nothing() {
+    let desk = desk();
+    for (at, command) in COMMANDS.iter().enumerate().skip(3) {
+        let name = format!("out{at}");
+        desk.done(&format!("{command} {name}"));
+        let names = listed(&desk.path(&name));
+        // Without the others, whatever is written is seen.
+        let refused = names.last().unwrap();
+        for other in names.iter().filter(|other| *other != refused) {
+            fs::remove_file(desk.path(&format!("{name}/{other}"))).unwrap();
+        }
+        fs::write(desk.path(&format!("{name}/{refused}")), "edited").unwrap();
+        desk.fails(&format!("{command} {name}"), 6, &["is not as sagnac wrote it"]);
+        let left: Vec<_> = all(&desk.path(&name)).into_iter().filter(|path| path.is_file()).collect();
+        assert_eq!(left.len(), 3, "{command}: {left:?}");
+    }
+}
+
+#[test]
+fn a_run_whose_list_cannot_be_written_ends_with_an_error() {
+    let desk = desk();
+    fs::hard_link(desk.path("done").join(LIST), desk.path("other_name")).unwrap();
+    let before = desk.read("done/report.html");
+    let again = "run recorded.toml --trials 512 --device cpu --out done";
+    desk.fails(again, 6, &["written_by_sagnac.jsonl is a hard link", "copy it in its place"]);
+    assert_eq!(desk.read("done/report.html"), before);
+}
+
+#[test]
+fn a_copy_of_hard_links_is_read_and_not_written() {
+    let desk = desk();
+    let copied =
+        Command::new("cp").args(["-al", "done", "copy"]).current_dir(desk.path("")).status().unwrap();
+    assert!(copied.success());
+    desk.done("check done");
+    desk.done("check copy");
+    desk.done("merge copy --out merged");
+    assert_eq!(desk.read("merged/points.csv"), desk.read("done/points.csv"));
+    desk.fails("run recorded.toml --trials 512 --device cpu --out done", 6, &["hard link", "copy"]);
+}
+
+#[test]
+fn a_resolved_study_alone_is_run_where_it_is() {
+    let desk = desk();
+    fs::create_dir(desk.path("n")).unwrap();
+    desk.done("run study.toml --trials 256 --device cpu --out a");
+    fs::copy(desk.path("a/resolved_study.toml"), desk.path("n/resolved_study.toml")).unwrap();
+    desk.done("run n/resolved_study.toml --device cpu");
+    assert_eq!(desk.read("n/points.csv"), desk.read("a/points.csv"));
+    // What `check` says about a table works.
+    let table = desk.read("a/points.csv").replace('\n', "\r\n");
+    desk.write("a/points.csv", &table);
+    let said = desk.sagnac("check a").stderr;
+    assert!(said.contains("move it away, and run a/resolved_study.toml again"), "{said}");
+    fs::rename(desk.path("a/points.csv"), desk.path("away.csv")).unwrap();
+    desk.done("run a/resolved_study.toml --device cpu");
+    desk.done("check a");
+}
+
+#[test]
+fn a_folder_without_results_is_not_said_to_be_of_an_earlier_version() {
+    let desk = desk();
+    desk.done("man mn");
+    desk.write("mn/sagnac.1", "edited");
+    let ended = desk.sagnac("man mn");
+    assert!(
+        ended.code == 6 && ended.stderr.contains("move it") && !ended.stderr.contains("--adopt"),
+        "{}",
+        ended.stderr
+    );
+}
+
+#[test]
 fn files_that_were_adopted_are_never_removed() {
     let desk = desk();
     let allan = "allan log.csv --data rate --column gz,gx --bootstrap 0 --out al";
@@ -352,9 +439,37 @@ fn check_says_what_was_changed_and_what_it_cannot_check() {
     assert_eq!(ended.code, 5, "{}", ended.stderr);
     assert!(ended.stderr.contains("resolved_study.toml is missing"), "{}", ended.stderr);
     desk.write("done/resolved_study.toml", &resolved);
+    desk.done("check done");
+    // An earlier version of a page, and one that was removed.
+    let page = desk.read("done/report.html");
+    desk.done("run recorded.toml --trials 512 --device cpu --out done");
+    let newer = desk.read("done/report.html");
+    desk.write("done/report.html", &page);
+    let ended = desk.sagnac("check done");
+    assert!(ended.code == 5 && ended.stderr.contains("report.html was changed"), "{}", ended.stderr);
+    fs::remove_file(desk.path("done/report.html")).unwrap();
+    let ended = desk.sagnac("check done");
+    assert!(ended.code == 5 && ended.stderr.contains("report.html was removed"), "{}", ended.stderr);
+    desk.write("done/report.html", &newer);
+    desk.done("check done");
     fs::remove_file(desk.path("done").join(LIST)).unwrap();
     let ended = desk.done("check done");
     assert!(ended.stderr.contains("without a list"), "{}", ended.stderr);
+    desk.done("chart done --x filler --y rms");
+    let ended = desk.done("check done");
+    assert!(ended.stderr.contains("its list lacks resolved_study.toml, report.html"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_changed_table_of_an_incomplete_folder_is_found() {
+    let desk = desk();
+    desk.done("run study.toml --trials 4096 --device cpu --shard 1/2 --out half");
+    assert_eq!(desk.sagnac("merge half --out part").code, 4);
+    assert_eq!(desk.sagnac("check part").code, 4);
+    let table = desk.read("part/points.csv");
+    desk.write("part/points.csv", &table.replace(",const,", ",Const,"));
+    let ended = desk.sagnac("check part");
+    assert!(ended.code == 5 && ended.stderr.contains("points.csv does not match"), "{}", ended.stderr);
 }
 
 #[test]

@@ -3,7 +3,6 @@
 pub mod summary;
 
 use std::panic::resume_unwind;
-use std::path::Path;
 use std::sync::mpsc::{self, Receiver};
 use std::thread;
 
@@ -32,7 +31,23 @@ use crate::output::{print, print_drawn, write_table};
 use crate::progress::Shown;
 use crate::results::summary::{crossings, summary};
 
-/// The files that a run of a study always writes into its folder.
+/// Whether a run of a study may write the files that it always writes into its folder.
+///
+/// # Errors
+/// The folder has a file of somebody else in the place of one of them.
+pub fn check_places(study: &Study, folder: &Folder) -> Result<(), Failure> {
+    let resolved = study.resolved(study.trials);
+    let inputs = study.inputs();
+    let kept = inputs.iter().map(|input| (input.name.as_str(), input.text.as_bytes()));
+    let kept = kept.chain([(RESOLVED, resolved.as_bytes())]);
+    let names = names(study);
+    let written = names.iter().filter(|name| *name != RESOLVED).map(|name| (name.as_str(), None));
+    let is_kept = |name: &str| inputs.iter().any(|input| input.name == name);
+    let written = written.filter(|(name, _)| !is_kept(name));
+    Ok(folder.check(kept.map(|(name, text)| (name, Some(text))).chain(written))?)
+}
+
+/// The names of the files that a run of a study always writes into its folder.
 pub fn names(study: &Study) -> Vec<String> {
     let inputs = study.inputs().into_iter().map(|input| input.name.clone());
     let charts = (0..study.charts.len()).map(|index| chart_stem(index, study.charts.len()));
@@ -45,8 +60,8 @@ pub fn names(study: &Study) -> Vec<String> {
 ///
 /// # Errors
 /// The folder is in use, belongs to another study or kernel, or is damaged.
-pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
-    Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
+pub fn held(folder: &Folder, plan: &Plan) -> Result<Store, Failure> {
+    Ok(store::Source::open_in(folder)?.into_store(&plan.identity())?)
 }
 
 /// Number of trials that existing results lack. If rows of all requested trials exist, this is known to be 0 without
@@ -195,6 +210,7 @@ impl Ran<'_> {
         });
         drawn?;
         let (verdicts, sheet, answer) = made?;
+        folder.commit()?;
         progress.clear();
         if self.json {
             let mut document = self.to_json(tables, &verdicts, &results.notes());

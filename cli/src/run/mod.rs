@@ -24,7 +24,7 @@ use crate::output::{print, print_documents};
 use crate::planning::Planning;
 use crate::program::DeviceArg;
 use crate::progress::{self, How, Shown};
-use crate::results::{Printed, Ran, names};
+use crate::results::{Printed, Ran, check_places};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
@@ -235,9 +235,9 @@ fn run_study(
     options: &Options,
 ) -> Result<Option<Value>, Failure> {
     let results = Folder::open(folder)?;
-    results.check(names(study).iter().map(String::as_str))?;
+    check_places(study, &results)?;
     // Closed forms too have a store, which binds the folder to one study.
-    let mut store = Store::open(folder, &plan.identity())?;
+    let mut store = Store::open_in(&results, &plan.identity())?;
     // Kept from the start, as the run may be killed.
     for name in keep(study, &results)? {
         note!("{name} changed since the last run; the affected points are resampled");

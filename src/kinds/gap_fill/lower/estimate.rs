@@ -185,7 +185,8 @@ impl Estimate {
             .chain(rows.numerators.iter().flatten().map(|&w| w as u32))
             .chain([rows.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
-        let (definition, name, ticks) = (definition(filler, Some(&rows), designed), error.name(), &rows.ticks);
+        let (definition, name, ticks) =
+            (definition(filler, Some(&rows), designed), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
         let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);

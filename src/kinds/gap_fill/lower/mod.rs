@@ -103,15 +103,7 @@ impl Lowered {
                 };
                 let Some(ticks) = ticks else { continue };
                 let Some(rows) = Rows::shared(filler, error, ticks, &statistics)? else { continue };
-                estimates.push(Estimate::new(
-                    id,
-                    key,
-                    filler,
-                    error,
-                    &fractions,
-                    rows,
-                    point.designed(),
-                )?);
+                estimates.push(Estimate::new(id, key, filler, error, &fractions, rows, point.designed())?);
             }
             Ok(estimates)
         };
