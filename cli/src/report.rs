@@ -7,7 +7,7 @@ use clap::Args;
 use sagnac::analysis::answer::of_study;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::text_file::read_bytes;
-use sagnac::store::folder::Folder;
+use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::view::picture::incomplete;
 use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
@@ -22,6 +22,9 @@ use crate::results::{decision, held, lacking};
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
 
+/// What tells a gallery from other files.
+const MARK: &str = "<meta name=\"generator\" content=\"sagnac ";
+
 /// Most bytes of a card that is read, several times as many as a picture has.
 const MOST_BYTES: u64 = 4 << 20;
 
@@ -31,7 +34,7 @@ pub struct Options {
     /// Results folders, or folders that contain them
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// File of the gallery of several results [default: gallery.html in the common parent folder]
+    /// File of the gallery of several results [default: gallery.html in the folder given, or in that in which those given are]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print only errors
@@ -86,7 +89,7 @@ fn write_gallery(
     folders: &[PathBuf],
     options: &Options,
 ) -> Result<(), Failure> {
-    let path = options.out.clone().unwrap_or_else(|| common(folders).join(GALLERY));
+    let path = options.out.clone().unwrap_or_else(|| beside(&options.folders).join(GALLERY));
     let here = path.parent().map_or_else(PathBuf::new, whole);
     let cards: Vec<Card> = reports
         .into_iter()
@@ -94,10 +97,7 @@ fn write_gallery(
         .collect();
     let all_studies = folders.iter().all(|folder| folders::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let holder = Folder::open(path.parent().unwrap_or(Path::new("")))?;
-    holder.write(&name, gallery(&cards, called).as_bytes())?;
-    holder.commit()?;
+    write_marked(&path, MARK, gallery(&cards, called).as_bytes())?;
     if !options.quiet {
         let here = std::env::current_dir().unwrap_or_default();
         say!("{}", path.strip_prefix(here).unwrap_or(&path).display());
@@ -195,15 +195,20 @@ fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(results)
 }
 
-/// The common parent folder of `folders`.
-fn common(folders: &[PathBuf]) -> PathBuf {
-    let mut paths = folders.iter().map(|folder| whole(folder));
-    let first = paths.next().unwrap_or_default();
-    let parent = first.parent().map(Path::to_owned).unwrap_or(first);
-    paths.fold(parent, |common, path| {
-        let shared = |ancestor: &&Path| path.starts_with(ancestor);
-        common.ancestors().find(shared).map_or(common.clone(), Path::to_owned)
-    })
+/// The folder of a gallery: the one that contains all those of results, as they are `named`; the present one where only the
+/// root of the file system does.
+fn beside(named: &[PathBuf]) -> PathBuf {
+    let holder = |folder: &PathBuf| match folders::is_study(folder) || folders::is_carded(folder) {
+        true if folder.file_name().is_some() => folder.parent().unwrap_or(Path::new("")).to_owned(),
+        true => folder.join(".."),
+        false => folder.clone(),
+    };
+    let mut holders = named.iter().map(holder);
+    let first = holders.next().unwrap_or_default();
+    let common = holders.fold(first, |common, path| {
+        common.ancestors().find(|ancestor| path.starts_with(ancestor)).unwrap_or(Path::new("")).to_owned()
+    });
+    if common.parent().is_none() { PathBuf::new() } else { common }
 }
 
 /// The link to a file from pages in a folder, both as absolute paths.
@@ -242,9 +247,12 @@ mod tests {
 
     #[test]
     fn the_gallery_stands_in_the_folder_that_holds_all() {
-        let of = |paths: &[&str]| common(&paths.iter().map(PathBuf::from).collect::<Vec<_>>());
+        let of = |paths: &[&str]| beside(&paths.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(of(&["no/results"]), PathBuf::from("no/results"));
         assert_eq!(of(&["/no/results/x", "/no/results/y"]), PathBuf::from("/no/results"));
         assert_eq!(of(&["/no/a/x", "/no/b/c/y"]), PathBuf::from("/no"));
-        assert_eq!(of(&["/no/a/x"]), PathBuf::from("/no/a"));
+        // Nothing is written to a folder that only leads there.
+        assert_eq!(of(&["no/a", "/no/b"]), PathBuf::new());
+        assert_eq!(of(&["/a", "/b"]), PathBuf::new());
     }
 }

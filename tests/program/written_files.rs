@@ -409,6 +409,33 @@ fn a_folder_without_results_is_not_said_to_be_of_an_earlier_version() {
 }
 
 #[test]
+fn a_gallery_is_a_page_and_makes_no_results_folder_of_its_own() {
+    let desk = desk();
+    for folder in ["res/a", "elsewhere/big"] {
+        desk.done(&format!("run study.toml --trials 256 --device cpu --out {folder}"));
+    }
+    symlink(desk.path("elsewhere/big"), desk.path("res/big")).unwrap();
+    for _ in 0..2 {
+        desk.done("report res");
+        assert_eq!(desk.names("res"), ["a", "big", "gallery.html"]);
+        assert_eq!(desk.names("elsewhere"), ["big"]);
+    }
+    // Links in a folder with a gallery are the user's own.
+    desk.done("run study.toml --trials 256 --device cpu --out res/big");
+    fs::create_dir(desk.path("here")).unwrap();
+    let card = desk.read("done/report.html");
+    desk.write("gallery.html", "mine");
+    for (words, code) in [("report res/a done", 6), ("report res/a done --out done/points.csv", 6)] {
+        desk.fails(words, code, &["is not as sagnac wrote it"]);
+    }
+    assert_eq!((desk.read("gallery.html"), desk.read("done/report.html")), ("mine".to_owned(), card));
+    fs::remove_file(desk.path("gallery.html")).unwrap();
+    symlink(desk.path("victim"), desk.path("gallery.html")).unwrap();
+    desk.fails("report res/a done", 6, &["gallery.html is a link"]);
+    assert!(!desk.path("victim").exists());
+}
+
+#[test]
 fn files_that_were_adopted_are_never_removed() {
     let desk = desk();
     let allan = "allan log.csv --data rate --column gz,gx --bootstrap 0 --out al";
