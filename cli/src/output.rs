@@ -62,8 +62,24 @@ pub fn print_drawn(text: &str) -> Result<(), Failure> {
 /// Prints a line on the standard error stream as it is, and changes nothing where that fails.
 pub fn say(text: &str) {
     aside(|| {
-        let _ = writeln!(io::stderr(), "{text}");
+        let _ = writeln!(io::stderr(), "{}", bounded(text));
     });
+}
+
+/// Most characters of a line on the standard error stream, which may quote what a stranger wrote.
+const MOST_SAID: usize = 4096;
+
+/// The text with the middle of longer lines left out.
+fn bounded(text: &str) -> String {
+    let of_line = |line: &str| {
+        let count = line.chars().count();
+        if count <= MOST_SAID {
+            return line.to_owned();
+        }
+        let left = line.chars().take(MOST_SAID / 2).collect::<String>();
+        left + " … " + &line.chars().skip(count - MOST_SAID / 2).collect::<String>()
+    };
+    text.split('\n').map(of_line).collect::<Vec<_>>().join("\n")
 }
 
 /// Prints `value` as an indented JSON document.

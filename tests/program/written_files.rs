@@ -500,6 +500,24 @@ fn a_changed_table_of_an_incomplete_folder_is_found() {
 }
 
 #[test]
+fn what_strangers_wrote_makes_no_message_without_end() {
+    let desk = desk();
+    fs::File::create(desk.path("done/tallies.lock")).unwrap().set_len(3 << 30).unwrap();
+    let ended = desk.sagnac("check done");
+    assert!(ended.code == 6 && ended.stderr.contains("is not a lock of sagnac"), "{}", ended.stderr);
+    fs::remove_file(desk.path("done/tallies.lock")).unwrap();
+    let name = "x".repeat(100_000);
+    let list = desk.read(&format!("done/{LIST}"));
+    desk.write(
+        &format!("done/{LIST}"),
+        &format!("{list}{{\"name\":\"{name}\",\"sha256\":\"00\",\"size\":1}}\n"),
+    );
+    assert!(desk.sagnac("check done").stderr.len() < 10_000);
+    let said = desk.sagnac(&format!("check {}", &name[..100_000])).stderr;
+    assert!(said.len() < 20_000, "{}", said.len());
+}
+
+#[test]
 fn a_run_whose_database_or_folder_vanishes_ends_with_an_error() {
     for gone in ["out/tallies.sqlite", "out"] {
         let desk = desk();
