@@ -113,6 +113,10 @@ fn name(text: &str) -> Result<String, String> {
         text if text.is_empty() || text.contains(['/', '\\']) => {
             Err("expected a name without a folder".to_owned())
         }
+        // Some file systems refuse them.
+        text if text.contains([':', '*', '?', '"', '<', '>', '|']) || text.contains(char::is_control) => {
+            Err("expected a name of letters, digits and the like".to_owned())
+        }
         text => Ok(text.to_owned()),
     }
 }
