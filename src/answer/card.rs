@@ -77,7 +77,7 @@ fn content(fact: &Fact) -> Markup {
         @match fact {
             Fact::ErrorBudget { .. } => {
                 @for part in fact.parts() {
-                    span.part { (part.name) " " (percent_of(part.share)) i.bar style=(format!("--share: {:.3}", part.share.clamp(0.0, 1.0))) {} }
+                    span.part { (part.name) " " (percent_of(part.share).replace(' ', "\u{a0}")) i.share style=(format!("--share: {:.3}", part.share.clamp(0.0, 1.0))) {} }
                 }
             }
             _ => { (fact.text()) }
