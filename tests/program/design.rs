@@ -142,6 +142,7 @@ fn the_recommendation_has_the_documented_keys_and_files() {
             "design.png",
             "design.svg",
             "report.html",
+            "tallies.lock",
             "written_by_sagnac.jsonl"
         ]
     );

@@ -103,6 +103,7 @@ fn the_result_has_its_files_and_words_and_repeats_with_its_seed() {
         "sensitivity.json",
         "sensitivity.png",
         "sensitivity.svg",
+        "tallies.lock",
         "written_by_sagnac.jsonl",
     ];
     assert_eq!(desk.names("out"), files);
