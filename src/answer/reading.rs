@@ -193,7 +193,7 @@ pub(crate) fn place(columns: &[&Column], row: usize) -> String {
     cells.filter(|name| !name.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
-/// The same as [`place`] for many rows; the names of a column with few values are written once.
+/// Returns a function that names rows as [`place`] does, and writes the names of a column with few values once.
 pub(crate) fn naming<'t>(columns: &[&'t Column]) -> impl Fn(usize) -> String + use<'t> {
     let texts = |column: &&'t Column| {
         let column = *column;

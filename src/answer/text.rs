@@ -11,7 +11,7 @@ const GAP: usize = 3;
 /// Width up to which a heading stays in one line.
 const HEADING: usize = 14;
 
-/// The same of the first column.
+/// Width up to which the heading of the first column stays in one line.
 const FIRST_HEADING: usize = 24;
 
 impl Answer {

@@ -128,7 +128,7 @@ fn write_tables(folder: &Folder, tables: &Tables) -> Result<String, Failure> {
 /// Most notes that are printed unless all are asked for.
 const MOST_NOTES: usize = 2;
 
-/// What is printed of results.
+/// The options that choose which parts of the results are printed.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Printed {
     /// Also print the table of the first chart
@@ -156,7 +156,7 @@ pub struct Ran<'a> {
     pub lacking: u64,
     /// Whether results are returned as JSON instead of printed.
     pub json: bool,
-    /// What is printed.
+    /// The parts of the results that are printed.
     pub shown: Printed,
 }
 

@@ -1,6 +1,6 @@
 //! The least values of curves over the averaging time.
 
-use crate::analysis::answer::{Line, Outline, Question, at, headline, table};
+use crate::analysis::answer::{Line, Outline, Question, at, headline, joined_names, table};
 use crate::answer::{AnswerCell, Kind, Reading};
 use crate::table::Column;
 use crate::view::report::notch::Notches;
@@ -22,14 +22,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
             let Some(row) = known.min_by(|&a, &b| question.size(a).total_cmp(&question.size(b))) else {
                 continue;
             };
-            let named = |name: &str| {
-                [name, condition]
-                    .iter()
-                    .filter(|part| !part.is_empty())
-                    .copied()
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            };
+            let named = |name: &str| joined_names(name, condition);
             found.push((named(&choice.name), named(&choice.long), choice.is_usable, row));
         }
     }

@@ -437,6 +437,12 @@ fn compact(text: &str) -> String {
     text.replace(" = ", "=")
 }
 
+/// The name of an option under a condition; either may be empty.
+pub(super) fn joined_names(option: &str, condition: &str) -> String {
+    let names = [option, condition].into_iter().filter(|name| !name.is_empty());
+    names.collect::<Vec<_>>().join(", ")
+}
+
 /// A value of the abscissa in a headline: with its symbol where it has no unit.
 pub(super) fn at(x: &Column, value: f64) -> String {
     let reading = Reading::new(x, value, None);

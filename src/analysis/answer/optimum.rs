@@ -1,6 +1,6 @@
 //! The value of a design choice at which an estimate is least.
 
-use crate::analysis::answer::{Line, Outline, Question, at, at_place, headline, table, values};
+use crate::analysis::answer::{Line, Outline, Question, at, at_place, headline, joined_names, table, values};
 use crate::answer::reading::span;
 use crate::answer::{AnswerCell, Kind, Reading};
 use crate::table::Column;
@@ -26,14 +26,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
     let mut found: Vec<Least> = Vec::new();
     for choice in question.choices() {
         for (rows, condition) in choice.rows.iter().zip(&conditions) {
-            let named = |name: &str| {
-                [name, condition]
-                    .iter()
-                    .filter(|part| !part.is_empty())
-                    .copied()
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            };
+            let named = |name: &str| joined_names(name, condition);
             found.extend(least(question, x, rows).map(|(row, flat, alike, is_end)| Least {
                 name: named(&choice.name),
                 long: named(&choice.long),

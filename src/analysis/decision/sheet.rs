@@ -32,7 +32,7 @@ pub struct Sheet {
     pub met: [usize; 2],
     /// The estimate of the best option under that condition.
     pub value: Figure,
-    /// The same as it is shown.
+    /// The estimate in the unit in which it is shown.
     pub reading: Reading,
     /// Options with the same value as the best one.
     pub equal: Vec<String>,
