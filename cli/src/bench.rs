@@ -1,4 +1,4 @@
-//! `sagnac bench`.
+//! `sagnac device bench`.
 
 use std::time::Instant;
 

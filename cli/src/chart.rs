@@ -1,6 +1,6 @@
-//! `sagnac chart`.
+//! Charts of existing results with other keys: `sagnac report DIR --chart`, and `sagnac chart` of earlier versions.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::RESOLVED;
@@ -27,22 +27,39 @@ pub struct Options {
     /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Number of the study's chart to change
-    #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
-    chart: u16,
     #[command(flatten)]
-    keys: Keys,
-    /// Name of the files in DIR, without extension
-    #[arg(long, value_name = "NAME", default_value = "redrawn", value_parser = name)]
-    name: String,
-    /// Also show the chart in the terminal
-    #[arg(long)]
-    plot: bool,
+    redraw: Redraw,
     /// Print only errors
     #[arg(long, short)]
     quiet: bool,
     #[command(flatten)]
     progress: progress::Options,
+}
+
+/// A chart of the study with other keys.
+#[derive(Debug, Args)]
+#[group(skip)]
+pub struct Redraw {
+    /// Redraw a chart of the study with other keys, by its number [default with a key: 1]
+    #[arg(help_heading = "Chart", long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
+    chart: Option<u16>,
+    #[command(flatten)]
+    keys: Keys,
+    /// Name of the files of a redrawn chart in DIR, without extension
+    #[arg(help_heading = "Chart", long, value_name = "NAME", default_value = "redrawn", value_parser = name)]
+    name: String,
+    /// Also show a redrawn chart in the terminal
+    #[arg(help_heading = "Chart", long)]
+    plot: bool,
+}
+
+impl Redraw {
+    /// Whether a chart is asked for.
+    pub fn is_asked(&self) -> bool {
+        let keys = Table::try_from(&self.keys).unwrap_or_default();
+        let is_given = |value: &Value| value.as_array().is_none_or(|list| !list.is_empty());
+        self.chart.is_some() || !self.keys.rows.is_empty() || keys.values().any(is_given)
+    }
 }
 
 /// The keys of a chart, as in studies.
@@ -96,9 +113,9 @@ struct Keys {
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac chart results/error_vs_dtnu --y rms --limit \"5 arcsec\"
-  sagnac chart results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
-  sagnac chart results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
+  sagnac report results/error_vs_dtnu --y rms --limit \"5 arcsec\"
+  sagnac report results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
+  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
     --where filler=quadratic
 
 The chart is written to DIR as an SVG and a PNG. The page report.html keeps the charts of the study; `sagnac report DIR` rebuilds it.";
@@ -129,43 +146,54 @@ pub fn row(text: &str) -> Result<(String, String), String> {
 
 /// Redraws existing results with other keys than the study's.
 pub fn chart(options: &Options) -> Result<(), Failure> {
-    let path = options.folder.join(RESOLVED);
+    redraw(&options.folder, &options.redraw, options.quiet, &options.progress)
+}
+
+/// Redraws the results in a folder.
+pub fn redraw(
+    folder: &Path,
+    asked: &Redraw,
+    quiet: bool,
+    progress: &progress::Options,
+) -> Result<(), Failure> {
+    let path = folder.join(RESOLVED);
     // Parsed as a study, so that errors in the file itself are reported as usual.
-    let written = folders::study(&options.folder)?;
-    let asked = changed(&written, options)?;
+    let written = folders::study(folder)?;
+    let Redraw { name, plot, .. } = asked;
+    let asked = changed(&written, asked)?;
     let study = Study::parse(&format!("{} with the requested chart", path.display()), &asked)?;
-    let plan = checked(&study, options.progress.how(options.quiet), None)?;
-    let results = Folder::open(&options.folder)?;
+    let plan = checked(&study, progress.how(quiet), None)?;
+    let results = Folder::open(folder)?;
     let store = held(&results, &plan)?;
-    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
+    let tables = plan.tables(&store, &Shown::new(progress.how(quiet)))?;
     let lacking = lacking(&study, &plan, &store, &tables)?;
     let drawn = pictures(&study, &tables, lacking)?;
     for drawn in &drawn {
-        write_pictures(&results, &options.name, &drawn.picture)?;
+        write_pictures(&results, name, &drawn.picture)?;
     }
     results.commit()?;
     // Said even where only errors are: the picture is not the one of the study.
     if let Some(sentence) = incomplete(lacking) {
-        note!("{}: {sentence}", options.folder.display());
+        note!("{}: {sentence}", folder.display());
     }
-    if options.quiet {
+    if quiet {
         return Ok(());
     }
     for note in drawn.iter().filter_map(|drawn| drawn.note.as_ref()) {
         note!("{note}");
     }
-    for drawn in drawn.iter().filter(|_| options.plot) {
+    for drawn in drawn.iter().filter(|_| *plot) {
         print_drawn(&format!("{}\n", drawn.picture.text(look::of_output())))?;
     }
     let curves = shown(&study, &tables)?;
     let verdicts = verdicts(&study, &curves)?;
     print(&format!("{}\n{}", summary(&study, &tables, &curves)?, crossings(&verdicts)))?;
-    say!("{}.svg and .png are in {}", options.name, options.folder.display());
+    say!("{name}.svg and .png are in {}", folder.display());
     Ok(())
 }
 
 /// The study with only the requested chart.
-fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
+fn changed(written: &Study, asked: &Redraw) -> Result<String, Failure> {
     let unread = |error: toml::de::Error| Failure::Usage(format!("cannot read {RESOLVED}: {error}"));
     let mut study: Table = written.text().parse().map_err(unread)?;
     let charts = match study.remove("chart") {
@@ -173,8 +201,8 @@ fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
         Some(chart) => vec![chart],
         None => vec![],
     };
-    let keys = &options.keys;
-    let number = usize::from(options.chart);
+    let keys = &asked.keys;
+    let number = usize::from(asked.chart.unwrap_or(1));
     let mut chart = match charts.get(number - 1) {
         _ if keys.kind.is_some() => Table::new(),
         Some(Value::Table(chart)) => chart.clone(),

@@ -12,21 +12,19 @@ use sagnac::analysis::page;
 use sagnac::quantity::number::short;
 use sagnac::quantity::units::Dimension;
 use sagnac::store::folder::Folder;
-use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::charts::{write_figures, write_pictures};
 use crate::failure::Failure;
 use crate::filler::alone::at_least_0;
-use crate::output::{print, print_drawn, print_json, whereabouts, write_or_remove, write_page, write_table};
+use crate::output::{Printed, print_json, write_or_remove, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::results::sheet_text;
 use crate::terminal::headed_by;
 use crate::words::one_of;
-use crate::{look, whole};
+use crate::{kind, look, whole};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -63,10 +61,10 @@ pub struct Options {
     device: DeviceArg,
     /// Output folder [default: design in results/<name of the study file>, or design_<estimate> for another --by than
     /// drift_q9973]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, instead of the number in the study; rounded up to 32 times a power of two
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
+    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
@@ -74,14 +72,10 @@ pub struct Options {
     /// Print the recommendation as JSON
     #[arg(help_heading = "Output", long)]
     json: bool,
-    /// Also draw the drift over the interval as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    plot: bool,
+    #[command(flatten)]
+    printed: Printed,
     #[command(flatten)]
     progress: progress::Options,
-    /// Print only errors and the recommendation
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
 }
 
 impl Options {
@@ -118,12 +112,12 @@ fn folder(measure: Measure) -> String {
 
 /// Finds and prints the best interval and filler.
 pub fn design(options: &Options) -> Result<(), Failure> {
-    let mut study = Study::read(&options.study)?;
+    let mut study = kind::study(&options.study)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
     let request = options.request()?;
-    let mut device = options.device.select(!options.quiet)?;
-    let shown = Shown::new(options.progress.how(options.quiet));
+    let mut device = options.device.select(!options.printed.quiet)?;
+    let shown = Shown::new(options.progress.how(options.printed.quiet));
     let found = find(&study, &request, &mut device, &shown)
         .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
     shown.clear();
@@ -132,28 +126,20 @@ pub fn design(options: &Options) -> Result<(), Failure> {
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
     let table = report::table(&found);
     let sheet = found.sheet()?;
-    let mut document = report::json(&found);
-    document["decision"] = json!(sheet.as_ref().map(Sheet::json));
+    let document = report::json(&found, sheet.as_ref());
     let picture = write_all(&found, sheet.as_ref(), &document, &table, &Folder::open(&folder)?)?;
     if options.json {
         return print_json(&document);
     }
-    if !options.quiet {
-        for note in &found.notes {
-            note!("{note}");
-        }
-        if options.plot {
-            print_drawn(&format!("{}\n", picture.text(look::of_output())))?;
-        }
-        print(&summary(&found, &table))?;
-    }
-    print(&report::recommendation(&found).join("\n"))?;
-    if let Some(sheet) = &sheet {
-        print(&format!("\n{}", sheet_text(&sheet.lines())))?;
-    }
-    if !options.quiet {
-        say!("{} runs at each interval; {}", short(found.trials as f64), whereabouts(&folder));
-    }
+    let (runs, after) = (short(found.trials as f64), report::duration(found.variant().duration_s));
+    options.printed.show(
+        &format!("{} · {} candidates × {runs} runs of {after}", found.study.title, table.rows()),
+        &found.answer(sheet.as_ref()),
+        &found.notes,
+        || picture.text(look::of_output()),
+        || Ok(summary(&found)),
+    )?;
+    options.printed.whereabouts(&folder);
     Ok(())
 }
 
@@ -176,13 +162,12 @@ fn write_all(
     Ok(picture)
 }
 
-/// A line for each filler at its best interval.
-fn summary(found: &Design, table: &Table) -> String {
+/// A line for each filler at its best interval, below one for each variant.
+fn summary(found: &Design) -> String {
     let (heading, lines) = report::by_filler(found);
-    let (tried, runs, time) = (table.rows(), found.trials, report::duration(found.variant().duration_s));
     let fillers = headed_by(heading, lines.into_iter());
     let variants = report::by_variant(found);
     let variants =
         variants.map_or_else(String::new, |(heading, lines)| headed_by(heading, lines.into_iter()) + "\n");
-    format!("{tried} candidates, {runs} runs each of {time}\n{variants}{fillers}")
+    variants + &fillers
 }

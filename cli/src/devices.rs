@@ -1,19 +1,50 @@
-//! `sagnac devices`.
+//! `sagnac device`: the devices that kernels run on.
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use sagnac::device::gpu::adapter::Adapter;
 use sagnac::device::gpu::diagnosis::Finding;
 use sagnac::kernel::width::Width;
 use sagnac::verify::diagnose;
 use serde_json::json;
 
+use crate::bench::bench;
 use crate::failure::{Failure, in_options};
 use crate::output::{print, print_json};
+use crate::program::{Bench, Verify};
+use crate::verify::verify;
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac devices
-  sagnac devices --why";
+  sagnac device list
+  sagnac device list --why";
+
+#[derive(Debug, Args)]
+pub struct Command {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// List the devices that kernels can run on
+    List(Options),
+    /// Verify that every kernel gives the same bits on every device of this machine
+    Verify(Verify),
+    /// Measure the throughput of the kernels
+    ///
+    /// A GPU's rates are also given by its own clock, without what the host adds, and as a part of its integer limit:
+    /// the operations that the kernel needs, divided by those that the GPU does in independent chains.
+    Bench(Bench),
+}
+
+/// Does what is asked for with the devices.
+pub fn device(command: &Command) -> Result<(), Failure> {
+    match &command.task {
+        Task::List(options) => devices(options),
+        Task::Verify(options) => verify(options),
+        Task::Bench(options) => bench(options),
+    }
+}
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -40,7 +71,7 @@ pub fn devices(options: &Options) -> Result<(), Failure> {
     }
     if adapters.is_empty() {
         say!(
-            "no GPU and no software rasteriser was found (Vulkan, Metal, DX12); `sagnac devices --why` explains"
+            "no GPU and no software rasteriser was found (Vulkan, Metal, DX12); `sagnac device list --why` explains"
         );
     }
     Ok(())

@@ -55,7 +55,7 @@ pub enum Failure {
     Select(#[from] SelectError),
     #[error("{}", in_options(.0))]
     Store(#[from] StoreError),
-    #[error("{0}\nchoose another device with --device; `sagnac devices` lists the available ones")]
+    #[error("{0}\nchoose another device with --device; `sagnac device list` lists the available ones")]
     Gpu(#[from] GpuError),
     /// A device error during a run.
     #[error("{0}\ncompleted work is kept: run again to continue, or use --device cpu")]

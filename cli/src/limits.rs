@@ -11,9 +11,12 @@ pub fn of_log(text: &str) -> Result<Limit, String> {
     Limit::parse(text, &Limited::OF_LOG).map_err(|error| error.to_string())
 }
 
-/// Reads a limit on the units of a lot.
-pub fn of_lot(text: &str) -> Result<Limit, String> {
-    Limit::parse(text, Limited::OF_LOT).map_err(|error| error.to_string())
+/// Reads limits on the units of a batch.
+///
+/// # Errors
+/// A text is no limit.
+pub fn of_units(texts: &[String]) -> Result<Vec<Limit>, Failure> {
+    texts.iter().map(|text| Limit::parse(text, Limited::OF_LOT).map_err(failure)).collect()
 }
 
 /// Checks that limits agree with each other and with the fit.

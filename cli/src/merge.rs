@@ -14,9 +14,9 @@ use sagnac::tally::share::Share;
 
 use crate::failure::Failure;
 use crate::folders;
-use crate::output::print_json;
+use crate::output::{Printed, print_json};
 use crate::progress::{self, Shown};
-use crate::results::{Printed, Ran, check_places};
+use crate::results::{Ran, check_places};
 use crate::run::checked;
 use crate::whole;
 
@@ -95,6 +95,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     if let Some(document) = ran.show(&store, &progress)? {
         print_json(&document)?;
     }
+    options.printed.open_page(&options.out);
     match lacking {
         0 if options.json || options.printed.quiet => Ok(()),
         0 => {

@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::answer::Answer;
 use sagnac::quantity::visible::{visible, visible_json};
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
@@ -14,20 +15,102 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::failure::{Failure, in_options};
+use crate::look;
 use crate::progress::{How, Shown, aside};
 
 /// Where a command on logs writes its results, and what it prints.
 #[derive(Debug, Args)]
 pub struct Output {
     /// Results folder [default: results/<name of the log>, with _model behind it for a model, results/<A>_vs_<B> for two logs, results/lot for a lot]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the results as JSON
     #[arg(help_heading = "Output", long)]
     pub json: bool,
-    /// Print only errors
+    #[command(flatten)]
+    pub printed: Printed,
+}
+
+/// Notes that are printed in any case, and lines up to which there is room for more of them.
+const MIN_NOTES: usize = 2;
+const MAX_LINES: usize = 20;
+
+// As a group it would have the name of the options around it, which debug builds refuse.
+/// The options that choose which parts of the results are printed.
+#[derive(Debug, Clone, Copy, Args)]
+#[group(skip)]
+pub struct Printed {
+    /// Also print the tables
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    pub table: bool,
+    /// Also print all notes, and of a study where each curve crosses the limit
+    #[arg(help_heading = "Output", long, short, conflicts_with_all = ["json", "quiet"])]
+    pub verbose: bool,
+    /// Also draw the first chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    pub plot: bool,
+    /// Open the page in a browser
+    #[arg(help_heading = "Output", long)]
+    pub open: bool,
+    /// Print only errors and the headline
     #[arg(help_heading = "Output", long, short)]
     pub quiet: bool,
+}
+
+impl Printed {
+    /// Says where the results are, unless only the headline is printed, and opens their page if that is asked for.
+    pub fn whereabouts(&self, folder: &Path) {
+        if !self.quiet {
+            say!("report {}", folder.join(REPORT).display());
+        }
+        self.open_page(folder);
+    }
+
+    /// Opens the page of a results folder if that is asked for.
+    pub fn open_page(&self, folder: &Path) {
+        let page = folder.join(REPORT);
+        if self.open
+            && let Err(error) = open::that_detached(&page)
+        {
+            note!("cannot open {}: {error}", page.display());
+        }
+    }
+
+    /// Prints the notes, what is asked for of `plot` and `details`, and the answer below a heading.
+    ///
+    /// # Errors
+    /// The output cannot be written, or the details cannot be made.
+    pub fn show(
+        &self,
+        heading: &str,
+        answer: &Answer,
+        notes: &[String],
+        plot: impl FnOnce() -> String,
+        details: impl FnOnce() -> Result<String, Failure>,
+    ) -> Result<(), Failure> {
+        if self.quiet {
+            return if answer.headline.is_empty() { Ok(()) } else { print(&answer.headline) };
+        }
+        let text = format!("{}\n{}", look::wrapped(heading, look::width()), answer.text(look::width()));
+        let room = MAX_LINES.saturating_sub(text.lines().count()).max(MIN_NOTES);
+        let few = if self.verbose { notes.len() } else { room };
+        notes.iter().take(few).for_each(|note| note!("{}", in_options(note)));
+        if notes.len() > few {
+            note!("{} more with --verbose", notes.len() - few);
+        }
+        if self.plot {
+            print_drawn(&format!("{}\n", plot()))?;
+            print("")?;
+        }
+        if self.table || self.verbose {
+            let details = details()?;
+            if !details.is_empty() {
+                print(&details)?;
+                print("")?;
+            }
+        }
+        print(&text)
+    }
 }
 
 impl Output {
@@ -36,9 +119,14 @@ impl Output {
         self.out.clone().unwrap_or_else(|| Path::new("results").join(name))
     }
 
+    /// Says where the results are, and opens their page if that is asked for.
+    pub fn whereabouts(&self, folder: &Path) {
+        self.printed.whereabouts(folder);
+    }
+
     /// Shows progress, unless only errors or JSON are printed.
     pub fn progress(&self) -> Shown {
-        Shown::new(if self.quiet || self.json { How::None } else { How::Plain })
+        Shown::new(if self.printed.quiet || self.json { How::None } else { How::Plain })
     }
 }
 
@@ -162,11 +250,6 @@ pub fn write_page(folder: &Folder, page: &Page) -> Result<(), Failure> {
     folder.write(REPORT, page.html(&spell).as_bytes())?;
     folder.write(CARD, json!(page.card(&spell)).to_string().as_bytes())?;
     Ok(folder.commit()?)
-}
-
-/// The place of the results with a page.
-pub fn whereabouts(folder: &Path) -> String {
-    format!("results are in {}; the page is {}", folder.display(), folder.join(REPORT).display())
 }
 
 /// A table as the bytes of its file.

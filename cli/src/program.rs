@@ -25,22 +25,8 @@ struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
-  sagnac run my.toml --trials 100000000 --device gpu
-  sagnac run my.toml --shard 2/4 --time-limit 8h
-  sagnac merge results/my/shard-* --out results/my
-  sagnac check results/my
-  sagnac design studies/design_point.toml
-  sagnac sensitivity studies/what_decides.toml
-  sagnac filler quadratic --gap-ticks 3
-  sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
-  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
-  sagnac psd gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
-  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
-  sagnac lot bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
-  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound
-  sagnac new gap-fill first.toml
-  sagnac explain motion.amplitude
-  sagnac verify";
+  sagnac allan gyro.csv --unit deg/h --rate 100Hz --column gz
+  sagnac filler quadratic --gap-ticks 3";
 
 /// Examples and exit codes.
 fn after_help() -> String {
@@ -67,74 +53,112 @@ macro_rules! commands {
 }
 
 commands! {
-    /// Run studies: sample what is missing, write the table and the charts
+    /// Run studies: sample what is missing, and write the page with the answer
     ///
     /// Results are written to a folder. Repeating a command resumes the run; a larger --trials adds trials to it.
     Run(crate::run::Options) = crate::run::run;
-    /// Merge results: shares of a study, or runs of several machines, in any order and any number of times
+    /// Find how often to switch and with which filler
+    Design(crate::design::Options) = crate::design::design;
+    /// Find which uncertain input drives the answer of a study
+    Sensitivity(crate::sensitivity::Options) = crate::sensitivity::sensitivity;
+    /// Compute gap fillers for firmware: weights, response, C header, test vectors
+    Filler(crate::filler::Options) = crate::filler::filler;
+    /// Analyze logs: Allan deviations, spectrum, noise coefficients, position error
+    Allan(crate::allan::Options) = crate::allan::allan;
+    /// Compare two logs, or the units of a batch
+    Compare(crate::compare::Options) = crate::compare::compare;
+    /// Find the noise model of a log for a navigation filter
+    Model(crate::model::Options) = crate::model::model;
+    /// Rebuild the page of results, redraw a chart, or make a gallery
+    Report(crate::report::Options) = crate::report::report;
+    /// Merge results: shares of a study, or runs of several machines
     Merge(crate::merge::Options) = crate::merge::merge;
     /// Check that results are intact, complete and match their tables
     Check(crate::check::Options) = crate::check::check;
-    /// Rebuild report.html, or a gallery of several studies
-    Report(crate::report::Options) = crate::report::report;
-    /// Redraw existing results with other axes, estimates or limits
-    Chart(crate::chart::Options) = crate::chart::chart;
-    /// Recommend how often to switch and with which filler, with evidence
-    Design(crate::design::Options) = crate::design::design;
-    /// Find which uncertain input decides the answer of a study, and by how much
-    Sensitivity(crate::sensitivity::Options) = crate::sensitivity::sensitivity;
-    /// Compute the weights of fillers for firmware: table, response over frequency, C header, test vectors
-    Filler(crate::filler::Options) = crate::filler::filler;
-    /// Compute deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
-    Allan(crate::allan::Options) = crate::allan::allan;
-    /// Compute the power spectral density of a recorded log, with its lines and the white noise beside the Allan fit
-    Psd(crate::psd::Options) = crate::psd::psd;
-    /// Compare the noise of two recorded logs: coefficients, significance, and the record length needed
-    Compare(crate::compare::Options) = crate::compare::compare;
-    /// Pool the noise of several units of a lot: the value and spread of each coefficient, the next unit, the odd unit
-    Lot(crate::lot::Options) = crate::lot::lot;
-    /// Find the noise model that a navigation filter can use: white noise, random walk and the fewest Markov states, as a bound
-    Model(crate::model::Options) = crate::model::model;
-    /// List the devices that kernels can run on
-    Devices(crate::devices::Options) = crate::devices::devices;
-    /// Verify that every kernel gives the same bits on every device of this machine
-    Verify(Verify) = crate::verify::verify;
-    /// Write the shaders with their inputs and results, to check other shader compilers and drivers
-    Shaders(crate::shaders::Options) = crate::shaders::shaders;
-    /// Measure the throughput of the kernels
-    ///
-    /// A GPU's rates are also given by its own clock, without what the host adds, and as a part of its integer limit:
-    /// the operations that the kernel needs, divided by those that the GPU does in independent chains.
-    Bench(Bench) = crate::bench::bench;
-    /// Print the JSON schema of study files, or of what a command prints with --json
-    Schema(crate::schemas::Options) = crate::schemas::schema;
     /// Write a commented study as a starting point
     New(crate::new::Options) = crate::new::new;
     /// Explain a key of a study, a column of results, a term or an exit code
     Explain(crate::explain::Options) = crate::explain::explain;
+    /// Print the JSON schema of study files, or of what a command prints with --json
+    Schema(crate::schemas::Options) = crate::schemas::schema;
+    /// List, verify or measure the devices that kernels run on
+    Device(crate::devices::Command) = crate::devices::device;
+    #[command(hide = true)]
+    Chart(crate::chart::Options) = |options| { renamed("chart", "report DIR --chart"); crate::chart::chart(options) };
+    /// Compute the power spectral density of a recorded log, with its lines and the white noise beside the Allan fit
+    #[command(hide = true)]
+    Psd(crate::psd::Options) = |options| { renamed("psd", "allan"); crate::psd::psd(options) };
+    #[command(hide = true)]
+    Lot(crate::compare::Options) = |options| { renamed("lot", "compare"); crate::compare::batch::batch(options, "lot") };
+    #[command(hide = true)]
+    Devices(crate::devices::Options) = |options| { renamed("devices", "device list"); crate::devices::devices(options) };
+    #[command(hide = true)]
+    Verify(Verify) = |options| { renamed("verify", "device verify"); crate::verify::verify(options) };
+    #[command(hide = true)]
+    Bench(Bench) = |options| { renamed("bench", "device bench"); crate::bench::bench(options) };
+    /// Write the shaders with their inputs and results, to check other shader compilers and drivers
+    #[command(hide = true)]
+    Shaders(crate::shaders::Options) = crate::shaders::shaders;
     /// Print a script for the completion of commands and options in a shell
+    #[command(hide = true)]
     Completions(crate::shells::Completions) = crate::shells::completions;
     /// Write manual pages
+    #[command(hide = true)]
     Man(crate::shells::Man) = crate::shells::man;
 }
 
+/// Notes that a command has another name now.
+fn renamed(old: &str, new: &str) {
+    note!("`sagnac {old}` is `sagnac {new}` now; the old name goes in 0.4");
+}
+
+/// The commands as help lists them.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Simulate", &["run", "design", "sensitivity", "filler"]),
+    ("Analyze logs", &["allan", "compare", "model"]),
+    ("Results", &["report", "merge", "check"]),
+    ("Learn", &["new", "explain", "schema"]),
+    ("Machine", &["device"]),
+];
+
+/// The commands in their groups, a line each.
+fn grouped(command: &clap::Command) -> String {
+    let line = |name: &&str| {
+        let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+        format!("  {name:<12} {}\n", about.map(ToString::to_string).unwrap_or_default())
+    };
+    let group = |(title, names): &(&str, &[&str])| {
+        format!("{title}:\n{}", names.iter().map(line).collect::<String>())
+    };
+    GROUPS.iter().map(group).collect::<Vec<_>>().join("\n")
+}
+
+/// The parts of the help of the program.
+const HELP: &str = "\
+{about-with-newline}
+{usage-heading} {usage}
+
+{before-help}Options:
+{options}{after-help}";
+
 /// The command line as clap describes it.
 pub fn command() -> clap::Command {
-    // The numbers of a noise.toml need no kind.
-    Cli::command().mut_subcommand("model", |model| model.mut_arg("data", |data| data.required(false)))
+    let command = Cli::command();
+    let groups = grouped(&command);
+    command.before_help(groups).help_template(HELP)
 }
 
 const VERIFY_EXAMPLES: &str = "\
 Examples:
-  sagnac verify
-  sagnac verify --device cpu --trials 100000
-  sagnac verify --report identity.md";
+  sagnac device verify
+  sagnac device verify --device cpu --trials 100000
+  sagnac device verify --report identity.md";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
 pub struct Verify {
     /// Devices to verify: cpu, gpu, gpu:0, part of an adapter's name, its PCI address, several of these with commas, or
-    /// all; see `sagnac devices` [default: all adapters]
+    /// all; see `sagnac device list` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<String>,
     /// Work per kernel: total number of trials, samples or values over all its configurations
@@ -147,8 +171,8 @@ pub struct Verify {
 
 const BENCH_EXAMPLES: &str = "\
 Examples:
-  sagnac bench
-  sagnac bench --device cpu --json";
+  sagnac device bench
+  sagnac device bench --device cpu --json";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = BENCH_EXAMPLES)]
@@ -163,11 +187,11 @@ pub struct Bench {
 #[derive(Debug, Args)]
 pub struct DeviceArg {
     /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, gpu:0, part of an adapter's name, or its
-    /// PCI address; see `sagnac devices`. Several share the work: all, or a list such as cpu,gpu:0
+    /// PCI address; see `sagnac device list`. Several share the work: all, or a list such as cpu,gpu:0
     #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
     /// Number of CPU threads [default: all logical cores]
-    #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
+    #[arg(help_heading = "Device", long, short = 'j', value_name = "N", value_parser = threads)]
     threads: Option<usize>,
 }
 

@@ -23,14 +23,15 @@ use sagnac::record::log::temperature::Thermometer;
 use sagnac::theory::allan::terms::Term;
 
 use crate::failure::{Failure, in_options};
+use crate::kind;
 use crate::words::{list_of, one_of};
 
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// Kind of the numbers: rate or acceleration, angle or velocity gained in each sample, or angle (phase) or velocity since
-    /// the start
-    #[arg(help_heading = "Reading the log", long, value_name = "KIND", required = true, value_parser = data())]
-    data: Option<Data>,
+    /// Kind of the numbers: rate or acceleration, angle or velocity gained in each sample (increment), or angle (phase) or velocity
+    /// since the start
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND", default_value = "rate", value_parser = data())]
+    data: Data,
     /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec, m/s^2, g, mg; none for plain numbers; one for all columns, or
     /// one for each, separated by commas [default: that of the header]
     #[arg(
@@ -198,10 +199,7 @@ impl Reading {
 
     /// The request for a file with this rate.
     fn request_at(&self, rate: Option<&String>) -> Result<Request, Failure> {
-        let data = self.data.ok_or_else(|| {
-            let message = "a log needs --data, the kind of its numbers\ngive it, as in --data rate";
-            Failure::Usage(message.to_owned())
-        })?;
+        let data = self.data;
         // Only one of the two lists can be given.
         let units = self.unit.iter().map(|unit| Unit::parse(unit, data));
         let scales = self.scale.iter().map(|scale| Unit::parse_scale(scale, data));
@@ -266,6 +264,7 @@ impl Reading {
         path: &Path,
         request: &Request,
     ) -> Result<(Log, Option<Temperature>), Failure> {
+        kind::log(path)?;
         let treatment = self.treatment();
         let mut log = treatment.read(path, request)?;
         let temperature = Temperature::of(&log, &treatment, &self.temperature_terms);

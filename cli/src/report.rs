@@ -13,6 +13,7 @@ use sagnac::view::picture::incomplete;
 use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
 use sagnac::view::results::Results;
 
+use crate::chart::{Redraw, redraw};
 use crate::failure::Failure;
 use crate::folders::{self, left_out, whole};
 use crate::output::unwritten;
@@ -37,6 +38,8 @@ pub struct Options {
     /// File of the gallery of several results [default: gallery.html in the folder given, or in that in which those given are]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    redraw: Redraw,
     /// Print only errors
     #[arg(long, short)]
     quiet: bool,
@@ -49,6 +52,7 @@ Examples:
   sagnac report results/error_vs_dtnu
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results
+  sagnac report results/error_vs_dtnu --y rms --limit \"5 arcsec\"
 
 Results are those of run, allan, psd, compare, lot, model, design, sensitivity and filler. Of the results of a study the
 page is made again; the other commands have written theirs, and its card for the gallery beside it.
@@ -56,6 +60,13 @@ In a folder of folders, what design, sensitivity and filler wrote into the folde
 
 /// Rebuilds the pages of studies, with a gallery for several results. A damaged folder does not affect the others.
 pub fn report(options: &Options) -> Result<(), Failure> {
+    if options.redraw.is_asked() {
+        let [folder] = &options.folders[..] else {
+            let message = "a chart is redrawn in one folder\ngive one DIR";
+            return Err(Failure::Usage(message.to_owned()));
+        };
+        return redraw(folder, &options.redraw, options.quiet, &options.progress);
+    }
     let folders = results_in(&options.folders)?;
     for left_out in options.folders.iter().filter(|_| !options.quiet).filter_map(|folder| left_out(folder)) {
         say!("{left_out}");

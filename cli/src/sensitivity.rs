@@ -12,12 +12,11 @@ use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{print, print_drawn, print_json, whereabouts, write_page, write_table};
+use crate::output::{Printed, print_json, write_page, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::results::sheet_text;
 use crate::terminal::headed_by;
-use crate::{chart, look, whole};
+use crate::{chart, kind, look, whole};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,14 +40,14 @@ pub struct Options {
     #[command(flatten)]
     device: DeviceArg,
     /// Output folder [default: sensitivity in results/<name of the study file>, or sensitivity_<column> with --by]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Samples, each with two evaluations and one more for each input; rounded up to 32 times a power of two [default:
     /// 8192 in closed form, else 2048]
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = samples)]
     samples: Option<u64>,
     /// Trials of each evaluation of a sampled answer [default: 4096, or more for few evaluations]
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
+    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
@@ -56,14 +55,10 @@ pub struct Options {
     /// Print the result as JSON
     #[arg(help_heading = "Output", long)]
     json: bool,
-    /// Also draw the tornado chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    plot: bool,
+    #[command(flatten)]
+    printed: Printed,
     #[command(flatten)]
     progress: progress::Options,
-    /// Print only errors and the answer
-    #[arg(help_heading = "Output", long, short)]
-    quiet: bool,
 }
 
 /// A number of samples.
@@ -73,10 +68,10 @@ fn samples(text: &str) -> Result<u64, String> {
 
 /// Finds and prints what decides the answer.
 pub fn sensitivity(options: &Options) -> Result<(), Failure> {
-    let mut study = Study::read(&options.study)?;
+    let mut study = kind::study(&options.study)?;
     study.seed = options.seed.unwrap_or(study.seed);
-    let mut device = options.device.select(!options.quiet)?;
-    let shown = Shown::new(options.progress.how(options.quiet));
+    let mut device = options.device.select(!options.printed.quiet)?;
+    let shown = Shown::new(options.progress.how(options.printed.quiet));
     let asked = Request {
         by: options.by.clone(),
         rows: options.rows.clone(),
@@ -95,21 +90,17 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     if options.json {
         return print_json(&report::json(&study, &found));
     }
-    if !options.quiet {
-        for note in &found.notes {
-            note!("{note}");
-        }
-        if options.plot {
-            print_drawn(&format!("{}\n", picture.text(look::of_output())))?;
-        }
-        let (heading, lines) = report::by_input(&found);
-        print(&headed_by(heading, lines.into_iter()))?;
-    }
-    print(&report::answer(&found).join("\n"))?;
-    print(&format!("\n{}", sheet_text(&report::decision(&found).headed())))?;
-    if !options.quiet {
-        say!("{}; {}", report::effort(&found), whereabouts(&folder));
-    }
+    options.printed.show(
+        &format!("{} · {}", study.title, report::effort(&found)),
+        &found.answer(),
+        &found.notes,
+        || picture.text(look::of_output()),
+        || {
+            let (heading, lines) = report::by_input(&found);
+            Ok(headed_by(heading, lines.into_iter()))
+        },
+    )?;
+    options.printed.whereabouts(&folder);
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! `sagnac verify`.
+//! `sagnac device verify`.
 
 use std::fs::File;
 use std::io::{self, Read, Write};

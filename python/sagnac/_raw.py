@@ -18,10 +18,13 @@ RawColumn: TypeAlias = "tuple[str, str, str, NDArray[Any] | list[str | None]]"
 RawChart: TypeAlias = "tuple[str, str, str]"
 
 
+#: Headline of an answer, the answer as text, as HTML and as JSON.
+RawAnswer: TypeAlias = "tuple[str, str, str, str]"
+
+
 class RawAnalysis(TypedDict):
     title: str
-    answer: str
-    sentences: list[str]
+    answer: RawAnswer
     notes: list[str]
     data: str
     tables: list[tuple[str, list[RawColumn]]]
@@ -31,8 +34,7 @@ class RawAnalysis(TypedDict):
 
 class RawResults(TypedDict):
     title: str
-    #: The headline, the answer as text, as HTML and as JSON.
-    answer: tuple[str, str, str, str]
+    answer: RawAnswer
     question: str
     kind: str
     decision: str | None
@@ -76,12 +78,13 @@ class RawRecord(TypedDict):
 
 
 class RawCurves(RawRecord):
+    answer: RawAnswer
     decision: str
     curves: list[RawCurve]
 
 
 class RawFit(RawRecord):
-    answer: str
+    answer: RawAnswer
     decision: str
     rows: list[tuple[str, str, float | None, float | None, float | None, str]]
     intervals: str
@@ -117,5 +120,5 @@ class RawFillers(TypedDict):
     no_rms_because: str | None
     fillers: list[tuple[str, str, list[RawRule]]]
     header: str
-    answer: str
+    answer: RawAnswer
     charts: list[RawChart]

@@ -15,7 +15,7 @@ from ._raw import RawAnalysis
 from ._reading import Kind, limits_of, reading_of
 from .errors import UsageError
 from .records import LEAST_REALISATIONS
-from .results import Charted, Table
+from .results import Charted, Table, answer_of
 from .studies import MOST_TRIALS, _source, _threads, _whole
 
 Measure = Literal["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"]
@@ -25,8 +25,6 @@ Measure = Literal["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"]
 class Analysis(Charted):
     """What an analysis found: the content of the page and of the files of the program."""
 
-    sentences: tuple[str, ...]
-    """Further sentences of the answer."""
     data: dict[str, Any]
     """What the program prints with ``--json``."""
     tables: dict[str, Table]
@@ -34,8 +32,8 @@ class Analysis(Charted):
 
     @property
     def decision(self) -> dict[str, Any] | None:
-        """The decision: ``met``, and in ``sentences`` the five lines with their headings; None where no error is known."""
-        found: dict[str, Any] | None = self.data["decision"]
+        """The decision: of logs ``met`` and the ``limits``, of a design the numbers of the decision sheet; None of other analyses."""
+        found: dict[str, Any] | None = self.data.get("decision")
         return found
 
     def __repr__(self) -> str:
@@ -304,12 +302,11 @@ def _terms(terms: str | Sequence[str]) -> list[str] | None:
 def _analysis(found: RawAnalysis) -> Analysis:
     return Analysis(
         title=found["title"],
-        answer=found["answer"],
+        answer=answer_of(found["answer"]),
         notes=tuple(found["notes"]),
         charts={name: svg for name, svg, _ in found["charts"]},
         report=found["report"],
         pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
-        sentences=tuple(found["sentences"]),
         data=json.loads(found["data"]),
         tables={name: Table(columns) for name, columns in found["tables"]},
     )

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _plot, _sagnac
 from ._raw import RawFillers, RawRule
 from .errors import UsageError
+from .results import Answer, answer_of
 from .studies import _whole
 from .theory import Values, _broadcast
 
@@ -104,7 +105,7 @@ class Fillers(Mapping[str, Filler]):
     """Why there is no rms, if the point cannot be sampled."""
     header: str
     """The fillers as a C99 header for firmware."""
-    answer: str
+    answer: Answer
     """The filler that leaves least, or the noise gains where neither motion nor noise is known."""
     charts: dict[str, str]
     """The response to vibration as an SVG text."""
@@ -255,7 +256,7 @@ def _fillers(found: RawFillers) -> Fillers:
         fillers=fillers,
         no_rms_because=found["no_rms_because"],
         header=found["header"],
-        answer=found["answer"],
+        answer=answer_of(found["answer"]),
         charts={name: svg for name, svg, _ in found["charts"]},
         pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
     )

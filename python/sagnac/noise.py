@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _plot
+from .results import Answer
 
 if TYPE_CHECKING:
     import pandas
@@ -71,13 +72,14 @@ class Allan(Mapping[str, Curve]):
     """The curves of a record by the names of their deviations: ``found["oadev"].tau``."""
 
     curves: dict[str, Curve]
+    answer: Answer
+    """The minimum of the first curve up to an eighth of the record."""
     missing: int
     """Number of samples that are NaN."""
     mean_rate: float | None
     """Mean rate, °/h, or acceleration, µg; for plain numbers in their unit, or per s if they are not rates."""
     decision: dict[str, Any]
-    """The decision: ``met``, and in ``sentences`` the five lines with their headings, and in ``limits`` each limit with its
-    ``standing``."""
+    """The decision: ``met``, and in ``limits`` each limit with its ``standing``."""
     removed_slope_per_s: float
     """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
     outliers: Counts
@@ -87,16 +89,6 @@ class Allan(Mapping[str, Curve]):
     events: list[dict[str, Any]]
     """What the record shows besides noise, as ``sagnac allan --json`` lists it: ``event``, ``size`` in ``unit``, ``time_s``, ``f_hz`` and
     others, and in ``done`` what was done with it."""
-
-    @property
-    def answer(self) -> str:
-        """The in-run stability in one sentence, from the first curve that has a minimum."""
-        curve = next((curve for curve in self.curves.values() if curve.minimum is not None), None)
-        if curve is None or curve.minimum is None:
-            return "No curve has a minimum."
-        least = curve.minimum
-        end = ", where the curve ends" if least.at_end else ""
-        return f"In-run stability {least.value:.4g} {curve.unit} at τ = {least.tau:.4g} s{end}."
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draws the curves with their intervals with matplotlib, which has to be installed; returns the axes."""
@@ -149,11 +141,10 @@ class Fit(Mapping[str, Coefficient]):
 
     coefficients: dict[str, Coefficient]
     """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested; L if the record shows a filter."""
-    answer: str
-    """The coefficients in one sentence."""
+    answer: Answer
+    """The coefficients, and whether they meet the limits."""
     decision: dict[str, Any]
-    """The decision: ``met``, in ``sentences`` the five lines with their headings, and in ``limits`` each limit with its
-    ``standing``."""
+    """The decision: ``met``, and in ``limits`` each limit with its ``standing``."""
     described: bool
     """Whether the terms describe the curve."""
     fit_from: float

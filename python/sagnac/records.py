@@ -13,6 +13,7 @@ from . import _sagnac
 from ._reading import Kind, limits_of, reading_of
 from .errors import UsageError
 from .noise import Allan, Coefficient, Curve, Fit, Minimum
+from .results import answer_of
 from .studies import _whole
 
 Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
@@ -118,6 +119,7 @@ def allan(
         )
     return Allan(
         curves=curves,
+        answer=answer_of(found["answer"]),
         missing=found["missing"],
         mean_rate=found["mean_rate"],
         decision=json.loads(found["decision"]),
@@ -207,7 +209,7 @@ def fit(
     )
     return Fit(
         coefficients={row[0]: Coefficient(*row) for row in found["rows"]},
-        answer=found["answer"],
+        answer=answer_of(found["answer"]),
         decision=json.loads(found["decision"]),
         described=found["described"],
         fit_from=found["range"][0],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _plot
-from ._raw import RawColumn
+from ._raw import RawAnswer, RawColumn
 
 if TYPE_CHECKING:
     import pandas
@@ -86,7 +87,7 @@ class Verdict:
 
 
 class Answer(str):
-    """The answer of a study: its headline as a text, with what stands behind it. A notebook shows it as the card of the page."""
+    """An answer: its headline as a text, with what stands behind it. A notebook shows it as the card of the page."""
 
     text: str
     """Status, headline, table, facts and checks, as a terminal shows them."""
@@ -131,13 +132,20 @@ class Answer(str):
         return self.card
 
 
+def answer_of(found: RawAnswer) -> Answer:
+    headline, text, card, data = found
+    answer = Answer(headline)
+    answer.text, answer.card, answer.data = text, card, json.loads(data)
+    return answer
+
+
 @dataclass(frozen=True)
 class Charted:
     """What has a page with an answer and charts."""
 
     title: str
-    answer: str
-    """The answer in one sentence, which stands in bold on the page; empty where there is none."""
+    answer: Answer
+    """The answer; empty where there is none."""
     notes: tuple[str, ...]
     """Notes on omissions, rounding and assumptions, each a sentence."""
     charts: dict[str, str]
@@ -164,8 +172,6 @@ class Charted:
 class Results(Charted):
     """The results of a study, as ``sagnac run`` gives them."""
 
-    answer: Answer
-    """The answer; empty where there is none."""
     question: str
     """Question of the study; may be empty."""
     kind: str
@@ -178,8 +184,8 @@ class Results(Charted):
     """The runs that the study keeps as curves, if any: trajectories.csv."""
     verdicts: tuple[Verdict, ...]
     decision: dict[str, Any] | None
-    """The decision sheet: ``met``, ``best``, ``margin``, the error ``budget``, the next ``lever`` and its ``sentences``; None if
-    the study judges no error."""
+    """The decision sheet: ``met``, ``best``, ``margin``, the error ``budget``, and the next ``lever``; None if the study
+    judges no error."""
     seed: int | None
     """Seed; like trials, device and seconds, None if nothing is sampled."""
     trials: int | None

@@ -14,7 +14,7 @@ from . import _sagnac
 from ._raw import RawResults
 from ._toml import text_of
 from .errors import StorageError, UsageError
-from .results import Answer, Results, Table, Verdict
+from .results import Results, Table, Verdict, answer_of
 
 #: Most trials at a point.
 MOST_TRIALS = 1 << 40
@@ -131,17 +131,11 @@ def _whole(name: str, value: int, least: int, most: int) -> int:
     return whole
 
 
-def _answer(headline: str, text: str, card: str, data: str) -> Answer:
-    answer = Answer(headline)
-    answer.text, answer.card, answer.data = text, card, json.loads(data)
-    return answer
-
-
 def _results(found: RawResults, folder: Path | None) -> Results:
     coefficients, trajectories = found["coefficients"], found["trajectories"]
     return Results(
         title=found["title"],
-        answer=_answer(*found["answer"]),
+        answer=answer_of(found["answer"]),
         question=found["question"],
         kind=found["kind"],
         points=Table(found["points"]),

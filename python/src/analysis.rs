@@ -7,8 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
-use sagnac::analysis::compare::decision::RatioLimit;
-use sagnac::analysis::decision::Sheet;
+use sagnac::analysis::compare::limit::RatioLimit;
 use sagnac::analysis::design::searched::band as band_of;
 use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
@@ -40,7 +39,7 @@ use super::compute::{compute, compute_on, read_on};
 use super::failure::{Failure, in_python};
 use super::progress::Listener;
 use super::record::{Reading, limits_of, side_by_side, terms_of};
-use super::run::study_of;
+use super::run::{shown, study_of};
 use super::table::columns;
 
 /// What an analysis has found.
@@ -59,9 +58,8 @@ impl Found {
             all.map(|(name, table)| Ok((*name, columns(py, table)?))).collect::<PyResult<Vec<_>>>()?;
         let found = PyDict::new(py);
         found.set_item("title", in_python(&page.title))?;
-        found.set_item("answer", in_python(&page.headline))?;
-        found.set_item("sentences", in_words(&page.sentences))?;
-        found.set_item("notes", in_words(&page.notes))?;
+        found.set_item("answer", shown(&page.answer))?;
+        found.set_item("notes", page.notes.iter().map(|note| in_python(note)).collect::<Vec<_>>())?;
         found.set_item("data", document.to_string())?;
         found.set_item("tables", tables)?;
         let charts = page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
@@ -69,10 +67,6 @@ impl Found {
         found.set_item("report", page.html(&|text: &str| in_python(text)))?;
         Ok(found)
     }
-}
-
-fn in_words(texts: &[String]) -> Vec<String> {
-    texts.iter().map(|text| in_python(text)).collect()
 }
 
 /// The name of a chart, the chart as SVG, and its content as JSON.
@@ -135,8 +129,7 @@ pub fn design<'py>(
         let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
         let sheet = found.sheet()?;
         let page = page::of_design(&found, sheet.as_ref(), &table, Picture::Curves(figure));
-        let mut document = design_report::json(&found);
-        document["decision"] = json!(sheet.as_ref().map(Sheet::json));
+        let document = design_report::json(&found, sheet.as_ref());
         Ok(Found { page, document, tables: vec![] })
     })?;
     found.into_python(py)
@@ -198,7 +191,7 @@ pub fn compare<'py>(
         let treatment = readings.0.treatment();
         let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
         let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<Vec<_>, _>>()?;
-        compared::decision::check(&limits, Some(fitting.terms.all()))?;
+        compared::limit::check(&limits, Some(fitting.terms.all()))?;
         let logs = [(Path::new(&names.0), &a), (Path::new(&names.1), &b)];
         let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
             .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
@@ -251,7 +244,7 @@ pub fn psd<'py>(
         let decision = analysis.decision(&limits);
         let document = spectrum::tables::document(&analysis, &decision);
         Ok(Found {
-            page: page::of_log(&log, &analysis, decision.lines.headed(), None, vec![]),
+            page: page::of_log(&log, &analysis, decision.answer.clone(), None, vec![]),
             document,
             tables,
         })

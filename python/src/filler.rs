@@ -14,6 +14,7 @@ use sagnac::view::chart::picture::Picture;
 use super::analysis::chart;
 use super::compute::compute;
 use super::failure::Failure;
+use super::run::shown;
 
 /// The parameters of fillers without a study.
 #[derive(FromPyObject)]
@@ -87,7 +88,7 @@ pub fn of_study<'py>(
 fn document<'py>(py: Python<'py>, firmware: &Firmware) -> PyResult<Bound<'py, PyDict>> {
     let document = PyDict::new(py);
     document.set_item("title", &firmware.title)?;
-    document.set_item("answer", firmware.headline())?;
+    document.set_item("answer", shown(&firmware.answer()))?;
     let response = chart("response", &Picture::Curves(firmware.response()));
     document.set_item("charts", vec![response])?;
     document.set_item(

@@ -14,7 +14,6 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::tables::least_or_bound;
 use sagnac::analysis::log::{Treatment, events, model, slope};
-use sagnac::analysis::page::of_noise;
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
 use sagnac::events::{Event, Events};
 use sagnac::fit::choose::Terms;
@@ -81,7 +80,7 @@ impl Record {
             noise: Ok(None),
             stability: None,
             floor: None,
-            level: String::new(),
+            stability_tau_s: None,
             samples: self.angles.len().saturating_sub(1),
             step_s,
             spread: self.angles.spread(),
@@ -310,9 +309,10 @@ pub fn curves<'py>(
     let samples = record.angles.len().saturating_sub(1);
     let stability =
         stability.and_then(|(deviation, points)| least_or_bound(record.unit, *deviation, points, samples));
-    let level = format!("{} %", significant(100.0 * confidence, 6));
-    let subject = Subject { stability, level, ..record.subject(reading.step_s) };
-    document.set_item("decision", decide(&[subject], &limits, "record").json().to_string())?;
+    let subject = Subject { stability, ..record.subject(reading.step_s) };
+    let decision = decide(&[subject], &limits, "record");
+    document.set_item("answer", super::run::shown(&decision.answer))?;
+    document.set_item("decision", decision.json().to_string())?;
     let curves = curves.iter().map(|(deviation, points)| of_curve(py, *deviation, points, record.unit));
     document.set_item("curves", curves.collect::<PyResult<Vec<_>>>()?)?;
     Ok(document)
@@ -404,7 +404,7 @@ pub fn fit<'py>(
         let [lower, upper] = row.interval.map_or([None; 2], |ends| ends.map(Some));
         (row.name, row.unit, row.value, lower, upper, row.verdict)
     });
-    document.set_item("answer", format!("{}.", of_noise(&sheet)))?;
+    document.set_item("answer", super::run::shown(&decision.answer))?;
     document.set_item("decision", decision.json().to_string())?;
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::analysis::answer::of_study;
 use sagnac::analysis::decision::decide;
+use sagnac::answer::Answer;
 use sagnac::chart::Source;
 use sagnac::device::select::Selection;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
@@ -51,6 +52,12 @@ pub fn study_of(path: Option<&Path>, text: &str) -> Result<Study, Failure> {
         Some(path) => Study::read(path)?,
         None => Study::parse("study", text)?,
     })
+}
+
+/// An answer as Python takes it: its headline, and the whole as text, as HTML and as JSON.
+pub fn shown(answer: &Answer) -> [String; 4] {
+    let document = serde_json::to_string(answer).unwrap_or_default();
+    [answer.headline.clone(), answer.text(WIDTH), answer.card("", &[]).into_string(), document]
 }
 
 /// A study that was run.
@@ -163,7 +170,6 @@ impl Asked {
         let sheet = decide(&study, &tables, listener)?;
         let answer = of_study(&study, &tables, &results, sheet.as_ref())?;
         let decision = sheet.map(|sheet| sheet.json().to_string());
-        let document = serde_json::to_string(&answer).map_err(|error| Failure::Usage(error.to_string()))?;
         let report = results.page(&answer, &digest);
         if let Some(folder) = &kept {
             folder.write(RESOLVED, results.resolved().as_bytes())?;
@@ -180,12 +186,7 @@ impl Asked {
             is_sampled,
             tables,
             pictures,
-            answer: [
-                answer.headline.clone(),
-                answer.text(WIDTH),
-                answer.card("", &[]).into_string(),
-                document,
-            ],
+            answer: shown(&answer),
             decision,
             report,
             verdicts,

@@ -34,7 +34,7 @@ def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> Non
     found = sagnac.design(study, trials=64, device="cpu")
     expected = program("design", study, "--trials", 64, "--device", "cpu", "--out", "out")
     assert found.data == expected
-    assert found.answer == expected["answer"]
+    assert found.answer.data == expected["answer"]
     assert found.report == (program.folder / "out/report.html").read_text(encoding="utf-8")
     assert found.tables["design.csv"].rows == sum(len(filler["tried"]) for filler in expected["fillers"])
     searched = sagnac.design(study, trials=64, search=True, latency="20 ms", memory=600, device="cpu")

@@ -26,7 +26,7 @@ impl Answer {
                     @if !scope.is_empty() { span.chip { (scope) } }
                 }
                 h2.headline { (self.headline) }
-                div.sides { (table(&self.table)) (facts(&self.facts)) }
+                div.sides { (self.table.html()) (facts(&self.facts)) }
                 @for check in &self.checks {
                     p.check .off[!check.holds()] { span.sign aria-hidden="true" { (if check.holds() { "✓" } else { "!" }) } (check.text()) }
                 }
@@ -41,23 +41,26 @@ impl Answer {
     }
 }
 
-fn table(table: &AnswerTable) -> Markup {
-    html! {
-        @if !table.rows.is_empty() {
-            div.scroll tabindex="0" {
-                table.options {
-                    thead { tr { @for (at, heading) in table.columns.iter().enumerate() { th scope="col" .text[at == 0] { (heading) } } } }
-                    tbody {
-                        @for (row, cells) in table.rows.iter().enumerate() {
-                            tr .best[table.best == Some(row)] {
-                                @for (at, cell) in cells.iter().enumerate() {
-                                    @if at == 0 { th.text scope="row" { (cell.text) } } @else { td { (cell.text) } }
+impl AnswerTable {
+    /// The table, its best row marked.
+    pub(crate) fn html(&self) -> Markup {
+        html! {
+            @if !self.rows.is_empty() {
+                div.scroll tabindex="0" {
+                    table.options {
+                        thead { tr { @for (at, heading) in self.columns.iter().enumerate() { th scope="col" .text[at == 0] { (heading) } } } }
+                        tbody {
+                            @for (row, cells) in self.rows.iter().enumerate() {
+                                tr .best[self.best == Some(row)] {
+                                    @for (at, cell) in cells.iter().enumerate() {
+                                        @if at == 0 { th.text scope="row" { (cell.text) } } @else { td { (cell.text) } }
+                                    }
                                 }
                             }
                         }
                     }
+                    @if self.omitted > 0 { p.note { "… " (self.omitted) " more" } }
                 }
-                @if table.omitted > 0 { p.note { "… " (table.omitted) " more" } }
             }
         }
     }

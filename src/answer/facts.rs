@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::answer::reading::{Reading, percent_of};
+use crate::analysis::compare::words::probability;
+use crate::answer::reading::{Reading, joined, number, percent_of, range};
 use crate::quantity::number::{percent, significant};
 
 /// Parts of an error below this share are not shown.
@@ -64,6 +65,11 @@ pub enum Fact {
         /// The changes, the smallest first.
         alternatives: Vec<Alternative>,
     },
+    /// The changes that show whether the limit is met, each by itself.
+    ChangeToDecide {
+        /// The changes, the smallest first.
+        alternatives: Vec<Alternative>,
+    },
     /// The change of a single input that lowers the value most.
     MostEffectiveChange {
         /// The change.
@@ -72,6 +78,35 @@ pub enum Fact {
         gain: f64,
         /// Its 95 % interval.
         interval: Option<[f64; 2]>,
+    },
+    /// How well a model fits a curve.
+    Fit {
+        /// Shortest and longest time of the fitted points, s.
+        tau_s: [f64; 2],
+        /// χ² of the residuals.
+        chi_squared: f64,
+        /// Degrees of freedom of χ².
+        degrees_of_freedom: usize,
+        /// Probability of residuals at least as large if the model holds.
+        p: Option<f64>,
+    },
+    /// A test of a hypothesis.
+    Test {
+        /// The hypothesis, as the heading of its row.
+        name: String,
+        /// Probability of data at least as far from it if it holds.
+        p: f64,
+        /// What was tested.
+        of: String,
+    },
+    /// Another value that is worth knowing.
+    Value {
+        /// What it is, as the heading of its row.
+        name: String,
+        /// The value.
+        value: Reading,
+        /// The place or the condition; may be empty.
+        at: String,
     },
     /// A condition on the answer.
     Caveat {
@@ -82,12 +117,15 @@ pub enum Fact {
 
 impl Fact {
     /// The heading of its row.
-    pub fn label(&self) -> &'static str {
+    pub fn label(&self) -> &str {
         match self {
             Fact::WorstCase { .. } => "Worst case",
             Fact::ErrorBudget { .. } => "Error budget",
             Fact::ChangeToMeet { .. } => "To meet the limit",
+            Fact::ChangeToDecide { .. } => "To decide",
             Fact::MostEffectiveChange { .. } => "Most effective change",
+            Fact::Fit { .. } => "Fit",
+            Fact::Test { name, .. } | Fact::Value { name, .. } => name,
             Fact::Caveat { .. } => "Caveat",
         }
     }
@@ -111,12 +149,20 @@ impl Fact {
                     |part: &Part| format!("{} {} {}", part.name, percent_of(part.share), bar(part.share));
                 self.parts().map(part).collect::<Vec<_>>().join("  ")
             }
-            Fact::ChangeToMeet { alternatives } => {
+            Fact::ChangeToMeet { alternatives } | Fact::ChangeToDecide { alternatives } => {
                 alternatives.iter().map(Alternative::text).collect::<Vec<_>>().join(" · or ")
             }
             Fact::MostEffectiveChange { change, gain, .. } => {
                 format!("{}: −{}", change.text(), percent(*gain))
             }
+            Fact::Fit { tau_s: [from, to], chi_squared, degrees_of_freedom, p } => {
+                let tau = joined(&range(&number(*from), &number(*to)), "s");
+                let p = p.map(|p| format!(", p = {}", significant(p, 2))).unwrap_or_default();
+                format!("τ {tau}, χ² {} / {degrees_of_freedom} dof{p}", number(*chi_squared))
+            }
+            Fact::Test { p, of, .. } => format!("{}, {of}", probability(*p)),
+            Fact::Value { value, at, .. } if at.is_empty() => value.with_interval(),
+            Fact::Value { value, at, .. } => format!("{} {at}", value.with_interval()),
             Fact::Caveat { text } => text.clone(),
         }
     }

@@ -33,6 +33,12 @@ impl Reading {
         Reading { quantity: column.header(), value: value * factor, unit: unit.to_owned(), interval }
     }
 
+    /// A value in a unit in which it is shown; arc seconds get their sign.
+    pub fn in_unit(quantity: &str, value: f64, unit: &str, interval: Option<[f64; 2]>) -> Reading {
+        let unit = if unit == Unit::ARCSEC.symbol { "″" } else { unit };
+        Reading { quantity: quantity.to_owned(), value, unit: unit.to_owned(), interval }
+    }
+
     /// The value of a row.
     pub(crate) fn of_row(column: &Column, row: usize) -> Reading {
         Reading::new(column, column.value(row), column.interval(row))
@@ -45,6 +51,11 @@ impl Reading {
 
     /// The ends of the interval with the unit; `None` where the digits shown do not tell them apart.
     pub fn interval_text(&self) -> Option<String> {
+        Some(joined(&self.ends_text()?, &self.unit))
+    }
+
+    /// The ends of the interval without the unit; `None` where the digits shown do not tell them apart.
+    pub(crate) fn ends_text(&self) -> Option<String> {
         let ends = self.interval.filter(|ends| ends.iter().all(|end| end.is_finite()))?;
         let [_, low, high] = with_ends(self.value, ends);
         let brief =
@@ -53,7 +64,7 @@ impl Reading {
                 false => text,
             };
         let (low, high) = (brief(low, ends[0]), brief(high, ends[1]));
-        (low != high).then(|| joined(&range(&low, &high), &self.unit))
+        (low != high).then(|| range(&low, &high))
     }
 
     /// The value with its interval in brackets.

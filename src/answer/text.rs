@@ -57,17 +57,6 @@ impl AnswerTable {
                 cells.chain(words).chain([whole]).max().unwrap_or(0)
             })
             .collect();
-        let broken: Vec<Vec<String>> =
-            self.columns.iter().zip(&widths).map(|(heading, &width)| wrapped(heading, width)).collect();
-        let height = broken.iter().map(Vec::len).max().unwrap_or(0);
-        let heading = |line: usize| {
-            let of = |lines: &Vec<String>| {
-                (line + lines.len()).checked_sub(height).map_or_else(String::new, |at| lines[at].clone())
-            };
-            broken.iter().map(of).collect::<Vec<String>>()
-        };
-        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect());
-        let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
         let (mut fits, mut total) = (0, BEST.chars().count());
         for width_of in &widths {
             total += width_of + if fits > 0 { GAP } else { 0 };
@@ -76,6 +65,17 @@ impl AnswerTable {
             }
             fits += 1;
         }
+        let broken: Vec<Vec<String>> =
+            self.columns.iter().zip(&widths).map(|(heading, &width)| wrapped(heading, width)).collect();
+        let height = broken.iter().take(fits).map(Vec::len).max().unwrap_or(0);
+        let heading = |line: usize| {
+            let of = |lines: &Vec<String>| {
+                (line + lines.len()).checked_sub(height).map_or_else(String::new, |at| lines[at].clone())
+            };
+            broken.iter().take(fits).map(of).collect::<Vec<String>>()
+        };
+        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect());
+        let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
         let line = |(at, row): (usize, &Vec<String>)| {
             let mark = if at >= height && self.best == Some(at - height) { BEST } else { "  " };
             let cells =

@@ -28,7 +28,7 @@ pub struct SelfTest {
 pub enum SelectError {
     /// A GPU was requested, but no adapter is one.
     #[error(
-        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac devices --why` tells what is missing"
+        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac device list --why` tells what is missing"
     )]
     NoGpu,
     /// No width and no adapter has the requested name.
@@ -49,7 +49,7 @@ pub enum SelectError {
     },
     /// A list names a device twice.
     #[error(
-        "`{name}` is the same device as `{earlier}`\nname each device once; `sagnac devices` numbers the adapters as gpu:0, gpu:1 and so on"
+        "`{name}` is the same device as `{earlier}`\nname each device once; `sagnac device list` numbers the adapters as gpu:0, gpu:1 and so on"
     )]
     Twice {
         /// The later name.

@@ -143,7 +143,7 @@ pub enum StoreError {
     },
     /// Two computations of the same trials disagree.
     #[error(
-        "{path}: trials from {first} of point {point}, estimate {estimate} differ from those stored already\none of the programs or machines computes wrongly: run `sagnac verify` on each"
+        "{path}: trials from {first} of point {point}, estimate {estimate} differ from those stored already\none of the programs or machines computes wrongly: run `sagnac device verify` on each"
     )]
     Disagrees {
         /// Path of the database.

@@ -144,7 +144,7 @@ pub struct Row<T> {
 /// The device that computed rows, with the number of trials and the time. It is not part of any identity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
-    /// Name of the device as `sagnac devices` lists it.
+    /// Name of the device as `sagnac device list` lists it.
     pub device: String,
     /// Trials over all points since the store was opened.
     pub trials: u64,

@@ -1,4 +1,4 @@
-//! The loads whose rates `sagnac bench` and the example `gpu_lab` measure.
+//! The loads whose rates `sagnac device bench` and the example `gpu_lab` measure.
 
 use std::sync::Arc;
 

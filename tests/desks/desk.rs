@@ -100,6 +100,11 @@ impl Desk {
         ended
     }
 
+    /// Runs the program with all tables and notes and expects exit code 0.
+    pub fn full(&self, words: &str) -> Ended {
+        self.done(&format!("{words} --table --verbose"))
+    }
+
     /// Runs the program and expects an exit code and every piece in what it says on stderr.
     pub fn fails(&self, words: &str, code: i32, pieces: &[&str]) {
         let ended = self.sagnac(words);

@@ -7,7 +7,9 @@ use serde_json::Value;
 const PHASE: &str = include_str!("../../tests/data/allan/PHASE.DAT");
 
 fn done(desk: &Desk, words: &str) -> Ended {
-    desk.done(&format!("allan {words}"))
+    let is_brief = ["--json", "--quiet", "--help"].iter().any(|option| words.contains(option));
+    let words = format!("allan {words}");
+    if is_brief { desk.done(&words) } else { desk.full(&words) }
 }
 
 fn curve(desk: &Desk, folder: &str) -> Vec<Row> {

@@ -100,6 +100,7 @@ fn white() -> Desk {
 /// What the program prints, and its coefficients.
 fn outputs(desk: &Desk, words: &str) -> (String, String) {
     let words = format!("allan rest.csv --data rate --unit deg/h --rate 1Hz --out out {words}");
+    let words = if words.contains("--json") { words } else { format!("{words} --table") };
     (desk.done(&words).stdout, desk.read("out/coefficients.csv"))
 }
 
@@ -149,7 +150,7 @@ fn a_fit_that_cannot_be_simulated_has_its_intervals_in_closed_form() {
     // Noise of 0.02 ″ in samples of a rate that ends at 11 °/s.
     let rate = |(k, y): (usize, f64)| format!("{}\n", 10.0 * k as f64 + 0.035 * y);
     let desk = desk_with("ramp.csv", noise(4096).enumerate().map(rate).collect::<String>());
-    let ended = desk.done("allan ramp.csv --data rate --unit arcsec/s --rate 1Hz --fit N,R --unit-check off");
+    let ended = desk.full("allan ramp.csv --data rate --unit arcsec/s --rate 1Hz --fit N,R --unit-check off");
     let note = "intervals of coefficients are in closed form: the fit cannot be simulated: noise.angle_random_walk: white noise is lost";
     assert!(ended.stderr.contains(note), "{}", ended.stderr);
     assert!(ended.stdout.contains("95 % intervals in closed form"), "{}", ended.stdout);

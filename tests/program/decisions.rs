@@ -1,4 +1,4 @@
-//! The decisions in which `sagnac allan`, `psd`, `compare` and `lot` end: limits are held against intervals, and every line says
+//! The answers in which `sagnac allan`, `psd`, `compare` and `lot` end: limits are held against intervals, and every answer says
 //! what the numbers say.
 
 use sagnac::quantity::number::significant;
@@ -36,10 +36,26 @@ fn allan(desk: &Desk, more: &str, limits: &[&str]) -> Value {
     document(desk, &format!("allan g.csv {READ} --bootstrap 0 {more}"), limits)
 }
 
-fn line(document: &Value, heading: &str) -> String {
-    let lines = document["decision"]["sentences"].as_array().unwrap();
-    let found = lines.iter().find(|line| line[0] == heading).unwrap();
-    found[1].as_str().unwrap().to_owned()
+fn headline(document: &Value) -> &str {
+    document["answer"]["headline"].as_str().unwrap()
+}
+
+fn status(document: &Value) -> &str {
+    document["answer"]["status"]["is"].as_str().unwrap()
+}
+
+/// The first fact of this name.
+fn fact<'d>(document: &'d Value, name: &str) -> &'d Value {
+    let facts = document["answer"]["facts"].as_array().unwrap();
+    facts.iter().find(|fact| fact["fact"] == name).unwrap_or(&Value::Null)
+}
+
+/// The texts of the table, without its headings.
+fn rows(document: &Value) -> Vec<Vec<&str>> {
+    fn texts(row: &Value) -> Vec<&str> {
+        row.as_array().unwrap().iter().map(|cell| cell["text"].as_str().unwrap()).collect()
+    }
+    document["answer"]["table"]["rows"].as_array().unwrap().iter().map(texts).collect()
 }
 
 /// Value and ends of a coefficient of a document.
@@ -54,37 +70,31 @@ fn a_limit_is_met_missed_or_open_by_the_ends_of_the_interval() {
     let desk = gyro();
     let free = allan(&desk, "", &[]);
     assert_eq!((&free["decision"]["met"], &free["decision"]["limits"]), (&Value::Null, &json!([])));
-    assert_eq!(line(&free, "Requirement"), "None is given; the record identifies N.");
-    assert!(
-        line(&free, "What limits")
-            .starts_with("N is the largest part of the Allan variance from τ = 1 s to ")
-    );
+    assert!(headline(&free).starts_with("N = 0.1") && status(&free) == "no_limit", "{free:#}");
     let [Some(value), Some(low), Some(high)] = coefficient(&free, 0, "N") else { panic!("{free:#}") };
     let held = |limit: f64| allan(&desk, "", &[&format!("N={limit} deg/sqrt(h)")]);
-    for (limit, met, begin, standing) in [
-        (high * (1.0 + 1e-9), json!(true), "Met: N is ", "met"),
-        (high * (1.0 - 1e-9), json!(null), "Not decided: N is ", "not decided"),
-        (low * (1.0 + 1e-9), json!(null), "Not decided: N is ", "not decided"),
-        (low * (1.0 - 1e-9), json!(false), "Not met: N is ", "not met"),
+    for (limit, met, verb, standing) in [
+        (high * (1.0 + 1e-9), json!(true), " meets the ", "met"),
+        (high * (1.0 - 1e-9), json!(null), " may miss the ", "not decided"),
+        (low * (1.0 + 1e-9), json!(null), " may miss the ", "not decided"),
+        (low * (1.0 - 1e-9), json!(false), " misses the ", "not met"),
     ] {
         let found = held(limit);
         assert_eq!(found["decision"]["met"], met, "{limit}: {:#}", found["decision"]);
         assert_eq!(found["decision"]["limits"][0]["standing"], standing);
-        assert!(line(&found, "Requirement").starts_with(begin), "{}", line(&found, "Requirement"));
+        assert!(headline(&found).contains(verb), "{}", headline(&found));
         // No number of the analysis depends on the limit.
         assert_eq!(found["columns"], free["columns"]);
     }
     // 1/√T: the end of the interval has to come to the limit.
     let limit = value * (high / value).powf(0.38);
-    let lever = line(&held(limit), "Next lever");
-    assert!(lever.contains(&format!(", {} times as long", significant(0.38_f64.powi(-2), 2))), "{lever}");
-    let far = line(&held(0.5 * value), "Next lever");
-    assert_eq!(
-        far,
-        "N has to fall to 50 % of its value; the mean of 4 such sensors with independent noise is that low."
-    );
-    let margin = line(&held(2.0 * value), "Margin");
-    assert!(margin.starts_with("50 % (95 %: ") && margin.ends_with("of the limit is left."), "{margin}");
+    let found = held(limit);
+    let change = &fact(&found, "change_to_decide")["alternatives"][0];
+    let longer = format!("{} h", significant(0.38_f64.powi(-2) * 4096.0 / 3600.0, 2));
+    assert_eq!((&change["from"], &change["to"]), (&json!("68 min"), &json!(longer)));
+    let found = held(0.5 * value);
+    let change = &fact(&found, "change_to_meet")["alternatives"][0];
+    assert_eq!((&change["key"], &change["to"]), (&json!("sensors"), &json!("4")));
 }
 
 #[test]
@@ -95,10 +105,11 @@ fn a_bound_meets_a_limit_or_decides_nothing() {
     let held = |part: f64| allan(&desk, "", &[&format!("B={} deg/h", part * bound)]);
     let (above, below) = (held(1.25), held(0.5));
     assert_eq!((&above["decision"]["met"], &below["decision"]["met"]), (&json!(true), &json!(null)));
-    assert!(line(&above, "Requirement").starts_with("Met: B is not identified, but at most "), "{above:#}");
-    assert_eq!(line(&above, "Margin"), "At least 20 % of the limit is left.");
-    assert_eq!(line(&below, "Margin"), "The upper bound is 2 times the limit.");
-    assert!(line(&below, "Requirement").contains("is not identified, and its upper bound of"), "{below:#}");
+    assert!(headline(&above).starts_with("B ≤ ") && headline(&above).contains(" meets the "), "{above:#}");
+    assert!(headline(&below).starts_with("B ≤ ") && headline(&below).contains(" may miss the "), "{below:#}");
+    assert_eq!((status(&above), status(&below)), ("met", "inconclusive"));
+    let row = |found: &Value| rows(found).into_iter().find(|row| row[0] == "B").map(|row| row.join("|"));
+    assert!(row(&below).unwrap().ends_with("|inconclusive"), "{:?}", row(&below));
 }
 
 #[test]
@@ -117,9 +128,9 @@ fn several_limits_are_judged_together_and_the_worst_one_says_what_limits() {
         .map(|one| one["coefficient"].as_str().unwrap())
         .collect();
     assert_eq!(names, ["N", "B", "in_run_stability"]);
-    assert!(line(&found, "Requirement").ends_with("Of 3 limits 2 are met and 1 is not met."), "{found:#}");
-    assert!(line(&found, "What limits").starts_with("N: even the lower end"), "{found:#}");
-    assert!(line(&found, "Margin").starts_with("The least is that of N. The value is 2.0"), "{found:#}");
+    assert!(headline(&found).starts_with("N 0.1"), "{found:#}");
+    assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 2, "of": 3 }));
+    assert_eq!(found["answer"]["limit"]["value"], json!(0.05));
 }
 
 #[test]
@@ -130,12 +141,11 @@ fn what_the_fit_does_not_describe_decides_nothing() {
         let found = allan(&desk, &format!("--fit K,R {force}"), &["K=1e6 deg/h/sqrt(h)"]);
         assert_eq!(found["decision"]["met"], Value::Null);
         assert_eq!(found["decision"]["limits"][0]["standing"], "unknown");
+        assert_eq!((headline(&found), status(&found)), ("K is unknown, limit 1e+06 °/h/√h", "inconclusive"));
         assert_eq!(
-            line(&found, "Requirement"),
-            "Not decided: the fit describes no range of τ and says nothing about K."
+            fact(&found, "caveat")["text"],
+            "the fit describes no range of τ and says nothing about K"
         );
-        assert_eq!(line(&found, "Margin"), "Unknown, because no limit can be judged.");
-        assert!(line(&found, "Next lever").starts_with("Fit other terms or another range"), "{found:#}");
     }
 }
 
@@ -154,23 +164,16 @@ fn gyros_and_accelerometers_have_limits_in_their_own_units() {
         .map(|one| (one["record"].as_str().unwrap(), one["standing"].as_str().unwrap()))
         .collect();
     assert_eq!(standings, [("gx", "met"), ("gy", "not met"), ("gz", "met"), ("ax", "met")]);
-    assert!(line(&found, "Requirement").starts_with("Not met: gy: N is 0.19"), "{found:#}");
-    assert!(
-        line(&found, "Requirement")
-            .ends_with("Of 4 limits, counted for each column, 3 are met and 1 is not met."),
-        "{found:#}"
-    );
-    assert!(line(&found, "Best option").contains("gy the worst, with N at most 1."), "{found:#}");
-    assert!(line(&found, "Next lever").starts_with("gy: N has to fall to 7"), "{found:#}");
+    assert!(headline(&found).starts_with("gy: N 0.19") && rows(&found)[0][0] == "gy", "{found:#}");
+    assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 3, "of": 4 }));
+    assert_eq!(fact(&found, "change_to_meet")["alternatives"][0]["to"], "2");
     // 50 µg in samples of 1 s.
     let n = &found["decision"]["limits"][3];
     assert!((n["value"].as_f64().unwrap() / (50e-6 * 9.80665 * 60.0) - 1.0).abs() < 0.05, "{n}");
     let free = document(&desk, read, &[]);
-    let best = line(&free, "Best option");
-    assert!(
-        best.starts_with("Of 3 columns gx has the least N, 0.") && best.contains(" and gy the largest, 0.19"),
-        "{best}"
-    );
+    assert!(headline(&free).starts_with("gx: least N, 0.1"), "{free:#}");
+    let names: Vec<&str> = rows(&free).into_iter().map(|row| row[0]).collect();
+    assert_eq!(names, ["gx", "gz", "gy", "ax"]);
     desk.fails(
         &format!("{read} --column gx --limit N=1m/s/sqrt(h)"),
         2,
@@ -189,13 +192,8 @@ fn noise_behind_a_filter_is_held_against_limits_by_its_n_and_not_by_its_curve() 
     assert!(first / 60.0 < 0.07, "{first}");
     assert_eq!(found["decision"]["met"], json!(false), "{:#}", found["decision"]);
     assert_eq!(allan(&desk, "", &["N=0.12 deg/sqrt(h)"])["decision"]["met"], json!(true));
-    // The fit starts beyond the filter, and only there a term is named.
-    let limits = line(&found, "What limits");
-    assert!(
-        limits.contains("N is the largest part of the Allan variance from τ = ")
-            && !limits.contains("τ = 1 s"),
-        "{limits}"
-    );
+    // The fit starts beyond the filter.
+    assert!(fact(&found, "fit")["tau_s"][0].as_f64().unwrap() > 1.0, "{found:#}");
 }
 
 #[test]
@@ -226,16 +224,12 @@ fn a_spectrum_and_the_page_end_in_the_decision_of_the_log() {
     assert_eq!(psd["decision"], allan(&desk, "", &limits)["decision"]);
     let ended = desk.done(&format!("psd g.csv {READ} --bootstrap 0 --limit floor=0.2deg/sqrt(h) --out out"));
     let page = desk.read("out/report.html");
-    for heading in ["Requirement", "Best option", "Margin", "What limits", "Next lever"] {
-        assert!(
-            ended.stdout.contains(&format!("\n{heading}  ")),
-            "{heading} is missing in\n{}",
-            ended.stdout
-        );
-        assert!(page.contains(&format!("<dt>{heading}</dt>")), "{heading} is missing in the page");
-    }
-    assert!(page.contains("Met: N of the floor is"), "the requirement is missing in the page");
-    assert!(unwrapped(&ended.stdout).contains("Met: N of the floor is"), "{}", ended.stdout);
+    let told = "N of the floor 0.1";
+    assert!(
+        page.contains(told) && page.contains("meets the 0.2 °/√h limit"),
+        "the answer is missing in the page"
+    );
+    assert!(unwrapped(&ended.stdout).contains(told), "{}", ended.stdout);
 }
 
 #[test]
@@ -245,7 +239,7 @@ fn a_comparison_is_held_against_limits_on_the_ratio() {
     let compared = |limits: &[&str]| document(&desk, &format!("compare a.csv b.csv {READ}"), limits);
     let free = compared(&[]);
     assert_eq!(free["decision"]["met"], Value::Null);
-    assert!(line(&free, "Best option").starts_with("b has less N"), "{free:#}");
+    assert!(headline(&free).starts_with("b is 5") && headline(&free).contains(" % quieter in N"), "{free:#}");
     let row = free["coefficients"].as_array().unwrap().iter().find(|row| row["coefficient"] == "N").unwrap();
     let [low, high] = ["ratio_lower", "ratio_upper"].map(|end| row[end].as_f64().unwrap());
     for (limit, met) in [
@@ -258,10 +252,8 @@ fn a_comparison_is_held_against_limits_on_the_ratio() {
         assert_eq!(found["decision"]["limits"][0]["value"], row["ratio"]);
     }
     let same = document(&desk, &format!("compare a.csv a.csv {READ}"), &["N=2"]);
-    assert_eq!(
-        (&same["decision"]["met"], line(&same, "Requirement").as_str()),
-        (&Value::Null, "Not decided: both logs are one record.")
-    );
+    assert_eq!(same["decision"]["met"], Value::Null);
+    assert_eq!(fact(&same, "caveat")["text"], "both logs are one record");
     let compare = format!("compare a.csv b.csv {READ} --limit");
     desk.fails(
         &format!("{compare} N=0.1deg/sqrt(h)"),
@@ -284,17 +276,18 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
     let lot = format!("lot lot.csv {READ} --column g1,g2,g3,g4,g5,g6");
     let found = document(&desk, &lot, &["N=0.12 deg/sqrt(h)"]);
     assert_eq!(found["decision"]["met"], json!(false));
-    assert!(line(&found, "Requirement").starts_with("Not met: g4: N is "), "{found:#}");
-    assert_eq!(line(&found, "Next lever"), "Without g4, which is odd, every unit meets its limits.");
-    let margin = line(&found, "Margin");
-    assert!(
-        margin.contains("The N of the next unit is below") && margin.ends_with("which is above the limit."),
-        "{margin}"
-    );
+    assert!(headline(&found).starts_with("g4: N 0.19") && rows(&found)[0][0] == "g4", "{found:#}");
+    assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 5, "of": 6 }));
+    let facts = found["answer"]["facts"].as_array().unwrap();
+    let next = facts.iter().find(|fact| fact["name"] == "Next unit, 95 %").unwrap();
+    // Without the odd unit the next one is expected below the limit.
+    let [low, high] = [0, 1].map(|end| next["value"]["interval"][end].as_f64().unwrap());
+    assert!(0.08 < low && high < 0.12, "{next}");
     let wide = document(&desk, &lot, &["N=0.3 deg/sqrt(h)"]);
     assert_eq!(wide["decision"]["met"], json!(true));
-    let free = line(&document(&desk, &lot, &[]), "Best option");
-    assert!(free.starts_with("Of 6 units g") && free.contains("and g4 the largest, 0.19"), "{free}");
+    let free = document(&desk, &lot, &[]);
+    assert!(headline(&free).starts_with("g4 is an outlier: N 2.0"), "{free:#}");
+    assert_eq!((rows(&free)[0][0], rows(&free)[0][4]), ("g4", "outlier"));
     desk.fails(&format!("{lot} --limit floor=1deg/sqrt(h)"), 2, &["`floor` is nothing that can be limited"]);
 }
 

@@ -74,7 +74,7 @@ fn the_best_of_two_variants_is_the_better_of_two_designs_bit_for_bit() {
     assert_eq!(variants[best]["swept"]["gyro.tick_s"], [0.005, 0.004][best]);
     let times = number(&variants[1 - best], "times_least") / (drifts[1 - best] / drifts[best]);
     assert!((times - 1.0).abs() < 1e-12, "{times}");
-    let answer = found["answer"].as_str().unwrap();
+    let answer = found["answer"]["headline"].as_str().unwrap();
     assert!(answer.contains(&format!(", tick {} ms: ", [5, 4][best])), "{answer}");
     let option = found["decision"]["best"]["option"].as_str().unwrap();
     assert!(option.contains(&format!("tick {} ms", [5, 4][best])), "{option}");

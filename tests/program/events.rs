@@ -35,7 +35,7 @@ fn psd_model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
         ("model gyro.csv --bound", "gyro_model", "removed"),
     ] {
         let words = format!("{command} {READ}");
-        let text = desk.done(&words).stdout;
+        let text = desk.full(&words).stdout;
         assert!(text.contains("\nwhat this record shows\n") && text.contains(done), "{command}: {text}");
         let page = desk.read(&format!("results/{folder}/report.html"));
         assert!(page.contains("<h2>What this record shows</h2>"), "{command}");
@@ -67,7 +67,7 @@ fn a_record_given_twice_is_noted_with_the_name_of_the_first() {
     let found = document(&desk, &words);
     assert_eq!(kinds(&found["a"]["events"]), [["line", "removed"]]);
     assert_eq!(kinds(&found["b"]["events"]), [["same record", "noted"], ["line", "removed"]]);
-    let text = desk.done(&words).stdout;
+    let text = desk.full(&words).stdout;
     let list = text.split("\nwhat these records show\n").nth(1).unwrap();
     let rows: Vec<Vec<&str>> =
         list.lines().skip(1).take(3).map(|line| line.split_whitespace().collect()).collect();

@@ -24,17 +24,17 @@ fn log(sigmas: &[f64]) -> Desk {
 }
 
 #[test]
-fn an_odd_unit_is_named_in_table_csv_json_sentence_and_pictures() {
+fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     let desk = log(&[6.0, 6.3, 5.8, 12.0, 6.1, 5.9]);
-    let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6"));
+    let ended = desk.full(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6"));
     for piece in [
         "*0.",
         "without odd",
         "next unit",
-        "g4 is odd: its N",
-        "times the median of the others (p",
-        "Without odd units the median is 0.1",
-        "No unit shows",
+        "g4 is an outlier: N 2.0",
+        " × the median (p = ",
+        "Without outliers, N  0.1",
+        "Between units",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
@@ -72,7 +72,7 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
         desk.write(name, &lines);
     }
     let ended = desk.done(&format!("lot a.csv b.csv c.csv {RATE} --out even"));
-    assert!(ended.stdout.contains("No unit is odd in"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("No outlier in 3 units: median N 0.1"), "{}", ended.stdout);
     let n = desk.table("even/lot.csv");
     let n = row(&n, &[("coefficient", "N")]);
     assert!(number(n, "p_equal") > 0.01 && number(n, "spread_lower") == 0.0, "{n:?}");
@@ -99,11 +99,9 @@ fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_le
     });
     desk.write("bench.csv", &lines.collect::<String>());
     let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3 --fit N,K"));
-    for piece in [
-        "g1 is odd: its K of",
-        "is above the upper bounds of all 2 others",
-        "K: 1 of 3 units show it; left out: g2, g3 (at most",
-    ] {
+    for piece in
+        ["g1 is an outlier: K ", ", above all others", "K is estimated in 1 of 3 units, not in g2 and g3"]
+    {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let k = desk.table("results/lot/lot.csv");

@@ -150,18 +150,10 @@ fn a_log_is_described_within_its_band_and_bounded_above_it() {
 }
 
 #[test]
-fn the_decision_has_five_lines_and_names_the_model() {
+fn the_answer_names_the_parts_of_the_model_and_how_near_it_comes() {
     let desk = desk_with("gyro.csv", rates(20_000));
     let ended = desk.done(&format!("model gyro.csv {READ} --bound"));
-    let pieces = [
-        "Requirement  Met",
-        "Best option  White noise",
-        "Margin",
-        "What limits",
-        "Next lever",
-        "°/√h",
-        "rad/s/√Hz",
-    ];
+    let pieces = [" gz to ", "white noise N", "°/√h", "Excess", "above the 95 % band", "Band"];
     for piece in pieces {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }

@@ -20,7 +20,7 @@ fn text(rates: &[f64]) -> String {
 #[test]
 fn density_line_and_floor_of_a_log_are_in_files_text_chart_and_json() {
     let desk = desk_with("gyro.csv", text(&rates(16_384)));
-    let ended = desk.done(&format!("psd gyro.csv {READ} --plot"));
+    let ended = desk.full(&format!("psd gyro.csv {READ} --plot"));
     for piece in [
         "16384 samples at 100 Hz",
         "one-sided, Hann window, 15 segments of 20.48 s",
@@ -71,7 +71,7 @@ fn axes_gaps_and_plain_numbers_have_spectra_too() {
     };
     let desk = desk_with("log.csv", format!("gx,gy\n{}", (0..4000).map(row).collect::<String>()));
     let ended =
-        desk.done("psd log.csv --data rate --unit none --rate 1Hz --column gx,gy --fit none --segment 1000s");
+        desk.full("psd log.csv --data rate --unit none --rate 1Hz --column gx,gy --fit none --segment 1000s");
     for piece in ["gx, gy: densities", "N of the floor", "no fit"] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }

@@ -23,7 +23,7 @@ const WORDS: &str = "allan log.csv --data rate --unit deg/h --bootstrap 0 --out 
 fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
     let desk = log("time_s,gx,gy,temp [degC]", |celsius| celsius);
     let words = format!("{WORDS} --column gx,gy --temperature temp");
-    let ended = desk.done(&words);
+    let ended = desk.full(&words);
     for piece in ["gx: dependence on temperature from 15 to 25 °C", "°/h/K", "before and after compensation"]
     {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
@@ -92,7 +92,7 @@ fn units_of_the_temperature_are_those_of_the_header_or_the_option() {
         ("t", "", |celsius| celsius),
     ] {
         let desk = log(&format!("time_s,gx,gy,{header}"), of_celsius);
-        let ended = desk.done(&format!("{WORDS} --column gx --temperature 4{option}"));
+        let ended = desk.full(&format!("{WORDS} --column gx --temperature 4{option}"));
         assert!(ended.stdout.contains("from 15 to 25 °C"), "{header}:\n{}", ended.stdout);
         assert_eq!(
             ended.stderr.contains("is taken to be in °C"),
@@ -164,7 +164,7 @@ fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence
     ] {
         let of = |words: &str| {
             let bound = if command == "model" { " --bound" } else { "" };
-            let ended = desk.done(&format!("{command} {words} {READ}{bound} --out out"));
+            let ended = desk.full(&format!("{command} {words} {READ}{bound} --out out"));
             (ended.stdout, desk.table(&format!("out/{table}")))
         };
         let (clean, (said, rows)) = (of("clean.csv").1, of(&format!("log.csv {COMPENSATE}")));
@@ -194,7 +194,7 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
     }
     // Both have the in-run stability of the lot, or neither shows one.
     let words = format!("log.csv clean.csv {READ} {COMPENSATE} --out out");
-    assert!(desk.done(&format!("lot {words}")).stdout.contains("temperature compensated"));
+    assert!(desk.full(&format!("lot {words}")).stdout.contains("temperature compensated"));
     let units = desk.table("out/units.csv");
     for name in ["N", "in_run_stability"] {
         let of = |label: &str| row(&units, &[("label", label), ("coefficient", name)]);
@@ -215,7 +215,7 @@ fn a_record_without_a_dependence_stays_as_it_is_and_every_command_says_so() {
     ] {
         let column = if of_column.is_empty() { "gx" } else { "gx,gy" };
         let read = READ.replace("gx", column);
-        let ended = desk.done(&format!("{command} {read} {COMPENSATE} --out out"));
+        let ended = desk.full(&format!("{command} {read} {COMPENSATE} --out out"));
         let note = "gx: no temperature coefficients, and no compensation: not identifiable";
         assert!(ended.stderr.contains(note), "{command}:\n{}", ended.stderr);
         assert!(!ended.stdout.contains("temperature compensated"), "{command}:\n{}", ended.stdout);

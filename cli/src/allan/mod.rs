@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::Dynamic;
-use sagnac::analysis::log::{Analysis, events, figures, kalibr, noise_file, notes, tables};
+use sagnac::analysis::log::{Analysis, events, figures, kalibr, navigators, noise_file, notes, tables};
 use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::record::log::channel::Log;
@@ -19,16 +19,15 @@ use sagnac::record::log::read::Request;
 use sagnac::spectrum::Welch;
 use sagnac::store::folder::Folder;
 use sagnac::view::chart::figure::Figure;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::allan::navigation::Navigation;
 pub use crate::allan::options::Options;
 use crate::allan::temperature::Thermal;
 use crate::charts::{plotted, write_figures};
-use crate::failure::{Failure, in_options};
+use crate::failure::Failure;
 use crate::limits;
-use crate::output::{print, print_documents, print_drawn, whereabouts, write_new, write_page, write_table};
-use crate::results::sheet_text;
+use crate::output::{print_documents, write_new, write_page, write_table};
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -79,29 +78,30 @@ fn of_log(
     navigation::save(navigation.as_ref(), &results)?;
     let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
     let over_time = dynamic.as_ref().map(page::of_dynamic);
-    let of_navigators = navigation.as_ref().map(|found| page::of_navigators(&found.columns));
-    let further = of_temperature.chain(over_time).chain(of_navigators).collect();
     // Navigators are what is asked for, unless only coefficients have limits.
     let is_asked = options.limit.is_empty() || options.position_limit.is_some();
-    let of_navigators = navigation.as_ref().filter(|_| is_asked);
-    let sheet = of_navigators.and_then(Navigation::sheet).unwrap_or_else(|| decision.lines.headed());
-    let mut page = page::of_log(&log, &with_spectra, sheet.clone(), without.as_ref(), further);
-    if let Some(told) = navigation.as_ref().and_then(Navigation::answer) {
-        page.sentences.insert(0, std::mem::replace(&mut page.headline, told));
-    }
+    let of_navigators = navigation.as_ref().and_then(|found| navigators::answer(&found.columns));
+    let (answer, aside) = match of_navigators {
+        Some(found) if is_asked => (found, None),
+        found => (decision.answer.clone(), found),
+    };
+    let aside = aside.map(|found| page::of_navigators(&found));
+    let further = of_temperature.chain(over_time).chain(aside).collect();
+    let page = page::of_log(&log, &with_spectra, answer.clone(), without.as_ref(), further);
     write_page(&results, &page)?;
-    let mut notes = notes::notes(analysis);
-    notes.extend(noise_file::notes(analysis));
+    let mut all = notes::notes(analysis);
+    all.extend(noise_file::notes(analysis));
     if let Some(path) = &options.kalibr {
         let text = kalibr::text(analysis)?;
         write_new(path, |file| file.write_all(text.as_bytes()))?;
-        notes.extend(kalibr::notes(analysis)?);
+        all.extend(kalibr::notes(analysis)?);
     }
     if let Some(path) = &options.record {
         write_new(path, |file| treatment.applied(log).write_csv(file))?;
     }
     if options.output.json {
         let mut document = tables::document(analysis, &decision);
+        document["answer"] = json!(answer);
         if let Some(thermal) = &thermal {
             document["temperature"] = thermal.document(analysis);
         }
@@ -109,17 +109,14 @@ fn of_log(
         navigation.iter().for_each(|navigation| navigation.add(&mut document));
         return Ok(Some(document));
     }
-    if !options.output.quiet {
-        notes.iter().for_each(|note| note!("{}", in_options(note)));
-        if options.plot {
-            print_drawn(&plotted(figures))?;
-        }
-        let of_temperature = thermal.map_or_else(String::new, |thermal| thermal.report(analysis));
+    let details = || {
+        let of_temperature = thermal.as_ref().map_or_else(String::new, |thermal| thermal.report(analysis));
         let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
-        let of_navigators = navigation.map_or_else(String::new, |navigation| navigation.report());
-        print(&(report::report(analysis) + &of_temperature + &over_time + &of_navigators))?;
-        print(&format!("\n{}", sheet_text(&sheet)))?;
-        say!("{}", whereabouts(folder));
+        Ok(report::report(analysis) + &of_temperature + &over_time)
+    };
+    options.output.printed.show(&notes::heading(analysis), &answer, &all, || plotted(figures), details)?;
+    options.output.whereabouts(folder);
+    if !options.output.printed.quiet {
         if let Some(path) = &options.kalibr {
             say!("the Kalibr file is {}", path.display());
         }

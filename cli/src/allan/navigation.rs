@@ -1,7 +1,7 @@
 //! Navigators with the gyros of a log, with `--navigate`.
 
 use sagnac::analysis::log::Analysis;
-use sagnac::analysis::log::navigators::{Asked, Navigators, names, navigators, worst};
+use sagnac::analysis::log::navigators::{Asked, Navigators, names, navigators};
 use sagnac::progress::Progress;
 use sagnac::store::folder::Folder;
 use serde_json::Value;
@@ -24,30 +24,6 @@ impl Navigation {
         let asked = Asked { duration_s: options.navigate?, limit: options.position_limit };
         let columns = navigators(analysis, &asked, progress);
         Some(Navigation { columns, names: names(analysis) })
-    }
-
-    /// A line for each column.
-    pub fn report(&self) -> String {
-        let line = |found: &Result<Navigators, String>| match found {
-            Ok(found) => format!("{}: {}\n", found.column, found.sentence()),
-            Err(why) => format!("{why}\n"),
-        };
-        self.columns.iter().map(line).collect()
-    }
-
-    /// The answer of the column that is worst, if a column has navigators.
-    pub fn answer(&self) -> Option<String> {
-        worst(&self.columns).map(|worst| format!("{}: {}", worst.column, worst.sentence()))
-    }
-
-    /// The lines of the decision sheet of the column that is worst, if a column has navigators.
-    pub fn sheet(&self) -> Option<Vec<(&'static str, String)>> {
-        let worst = worst(&self.columns)?;
-        let mut lines = worst.sheet.lines();
-        if self.columns.iter().flatten().count() > 1 {
-            lines.insert(0, ("Worst column", worst.column.clone()));
-        }
-        Some(lines)
     }
 
     /// Adds the navigators to the columns of a document.

@@ -94,9 +94,6 @@ pub struct Options {
     /// for, as CSV that is read again with --data alone
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub record: Option<PathBuf>,
-    /// Also draw the chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    pub plot: bool,
 }
 
 impl Options {

@@ -1,14 +1,17 @@
 //! `sagnac compare`.
 
+pub mod batch;
 pub mod report;
+mod units;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::compare::decision::{RatioLimit, check};
+use sagnac::analysis::compare::limit::{RatioLimit, check};
 use sagnac::analysis::compare::logs::Analysis;
 use sagnac::analysis::compare::{figures, notes, tables};
 use sagnac::analysis::page::of_comparison;
+use sagnac::analysis::requirement::LimitError;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
@@ -16,74 +19,83 @@ use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{Output, print, print_json, whereabouts, write_or_remove, write_page, write_table};
+use crate::look;
+use crate::output::{Output, print_json, write_or_remove, write_page, write_table};
 use crate::reading::Reading;
-use crate::results::print_decision;
 
 const EXAMPLES: &str = "\
 Examples:
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
-  sagnac compare gyro1.csv gyro2.csv --data rate --unit rad/s --time stamp --time-unit ns \\
-    --column gz
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz --limit N=1.1
+  sagnac compare gyro1.csv gyro2.csv gyro3.csv --data rate --unit deg/h --rate 100Hz \\
+    --limit \"N=0.003 deg/sqrt(h)\"
+  sagnac compare bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
 
-Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
-columns, the first is read from A and the second from B, and so it is with units and rates. If the
-logs have time stamps, their sampling rates may differ; the curves are compared at the averaging
-times that both have.";
+Two logs are tested for a difference. Three and more logs, or several columns of one, are a batch of
+units: its median, the scatter between units, the next unit, and outliers. All logs are read with the
+same options, as `sagnac allan` reads them; with time stamps their sampling rates may differ. If
+--column names two columns for two logs, the first is read from A and the second from B, and so it is
+with units and rates.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// First log
-    #[arg(value_name = "A")]
-    a: PathBuf,
-    /// Second log, which is compared with the first
-    #[arg(value_name = "B")]
-    b: PathBuf,
+    /// Two logs, or the logs of a batch of units
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
-    /// Largest accepted ratio of a coefficient, B over A, which the decision is held against, as in N=1.1: of Q, N, B, K, R, markov,
-    /// sine; may be repeated. The coefficients of a log have limits in `sagnac allan`
-    #[arg(long, value_name = "NAME=RATIO", value_parser = limit)]
-    limit: Vec<RatioLimit>,
+    pub reading: Reading,
+    /// Largest accepted value: of two logs the ratio of a coefficient, B over A, as in N=1.1; of a batch each unit, as in
+    /// "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine, in_run_stability; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub limit: Vec<String>,
     #[command(flatten)]
-    output: Output,
+    pub output: Output,
 }
 
-/// Reads a limit on a ratio.
-fn limit(text: &str) -> Result<RatioLimit, String> {
-    RatioLimit::parse(text).map_err(|error| error.to_string())
+/// Compares two logs, or the units of a batch.
+pub fn compare(options: &Options) -> Result<(), Failure> {
+    match &options.files[..] {
+        [a, b] => pair(options, [a, b]),
+        _ => batch::batch(options, "batch"),
+    }
 }
 
 /// Compares two logs.
-pub fn compare(options: &Options) -> Result<(), Failure> {
+fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
+    let [first, second] = files;
+    let failure = |error: LimitError| Failure::Usage(format!("--limit: {error}"));
+    let limits = options.limit.iter().map(|text| RatioLimit::parse(text));
+    let limits = limits.collect::<Result<Vec<RatioLimit>, _>>().map_err(failure)?;
     let fitting = options.reading.fitting();
     let terms = fitting.as_ref().map(|fitting| fitting.terms.all());
-    check(&options.limit, terms).map_err(|error| Failure::Usage(format!("--limit: {error}")))?;
-    let [a, b] = logs(options)?;
-    let analysis = analysis(options, [&a, &b])?;
-    let decision = analysis.decision(&options.limit);
+    check(&limits, terms).map_err(failure)?;
+    let [a, b] = logs(options, files)?;
+    let analysis = analysis(options, files, [&a, &b])?;
+    let decision = analysis.decision(&limits);
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let folder = options.output.folder(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
-    let results = Folder::open(&folder)?.reading([options.a.as_path(), options.b.as_path()]);
+    let folder = options.output.folder(format!("{}_vs_{}", stem(first), stem(second)));
+    let results = Folder::open(&folder)?.reading([first.as_path(), second.as_path()]);
     save(&analysis, &results)?;
     write_page(&results, &of_comparison([&a, &b], &analysis, &decision))?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
     }
-    if !options.output.quiet {
-        notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
-        print(&report::report(&analysis))?;
-        print_decision(&decision)?;
-        say!("{}", whereabouts(&folder));
-    }
+    let [one, other] = &analysis.sides;
+    options.output.printed.show(
+        &format!("A {} · B {}", report::heading(one), report::heading(other)),
+        &decision.answer,
+        &notes::notes(&analysis),
+        || Picture::Curves(figures::curves(&analysis)).text(look::of_output()),
+        || Ok(report::report(&analysis)),
+    )?;
+    options.output.whereabouts(&folder);
     Ok(())
 }
 
 /// Reads the logs.
-fn logs(options: &Options) -> Result<[Log; 2], Failure> {
+fn logs(options: &Options, [first, second]: [&PathBuf; 2]) -> Result<[Log; 2], Failure> {
     let reading = &options.reading;
     let [a, b] = reading.requests_of_two()?;
     if a.columns.len() > 2 || a.units.len() > 2 {
@@ -100,13 +112,17 @@ fn logs(options: &Options) -> Result<[Log; 2], Failure> {
         let units = request.units.get(unit).cloned().into_iter().collect();
         reading.read(path, &Request { columns, units, ..request })
     };
-    Ok([log(&options.a, a, [0; 2])?, log(&options.b, b, last)?])
+    Ok([log(first, a, [0; 2])?, log(second, b, last)?])
 }
 
 /// Compares the logs.
-fn analysis(options: &Options, [a, b]: [&Log; 2]) -> Result<Analysis, Failure> {
+fn analysis(
+    options: &Options,
+    [first, second]: [&PathBuf; 2],
+    [a, b]: [&Log; 2],
+) -> Result<Analysis, Failure> {
     let (treatment, fitting) = (options.reading.treatment(), options.reading.fitting());
-    let logs = [(options.a.as_path(), a), (options.b.as_path(), b)];
+    let logs = [(first.as_path(), a), (second.as_path(), b)];
     Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| Failure::Record(in_options(&error)))
 }
 

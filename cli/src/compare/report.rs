@@ -4,14 +4,14 @@ use sagnac::allan::deviation::Deviation;
 use sagnac::analysis::compare::logs::{Analysis, Side};
 use sagnac::analysis::compare::ratio::Ratio;
 use sagnac::analysis::compare::rows::Row;
-use sagnac::analysis::compare::words::{duration, length, probability, sentences, times};
+use sagnac::analysis::compare::words::{duration, length, probability, times};
 use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
 use crate::shown::{THESE, shown};
 use crate::terminal::{headed, number};
 
-/// Both records, the ratios, the coefficients and their statement.
+/// Both records, the ratios and the coefficients.
 pub fn report(analysis: &Analysis) -> String {
     let [a, b] = &analysis.sides;
     let treatment = analysis.treatment();
@@ -19,12 +19,11 @@ pub fn report(analysis: &Analysis) -> String {
     text += &format!("{}\n", treatment.effect(analysis.shorter_s()));
     text += &shown(THESE, &analysis.events().concat());
     text += &format!("\n{}", ratios(analysis));
-    text += &coefficients(analysis);
-    text + "\n" + &sentences(analysis).join("\n")
+    text + &coefficients(analysis)
 }
 
 /// A heading such as `lgv1.csv: 32400 samples at 1 Hz, 9 h`.
-fn heading(side: &Side) -> String {
+pub fn heading(side: &Side) -> String {
     format!(
         "{}, {}: {} samples at {} Hz, {}",
         side.path.display(),

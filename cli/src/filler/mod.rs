@@ -9,12 +9,12 @@ use sagnac::analysis::firmware::search::Trade;
 use sagnac::analysis::page;
 use sagnac::store::folder::Folder;
 use sagnac::view::chart::picture::Picture;
-use sagnac::view::report::FILE as REPORT;
 
 use crate::charts::{write_figures, write_pictures};
 use crate::failure::Failure;
 pub use crate::filler::options::Options;
-use crate::output::{print, print_json, unwritten, write_or_remove, write_page, write_table};
+use crate::look;
+use crate::output::{print_json, unwritten, write_or_remove, write_page, write_table};
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
@@ -25,13 +25,17 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
     if options.json {
         return print_json(&firmware.document());
     }
-    print(&crate::filler::text::of(&firmware))?;
-    let vectors = if options.test_vectors.is_some() { ", test vectors" } else { "" };
-    say!(
-        "weights, response{vectors} and C header are in {}; the page is {}",
-        folder.display(),
-        folder.join(REPORT).display()
-    );
+    options.printed.show(
+        &text::heading(&firmware),
+        &firmware.answer(),
+        &[],
+        || Picture::Curves(firmware.response()).text(look::of_output()),
+        || Ok(text::of(&firmware)),
+    )?;
+    if !options.printed.quiet {
+        say!("C header  {}", folder.join("sagnac_filler.h").display());
+    }
+    options.printed.whereabouts(&folder);
     Ok(())
 }
 

@@ -13,6 +13,8 @@ use sagnac::study::Study;
 
 use crate::failure::Failure;
 use crate::filler::alone::Given;
+use crate::kind;
+use crate::output::Printed;
 
 /// Largest number of test vectors.
 const MOST_VECTORS: i64 = 1_000_000;
@@ -40,7 +42,7 @@ pub struct Options {
     #[arg(long = "filler", value_name = "NAME")]
     fillers: Vec<String>,
     /// Output folder [default: results/<name of the study file, or of the filler>/filler]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Also write test_vectors.csv with this many inputs for each filler and the expected outputs; 1000 if N is left
     /// out
@@ -50,6 +52,8 @@ pub struct Options {
     /// Print the weights as JSON
     #[arg(help_heading = "Output", long)]
     pub json: bool,
+    #[command(flatten)]
+    pub printed: Printed,
     #[command(flatten)]
     alone: Given,
 }
@@ -66,7 +70,7 @@ impl Options {
             None => self.alone.failure(&error),
         };
         let study = match file {
-            Some(file) => Study::read(file)?,
+            Some(file) => kind::study(file)?,
             None => Study::parse("options", &self.alone.study(&self.what, None)?).map_err(failure)?,
         };
         if let Some(asked) = file.and_then(|_| self.alone.asked_of_study().transpose()).transpose()? {

@@ -8,7 +8,6 @@ use sagnac::kinds::gap_fill::judged::deviation;
 use sagnac::quantity::number::significant;
 use sagnac::theory::gap::Weights;
 
-use crate::results::sheet_text;
 use crate::terminal::aligned;
 
 /// Denominators up to this are shown as fractions.
@@ -17,32 +16,28 @@ const MOST_DENOMINATOR: i64 = 999;
 /// Most ticks side by side; more continue below.
 const ACROSS: usize = 10;
 
-/// All fillers with their weights, gains and errors.
-pub fn of(firmware: &Firmware) -> String {
+/// The gap and the point of the study.
+pub fn heading(firmware: &Firmware) -> String {
     let n = firmware.gap_ticks;
     let plural = if n == 1 { "" } else { "s" };
     let of = firmware.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
-    let mut text = format!("{}\nn = {n} lost tick{plural}{of}, numbered from 1\n", firmware.title);
     let place = firmware.place();
-    if !place.is_empty() {
-        text += &format!("at {place}\n");
-    }
-    text += &firmware.trade.as_ref().map_or_else(String::new, searched);
+    let at = if place.is_empty() { String::new() } else { format!(" · {place}") };
+    format!("{} · n = {n} lost tick{plural}{of}{at}", firmware.title)
+}
+
+/// All fillers with their weights, gains and errors.
+pub fn of(firmware: &Firmware) -> String {
+    let mut text = firmware.trade.as_ref().map_or_else(String::new, searched);
     for design in &firmware.designs {
         text += &format!("\n{}: {}\n", design.name, design.method);
         for (error, rule, closed) in design.rules() {
             text += &part(firmware, error, rule, closed);
         }
         text += &format!("  {}\n", firmware.expected(design));
-        text += &missing(design, n);
+        text += &missing(design, firmware.gap_ticks);
     }
-    if let Some(reason) = &firmware.unsampled {
-        text += &format!("\nno rms: {reason}\n");
-    }
-    text += &format!("\n{}\n", firmware.headline());
-    text + &firmware
-        .decision()
-        .map_or_else(String::new, |decision| format!("\n{}\n", sheet_text(&decision.headed())))
+    text.trim_start_matches('\n').to_owned()
 }
 
 /// The search of the ticks as a table, with the choice.

@@ -12,17 +12,16 @@ use sagnac::analysis::model::noise::of_file;
 use sagnac::analysis::model::search::MOST_STATES;
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
-use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, figures, tables, words};
+use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, answer, figures, tables};
 use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::store::folder::Folder;
 
 use crate::allan::options::probability;
 use crate::charts::{plotted, write_figures};
-use crate::failure::{Failure, in_options};
-use crate::output::{Output, print, print_drawn, print_json, whereabouts, write_page, write_table};
+use crate::failure::Failure;
+use crate::output::{Output, print_json, write_page, write_table};
 use crate::reading::{Reading, seconds};
-use crate::results::print_lines;
 use crate::words::one_of;
 
 /// Points of the curve of a log per decade of τ.
@@ -84,9 +83,6 @@ pub struct Options {
     /// gtsam_python, pyins, kf_gins, c, json, separated by commas
     #[arg(help_heading = "Output", long, value_name = "TOOLS", value_parser = named)]
     write: Option<std::vec::Vec<&'static Writer>>,
-    /// Also draw the chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    plot: bool,
 }
 
 fn aims() -> impl TypedValueParser<Value = Aim> {
@@ -141,18 +137,16 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     if options.output.json {
         return print_json(&tables::document(&analysis));
     }
-    if !options.output.quiet {
-        words::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
-        if options.plot {
-            print_drawn(&plotted(figures::figures(&analysis)))?;
-        }
-        print(&report::report(&analysis))?;
-        print_lines(&words::decision(&analysis))?;
-        say!("{}", whereabouts(&folder));
-        say!("F, Q, R and the initial variances are on the page and in --json");
-        if !written.is_empty() {
-            say!("files for tools: {}", written.join(", "));
-        }
+    options.output.printed.show(
+        &analysis.source.heading,
+        &analysis.answer(),
+        &answer::notes(&analysis),
+        || plotted(figures::figures(&analysis)),
+        || Ok(report::report(&analysis)),
+    )?;
+    options.output.whereabouts(&folder);
+    if !options.output.printed.quiet && !written.is_empty() {
+        say!("files for tools: {}", written.join(", "));
     }
     Ok(())
 }

@@ -18,11 +18,10 @@ use sagnac::store::folder::Folder;
 
 use crate::allan::options::{probability, simulated};
 use crate::charts::{plotted, write_figures};
-use crate::failure::{Failure, in_options};
+use crate::failure::Failure;
 use crate::limits;
-use crate::output::{Output, print, print_drawn, print_json, whereabouts, write_page, write_table};
+use crate::output::{Output, print_json, write_page, write_table};
 use crate::reading::{Reading, seconds};
-use crate::results::print_decision;
 use crate::words::one_of;
 
 const EXAMPLES: &str = "\
@@ -65,9 +64,6 @@ pub struct Options {
     limit: Vec<Limit>,
     #[command(flatten)]
     output: Output,
-    /// Also draw the chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    plot: bool,
 }
 
 fn trend() -> impl TypedValueParser<Value = Trend> {
@@ -88,19 +84,19 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     write_table(&results, "lines.csv", &tables::lines(&analysis))?;
     write_table(&results, "white_noise.csv", &tables::white_noise(&analysis))?;
     write_figures(&results, &figures)?;
-    write_page(&results, &of_log(&log, &analysis, decision.lines.headed(), None, vec![]))?;
+    write_page(&results, &of_log(&log, &analysis, decision.answer.clone(), None, vec![]))?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
     }
-    if !options.output.quiet {
-        notes::notes(&analysis).iter().for_each(|note| note!("{}", in_options(note)));
-        if options.plot {
-            print_drawn(&plotted(figures))?;
-        }
-        print(&report::report(&analysis))?;
-        print_decision(&decision)?;
-        say!("{}", whereabouts(&folder));
-    }
+    let answer = &decision.answer;
+    options.output.printed.show(
+        &log::notes::heading(&analysis.noise),
+        answer,
+        &notes::notes(&analysis),
+        || plotted(figures),
+        || Ok(report::report(&analysis)),
+    )?;
+    options.output.whereabouts(&folder);
     Ok(())
 }
 

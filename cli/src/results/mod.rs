@@ -7,8 +7,7 @@ use std::sync::mpsc::{self, Receiver};
 use std::thread;
 
 use sagnac::analysis::answer::of_study;
-use sagnac::analysis::decision::{Lines, Sheet, decide};
-use sagnac::analysis::requirement::Decision;
+use sagnac::analysis::decision::{Sheet, decide};
 use sagnac::chart::Source;
 use sagnac::progress::Progress;
 use sagnac::quantity::number::short;
@@ -27,7 +26,7 @@ use serde_json::{Value, json};
 use crate::charts::draw;
 use crate::failure::Failure;
 use crate::look;
-use crate::output::{print, print_drawn, write_table};
+use crate::output::{Printed, write_table};
 use crate::progress::Shown;
 use crate::results::summary::{crossings, summary};
 
@@ -91,58 +90,11 @@ pub fn decision(
     if lacking > 0 { Ok(None) } else { Ok(decide(study, tables, progress)?) }
 }
 
-/// The lines of a decision sheet, with their headings in a column.
-pub fn sheet_text(lines: &[(&'static str, String)]) -> String {
-    let widest = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    let indent = widest + 2;
-    let line = |(name, sentence): &(&str, String)| {
-        let text = look::wrapped(sentence, look::width().saturating_sub(indent));
-        format!("{name:<indent$}{}", text.replace('\n', &format!("\n{:indent$}", "")))
-    };
-    lines.iter().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// Prints the lines of a decision on records, below the results.
-///
-/// # Errors
-/// The output cannot be written.
-pub fn print_decision(decision: &Decision) -> Result<(), Failure> {
-    print_lines(&decision.lines)
-}
-
-/// Prints the lines of a decision.
-///
-/// # Errors
-/// It fails where [`print`] does.
-pub fn print_lines(lines: &Lines) -> Result<(), Failure> {
-    print(&format!("\n{}", sheet_text(&lines.headed())))
-}
-
 /// Writes the tables of a study, and returns the SHA-256 of the first, that of its points.
 fn write_tables(folder: &Folder, tables: &Tables) -> Result<String, Failure> {
     let write = |(source, table): (Source, &Table)| write_table(folder, source.file(), table);
     let digests = tables.all().map(write).collect::<Result<Vec<_>, _>>()?;
     Ok(digests.into_iter().next().unwrap_or_default())
-}
-
-/// Most notes that are printed unless all are asked for.
-const MOST_NOTES: usize = 2;
-
-/// The options that choose which parts of the results are printed.
-#[derive(Debug, Clone, Copy, clap::Args)]
-pub struct Printed {
-    /// Also print the table of the first chart
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    table: bool,
-    /// Also print all notes, and where each curve crosses the limit
-    #[arg(help_heading = "Output", long, short, conflicts_with_all = ["json", "quiet"])]
-    verbose: bool,
-    /// Also draw the first chart as text
-    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
-    plot: bool,
-    /// Print only errors and the headline
-    #[arg(help_heading = "Output", long, short)]
-    pub quiet: bool,
 }
 
 /// A study with results to show.
@@ -218,37 +170,21 @@ impl Ran<'_> {
             document["decision"] = json!(sheet.as_ref().map(Sheet::json));
             return Ok(Some(document));
         }
-        let Printed { table, verbose, plot, quiet } = self.shown;
-        if quiet {
-            return if answer.headline.is_empty() || *lacking > 0 {
-                Ok(None)
-            } else {
-                print(&answer.headline).map(|()| None)
-            };
+        let shown = self.shown;
+        if shown.quiet && *lacking > 0 {
+            return Ok(None);
         }
-        let notes = results.notes();
-        let few = if verbose { notes.len() } else { MOST_NOTES };
-        for note in notes.iter().take(few) {
-            note!("{note}");
-        }
-        if notes.len() > few {
-            note!("{} more with --verbose", notes.len() - few);
-        }
-        if let Some(first) = results.charts.first().filter(|_| plot) {
-            print_drawn(&format!("{}\n", first.picture.text(look::of_output())))?;
-            print("")?;
-        }
-        if table {
-            print(&summary(study, tables, &results.curves)?)?;
-            print("")?;
-        }
-        if verbose && !verdicts.is_empty() {
-            print(&crossings(&verdicts))?;
-            print("")?;
-        }
-        let heading = look::wrapped(&self.heading(), look::width());
-        print(&format!("{heading}\n{}", answer.text(look::width())))?;
-        Ok(None)
+        let plot = || {
+            let first = results.charts.first();
+            first.map_or_else(String::new, |first| first.picture.text(look::of_output()))
+        };
+        let details = || {
+            let table = if shown.table { summary(study, tables, &results.curves)? } else { String::new() };
+            let crossings = if shown.verbose { crossings(&verdicts) } else { String::new() };
+            let both = [table, crossings].into_iter().filter(|text| !text.is_empty());
+            Ok(both.collect::<Vec<_>>().join("\n"))
+        };
+        shown.show(&self.heading(), &answer, &results.notes(), plot, details).map(|()| None)
     }
 
     /// The title with the number of points and trials.

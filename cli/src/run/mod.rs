@@ -20,11 +20,12 @@ use sagnac::view::report::FILE as REPORT;
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::output::{print, print_documents};
+use crate::kind;
+use crate::output::{Printed, print, print_documents};
 use crate::planning::Planning;
 use crate::program::DeviceArg;
 use crate::progress::{self, How, Shown};
-use crate::results::{Printed, Ran, check_places};
+use crate::results::{Ran, check_places};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
@@ -50,10 +51,10 @@ pub struct Options {
     device: DeviceArg,
     /// Results folder [default: results/<name of the study file>, or the own folder of a resolved_study.toml; with
     /// --shard its subfolder shard-I-of-N]
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, instead of the number in the study
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
+    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, instead of the one in the study
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
@@ -167,7 +168,7 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
     }
     let mut studies = Vec::new();
     for path in &options.studies {
-        let mut study = Study::read(path)?;
+        let mut study = kind::study(path)?;
         study.trials = options.trials.unwrap_or(study.trials);
         study.seed = options.seed.unwrap_or(study.seed);
         if options.shard.is_some() && study.precision.is_some() {
@@ -300,6 +301,7 @@ fn run_study(
         };
         say!("{rate}report {}", folder.join(REPORT).display());
     }
+    options.printed.open_page(folder);
     Ok(document)
 }
 

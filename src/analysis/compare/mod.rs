@@ -37,11 +37,12 @@
 //! p < 5 % exactly where the 95 % interval excludes 0. A square estimated below 0 counts as 0, so p errs towards "no
 //! difference" for terms that a record does not show. A coefficient that an event of a record explains as well is not compared.
 
-pub mod decision;
+pub mod answer;
 pub mod difference;
 pub(crate) mod estimate;
 pub mod figures;
 pub mod length;
+pub mod limit;
 pub mod logs;
 pub mod notes;
 pub mod ratio;

@@ -8,7 +8,6 @@ use serde_json::{Value, json};
 
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::rows::Row;
-use crate::analysis::compare::words::sentences;
 use crate::analysis::log::events;
 use crate::analysis::log::tables::text;
 use crate::analysis::requirement::Decision;
@@ -154,8 +153,8 @@ pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
         "coefficients": analysis.rows.iter().flatten().map(of_row).collect::<Vec<_>>(),
         "coefficients_missing": analysis.rows.as_ref().err(),
         "described": described(comparison.described()),
+        "answer": decision.answer,
         "decision": decision.json(),
-        "sentences": sentences(analysis),
     })
 }
 

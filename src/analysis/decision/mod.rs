@@ -15,7 +15,6 @@ pub(crate) mod choice;
 mod compared;
 pub(crate) mod evaluate;
 pub(crate) mod lever;
-pub(crate) mod lines;
 mod place;
 pub(crate) mod sheet;
 pub(crate) mod words;
@@ -23,7 +22,6 @@ pub(crate) mod words;
 pub use crate::analysis::decision::budget::Part;
 pub use crate::analysis::decision::choice::Next;
 pub use crate::analysis::decision::lever::{Also, Lever, Needed};
-pub use crate::analysis::decision::lines::Lines;
 pub use crate::analysis::decision::sheet::Sheet;
 
 use crate::analysis::decision::budget::budget;

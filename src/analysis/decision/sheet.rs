@@ -123,14 +123,6 @@ impl Sheet {
         facts
     }
 
-    /// The status and the facts, each with its label.
-    pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let limit = self.limit.map_or_else(String::new, |limit| format!(", limit {}", limit.text()));
-        let status = (self.limit.is_some()).then(|| ("Status", self.status().text() + &limit));
-        let facts = self.facts().into_iter().map(|fact| (fact.label(), fact.text()));
-        status.into_iter().chain(facts).collect()
-    }
-
     /// The sheet as JSON; values are in the units of tables, fractions as such.
     pub fn json(&self) -> Json {
         let figure = |figure: Figure| json!({ "value": figure.value, "interval95": figure.interval });
@@ -164,7 +156,6 @@ impl Sheet {
             "margin": self.margin().map(figure),
             "budget": self.budget.iter().map(part).collect::<Vec<_>>(),
             "lever": self.lever.as_ref().map(lever),
-            "sentences": self.lines(),
         })
     }
 }

@@ -47,7 +47,7 @@ fn decided(text: &str) -> Sheet {
 #[test]
 fn the_sheet_names_the_cause_and_the_change_that_meets_the_limit() {
     let sheet = decided(PULSES);
-    assert_eq!((sheet.is_met(), sheet.option.as_str()), (Some(false), "const"), "{:?}", sheet.lines());
+    assert_eq!((sheet.is_met(), sheet.option.as_str()), (Some(false), "const"), "{:?}", sheet.facts());
     assert_eq!(sheet.budget[0].name, "whole pulses of the readout", "{:?}", sheet.budget);
     let lever = sheet.lever.clone().unwrap();
     assert_eq!(lever.key, "gyro.readout_lsb");
@@ -67,7 +67,8 @@ fn the_sheet_names_the_cause_and_the_change_that_meets_the_limit() {
 fn a_study_without_a_limit_has_a_best_option_and_no_margin() {
     let sheet = decided(&PULSES.replace("limit = \"5 arcsec\"\n", ""));
     assert_eq!((sheet.is_met(), sheet.margin(), sheet.options), (None, None, 2));
-    let headings: Vec<&str> = sheet.lines().into_iter().map(|(heading, _)| heading).collect();
+    let facts = sheet.facts();
+    let headings: Vec<&str> = facts.iter().map(Fact::label).collect();
     assert_eq!(headings, ["Error budget", "Most effective change"]);
     assert_eq!(sheet.status(), Status::NoLimit);
     assert!(sheet.next.is_some_and(|next| next.option == "quadratic" && next.value > sheet.value.value));
@@ -121,7 +122,7 @@ fn a_response_is_judged_by_a_limit_only() {
     assert_eq!(sheet, None);
     // The useful modes are at 380 Hz and 300 Hz; only LGK-400 has another one, at 700 Hz.
     let sheet = decided(&study("limit = \"5000 arcsec/s/g\"\n"));
-    assert_eq!((sheet.option.as_str(), sheet.met), ("LGV-1", [3, 4]), "{:?}", sheet.lines());
+    assert_eq!((sheet.option.as_str(), sheet.met), ("LGV-1", [3, 4]), "{:?}", sheet.facts());
     assert!(sheet.next.is_some_and(|next| next.option == "LGK-400" && next.met == 2));
 }
 
@@ -136,7 +137,7 @@ fn every_input_that_meets_the_limit_by_itself_is_named_and_a_tick_says_what_it_k
     let sheet = decided(&text);
     let lever = sheet.lever.clone().unwrap();
     assert!(matches!(lever.needed, Some(Needed::Value(_))), "{lever:?}");
-    assert!(!lever.also.is_empty(), "{:?}", sheet.lines());
+    assert!(!lever.also.is_empty(), "{:?}", sheet.facts());
     let Some(Fact::ChangeToMeet { alternatives }) =
         sheet.facts().into_iter().find(|fact| fact.label() == "To meet the limit")
     else {
@@ -162,13 +163,13 @@ fn what_meets_the_limit_does_so_under_all_conditions() {
         .replace("limit = \"5 arcsec\"", "limit = \"20 arcsec\"");
     let text = format!("{text}{sweep}");
     let sheet = decided(&text);
-    assert!(sheet.condition.contains("35 Hz") && sheet.met == [3, 4], "{:?}", sheet.lines());
+    assert!(sheet.condition.contains("35 Hz") && sheet.met == [3, 4], "{:?}", sheet.facts());
     let lever = sheet.lever.clone().unwrap();
     assert_eq!(lever.key, "gyro.tick");
     let Some(Needed::Value(tick)) = lever.needed else { panic!("{lever:?}") };
     let applied = decided(&text.replace("tick = \"5 ms\"", &format!("tick = \"{} s\"", tick.value)));
-    assert!(!applied.condition.contains("35 Hz"), "{:?}", applied.lines());
-    assert!((19.5..=20.2).contains(&applied.value.value), "{tick}: {:?}", applied.lines());
+    assert!(!applied.condition.contains("35 Hz"), "{:?}", applied.facts());
+    assert!((19.5..=20.2).contains(&applied.value.value), "{tick}: {:?}", applied.facts());
 }
 
 #[test]
@@ -178,7 +179,7 @@ fn of_records_that_meet_the_limit_the_shortest_is_the_best() {
                 [[sweep]]\nkey = \"record.length\"\nlist = [\"100 s\", \"1000 s\", \"10000 s\"]\n\
                 [[chart]]\ntable = \"coefficients\"\nx = \"length\"\ny = \"relative_rmse\"\nlimit = \"6 %\"\n";
     let sheet = decided(text);
-    assert_eq!((sheet.option.as_str(), sheet.is_met()), ("16.7 min", Some(true)), "{:?}", sheet.lines());
+    assert_eq!((sheet.option.as_str(), sheet.is_met()), ("16.7 min", Some(true)), "{:?}", sheet.facts());
 }
 
 #[test]

@@ -43,6 +43,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod answer;
 pub(crate) mod candidates;
 pub mod constraints;
 pub(crate) mod error;

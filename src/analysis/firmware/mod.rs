@@ -4,7 +4,7 @@
 //! Study, Point ─ design ─▶ Firmware ─┬─ header ─▶ sagnac_filler.h
 //!                                    ├─ vectors ─▶ test_vectors.csv
 //!                                    ├─ weights ─▶ weights.csv
-//!                                    ├─ headline, decision ─▶ sentences
+//!                                    ├─ answer ─▶ Answer
 //!                                    └─ response ─▶ Figure
 //! ```
 //!
@@ -27,8 +27,8 @@
 //! ```
 
 pub mod alone;
+mod answer;
 pub mod choice;
-pub(crate) mod decision;
 pub mod design;
 pub(crate) mod header;
 pub mod memory;
@@ -37,7 +37,6 @@ pub mod rule;
 pub mod search;
 pub(crate) mod tables;
 pub(crate) mod vectors;
-pub(crate) mod words;
 
 pub use crate::analysis::firmware::alone::{Alone, KINDS, MINIMUM_VARIANCE};
 pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_point};

@@ -79,8 +79,7 @@ impl Firmware {
             self.at.iter().map(|(key, value)| ((*key).to_owned(), json!(value.to_string()))).collect();
         json!({
             "title": self.title,
-            "answer": self.headline(),
-            "decision": self.decision().map(|decision| decision.json()),
+            "answer": self.answer(),
             "at": at,
             "tick_s": self.tick_s,
             "gap_ticks": self.gap_ticks,

@@ -64,6 +64,14 @@ impl Row {
         Some(format!("{size} {unit}{}{}", self.per(), unaveraged.unwrap_or_default()))
     }
 
+    /// The event with what was done with it, in a few words, with the name of its record where there are several.
+    pub(crate) fn brief(&self, is_named: bool) -> String {
+        let of = if is_named { format!("{}: ", self.record) } else { String::new() };
+        let done = self.done.replace("; ", ", ");
+        let is_about = [SUBTRACTED, LEFT_OUT, REMOVED].iter().all(|usual| done != *usual);
+        format!("{of}{} {}", self.what, if is_about { format!("({done})") } else { done })
+    }
+
     /// The row as cells of the list.
     fn line(&self) -> Vec<String> {
         let time = self.time_s.map(|time_s| format!("{} s", significant(time_s, 6)));

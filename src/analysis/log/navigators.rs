@@ -7,17 +7,16 @@
 use serde_json::{Value as Json, json};
 
 use crate::allan::Unit;
-use crate::analysis::decision::words::{LEVEL, with_interval};
 use crate::analysis::decision::{Figure, Sheet, decide};
 use crate::analysis::log::noise_file::{self, quantity};
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};
+use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
 use crate::device::Device;
 use crate::device::cpu::Cpu;
 use crate::fit::Coefficient;
 use crate::kernel::width::Width;
 use crate::progress::{Progress, Silent};
-use crate::quantity::list::listed;
 use crate::quantity::number::{significant, with_unit};
 use crate::quantity::units::Quantity;
 use crate::run::{Plan, Tables};
@@ -227,43 +226,6 @@ fn spoken(time_s: f64) -> String {
 }
 
 impl Navigators {
-    /// The answer in a sentence, and what the coefficients without a value may cost in another.
-    pub fn sentence(&self) -> String {
-        let shown = |value: f64| with_unit(value, 3, self.unit);
-        let told = format!(
-            "After {}, 95 % of navigators with three such gyros are within {} of their place, and half within {} (CEP), {}.",
-            spoken(self.duration_s),
-            with_interval(self.within, shown),
-            shown(self.half),
-            self.class_told()
-        );
-        let told = match self.left_out_hz {
-            Some(frequency) => {
-                format!("{told} The line at {} averages out and is left out.", with_unit(frequency, 4, "Hz"))
-            }
-            None => told,
-        };
-        match &self.at_bounds {
-            Some((names, value)) => {
-                let [ends, interval] =
-                    if names.len() > 1 { ["ends of their", "intervals"] } else { ["end of its", "interval"] };
-                let (names, value) = (listed(names), shown(*value));
-                format!(
-                    "{told} The record does not show {names}; at the upper {ends} {LEVEL} {interval} it would be {value}."
-                )
-            }
-            None => told,
-        }
-    }
-
-    /// The class as the end of a sentence.
-    fn class_told(&self) -> String {
-        match self.class.as_str() {
-            "none" => "which is worse than the class tactical".to_owned(),
-            class => format!("which is the class {class}"),
-        }
-    }
-
     /// The answer as JSON.
     pub fn json(&self) -> Json {
         let bounds = self.at_bounds.as_ref();
@@ -275,16 +237,66 @@ impl Navigators {
             "class": self.class,
             "not_shown": bounds.map(|(names, _)| names),
             "within95_at_upper_ends": bounds.map(|(_, value)| value),
-            "sentence": self.sentence(),
             "decision": self.sheet.json(),
         })
     }
 }
 
-/// The navigators that are off by most.
-pub fn worst(found: &[Result<Navigators, String>]) -> Option<&Navigators> {
-    let all = found.iter().flatten();
-    all.max_by(|a, b| a.within.value.total_cmp(&b.within.value))
+/// The answer of the navigators of a log: those that are off by most, and a row for each column; `None` without any.
+pub fn answer(found: &[Result<Navigators, String>]) -> Option<Answer> {
+    let mut all: Vec<&Navigators> = found.iter().flatten().collect();
+    all.sort_by(|a, b| b.within.value.total_cmp(&a.within.value));
+    let worst = all.first()?;
+    let reading = |one: &Navigators, value: f64, interval: Option<(f64, f64)>| {
+        Reading::in_unit("position_q95", value, one.unit, interval.map(|(low, high)| [low, high]))
+    };
+    let within = |one: &Navigators| reading(one, one.within.value, one.within.interval);
+    let after = spoken(worst.duration_s);
+    let name = if found.len() > 1 { format!("{}: ", worst.column) } else { String::new() };
+    let row = |one: &&Navigators| -> Vec<AnswerCell> {
+        let value = within(one);
+        let ends = value.ends_text().unwrap_or_default();
+        let at_bounds = one.at_bounds.as_ref().map(|(names, radius)| {
+            let radius = reading(one, *radius, None);
+            AnswerCell { text: format!("{} ({})", radius.text(), names.join(", ")), value: Some(radius) }
+        });
+        let class = if one.class == "none" { "worse than tactical" } else { &one.class };
+        vec![
+            one.column.clone().into(),
+            value.into(),
+            ends.into(),
+            reading(one, one.half, None).into(),
+            at_bounds.unwrap_or_else(|| "—".to_owned().into()),
+            class.to_owned().into(),
+        ]
+    };
+    let mut facts: Vec<Fact> =
+        worst.sheet.facts().into_iter().filter(|fact| !matches!(fact, Fact::WorstCase { .. })).collect();
+    facts.extend(worst.left_out_hz.map(|frequency| Fact::Caveat {
+        text: format!("the line at {} averages out and is left out", with_unit(frequency, 4, "Hz")),
+    }));
+    facts.extend(
+        found.iter().filter_map(|one| one.as_ref().err()).map(|why| Fact::Caveat { text: why.clone() }),
+    );
+    let heads = ["column", "R95", "95 % interval", "CEP", "at upper limits", "class"];
+    Some(Answer {
+        kind: Kind::Requirement,
+        status: worst.sheet.status(),
+        headline: format!("{name}{} R95 after {after}{}", within(worst).text(), {
+            let ends = within(worst).ends_text();
+            ends.map(|ends| format!(" ({ends})")).unwrap_or_default()
+        }),
+        value: Some(within(worst)),
+        limit: worst.sheet.limit.map(|limit| reading(worst, limit.value, None)),
+        table: AnswerTable {
+            columns: heads.map(str::to_owned).into(),
+            rows: all.iter().take(MAX_ROWS).map(row).collect(),
+            best: Some(0),
+            omitted: all.len().saturating_sub(MAX_ROWS),
+        },
+        facts,
+        checks: vec![],
+    })
 }
 
 /// The name of the file of each study, for the columns of a log.

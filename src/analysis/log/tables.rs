@@ -222,6 +222,7 @@ pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
             "temperature_compensated": treatment.is_compensated,
         },
         "reading": analysis.reading,
+        "answer": decision.answer,
         "decision": decision.json(),
         "columns": columns,
         "notes": of_columns(analysis),

@@ -15,12 +15,11 @@
 //! units show a coefficient, no spread tells whether one is odd. A unit then stands apart if its interval lies
 //! above the bounds of all others.
 
-pub mod decision;
+pub mod answer;
 pub mod figures;
 mod members;
 pub mod pool;
 pub mod tables;
-pub mod words;
 
 use crate::allan::Unit as Curves;
 use crate::analysis::data_sheet::{Row, each_once};

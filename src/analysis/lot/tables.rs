@@ -9,7 +9,6 @@ use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 use crate::analysis::lot::pool::Pooled;
-use crate::analysis::lot::words::sentences;
 use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
 
 /// Meaning of the column that names coefficients.
@@ -166,8 +165,8 @@ pub fn document(lot: &Lot, decision: &Decision) -> Value {
         "treatment": lot.treatment(),
         "tests": lot.tests,
         "coefficients": lot.coefficients.iter().map(of_coefficient).collect::<Vec<_>>(),
+        "answer": decision.answer,
         "decision": decision.json(),
-        "sentences": sentences(lot),
     })
 }
 

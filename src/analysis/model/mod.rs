@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! Log  ─ log::Analysis ─┐                              ┌─ states ─▶ F, Q, R, P0 at the rate of a filter
-//! noise.toml ─ noise ───┴▶ Target ─ search ─▶ Found ───┼─ tables, figures, words ─▶ model.csv, chart, JSON, page
+//! noise.toml ─ noise ───┴▶ Target ─ search ─▶ Found ───┼─ answer, tables, figures ─▶ model.csv, chart, JSON, page
 //!                                                      └─ writers ─▶ files for the tools of others
 //! ```
 //!
@@ -21,6 +21,7 @@
 //! is above that of the truth is no proof that every linear functional of it is, but those that weigh the same times are
 //! (`docs/numerics.md` has the consistency of a Kalman filter).
 
+pub mod answer;
 pub mod figures;
 pub(crate) mod least;
 pub mod noise;
@@ -29,7 +30,6 @@ pub mod search;
 pub mod states;
 pub mod tables;
 pub mod target;
-pub mod words;
 pub mod writers;
 
 use crate::analysis::log::events::Row;

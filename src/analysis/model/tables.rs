@@ -5,13 +5,12 @@ use serde_json::{Map, Value, json};
 use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::events;
 use crate::analysis::log::tables::{key, text};
+use crate::analysis::model::answer::notes;
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::states::{discrete, si};
 use crate::analysis::model::target::Point;
-use crate::analysis::model::words::{decision, notes};
 use crate::analysis::model::{Aim, Analysis, Column, Markov};
 use crate::fit::Term;
-use crate::quantity::list::listed;
 use crate::table::column::{columns_of, object};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::theory::allan::{Part, continuous};
@@ -124,7 +123,7 @@ pub fn document(analysis: &Analysis) -> Value {
         "confidence": asked.confidence,
         "margin": asked.margin,
         "filter_hz": analysis.filter_hz(),
-        "decision": decision(analysis).json(),
+        "answer": analysis.answer(),
         "notes": notes(analysis),
     });
     if let (Value::Object(document), [Value::Object(only)]) = (&mut document, &columns[..]) {
@@ -215,22 +214,6 @@ fn of_discrete(column: &Column, step_s: f64) -> Value {
         "stationary_variance": found.stationary,
         "initial_variance": found.initial,
     })
-}
-
-/// The terms of a model in words, such as `white noise, a random walk and 2 Markov states`.
-pub(crate) fn parts(column: &Column) -> String {
-    let model = &column.found.model;
-    let states = match model.markov.len() {
-        0 => None,
-        1 => Some("one Markov state".to_owned()),
-        count => Some(format!("{count} Markov states")),
-    };
-    let all = [
-        (model.white > 0.0).then(|| "white noise".to_owned()),
-        (model.walk > 0.0).then(|| "a random walk".to_owned()),
-        states,
-    ];
-    listed(&all.into_iter().flatten().collect::<Vec<_>>())
 }
 
 /// Each part of a model with its label and its deviation over τ, for charts.

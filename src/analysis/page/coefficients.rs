@@ -3,8 +3,8 @@
 use crate::allan::Unit;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::{Analysis, Column};
-use crate::analysis::page::answer::{interval, range, stability};
 use crate::analysis::page::record::by_name;
+use crate::analysis::page::values::{interval, range, stability};
 use crate::quantity::number::significant;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
 

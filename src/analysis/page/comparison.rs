@@ -3,7 +3,7 @@
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::notes::notes;
 use crate::analysis::compare::rows::{Row, Verdict};
-use crate::analysis::compare::words::{interval, length, probability, sentences, times};
+use crate::analysis::compare::words::{interval, length, probability, times};
 use crate::analysis::compare::{figures, tables};
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
 use crate::analysis::page::{chart, shown};
@@ -16,7 +16,6 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 /// The page of two logs from their comparison and the decision to which it leads.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
     let [a, b] = &analysis.sides;
-    let mut sentences = sentences(analysis).into_iter();
     let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
     let deviations = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure))).into();
     let coefficients = coefficients(analysis).into_iter().collect();
@@ -25,9 +24,7 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
     Page {
         title: format!("{} and {} compared", a.label, b.label),
         subtitle: analysis.treatment().summary(),
-        headline: sentences.next().unwrap_or_default(),
-        sheet: decision.lines.headed(),
-        sentences: sentences.collect(),
+        answer: decision.answer.clone(),
         notes: notes(analysis),
         sections: vec![
             shown("What these records show", &analysis.events().concat()),

@@ -13,7 +13,6 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 /// The page of a design from its table and its chart.
 pub fn of_design(found: &Design, sheet: Option<&Sheet>, table: &Table, picture: Picture) -> Page {
     let study = &found.study;
-    let mut sentences = report::recommendation(found).into_iter();
     let grid = |(head, lines): (Vec<String>, Vec<Vec<String>>)| {
         let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
         Block::Grid(Grid { head, rows })
@@ -33,9 +32,7 @@ pub fn of_design(found: &Design, sheet: Option<&Sheet>, table: &Table, picture: 
     Page {
         title: study.title.clone(),
         subtitle: "How often should the gyro switch, and with which filler?".to_owned(),
-        sheet: sheet.map(Sheet::lines).unwrap_or_default(),
-        headline: sentences.next().unwrap_or_default(),
-        sentences: sentences.collect(),
+        answer: found.answer(sheet),
         notes: found.notes.clone(),
         sections: vec![
             section("drift", "Drift over the switching interval", vec![chart("design", picture)]),

@@ -22,10 +22,8 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     Page {
         title: firmware.title.clone(),
         subtitle: format!("Weights for a gap of {} lost {ticks}{place}", firmware.gap_ticks),
-        sheet: firmware.decision().map(|decision| decision.headed()).unwrap_or_default(),
-        headline: firmware.headline(),
-        sentences: vec![],
-        notes: firmware.unsampled.iter().map(|why| format!("There is no rms: {why}.")).collect(),
+        answer: firmware.answer(),
+        notes: vec![],
         sections: vec![
             section("search", "Ticks before and after the gap", search),
             section("fillers", "Fillers", vec![Block::Grid(of_designs(firmware))]),

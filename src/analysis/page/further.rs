@@ -2,12 +2,12 @@
 
 use crate::analysis::dynamic::{self, Dynamic, words};
 use crate::analysis::log::Analysis;
-use crate::analysis::log::navigators::Navigators;
-use crate::analysis::page::answer::interval;
 use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
+use crate::analysis::page::values::interval;
 use crate::analysis::temperature::tables::{Row, rows};
 use crate::analysis::temperature::{self, Temperature, notes::notes};
+use crate::answer::Answer;
 use crate::quantity::number::significant;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
@@ -32,13 +32,10 @@ pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) 
     Section { id: "temperature", heading: "Temperature", blocks: charts.chain(grid).chain(notes).collect() }
 }
 
-/// The section on navigators with the gyros of a log.
-pub fn of_navigators(found: &[Result<Navigators, String>]) -> Section {
-    let said = found.iter().map(|one| match one {
-        Ok(found) => Block::Text(format!("{}: {}", found.column, found.sentence())),
-        Err(why) => Block::Note(why.clone()),
-    });
-    Section { id: "navigators", heading: "Navigators", blocks: said.collect() }
+/// The section on navigators with the gyros of a log, beside another answer.
+pub fn of_navigators(found: &Answer) -> Section {
+    let blocks = vec![Block::Text(format!("{}.", found.headline)), Block::Options(found.table.clone())];
+    Section { id: "navigators", heading: "Navigators", blocks }
 }
 
 /// The section on the noise of a log over time.

@@ -1,6 +1,6 @@
 //! The page of a lot.
 
-use crate::analysis::lot::words::{notes, sentences};
+use crate::analysis::lot::answer::notes;
 use crate::analysis::lot::{Lot, figures, tables};
 use crate::analysis::page::chart;
 use crate::analysis::requirement::Decision;
@@ -9,7 +9,6 @@ use crate::view::report::sections::{Page, Section};
 
 /// The page of a lot of units with the decision to which it leads.
 pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
-    let mut sentences = sentences(lot).into_iter();
     let section = |id, heading, stem, figure| Section {
         id,
         heading,
@@ -18,9 +17,7 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
     Page {
         title: format!("A lot of {} units", lot.labels.len()),
         subtitle: figures::subtitle(lot),
-        headline: sentences.next().unwrap_or_default(),
-        sheet: decision.lines.headed(),
-        sentences: sentences.collect(),
+        answer: decision.answer.clone(),
         notes: notes(lot),
         sections: vec![
             section("coefficients", "Coefficients", "chart-2", figures::coefficients(lot)),

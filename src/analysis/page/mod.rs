@@ -11,7 +11,6 @@
 //! Sensitivity ────────────────────────── of_sensitivity ─▶ Page
 //! ```
 
-mod answer;
 mod coefficients;
 mod comparison;
 mod design;
@@ -24,8 +23,8 @@ mod record;
 mod sensitivity;
 mod spectrum;
 mod trace;
+mod values;
 
-pub use crate::analysis::page::answer::of_noise;
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::filler::of_filler;
@@ -35,8 +34,9 @@ pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
-use crate::analysis::page::answer::range;
+use crate::analysis::page::values::range;
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
+use crate::answer::Answer;
 use crate::record::log::channel::Log;
 use crate::study::Study;
 use crate::view::chart::figure::Figure;
@@ -44,12 +44,12 @@ use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
-/// The page of a log from its analysis and the lines of the decision to which it leads, with the sections of `further`
-/// analyses. If it has no spectra, `without` says why.
+/// The page of a log from its analysis and its answer, with the sections of `further` analyses. If it has no spectra, `without` says
+/// why.
 pub fn of_log(
     log: &Log,
     analysis: &Analysis,
-    sheet: Vec<(&'static str, String)>,
+    answer: Answer,
     without: Option<&NoSpectrum>,
     further: Vec<Section>,
 ) -> Page {
@@ -72,9 +72,7 @@ pub fn of_log(
     Page {
         title: format!("Noise of {file}"),
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
-        headline: answer::headline(noise),
-        sheet,
-        sentences: answer::sentences(analysis),
+        answer,
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),
         tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),

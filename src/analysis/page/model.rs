@@ -1,8 +1,8 @@
 //! The page of a model for a filter.
 
 use crate::allan::Deviation;
+use crate::analysis::model::answer::notes;
 use crate::analysis::model::states::discrete;
-use crate::analysis::model::words::{bounded, decision, headline, notes, sentence};
 use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Analysis, Column, figures, tables};
 use crate::analysis::page::{chart, shown};
@@ -18,7 +18,6 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
     let coefficients = columns().map(|column| Block::Grid(coefficients(column))).collect();
     let at_rate = columns().flat_map(|column| matrices(analysis, column)).collect();
     let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name, text)).collect();
-    let several = analysis.columns.len() > 1;
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: format!(
@@ -26,9 +25,7 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
             analysis.source.path.file_name().unwrap_or_default().to_string_lossy()
         ),
         subtitle: analysis.source.heading.clone(),
-        headline: headline(analysis),
-        sheet: decision(analysis).headed(),
-        sentences: columns().filter(|_| several).map(sentence).collect(),
+        answer: analysis.answer(),
         notes: notes(analysis),
         sections: vec![
             shown("What this record shows", &analysis.events()),
@@ -70,11 +67,10 @@ fn matrices(analysis: &Analysis, column: &Column) -> Vec<Block> {
         Block::Grid(Grid { head, rows: found.names.iter().zip(rows).map(row).collect() })
     };
     let said = format!(
-        "{}: steps of {} s, in SI units. {} The initial variance of the random walk is what it accumulates over the longest τ; add the square of \
+        "{}: steps of {} s, in SI units. The initial variance of the random walk is what it accumulates over the longest τ; add the square of \
          the turn-on bias, which a record does not show.",
         column.target.name,
-        significant(found.step_s, 6),
-        bounded(column, analysis)
+        significant(found.step_s, 6)
     );
     let variances = |all: Vec<String>| {
         found.names.iter().cloned().zip(all).map(|(name, x)| format!("{name}: {x}")).collect()

@@ -9,7 +9,6 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of a sensitivity from its table and its chart.
 pub fn of_sensitivity(study: &Study, found: &Sensitivity, table: &Table, picture: Picture) -> Page {
-    let mut sentences = report::answer(found).into_iter();
     let (head, lines) = report::by_input(found);
     let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
     let made = Block::Facts(vec![
@@ -19,10 +18,8 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity, table: &Table, picture
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
-        subtitle: format!("Which uncertain input decides the {}?", found.answer.label),
-        sheet: report::decision(found).headed(),
-        headline: sentences.next().unwrap_or_default(),
-        sentences: sentences.collect(),
+        subtitle: format!("Which uncertain input drives the {}?", found.answer.label),
+        answer: found.answer(),
         notes: found.notes.clone(),
         sections: vec![
             section("inputs", "Uncertain inputs", vec![Block::Grid(Grid { head, rows })]),

@@ -2,15 +2,10 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::analysis::decision::Figure;
-use crate::analysis::decision::words::{at_level, margin_in_words};
+use crate::analysis::data_sheet::Row;
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::{Gap, Subject};
-use crate::quantity::number::percent;
-use crate::quantity::number::{significant, with_unit};
-
-/// Significant digits of values.
-const DIGITS: usize = 4;
+use crate::answer::Reading;
 
 /// How an interval lies to its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,6 +27,14 @@ impl Standing {
             (_, ..=1.0) => Standing::Met,
             (low, _) if low > 1.0 => Standing::NotMet,
             _ => Standing::Open,
+        }
+    }
+
+    /// The standing as the status of a limit.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Standing::Open => "inconclusive",
+            standing => standing.name(),
         }
     }
 
@@ -134,76 +137,46 @@ impl<'a> Judged<'a> {
         self.limit.of
     }
 
-    fn level(&self) -> &str {
-        self.subject.level_of(self.limit.of)
+    /// The limit as a value.
+    pub(crate) fn limit(&self) -> Reading {
+        self.in_unit(self.limit.value, None)
     }
 
-    fn in_unit(&self, value: f64) -> String {
-        let (_, symbol) = self.limit.of.unit(self.limit.unit);
-        with_unit(value, DIGITS, symbol)
-    }
-
-    /// The whole statement, with the limit.
-    pub(crate) fn told(&self) -> String {
-        let (name, limit) = (self.limit.of.told(), self.in_unit(self.limit.value));
-        let standing = self.standing();
-        match &self.shown {
-            Err(gap) => gap.told(self.limit.of),
-            Ok(Shown { value: Some(value), ends: [low, high] }) => {
-                let figure = Figure { value: *value, interval: Some((*low, *high)) };
-                let value = at_level(figure, self.level(), |value| self.in_unit(value));
-                match standing {
-                    Standing::Met => format!("{name} is {value}, within {limit}"),
-                    Standing::NotMet => format!("{name} is {value}, above {limit}"),
-                    _ => format!("{name} is {value}, and the interval contains the limit of {limit}"),
-                }
-            }
-            Ok(Shown { value: None, ends: [_, high] }) => {
-                let most = self.in_unit(*high);
-                match (self.limit.of, standing) {
-                    (Limited::Stability, Standing::Met) => {
-                        format!(
-                            "{name} is at most {most}, as the curve still falls at an eighth of the record, within {limit}"
-                        )
-                    }
-                    (Limited::Stability, _) => {
-                        format!(
-                            "{name} is at most {most}, as the curve still falls at an eighth of the record, and this bound is above {limit}"
-                        )
-                    }
-                    (_, Standing::Met) => {
-                        format!("{name} is not identified, but at most {most}, within {limit}")
-                    }
-                    (..) => {
-                        format!("{name} is not identified, and its upper bound of {most} is above {limit}")
-                    }
-                }
-            }
-        }
-    }
-
-    /// The sentence tells how much of the limit is left; it is `None` where nothing is known.
-    pub(crate) fn margin(&self) -> Option<String> {
+    /// The value with its interval; `None` of a bound, and where nothing is known.
+    pub(crate) fn reading(&self) -> Option<Reading> {
         let Shown { value, ends } = *self.shown.as_ref().ok()?;
-        let left = |value: f64| 1.0 - self.part(value);
-        Some(match (value, left(ends[1])) {
-            (Some(value), least) => {
-                let margin = Figure { value: left(value), interval: Some((least, left(ends[0]))) };
-                margin_in_words(margin, self.level())
-            }
-            (None, least) if least >= 0.0 => format!("At least {} of the limit is left.", percent(least)),
-            (None, least) => format!("The upper bound is {} times the limit.", significant(1.0 - least, 3)),
-        })
+        Some(self.in_unit(value?, Some(ends)))
     }
 
-    /// The value in parts of the limit, or its bound.
-    pub(crate) fn times(&self) -> String {
-        match &self.shown {
-            Ok(Shown { value: Some(value), .. }) => {
-                format!("{} times the limit", significant(self.part(*value), 3))
+    fn in_unit(&self, value: f64, interval: Option<[f64; 2]>) -> Reading {
+        let (_, symbol) = self.limit.of.unit(self.limit.unit);
+        Reading::in_unit(self.limit.of.name(), value, symbol, interval)
+    }
+
+    /// Whether this is the row that is limited.
+    pub(crate) fn is_of(&self, row: &Row) -> bool {
+        let name = if self.of() == Limited::Floor { None } else { Some(self.of().name()) };
+        name == Some(row.name)
+            || self.subject.floor.is_some_and(|floor| name.is_none() && std::ptr::eq(floor, row))
+    }
+
+    /// Whether the limit is met, in a sentence of one value.
+    pub(crate) fn headline(&self) -> String {
+        let (name, limit) = (self.of().told(), self.limit().text());
+        let verb = match self.standing() {
+            Standing::Met => "meets",
+            Standing::NotMet => "misses",
+            _ => "may miss",
+        };
+        match (&self.shown, self.reading()) {
+            (_, Some(reading)) => {
+                let interval = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
+                format!("{name} {} {verb} the {limit} limit{interval}", reading.text())
             }
-            Ok(_) => format!("at most {} times the limit", significant(self.upper(), 3)),
-            Err(_) => "unknown".to_owned(),
+            (Ok(Shown { ends: [_, most], .. }), None) => {
+                format!("{name} ≤ {} {verb} the {limit} limit", self.in_unit(*most, None).text())
+            }
+            (Err(_), None) => format!("{name} is unknown, limit {limit}"),
         }
     }
 

@@ -1,9 +1,8 @@
-//! Requirements on the noise of sensors: limits on coefficients, and the decision to which records lead.
+//! Requirements on the noise of sensors: limits on coefficients, and the answer of records.
 //!
 //! ```text
 //! text ─ Limit::parse ─▶ Limit ─┐
-//! log, lot ─▶ Subject ──────────┴─ Judged ─▶ Standing ─┬─ what decides it ─▶ Decision: five lines, judgements
-//!                  fit ─ largest ──────────────────────┘
+//! log, lot ─▶ Subject ──────────┴─ Judged ─▶ Standing ─▶ Decision: Answer, judgements
 //! ```
 //!
 //! A limit is met if the upper end of the 95 % interval of the coefficient is at most the limit. It is not met if the lower end is
@@ -11,18 +10,16 @@
 //! upper bound only, which meets the limit or does not decide. Coefficients of a fit that does not describe its curve decide
 //! nothing.
 
-mod best;
-mod decision;
+mod answer;
+mod change;
 mod judged;
-mod largest;
-mod lever;
 mod limit;
 mod subject;
 
-pub use crate::analysis::requirement::decision::{Decision, decide};
+pub use crate::analysis::requirement::answer::{Decision, decide};
 pub use crate::analysis::requirement::judged::{Judgement, Standing};
 pub use crate::analysis::requirement::limit::{Limit, LimitError, Limited, applies, check};
 pub use crate::analysis::requirement::subject::Subject;
 
-pub(crate) use crate::analysis::requirement::judged::met;
+pub(crate) use crate::analysis::requirement::answer::{status, value_or_bound};
 pub(crate) use crate::analysis::requirement::limit::{is_fitted, named, twice};

@@ -2,7 +2,6 @@
 
 use crate::allan::{Spread, Unit};
 use crate::analysis::data_sheet::{DataSheet, Row};
-use crate::analysis::decision::words::LEVEL;
 use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::Limited;
@@ -19,10 +18,10 @@ pub struct Subject<'a> {
     pub noise: Result<Option<&'a DataSheet>, &'a str>,
     /// The minimum of its curve up to an eighth of the record; without a value where the curve still falls there.
     pub stability: Option<Row>,
+    /// Averaging time of that minimum, s.
+    pub stability_tau_s: Option<f64>,
     /// N of the flat part of its density.
     pub floor: Option<&'a Row>,
-    /// Probability of the intervals of the minimum and of the floor, such as `95 %`.
-    pub level: String,
     /// Number of samples.
     pub samples: usize,
     /// Time from sample to sample, s.
@@ -70,14 +69,18 @@ impl<'a> Subject<'a> {
     /// A column of a log, with N of its density where that is flat.
     pub(crate) fn of_column(log: &log::Analysis, column: &'a Column, floor: Option<&'a Row>) -> Subject<'a> {
         let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
+        let stability =
+            curve.and_then(|curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples));
+        let minimum = curve.and_then(|curve| curve.minimum).map(|minimum| minimum.point);
+        // That of the whole curve may lie beyond an eighth of the record.
+        let minimum = minimum.filter(|point| stability.as_ref().is_some_and(|row| row.value == point.value));
         Subject {
             label: &column.name,
             unit: column.unit,
             noise: column.noise.as_ref().map(Option::as_ref).map_err(String::as_str),
-            stability: curve
-                .and_then(|curve| least_or_bound(column.unit, curve.deviation, &curve.points, log.samples)),
+            stability,
+            stability_tau_s: minimum.map(|point| point.tau_s),
             floor,
-            level: log.percent(),
             samples: log.samples,
             step_s: log.step_s,
             spread: &column.spread,
@@ -108,10 +111,5 @@ impl<'a> Subject<'a> {
             Limited::Floor => (self.floor, Gap::NoFloor),
         };
         row.filter(|row| row.interval.is_some()).ok_or(without)
-    }
-
-    /// Probability of the interval of this.
-    pub(crate) fn level_of(&self, of: Limited) -> &str {
-        if matches!(of, Limited::Coefficient(_)) { LEVEL } else { &self.level }
     }
 }

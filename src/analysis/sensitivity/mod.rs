@@ -40,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod answer;
 pub(crate) mod error;
 pub(crate) mod evaluate;
 pub mod report;
@@ -197,7 +198,7 @@ pub fn sensitivity(
         within,
         noise,
         notes: notes(&study, uncertain, noise),
-        inputs: joined(uncertain, &found, swings),
+        inputs: joined(uncertain, &nominal, &found, swings),
         answer,
     })
 }

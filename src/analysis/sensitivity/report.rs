@@ -1,20 +1,15 @@
-//! The output of an analysis: the answer in words, all inputs as a table and as a tornado chart, and both as JSON.
+//! The output of an analysis: all inputs as a table and as a tornado chart, and the result as JSON.
 
 use serde_json::{Value, json};
 
-use crate::analysis::decision::words::with_interval;
-use crate::analysis::decision::{Figure, Lines};
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
 use crate::key::scale::Scale;
-use crate::quantity::list::listed;
-use crate::quantity::number::percent as share_of;
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::columns_of;
 use crate::table::{ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::{Axis, Figure as Drawing, Grouping, Series, SeriesPoint};
-use crate::view::report::agreement::capitalised;
 
 type Of<'a> = ColumnOf<&'a Input>;
 
@@ -68,28 +63,6 @@ pub fn table(found: &Sensitivity) -> Table {
     Table { columns }
 }
 
-/// Which input decides the answer, in one line.
-pub fn headline(found: &Sensitivity) -> String {
-    let Input { key, index, .. } = found.decisive();
-    let (first, total) = (percent(index.first.value), percent(index.total.value));
-    let interacts = index.total.interval.is_some_and(|(low, _)| low > index.first.value);
-    let alone = match interacts && first != total {
-        true => format!("it explains {first} % of its variance alone and {total} % with the other inputs"),
-        false => format!("it explains {first} % of its variance"),
-    };
-    format!("{key} decides the {}: {alone}", found.answer.label)
-}
-
-/// A part in whole percents, which sampling may have left outside 0 to 100.
-fn percent(part: f64) -> String {
-    format!("{:.0}", (100.0 * part.clamp(0.0, 1.0)))
-}
-
-fn number(found: &Sensitivity, value: f64) -> String {
-    let symbol = found.answer.unit.symbol;
-    format!("{}{}{symbol}", significant(value, 4), if symbol.is_empty() { "" } else { " " })
-}
-
 /// The headings and lines of a table of the inputs, by falling total index.
 pub fn by_input(found: &Sensitivity) -> (Vec<String>, Vec<Vec<String>>) {
     let answer = format!("{} over that range", found.answer.label);
@@ -111,109 +84,6 @@ pub fn by_input(found: &Sensitivity) -> (Vec<String>, Vec<Vec<String>>) {
         ]
     });
     (heading.map(str::to_owned).to_vec(), lines.collect())
-}
-
-/// The answer in sentences: what decides it, which is the headline, how it is distributed, and how often it is within the
-/// limit.
-pub fn answer(found: &Sensitivity) -> Vec<String> {
-    let of = |value: f64| number(found, value);
-    let (low, high) = found.decisive().index.total.interval.unwrap_or_default();
-    let mut lines = vec![format!("{}.", headline(found))];
-    lines.push(format!(
-        "Its total index lies between {} % and {} % (95 %). The answer is {} with all inputs at their nominal values.",
-        percent(low),
-        percent(high),
-        of(found.nominal)
-    ));
-    let [least, median, most] = found.quantiles.map(of);
-    lines.push(format!(
-        "Over all inputs its mean is {} and its standard deviation {}; 5 %, 50 % and 95 % of answers are below {least}, {median} and {most}.",
-        of(found.mean.value),
-        of(found.sd.value),
-    ));
-    if let Some((limit, part)) = &found.within {
-        let (low, high) = part.interval.unwrap_or((part.value, part.value));
-        let [value, low, high] =
-            [part.value, low, high].map(|part| significant(100.0 * part.clamp(0.0, 1.0), 3));
-        lines.push(format!(
-            "{value} % of answers ({low} to {high}) are within the limit of {}.",
-            of(limit.value)
-        ));
-    }
-    let unexplained = 1.0 - found.inputs.iter().map(|input| input.index.first.value).sum::<f64>();
-    lines.push(match percent(unexplained).as_str() {
-        "0" => "The inputs act independently of each other.".to_owned(),
-        part => format!("{part} % of the variance comes from inputs that act together."),
-    });
-    lines
-}
-
-/// Most inputs that are named as those that limit.
-const MOST_NAMED: usize = 3;
-
-/// The decision: whether nearly all answers are within the limit, and which input decides it. 95 % of answers count,
-/// which is the highest of [`LEVELS`].
-pub fn decision(found: &Sensitivity) -> Lines {
-    let of = |value: f64| number(found, value);
-    let [_, _, most] = found.quantiles.map(f64::abs);
-    let limit = found.within.as_ref().map(|(limit, _)| limit.value);
-    let met = limit.map(|limit| most <= limit);
-    let requirement = match (limit, met) {
-        (Some(limit), Some(true)) => {
-            format!("Met: 95 % of answers are below {}, within {}.", of(most), of(limit))
-        }
-        (Some(limit), _) => format!("Not met: 95 % of answers are below {}, above {}.", of(most), of(limit)),
-        (None, _) => format!("None is given; 95 % of answers are below {}.", of(most)),
-    };
-    let rows: Vec<String> = found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect();
-    let best = match rows.is_empty() {
-        true => "Options are not compared; the study has one row.".to_owned(),
-        false => format!("Options are not compared; the answer is that of {}.", listed(&rows)),
-    };
-    let margin = match limit {
-        None => "Without a limit there is none.".to_owned(),
-        Some(limit) if most <= limit => {
-            format!("{} of the limit is left for 95 % of answers.", share_of(1.0 - most / limit))
-        }
-        Some(limit) => {
-            format!("95 % of answers reach up to {} times the limit.", significant(most / limit, 3))
-        }
-    };
-    let named = found.by_total().into_iter().take(MOST_NAMED);
-    let named: Vec<String> = named
-        .map(|input| {
-            let Found { value, interval } = input.index.total;
-            let figure = Figure { value, interval };
-            format!("{} {}", input.key, with_interval(figure, |part| share_of(part.clamp(0.0, 1.0))))
-        })
-        .collect();
-    let limits = format!("{} of the variance of the answer.", listed(&named));
-    let sentences = [requirement, best, margin, limits, lever(found, limit)];
-    Lines { met, sentences }
-}
-
-/// The input whose value between its 5 % and its 95 % quantile lowers the answer most.
-fn lever(found: &Sensitivity, limit: Option<f64>) -> String {
-    let ends = |input: &Input| [0, 1].map(|end| (input.range[end], input.ends[end].abs()));
-    let lowest =
-        |input: &Input| ends(input).into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
-    let lowers = |a: &&Input, b: &&Input| lowest(a).1.total_cmp(&lowest(b).1);
-    let Some(input) = found.inputs.iter().min_by(lowers) else { return String::new() };
-    let (at, left) = lowest(input);
-    let value = format!("{} {}", significant(at, 4), input.unit.symbol);
-    let judged = match limit {
-        Some(limit) if left <= limit => ", which meets the limit",
-        Some(_) => ", which alone does not meet the limit",
-        None => "",
-    };
-    format!(
-        "{} ({}): at {} the answer is {} instead of {}{judged}.",
-        capitalised(input.label),
-        input.key,
-        value.trim_end(),
-        number(found, left),
-        number(found, found.nominal)
-    )
 }
 
 /// How the answer was evaluated, in one line.
@@ -243,7 +113,7 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
     let styles = ["nominal", "at 5 %", "at 95 %"].map(str::to_owned);
     Drawing {
         title: study.title.clone(),
-        subtitle: Some(headline(found)),
+        subtitle: Some(found.answer().headline),
         x: Axis { scale: Scale::Linear, whole: true, names, ..Axis::new("uncertain input", "") },
         y: Axis { scale: Scale::Linear, ..Axis::new(&found.answer.label, found.answer.unit.symbol) },
         colours: Grouping::of("the input", styles),
@@ -285,8 +155,7 @@ pub fn json(study: &Study, found: &Sensitivity) -> Value {
     let level = |(level, value): (&f64, &f64)| json!({ "level": level, "value": value });
     json!({
         "title": study.title,
-        "decision": decision(found).json(),
-        "answer": headline(found),
+        "answer": found.answer(),
         "column": found.answer.name,
         "unit": found.answer.unit.symbol,
         "rows": rows.collect::<serde_json::Map<String, Value>>(),

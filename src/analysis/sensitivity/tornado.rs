@@ -18,6 +18,8 @@ pub struct Input {
     pub unit: Unit,
     /// Sobol' indices.
     pub index: Index,
+    /// Its nominal value.
+    pub nominal: f64,
     /// The 5 % and 95 % quantiles of the input.
     pub range: [f64; 2],
     /// The answer at these two, with the other inputs at their nominal values.
@@ -72,9 +74,14 @@ pub(crate) fn swings(
 }
 
 /// Each input with its indices and its swing.
-pub(crate) fn joined(uncertain: &[Uncertain], found: &Indices, swings: Swings) -> Vec<Input> {
-    let all = uncertain.iter().zip(&found.inputs).zip(swings.inputs);
-    let input = |((input, index), along): ((&Uncertain, &Index), Vec<f64>)| {
+pub(crate) fn joined(
+    uncertain: &[Uncertain],
+    nominal: &[Swept],
+    found: &Indices,
+    swings: Swings,
+) -> Vec<Input> {
+    let all = uncertain.iter().zip(nominal).zip(&found.inputs).zip(swings.inputs);
+    let input = |(((input, nominal), index), along): (((&Uncertain, &Swept), &Index), Vec<f64>)| {
         let shown = |level: f64| input.at(level).cell().number().unwrap_or(f64::NAN);
         let (least, most) = along
             .iter()
@@ -84,6 +91,7 @@ pub(crate) fn joined(uncertain: &[Uncertain], found: &Indices, swings: Swings) -
             label: input.key.label,
             unit: input.at(0.5).unit(),
             index: *index,
+            nominal: nominal.cell().number().unwrap_or(f64::NAN),
             range: [shown(LEVELS[0]), shown(LEVELS[2])],
             ends: [along[0], along[STEPS]],
             swing: [least, most],

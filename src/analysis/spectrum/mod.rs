@@ -6,7 +6,7 @@
 //!                                            └─ decision ─▶ Decision, also of `sagnac allan`
 //! ```
 
-pub mod decision;
+mod answer;
 pub mod figures;
 pub mod notes;
 pub mod tables;

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use crate::answer::{Answer, AnswerTable};
 use crate::table::Table;
 use crate::view::picture::Drawn;
 use crate::view::report::data::{Packed, data};
@@ -12,9 +13,6 @@ use crate::view::report::still::still;
 /// Styles that only such pages need.
 const STYLE: &str = include_str!("../../../assets/report/sections.css");
 
-/// Most notes that are open at first.
-const MOST_NOTES: usize = 4;
-
 /// A page with an answer, sections and tables, such as that of a log. Its texts may contain settings such as `force = true` in backticks, which
 /// the front end spells as its options.
 #[derive(Debug)]
@@ -23,12 +21,8 @@ pub struct Page {
     pub title: String,
     /// A line below the title.
     pub subtitle: String,
-    /// The answer in one sentence.
-    pub headline: String,
-    /// The lines of the decision, each with its heading.
-    pub sheet: Vec<(&'static str, String)>,
-    /// Further sentences of the answer.
-    pub sentences: Vec<String>,
+    /// The answer.
+    pub answer: Answer,
     /// Notes attached to the results.
     pub notes: Vec<String>,
     /// Sections in their order; those without blocks are left out.
@@ -61,6 +55,8 @@ pub enum Block {
     Facts(Vec<(&'static str, Vec<String>)>),
     /// A small table to read.
     Grid(Grid),
+    /// The table of an answer beside that of the page.
+    Options(AnswerTable),
     /// A chart.
     Chart(Drawn),
     /// A chart of so many points that none has a marker.
@@ -114,7 +110,7 @@ impl Page {
             .collect();
         let said = |text: &str| said(&spell(text));
         let mut places = 0..;
-        let told = [&*self.title, &*self.subtitle, self.headline.trim_end_matches('.')];
+        let told = [&*self.title, &*self.subtitle, &self.answer.headline];
         let body = html! {
             @if !charts.is_empty() { p.hint.reading { (READING) } }
             @if thinned > 1 { p.note { "Curves show one point in " (thinned) "." } }
@@ -126,22 +122,8 @@ impl Page {
             }
             (listings(&tables))
         };
-        let answer = html! {
-            section #answer {
-                h2 { "Answer" }
-                p.headline { (said(&self.headline)) }
-                (sheet(&self.sheet, &said))
-                @if !self.sentences.is_empty() { ul { @for sentence in &self.sentences { li { (said(sentence)) } } } }
-                @if self.notes.len() > MOST_NOTES {
-                    details {
-                        summary { (self.notes.len()) " notes" }
-                        @for note in &self.notes { p.note { (said(note)) } }
-                    }
-                } @else {
-                    @for note in &self.notes { p.note { (said(note)) } }
-                }
-            }
-        };
+        let notes: Vec<String> = self.notes.iter().map(|note| spell(note)).collect();
+        let answer = self.answer.card("", &notes);
         let shell = Shell {
             title: &self.title,
             question: &self.subtitle,
@@ -168,7 +150,7 @@ impl Page {
         let is_chart = |block: &&Block| matches!(block, Block::Chart(_));
         let first = blocks().find(is_chart).and_then(drawn).or_else(|| self.charts().next());
         let [title, question, headline] =
-            [&self.title, &self.subtitle, &self.headline].map(|text| spell(text));
+            [&self.title, &self.subtitle, &self.answer.headline].map(|text| spell(text));
         Card {
             title,
             question,
@@ -183,13 +165,6 @@ fn drawn(block: &Block) -> Option<&Drawn> {
     match block {
         Block::Chart(drawn) | Block::Trace(drawn) => Some(drawn),
         _ => None,
-    }
-}
-
-/// The lines of a decision, each with its heading.
-pub(crate) fn sheet(lines: &[(&'static str, String)], said: &dyn Fn(&str) -> Markup) -> Markup {
-    html! {
-        @if !lines.is_empty() { dl.sheet { @for (name, sentence) in lines { dt { (name) } dd { (said(sentence)) } } } }
     }
 }
 
@@ -214,6 +189,7 @@ fn block(
                 }
             }
             Block::Grid(grid) => { (self::grid(grid)) }
+            Block::Options(table) => { (table.html()) }
             Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart", told)) }
             Block::File(name, text) => { (file(name, text)) }
             Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace", told)) }

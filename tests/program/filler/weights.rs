@@ -114,7 +114,7 @@ fn rows_by_tick_are_the_polynomial_at_each_lost_tick_and_sum_to_1() {
 #[test]
 fn the_terminal_shows_exact_fractions_and_says_what_a_filler_does_not_give() {
     let desk = Desk::with(STUDY);
-    let ended = desk.done("filler study.toml");
+    let ended = desk.full("filler study.toml");
     for piece in [
         "n = 3 lost ticks of 5 ms",
         "sum  −1  5/2  5/2  −1",
@@ -141,7 +141,7 @@ fn a_point_that_cannot_be_sampled_has_weights_but_no_rms() {
     let desk = Desk::with(&STUDY.replace("1.6 arcsec", "1e-9 arcsec"));
     let words = "study.toml --filler quadratic";
     let ended = desk.done(&format!("filler {words}"));
-    assert!(ended.stdout.contains("no rms: gyro.tick_noise"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("there is no rms: gyro.tick_noise"), "{}", ended.stdout);
     let json = tables(&desk, words);
     assert_eq!(entry(&json, "quadratic", "residual")["rms_arcsec"], Value::Null);
 }

@@ -2,20 +2,22 @@
 
 use serde_json::{Value, json};
 
+use crate::analysis::decision::Sheet;
+use crate::analysis::design::report::ends;
 use crate::analysis::design::report::trade::{limit, pareto_json};
-use crate::analysis::design::report::{ends, headline};
 use crate::analysis::design::{Design, Filler, LeftOut, Tried, Variant};
 use crate::kinds::table::column_of;
 
 /// The recommendation and all results.
-pub fn json(found: &Design) -> Value {
+pub fn json(found: &Design, sheet: Option<&Sheet>) -> Value {
     let (study, variant, best) = (&found.study, found.variant(), found.best());
     let (drift, rule) = (best.best().drift, best.papers_rule.as_ref());
     let [interval_lo_s, interval_hi_s] = ends(best.optimum);
     let [drift_lo, drift_hi] = ends(drift);
     let mut document = json!({
         "title": study.title,
-        "answer": format!("{}.", headline(found)),
+        "answer": found.answer(sheet),
+        "decision": sheet.map(Sheet::json),
         "estimate": found.measure.name(),
         "unit": "deg/h",
         "trials": found.trials,

@@ -1,4 +1,4 @@
-//! The output of a design: the recommendation in words, all results as a table, and both as JSON.
+//! The output of a design: its tables and charts, and all results as JSON.
 
 pub(crate) mod json;
 pub(crate) mod tables;
@@ -12,27 +12,15 @@ pub(crate) use crate::analysis::design::report::trade::pareto_columns;
 pub use crate::analysis::design::report::trade::{by_choice, pareto_figure, pareto_table};
 pub use crate::analysis::design::report::variants::by_variant;
 
-use crate::analysis::design::report::trade::trade;
-use crate::analysis::design::report::variants::{cost_heads, costs, next_variant, told};
-use crate::analysis::design::{Design, Filler, Found, PapersRule};
+pub(crate) use crate::analysis::design::report::variants::named;
+
+use crate::analysis::design::report::variants::{cost_heads, costs};
+use crate::analysis::design::{Design, Filler, Found};
 use crate::quantity::number::significant;
 
 /// Name of the filler in tables.
 pub fn called(filler: &Filler) -> &str {
     filler.name.as_deref().unwrap_or("as given")
-}
-
-/// The recommendation in one line: interval and filler, with the drift as a rate and as an angle after the run.
-pub fn headline(found: &Design) -> String {
-    let (variant, best, label) = (found.variant(), found.best(), found.measure.label());
-    let filler = best.name.as_ref().map_or(String::new(), |name| format!(" with the {name} filler"));
-    let values = told(found, variant).into_iter().map(|value| format!(", {value}")).collect::<String>();
-    let (interval, drift) = (four_digits(best.best().interval_s), best.best().drift.value);
-    let [rate, angle] = [drift, variant.angle(drift)].map(three_digits);
-    format!(
-        "Switch every {interval} s{filler}{values}: {label} {rate} °/h, {angle} arcsec after {}",
-        duration(variant.duration_s)
-    )
 }
 
 /// A time in the largest unit of which it has at least one.
@@ -82,57 +70,6 @@ pub fn by_filler(found: &Design) -> (Vec<String>, Vec<Vec<String>>) {
         line.into_iter().chain(costs(found, filler)).collect()
     });
     (heading.map(str::to_owned).into_iter().chain(cost_heads(found)).collect(), lines.collect())
-}
-
-/// The recommendation in sentences, with its evidence; the first is the headline.
-pub fn recommendation(found: &Design) -> Vec<String> {
-    let best = found.best();
-    let mut sentences = vec![format!("{}.", headline(found))];
-    if let Some((lo, hi)) = best.optimum.interval {
-        let (lo, hi) = (four_digits(lo), four_digits(hi));
-        sentences.push(format!("The best interval lies between {lo} s and {hi} s (95 %)."));
-    } else if best.is_at_edge() {
-        let edge =
-            "It is the shortest or longest that was tried: try others, by a sweep over switching.interval.";
-        sentences.push(edge.to_owned());
-    }
-    let variant = found.variant();
-    let others = variant.fillers.iter().enumerate().filter(|(place, _)| *place != variant.best);
-    let next = others.min_by(|a, b| a.1.best().drift.value.total_cmp(&b.1.best().drift.value));
-    if let Some((_, next)) = next {
-        let worse = found.worse_by(next);
-        let (low, high) = worse.interval.unwrap_or((worse.value, worse.value));
-        let (name, interval) = (called(next), four_digits(next.best().interval_s));
-        let [times, from, to] = [worse.value, low, high].map(three_digits);
-        sentences.push(match low > 1.0 {
-            true => format!(
-                "The next filler, {name}, leaves {times} times as much at its own best interval of {interval} s ({from} to {to})."
-            ),
-            false => format!("{name} does not differ significantly from it in these runs."),
-        });
-    }
-    sentences.extend(next_variant(found));
-    sentences.extend(trade(found));
-    if let Some(PapersRule { interval_s, bound, tried }) = &best.papers_rule {
-        let times = found.times_best(tried);
-        let (low, high) = times.interval.unwrap_or((times.value, times.value));
-        let [interval, tried_interval] = [*interval_s, tried.interval_s].map(four_digits);
-        let [residual, bound, drift] = [best.residual_max, *bound, tried.drift.value].map(three_digits);
-        let [times, from, to] = [times.value, low, high].map(three_digits);
-        sentences.push(format!(
-            "The paper's bound with δP_max = {residual} arcsec has its minimum at {interval} s, where it allows {bound} °/h; \
-             switched every {tried_interval} s the gyro would drift by {drift} °/h, {times} times as much as at best \
-             ({from} to {to})."
-        ));
-    }
-    if variant.non_magnetic != 0.0 {
-        let [drift, switched] = [variant.non_magnetic, best.best().switched.value].map(three_digits);
-        sentences.push(format!(
-            "The non-magnetic drift of {drift} °/h is part of it, which no interval changes: without it the drift would be \
-             {switched} °/h."
-        ));
-    }
-    sentences
 }
 
 /// The ends of the interval of a value.

@@ -2,7 +2,7 @@
 
 use core::slice;
 
-use crate::analysis::design::report::{called, ends, headline};
+use crate::analysis::design::report::{called, ends};
 use crate::analysis::design::{Design, Filler, Measure, Tried, Variant};
 use crate::chart::{Chart, Shows};
 use crate::filler::FILLERS;
@@ -128,7 +128,7 @@ pub fn figure(found: &Design) -> Result<Figure, ChartError> {
     let series = if variant.fillers.len() > 1 { vec![filler.into()] } else { vec![] };
     let chart = Chart {
         title: found.study.title.clone(),
-        subtitle: headline(found),
+        subtitle: found.headline(),
         x: name(table.of_role(Role::Coordinate)).into(),
         y: name(table.of_role(Role::Error)).into(),
         shows: Shows::Curves { series, laws: vec![] },

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::analysis::design::constraints::milliseconds;
 use crate::analysis::design::pareto::Choice;
 use crate::analysis::design::report::json::swept;
-use crate::analysis::design::report::variants::{named, shown};
+use crate::analysis::design::report::variants::shown;
 use crate::analysis::design::report::{called, ends, four_digits, three_digits};
 use crate::analysis::design::{Design, Measure};
 use crate::filler::FILLERS;
@@ -222,80 +222,3 @@ fn stairs(mut places: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 /// Style of the line of the least drift, grey and solid, beyond those that fillers take.
 const FRONT: usize = 54;
-
-/// Most cheaper choices in the sentences of a trade.
-const MOST_TOLD: usize = 3;
-
-/// What a shorter latency and less memory cost, and which choices meet the limit.
-pub(crate) fn trade(found: &Design) -> Vec<String> {
-    let Some(cost) = found.best().cost.filter(|_| found.trades()) else { return vec![] };
-    let front = found.pareto();
-    let told_at = |choice: &Choice| named(found, choice.variant, choice.filler);
-    let cheaper = |merit: fn(&Choice) -> f64, most: f64, shown: &dyn Fn(&Choice) -> String| {
-        // The least drift within each lower merit, from the nearest to the best choice on.
-        let mut own: Vec<&Choice> = front.iter().filter(|choice| merit(choice) < most).collect();
-        own.sort_by(|a, b| a.drift().value.total_cmp(&b.drift().value));
-        let mut kept: Vec<&Choice> = Vec::new();
-        for choice in own {
-            if kept.last().is_none_or(|last| merit(choice) < merit(last)) {
-                kept.push(choice);
-            }
-        }
-        let one = |choice: &&Choice| {
-            let times = found.times_best(choice.filler.best());
-            let (low, high) = times.interval.unwrap_or((times.value, times.value));
-            let [times, low, high] = [times.value, low, high].map(three_digits);
-            format!("{} {times} times the drift ({low} to {high}; {})", shown(choice), told_at(choice))
-        };
-        kept.iter().take(MOST_TOLD).map(one).collect::<Vec<String>>().join("; ")
-    };
-    let latencies = cheaper(|choice| choice.cost.latency_s, cost.latency_s, &|choice| {
-        milliseconds(choice.cost.latency_s)
-    });
-    let memory = |choice: &Choice| choice.cost.memory.bytes() as f64;
-    let memories = cheaper(memory, cost.memory.bytes() as f64, &|choice| {
-        format!("{} bytes", choice.cost.memory.bytes())
-    });
-    let mut sentences = vec![match &*latencies {
-        "" => format!(
-            "No choice is sooner than this one, whose correction comes {} after the gap.",
-            milliseconds(cost.latency_s)
-        ),
-        all => format!(
-            "Its correction comes {} after the gap; a shorter latency costs drift: {all}.",
-            milliseconds(cost.latency_s)
-        ),
-    }];
-    sentences.push(match &*memories {
-        "" => format!("No choice takes less memory than its {} bytes.", cost.memory.bytes()),
-        all => format!("It takes {} bytes of memory; less memory costs drift: {all}.", cost.memory.bytes()),
-    });
-    sentences.extend(within_limit(found));
-    sentences
-}
-
-/// How many choices meet the limit, and which of them is the soonest.
-fn within_limit(found: &Design) -> Option<String> {
-    let limit_of = |choice: &Choice| limit(found, choice.variant.duration_s);
-    let all = found.choices();
-    let limit = limit_of(all.first()?)?;
-    let mut met: Vec<&Choice> = all
-        .iter()
-        .filter(|choice| limit_of(choice).is_some_and(|limit| choice.drift().value <= limit))
-        .collect();
-    met.sort_by(|a, b| {
-        let soon = a.cost.latency_s.total_cmp(&b.cost.latency_s);
-        soon.then(a.drift().value.total_cmp(&b.drift().value))
-    });
-    let Some(soonest) = met.first() else {
-        return Some(format!("None of {} choices meets the limit of {} °/h.", all.len(), four_digits(limit)));
-    };
-    Some(format!(
-        "{} of {} choices meet the limit; the soonest is {} with {} and {} °/h.",
-        met.len(),
-        all.len(),
-        named(found, soonest.variant, soonest.filler),
-        milliseconds(soonest.cost.latency_s),
-        three_digits(soonest.drift().value)
-    ))
-}

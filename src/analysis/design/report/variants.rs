@@ -114,32 +114,3 @@ pub fn by_variant(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
     };
     Some((heading, found.variants.iter().map(line).collect()))
 }
-
-/// What the other variants leave, in a sentence or two; none where there is a single variant.
-pub(crate) fn next_variant(found: &Design) -> Vec<String> {
-    let others =
-        || found.variants.iter().enumerate().filter(|(place, _)| *place != found.best).map(|(_, own)| own);
-    let best_of = |variant: &&Variant| variant.best().best().clone();
-    let (good, worse): (Vec<&Variant>, Vec<&Variant>) =
-        others().partition(|variant| found.is_as_good(&best_of(variant)));
-    let mut sentences = Vec::new();
-    let places: Vec<String> = good.iter().map(|variant| told(found, variant).join(", ")).collect();
-    match &places[..] {
-        [] => {}
-        [one] => sentences.push(format!("As good in these runs: {one}.")),
-        all => sentences.push(format!("As good in these runs: {}.", all.join("; "))),
-    }
-    let drift = |variant: &&Variant| found.deciding(&best_of(variant));
-    if let Some(next) = worse.into_iter().min_by(|a, b| drift(a).total_cmp(&drift(b))) {
-        let times = found.times_best(next.best().best());
-        let (low, high) = times.interval.unwrap_or((times.value, times.value));
-        let [times, low, high] = [times.value, low, high].map(three_digits);
-        let interval = four_digits(next.best().best().interval_s);
-        let with = next.best().name.as_ref().map_or(String::new(), |name| format!(" with {name}"));
-        sentences.push(format!(
-            "Next is {}{with}, which leaves {times} times as much at its own best interval of {interval} s ({low} to {high}).",
-            told(found, next).join(", ")
-        ));
-    }
-    sentences
-}

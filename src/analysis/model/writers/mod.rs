@@ -18,8 +18,7 @@ use crate::allan::Unit;
 use crate::analysis::log::kalibr::number;
 use crate::analysis::log::notes::one_line;
 use crate::analysis::model::search::{Allowed, MOST_STATES, PER_DECADE, Problem, times};
-use crate::analysis::model::words::bounded;
-use crate::analysis::model::{Analysis, Column, Model};
+use crate::analysis::model::{Aim, Analysis, Column, Model};
 use crate::quantity::number::significant;
 
 /// A tool with the file that it reads.
@@ -220,4 +219,22 @@ fn time_s(model: &Model) -> f64 {
 /// Numbers separated by `between`.
 fn list(values: [f64; 3], between: &str) -> String {
     values.map(number).join(between)
+}
+
+/// What the model of a column does.
+fn bounded(column: &Column, analysis: &Analysis) -> String {
+    let [from_s, to_s] = column.target.taus().map(|tau_s| significant(tau_s, 4));
+    let range = format!("from τ = {from_s} s to {to_s} s");
+    match (analysis.asked.aim, column.target.has_band) {
+        (Aim::Describe, _) => format!("The Allan deviation lies within the band of the record {range}."),
+        (Aim::Bound, true) => format!(
+            "The Allan deviation is nowhere below the upper end of the {} band {range}.",
+            analysis.percent()
+        ),
+        (Aim::Bound, false) => format!("The Allan deviation is nowhere below the curve {range}."),
+        (Aim::BoundRepeat, _) => format!(
+            "The Allan deviation is nowhere below the upper end of the band of {} of records like this one {range}.",
+            analysis.percent()
+        ),
+    }
 }

@@ -126,5 +126,7 @@ pub(crate) fn unused_card(vendors: &[u32]) -> Option<String> {
 fn unused(machine: &Machine, vendors: &[u32]) -> Option<String> {
     let is_unused = |card: &Card| card.is_known() && !card.is_among(vendors);
     let name = cards(machine).into_iter().find(is_unused)?.name();
-    Some(format!("this machine has {name}, but Vulkan does not offer it (`sagnac devices --why` explains)"))
+    Some(format!(
+        "this machine has {name}, but Vulkan does not offer it (`sagnac device list --why` explains)"
+    ))
 }

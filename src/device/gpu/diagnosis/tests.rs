@@ -347,7 +347,7 @@ fn a_file_that_is_no_manifest_is_named() {
 fn a_card_that_is_not_used_is_told_in_one_line_and_a_virtual_one_is_not() {
     let said = |card: &str| {
         Some(format!(
-            "this machine has {card}, but Vulkan does not offer it (`sagnac devices --why` explains)"
+            "this machine has {card}, but Vulkan does not offer it (`sagnac device list --why` explains)"
         ))
     };
     assert_eq!(unused(&container().machine, &[]), said("an NVIDIA card"));

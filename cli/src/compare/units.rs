@@ -1,17 +1,16 @@
-//! Output of `sagnac lot` for people.
+//! Output of a batch of units for people.
 
 use sagnac::analysis::compare::words::probability;
 use sagnac::analysis::log;
 use sagnac::analysis::log::notes::heading;
 use sagnac::analysis::lot::pool::Pooled;
-use sagnac::analysis::lot::words::sentences;
 use sagnac::analysis::lot::{Coefficient, Found, Lot};
 use sagnac::quantity::number::significant;
 use sagnac::table::titled;
 
 use crate::terminal::headed_by;
 
-/// The logs, the coefficients of all units, those of the lot and the statement.
+/// The logs, the coefficients of all units and those of the lot.
 pub fn report(lot: &Lot) -> String {
     let left_out = |log: &log::Analysis| format!("{}{}\n", heading(log), log.treatment.left_out());
     let logs: String = lot.logs.iter().map(left_out).collect();
@@ -20,7 +19,7 @@ pub fn report(lot: &Lot) -> String {
         .iter()
         .filter(|one| one.found.iter().flatten().any(|found| found.estimate().is_some()))
         .collect();
-    format!("{logs}\n{}\n{}\n{}", units(lot, &shown), of_lot(&shown), sentences(lot).join("\n"))
+    format!("{logs}\n{}\n{}", units(lot, &shown), of_lot(&shown))
 }
 
 /// The coefficients of all units, a line for each unit.

@@ -1,0 +1,200 @@
+//! The answer of a comparison: in which coefficient two logs differ, or whether their ratio meets a limit.
+
+use crate::analysis::compare::limit::{Judged, RatioLimit};
+use crate::analysis::compare::logs::Analysis;
+use crate::analysis::compare::rows::{Row, Verdict};
+use crate::analysis::compare::words::{duration, length, probability, times};
+use crate::analysis::compare::{Length, SIGNIFICANT};
+use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
+use crate::answer::reading::{number, range};
+use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
+use crate::fit::Term;
+use crate::quantity::number::significant;
+
+/// The order in which coefficients are looked at.
+const ORDER: [&str; 5] = ["N", "B", "Q", "K", "R"];
+
+/// Most times as long as these that records are proposed.
+const MAX_FACTOR: f64 = 1000.0;
+
+impl Row {
+    /// The ratio with its interval, where both ends are known.
+    fn reading(&self) -> Option<Reading> {
+        let ends = self.found.ratio_interval[0].zip(self.found.ratio_interval[1]).map(<[f64; 2]>::from);
+        Some(Reading::in_unit("ratio", self.found.ratio?, "", ends))
+    }
+
+    fn is_apart(&self) -> bool {
+        matches!(self.verdict(), Verdict::Higher | Verdict::Lower)
+    }
+}
+
+impl Analysis {
+    /// The answer of the comparison.
+    pub fn decision(&self, limits: &[RatioLimit]) -> Decision {
+        let labels = self.sides.each_ref().map(|side| side.label.as_str());
+        let judged: Vec<Judged> = limits.iter().map(|limit| Judged::new(self, limit)).collect();
+        let standings: Vec<Standing> = judged.iter().map(|one| one.standing).collect();
+        let critical =
+            judged.iter().max_by(|a, b| b.standing.cmp(&a.standing).then(a.upper().total_cmp(&b.upper())));
+        let rows = self.ordered();
+        let named = |name: &str| rows.iter().copied().find(|row| row.name == name);
+        let told = match critical {
+            Some(critical) => named(critical.limit.term.symbol()),
+            None => rows
+                .iter()
+                .copied()
+                .find(|row| row.is_apart())
+                .or_else(|| rows.iter().copied().find(|row| row.found.ratio.is_some())),
+        };
+        let (headline, value) = match critical {
+            Some(critical) => (critical.headline(), told.and_then(Row::reading)),
+            None => self.headline(told, labels),
+        };
+        let answer = Answer {
+            kind: Kind::Estimate,
+            status: status(&standings),
+            headline,
+            value,
+            limit: critical.map(|one| Reading::in_unit("ratio", one.limit.most, "", None)),
+            table: self.table(&rows, told, labels),
+            facts: self.facts(critical, told),
+            checks: vec![],
+        };
+        let judgements = judged.iter().map(|one| one.judgement(labels)).collect();
+        Decision { answer, judgements }
+    }
+
+    /// The coefficients, those that data sheets have first.
+    fn ordered(&self) -> Vec<&Row> {
+        let mut rows: Vec<&Row> = self.rows.iter().flatten().filter(|_| !self.is_one_record).collect();
+        rows.sort_by_key(|row| ORDER.iter().position(|name| *name == row.name).unwrap_or(ORDER.len()));
+        rows
+    }
+
+    fn headline(&self, told: Option<&Row>, [a, b]: [&str; 2]) -> (String, Option<Reading>) {
+        if self.is_one_record {
+            return (format!("{a} and {b} are one record"), None);
+        }
+        let Some(row) = told else {
+            let same = self.comparison.same.map(|same| match same.p < SIGNIFICANT {
+                true => format!("The noise differs ({})", probability(same.p)),
+                false => format!("No significant difference ({})", probability(same.p)),
+            });
+            return (same.unwrap_or_else(|| "No coefficient to compare".to_owned()), None);
+        };
+        let name = row.name;
+        let is_noise = Term::ALL.iter().any(|term| term.symbol() == name);
+        let Some(reading) = row.reading() else {
+            let (more, less) = if row.verdict() == Verdict::Higher { (b, a) } else { (a, b) };
+            let p = row.found.p.map(probability).unwrap_or_default();
+            return (format!("{more} has more {name} than {less} ({p})"), None);
+        };
+        let ratio = reading.value;
+        let headline = match row.is_apart() {
+            false => {
+                let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
+                format!("No significant difference: {name} ratio {}{ends}", times(ratio, 3))
+            }
+            // In percent up to twice as much.
+            true if is_noise && (0.5..2.0).contains(&ratio) => {
+                let word = if ratio > 1.0 { "noisier" } else { "quieter" };
+                let percent = |ratio: f64| 100.0 * libm::fabs(ratio - 1.0);
+                let ends = reading.interval.filter(|[low, high]| (*low > 1.0) == (*high > 1.0)).map(|ends| {
+                    let [mut low, mut high] = ends.map(percent);
+                    if low > high {
+                        (low, high) = (high, low);
+                    }
+                    format!(" ({} %)", range(&number(low), &number(high)))
+                });
+                let ends = ends.unwrap_or_default();
+                format!("{b} is {} % {word} in {name}{ends}", significant(percent(ratio), 2))
+            }
+            true => {
+                let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
+                format!("{b} has {} × the {name} of {a}{ends}", number(ratio))
+            }
+        };
+        (headline, Some(reading))
+    }
+
+    /// A row for each coefficient.
+    fn table(&self, rows: &[&Row], told: Option<&Row>, labels: [&str; 2]) -> AnswerTable {
+        let is_known = |row: &&&Row| row.found.values.iter().any(Option::is_some);
+        let (known, unknown): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| is_known(row));
+        let mut all: Vec<&Row> = told.into_iter().collect();
+        all.extend(
+            known.into_iter().chain(unknown).filter(|row| told.is_none_or(|told| told.name != row.name)),
+        );
+        let row = |row: &&Row| {
+            let found = &row.found;
+            let value = |k: usize| value_or_bound(found.values[k], found.at_most[k], row.symbol);
+            let ratio = row.reading().map(|reading| {
+                let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
+                AnswerCell { text: times(reading.value, 3) + &ends, value: Some(reading) }
+            });
+            let p = found
+                .p
+                .map_or_else(|| "—".to_owned(), |p| probability(p).replace("p = ", "").replace("p < ", "< "));
+            let needed = match row.is_apart() {
+                true => "",
+                false => &length(row.length),
+            };
+            let ratio = ratio.unwrap_or_else(|| "—".to_owned().into());
+            vec![
+                row.name.replace('_', " ").into(),
+                value(0),
+                value(1),
+                ratio,
+                p.into(),
+                needed.to_owned().into(),
+            ]
+        };
+        let heads = ["coefficient", labels[0], labels[1], "ratio (95 %)", "p", "record to resolve"];
+        AnswerTable {
+            columns: heads.map(str::to_owned).into(),
+            rows: all.iter().take(MAX_ROWS).map(row).collect(),
+            best: told.map(|_| 0),
+            omitted: all.len().saturating_sub(MAX_ROWS),
+        }
+    }
+
+    fn facts(&self, critical: Option<&Judged>, told: Option<&Row>) -> Vec<Fact> {
+        let mut facts = Vec::new();
+        let records = |to: String| {
+            let [a, b] = self.sides.each_ref().map(|side| duration(side.length_s()));
+            let from = if a == b { a } else { format!("{a} and {b}") };
+            let (key, label) = ("length".to_owned(), "records".to_owned());
+            Fact::ChangeToDecide { alternatives: vec![Alternative { key, label, from, to }] }
+        };
+        match critical {
+            Some(critical) => {
+                facts.extend(
+                    critical.factor(MAX_FACTOR).map(|factor| records(duration(factor * self.shorter_s()))),
+                );
+                facts.extend(critical.why.iter().map(|why| Fact::Caveat { text: why.clone() }));
+            }
+            None => {
+                let needed = told.filter(|row| !row.is_apart() && !matches!(row.length, Length::Unknown));
+                facts.extend(needed.map(|row| records(length(row.length))));
+            }
+        }
+        if let Some(same) = self.comparison.same.filter(|_| !self.is_one_record) {
+            let longest = significant(same.longest_s, 4);
+            facts.push(Fact::Test {
+                name: "Equal noise".to_owned(),
+                p: same.p,
+                of: format!("{} averaging times up to {longest} s", same.times),
+            });
+        }
+        let described = self.comparison.described();
+        let rejected = self.sides.iter().zip(described).filter(|(_, is_described)| !is_described);
+        facts.extend(
+            rejected.map(|(side, _)| Fact::Caveat { text: format!("{}: no noise model fits", side.label) }),
+        );
+        facts.extend(
+            self.rows.as_ref().err().map(|why| Fact::Caveat { text: format!("no coefficients: {why}") }),
+        );
+        facts
+    }
+}

@@ -1,0 +1,243 @@
+//! The answer of fillers at a point: what each leaves, or the ticks that a search has chosen.
+
+use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
+use crate::answer::reading::number;
+use crate::answer::{
+    Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Part, Reading, Status,
+};
+use crate::kinds::gap_fill::judged::{Judged, Size, deviation};
+use crate::quantity::number::significant;
+
+fn arcsec(name: &str, value: f64) -> Reading {
+    Reading::in_unit(name, value, "″", None)
+}
+
+/// A 99.73 % level that meets or misses a limit.
+fn status(level: f64, limit: Option<f64>) -> Status {
+    match limit {
+        None => Status::NoLimit,
+        Some(limit) if level <= limit => Status::Met,
+        Some(_) => Status::NotMet,
+    }
+}
+
+/// A filler with its 99.73 % level, which may have a limit.
+fn headline(name: &str, level: f64, limit: Option<f64>) -> String {
+    let level_text = arcsec("", level).text();
+    match limit {
+        None => format!("{name}: {level_text} residual at 99.73 %"),
+        Some(limit) => {
+            let verb = if level <= limit { "meets" } else { "misses" };
+            format!("{name}: {level_text} at 99.73 % {verb} the {} limit", arcsec("", limit).text())
+        }
+    }
+}
+
+/// The parts of a mean square of motion and noise, which are independent.
+fn budget(rms: f64, noise_rms: f64) -> Fact {
+    let part = (noise_rms / rms).min(1.0);
+    let noise = part * part;
+    let mut parts = [("motion", 1.0 - noise), ("noise", noise)].map(|(name, share)| Part {
+        name: name.to_owned(),
+        share,
+        interval: None,
+    });
+    parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Fact::ErrorBudget { parts: parts.into() }
+}
+
+impl Firmware {
+    /// The answer: that of the search where there is one, else which filler leaves least.
+    pub fn answer(&self) -> Answer {
+        match &self.trade {
+            Some(trade) => trade.answer(),
+            None => self.of_designs(),
+        }
+    }
+
+    fn of_designs(&self) -> Answer {
+        let known = self.ranked();
+        let first = known.first().map(|(design, _)| *design);
+        let level = first.and_then(|design| design.judged).map(|judged| judged.worst().level);
+        let size = known.first().map(|(_, size)| *size);
+        let limit = self.limit_arcsec;
+        let headline = match (first, level, size) {
+            (Some(best), Some(level), _) => headline(&best.name, level, limit),
+            (Some(best), None, Some(rms)) => {
+                format!("{}: {} rms residual", best.name, arcsec("", rms).text())
+            }
+            _ => {
+                let gain = |design: &Design| design.interpolation.whole().noise_gain();
+                let least = self.designs.iter().min_by(|a, b| gain(a).total_cmp(&gain(b)));
+                least.map_or_else(String::new, |least| {
+                    format!("{}: least noise gain √Σw², {}", least.name, number(gain(least)))
+                })
+            }
+        };
+        let mut facts: Vec<Fact> =
+            first.and_then(|best| Some(budget(best.robust_rms()?, best.noise_rms))).into_iter().collect();
+        if limit.is_some() && level.is_none() {
+            let text = "the limit is on the 99.73 % residual, which `sagnac run` samples".to_owned();
+            facts.push(Fact::Caveat { text });
+        }
+        facts
+            .extend(level.map(|_| Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) }));
+        facts.extend(
+            self.unsampled.as_ref().map(|why| Fact::Caveat { text: format!("there is no rms: {why}") }),
+        );
+        Answer {
+            kind: Kind::Choice,
+            status: match (level, limit) {
+                (Some(level), limit) => status(level, limit),
+                (None, Some(_)) => Status::Inconclusive,
+                (None, None) => Status::NoLimit,
+            },
+            headline,
+            value: level.or(size).map(|value| arcsec(if level.is_some() { "q9973" } else { "rms" }, value)),
+            limit: limit.map(|limit| arcsec("q9973", limit)),
+            table: self.table(&known),
+            facts,
+            checks: vec![],
+        }
+    }
+
+    /// A row for each filler.
+    fn table(&self, known: &[(&Design, f64)]) -> AnswerTable {
+        let is_known = |design: &Design| known.iter().any(|(other, _)| std::ptr::eq(*other, design));
+        let others = self.designs.iter().filter(|design| !is_known(design));
+        let all: Vec<&Design> = known.iter().map(|(design, _)| *design).chain(others).collect();
+        let cell = |value: Option<f64>| match value.filter(|value| *value > 0.0) {
+            Some(value) => AnswerCell::from(arcsec("", value)),
+            None => "—".to_owned().into(),
+        };
+        let row = |design: &&Design| {
+            let worst = design.judged.map(Judged::worst);
+            let latency = match self.tick_s {
+                Some(tick_s) => {
+                    Reading::in_unit("latency", 1e3 * tick_s * f64::from(design.latency_ticks), "ms", None)
+                }
+                None => Reading::in_unit("latency", f64::from(design.latency_ticks), "ticks", None),
+            };
+            vec![
+                design.name.clone().into(),
+                cell(design.errors[0].rms),
+                cell(worst.map(|Size { rms, .. }| rms)),
+                cell(worst.map(|Size { level, .. }| level)),
+                number(design.interpolation.whole().noise_gain()).into(),
+                latency.into(),
+            ]
+        };
+        let off = match self.shift {
+            Some(shift) => format!("rms at f ±{} %", significant(100.0 * shift, 3)),
+            None => "rms within tolerance".to_owned(),
+        };
+        let heads = ["filler", "rms", &off, "99.73 %", "√Σw²", "latency"];
+        AnswerTable {
+            columns: heads.map(str::to_owned).into(),
+            rows: all.iter().take(MAX_ROWS).map(row).collect(),
+            best: (all.len() > 1 && !known.is_empty()).then_some(0),
+            omitted: all.len().saturating_sub(MAX_ROWS),
+        }
+    }
+
+    /// The fillers with the residual by which they compare, ″, the least first: the 99.73 % level on a specification, else the
+    /// rms, as far as it is known.
+    fn ranked(&self) -> Vec<(&Design, f64)> {
+        let size = |design: &Design| match self.shift {
+            None => design.judged.map(|judged| judged.worst().level),
+            Some(_) => design.robust_rms(),
+        };
+        let mut known: Vec<(&Design, f64)> =
+            self.designs.iter().filter_map(|design| Some((design, size(design)?))).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        known
+    }
+
+    /// When the correction of a filler comes, and the residual to expect, in ASCII.
+    pub fn expected(&self, design: &Design) -> String {
+        let ticks = design.latency_ticks;
+        let plural = if ticks == 1 { "" } else { "s" };
+        let latency_ms = self.tick_s.map(|tick_s| significant(1e3 * tick_s * f64::from(ticks), 4));
+        let latency_ms = latency_ms.map_or_else(String::new, |latency_ms| format!(" ({latency_ms} ms)"));
+        let number = |value: f64| significant(value, 5);
+        let residual = match (design.judged.map(Judged::worst), design.errors[0].rms) {
+            (Some(Size { rms, level }), _) => format!(
+                "; residual {} arcsec rms, {} arcsec at 99.73 %, with {}",
+                number(rms),
+                number(level),
+                deviation(self.shift)
+            ),
+            (None, Some(rms)) if rms > 0.0 => format!("; residual {} arcsec rms", number(rms)),
+            _ => String::new(),
+        };
+        format!("latency {ticks} tick{plural}{latency_ms}{residual}")
+    }
+}
+
+impl Design {
+    /// The rms residual, ″: with shifted frequencies where the filler is designed for the very motion of the point.
+    pub fn robust_rms(&self) -> Option<f64> {
+        self.judged.map(|judged| judged.worst().rms).or(self.errors[0].rms).filter(|rms| *rms > 0.0)
+    }
+}
+
+impl Trade {
+    fn answer(&self) -> Answer {
+        let (chosen, limit) = (self.chosen, self.asked.limit_arcsec);
+        let name = |one: Candidate| format!("{}+{} ticks", one.before, one.after);
+        let least = self.candidates.iter().min_by(|a, b| a.level.total_cmp(&b.level));
+        let mut facts = vec![budget(chosen.rms, chosen.noise_rms)];
+        if let Some(&least) = least.filter(|least| least.level < chosen.level) {
+            let (key, label) = ("switching.fit_ticks".to_owned(), "fit ticks".to_owned());
+            let [from, to] = [chosen, least].map(|one| format!("{}+{}", one.before, one.after));
+            let gain = 1.0 - least.level / chosen.level;
+            let change = Alternative { key, label, from, to };
+            facts.push(Fact::MostEffectiveChange { change, gain, interval: None });
+        }
+        facts.push(Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) });
+        Answer {
+            kind: Kind::Choice,
+            status: status(chosen.level, limit),
+            headline: headline(&name(chosen), chosen.level, limit),
+            value: Some(arcsec("q9973", chosen.level)),
+            limit: limit.map(|limit| arcsec("q9973", limit)),
+            table: self.options(),
+            facts,
+            checks: vec![],
+        }
+    }
+
+    /// A row for each number of ticks after the gap around the chosen one, with the best number before it.
+    fn options(&self) -> AnswerTable {
+        let all = self.rows();
+        let place = all.iter().position(|one| one.after == self.chosen.after).unwrap_or(0);
+        let first = place.saturating_sub(MAX_ROWS / 2).min(all.len().saturating_sub(MAX_ROWS));
+        let row = |one: Candidate| -> Vec<AnswerCell> {
+            let status = self.asked.limit_arcsec.map(|limit| status(one.level, Some(limit)).text());
+            vec![
+                format!("{} + {}", one.before, one.after).into(),
+                Reading::in_unit("latency", 1e3 * self.latency_s(one), "ms", None).into(),
+                arcsec("own_rms", one.own_rms).into(),
+                arcsec("rms", one.rms).into(),
+                arcsec("q9973", one.level).into(),
+                status.unwrap_or_default().into(),
+            ]
+        };
+        let shown: Vec<Candidate> = all.iter().copied().skip(first).take(MAX_ROWS).collect();
+        // The choice may read fewer ticks before the gap than those of the least error.
+        let shown =
+            shown.into_iter().map(|one| if one.after == self.chosen.after { self.chosen } else { one });
+        let off = match self.shift {
+            Some(shift) => format!("rms at f ±{} %", significant(100.0 * shift, 3)),
+            None => "rms within tolerance".to_owned(),
+        };
+        let heads = ["ticks before + after", "latency", "rms as given", &off, "99.73 %", "limit"];
+        let mut columns: Vec<String> = heads.map(str::to_owned).into();
+        let mut rows: Vec<Vec<AnswerCell>> = shown.map(row).collect();
+        if self.asked.limit_arcsec.is_none() {
+            columns.pop();
+            rows.iter_mut().for_each(|row| row.truncate(columns.len()));
+        }
+        AnswerTable { columns, rows, best: Some(place - first), omitted: all.len().saturating_sub(MAX_ROWS) }
+    }
+}

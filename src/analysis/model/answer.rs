@@ -1,0 +1,215 @@
+//! The answer of models: their parameters, and how near they come to what they bound.
+
+use crate::allan::{Deviation, Unit};
+use crate::analysis::model::search::Tried;
+use crate::analysis::model::states::si;
+use crate::analysis::model::tables::figures;
+use crate::analysis::model::target::{LONGEST, NEAR};
+use crate::analysis::model::{Aim, Analysis, Column};
+use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
+use crate::quantity::number::significant;
+
+impl Analysis {
+    /// The confidence as a percentage, such as `95 %`.
+    pub fn percent(&self) -> String {
+        format!("{} %", significant(100.0 * self.asked.confidence, 3))
+    }
+
+    /// The column whose bound lies farthest above.
+    pub(crate) fn worst(&self) -> Option<&Column> {
+        let excess = |column: &&Column| column.found.over_bound(&column.target)[0];
+        self.columns.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))
+    }
+
+    /// The answer.
+    pub fn answer(&self) -> Answer {
+        let Some(worst) = self.worst() else { return Answer::default() };
+        let (excess, _) = self.excess(worst);
+        Answer {
+            kind: Kind::Estimate,
+            headline: self.headline(worst, &excess),
+            value: Some(excess),
+            table: match &self.columns[..] {
+                [only] => parameters(only),
+                columns => self.models(columns),
+            },
+            facts: self.facts(worst),
+            ..Answer::default()
+        }
+    }
+
+    /// How far the model lies above what it bounds, or above the record that it describes, at most, and at which τ, s.
+    fn excess(&self, column: &Column) -> (Reading, f64) {
+        let [excess, tau_s] = match self.asked.aim {
+            Aim::Describe => column.found.over_record(&column.target),
+            Aim::Bound | Aim::BoundRepeat => column.found.over_bound(&column.target),
+        };
+        (Reading::in_unit("excess", 100.0 * excess, "%", None), tau_s)
+    }
+
+    fn headline(&self, column: &Column, excess: &Reading) -> String {
+        let model = &column.found.model;
+        let parts = match (model.markov.len(), model.white > 0.0, model.walk > 0.0) {
+            (0, true, true) => "N and K".to_owned(),
+            (0, _, true) => "K".to_owned(),
+            (0, ..) => "N".to_owned(),
+            (1, ..) => "1 Gauss–Markov state".to_owned(),
+            (states, ..) => format!("{states} Gauss–Markov states"),
+        };
+        let several =
+            model.markov.len() > 1 || (model.markov.is_empty() && model.white > 0.0 && model.walk > 0.0);
+        let verb = match (self.asked.aim, several) {
+            (Aim::Describe, true) => "describe",
+            (Aim::Describe, false) => "describes",
+            (_, true) => "bound",
+            (_, false) => "bounds",
+        };
+        format!("{parts} {verb} {} to {}", column.target.name, excess.text())
+    }
+
+    /// A row for each of several columns.
+    fn models(&self, columns: &[Column]) -> AnswerTable {
+        let row = |column: &Column| -> Vec<AnswerCell> {
+            let values = shown(column);
+            let value = |name: &str| {
+                let found = values.iter().find(|(other, _)| other.starts_with(name));
+                found.map_or_else(|| "0".to_owned().into(), |(_, reading)| AnswerCell::from(reading.clone()))
+            };
+            let states: Vec<String> = column
+                .found
+                .model
+                .markov
+                .iter()
+                .map(|state| {
+                    let symbol = column.target.unit.symbol(Deviation::Oadev);
+                    format!(
+                        "{}, {}",
+                        Reading::in_unit("", state.sigma, symbol, None).text(),
+                        Reading::in_unit("", state.time_s, "s", None).text()
+                    )
+                })
+                .collect();
+            let cells = [
+                value("white noise"),
+                value("random walk"),
+                states.join("; ").into(),
+                self.excess(column).0.into(),
+            ];
+            std::iter::once(column.target.name.clone().into()).chain(cells).collect()
+        };
+        let over = if self.asked.aim == Aim::Describe { "above record" } else { "above bound" };
+        let heads = ["column", "white noise N", "random walk K", "Gauss–Markov σ, T", over];
+        let worst = self.worst().and_then(|worst| columns.iter().position(|one| std::ptr::eq(one, worst)));
+        AnswerTable {
+            columns: heads.map(str::to_owned).into(),
+            rows: columns.iter().take(MAX_ROWS).map(row).collect(),
+            best: worst.filter(|place| *place < MAX_ROWS),
+            omitted: columns.len().saturating_sub(MAX_ROWS),
+        }
+    }
+
+    fn facts(&self, column: &Column) -> Vec<Fact> {
+        let (excess, tau_s) = self.excess(column);
+        let at = |tau_s: f64| format!("at τ = {} s", significant(tau_s, 3));
+        let [from_s, to_s] = column.target.taus().map(|tau_s| significant(tau_s, 3));
+        let what = match (self.asked.aim, column.target.has_band) {
+            (Aim::Describe, _) => "above the record".to_owned(),
+            (Aim::BoundRepeat, _) => format!("above the {} band of further records", self.percent()),
+            (Aim::Bound, true) => format!("above the {} band", self.percent()),
+            (Aim::Bound, false) => "above the curve".to_owned(),
+        };
+        let value = |name: &str, value: Reading, at: String| Fact::Value { name: name.to_owned(), value, at };
+        let mut facts =
+            vec![value("Excess", excess, format!("at most {what}, {}; τ {from_s}–{to_s} s", at(tau_s)))];
+        let last = column.target.points.last();
+        if let Some((last, edf)) = last.and_then(|last| Some((last, last.edf?))) {
+            let width = Reading::in_unit("width", last.upper / last.value, "", None);
+            let freedom = significant(edf, 2);
+            facts.push(value(
+                "Band",
+                width,
+                format!("× the curve {}, {freedom} degrees of freedom", at(last.tau_s)),
+            ));
+        }
+        let reached = |tried: &Tried| Some((tried.states, tried.excess?));
+        let tried: Vec<(usize, f64)> = column.found.tried.iter().filter_map(reached).collect();
+        // One state less, which lies farther above.
+        if let [.., (states, excess), _] = tried[..]
+            && self.asked.states.is_none()
+        {
+            let reading = Reading::in_unit("excess", 100.0 * excess, "%", None);
+            facts.push(value(&format!("With {states} states"), reading, "above".to_owned()));
+        }
+        let missed = tried.last().is_some_and(|(_, excess)| *excess > self.asked.margin);
+        if missed && self.asked.states.is_none() && self.asked.aim != Aim::Describe {
+            let margin = significant(100.0 * self.asked.margin, 3);
+            facts.push(Fact::Caveat { text: format!("no number of states comes within {margin} %") });
+        }
+        facts
+    }
+}
+
+/// The values of a model in the first of the units that people use.
+fn shown(column: &Column) -> Vec<(String, Reading)> {
+    let figures = figures(column).into_iter().filter(|figure| !figure.name.is_empty() && figure.value > 0.0);
+    figures
+        .map(|figure| {
+            let reading = Reading::in_unit(&figure.key, figure.value, figure.unit, None);
+            (figure.name, reading)
+        })
+        .collect()
+}
+
+/// A row for each parameter of a model.
+fn parameters(column: &Column) -> AnswerTable {
+    let symbol = column.target.unit.symbol(Deviation::Oadev);
+    let states = column.found.model.markov.iter().zip(1..).map(|(state, number)| {
+        let time = Reading::in_unit("correlation_time_s", state.time_s, "s", None);
+        let sigma = Reading::in_unit("sigma", state.sigma, symbol, None);
+        vec![format!("Gauss–Markov state {number}").into(), sigma.into(), time.into()]
+    });
+    let values = shown(column)
+        .into_iter()
+        .map(|(name, reading)| vec![name.into(), reading.into(), String::new().into()]);
+    let mut rows: Vec<Vec<AnswerCell>> = values.chain(states).collect();
+    let omitted = rows.len().saturating_sub(MAX_ROWS);
+    rows.truncate(MAX_ROWS);
+    let heads = ["parameter", "value", "correlation time"];
+    AnswerTable { columns: heads.map(str::to_owned).into(), rows, best: None, omitted }
+}
+
+/// Notes on what was read and on what the model leaves out.
+pub fn notes(analysis: &Analysis) -> Vec<String> {
+    let quantised = analysis.columns.iter().filter_map(|column| {
+        let [_, upper] = column.target.quantisation?;
+        let (angle, unit, factor) = match column.target.unit {
+            Unit::Acceleration => ("velocity", "m/s", si(Unit::Acceleration)),
+            _ => ("angle", "arcsec", 1.0),
+        };
+        Some(format!(
+            "{}: the quantisation, up to {} {unit}, is measurement noise R of the {angle} and no part of the rate; `quantisation = white` covers \
+             it by white noise",
+            column.target.name,
+            significant(factor * upper, 3)
+        ))
+    });
+    let widened = analysis.columns.iter().filter_map(|column| widened(column, analysis));
+    analysis.source.notes.iter().cloned().chain(widened).chain(quantised).collect()
+}
+
+/// That a model covers longer averaging times than were asked for, because the curve has none there.
+fn widened(column: &Column, analysis: &Analysis) -> Option<String> {
+    let usual_s = column.target.length_s.map(|length_s| length_s / LONGEST);
+    let [_, to_s] = column.target.taus();
+    let (asked_s, why) = match analysis.asked.to_s {
+        Some(asked_s) => (asked_s, "which was asked for"),
+        None => (usual_s?, "a tenth of the record"),
+    };
+    (to_s > asked_s * (1.0 + NEAR)).then(|| {
+        let [to_s, asked_s] = [to_s, asked_s].map(|tau_s| significant(tau_s, 4));
+        format!(
+            "{}: the model covers averaging times up to {to_s} s, because the curve has no point at {asked_s} s, {why}",
+            column.target.name
+        )
+    })
+}
