@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::answer::of_study;
-use sagnac::run::{Plan, RESOLVED, keep};
+use sagnac::run::{Plan, RESOLVED, complete};
 use sagnac::source::text_file::read_bytes;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
@@ -118,8 +118,7 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let plan = Plan::new(&study)?;
     let results_folder = Folder::open(folder)?;
     let store = held(&results_folder, &plan)?;
-    // Folders of earlier versions lack the input files of the study.
-    keep(&study, &results_folder)?;
+    complete(&study, &results_folder)?;
     let progress = Shown::new(options.progress.how(options.quiet));
     let tables = plan.tables(&store, &progress)?;
     let lacking = lacking(&study, &plan, &store, &tables)?;

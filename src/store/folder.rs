@@ -14,6 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use cap_fs_ext::{DirExt, FollowSymlinks, MetadataExt, OpenOptionsFollowExt, OpenOptionsSyncExt};
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, File, Metadata, OpenOptions};
+use cap_std::time::SystemTime;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -129,6 +130,9 @@ struct Entry {
     /// Whether it was there before the list, so that it may be replaced under its name, but not removed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_adopted: bool,
+    /// Whether files that are made of it were still to be written.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_ahead: bool,
 }
 
 /// The list as it is known: the entries of each name in their order.
@@ -148,15 +152,37 @@ struct List {
 struct Found {
     path: PathBuf,
     file: File,
-    size: u64,
+    stamp: Stamp,
     digest: Option<String>,
+}
+
+/// What tells a file, and a state of it, from another one without reading it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stamp {
+    number: [u64; 2],
+    size: u64,
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    fn of(found: &Metadata) -> Stamp {
+        Stamp { number: [found.dev(), found.ino()], size: found.len(), modified: found.modified().ok() }
+    }
 }
 
 /// What a command does to a file once all its files are written.
 #[derive(Debug)]
 enum Staged {
-    Written { sha256: String, size: u64 },
+    Written { sha256: String, size: u64, is_ahead: bool },
     Removed,
+}
+
+/// What a command does to a file, with what was in its place when it was looked at.
+#[derive(Debug)]
+enum Change {
+    Written(Option<Stamp>),
+    /// Nothing is removed where the file was gone or somebody else's.
+    Removed(Option<Stamp>),
 }
 
 /// How a listed file differs from what was written.
@@ -166,6 +192,8 @@ pub enum Difference {
     Changed,
     /// It is not there.
     Missing,
+    /// A command was interrupted before this file, or those that are made of it, had their places.
+    Unfinished,
 }
 
 /// What became of a file.
@@ -294,15 +322,28 @@ impl Folder {
     /// # Errors
     /// The file cannot be written, or one of this name is not from this program.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<Written, FolderError> {
-        let place = self.replaceable(name, Some(contents))?;
+        let (place, _) = self.replaceable(name, Some(contents))?;
         match place {
             Written::Same => {
                 self.staged().remove(name);
                 self.discard(name);
             }
-            _ => drop(self.stage(name, |file| file.write_all(contents))?),
+            _ => drop(self.stage(name, false, |file| file.write_all(contents))?),
         }
         Ok(place)
+    }
+
+    /// Writes a file as [`Folder::write`] does, of which others are made that are committed later: it is
+    /// [unfinished](Difference::Unfinished) until it is written again with them.
+    ///
+    /// # Errors
+    /// It fails where [`Folder::write`] does.
+    pub fn write_ahead(&self, name: &str, contents: &[u8]) -> Result<(), FolderError> {
+        // Of a file of somebody else nothing can be told in the list.
+        if self.write(name, contents)? != Written::Same || self.is_listed(name) {
+            self.stage(name, true, |file| file.write_all(contents))?;
+        }
+        Ok(())
     }
 
     /// Writes a file as [`Folder::write`] does, with contents that need not be in memory together; returns its SHA-256 in
@@ -316,20 +357,29 @@ impl Folder {
         contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<String, FolderError> {
         self.replaceable(name, None)?;
-        self.stage(name, contents)
+        self.stage(name, false, contents)
     }
 
     /// Removes a file that this program wrote and nobody changed when the folder is [committed](Folder::commit); `false` if there
-    /// is none. One that was adopted stays.
+    /// is none. Whatever else has its name stays, and is no longer listed; one that was adopted stays as it is.
     ///
     /// # Errors
     /// It cannot be looked at.
     pub fn remove(&self, name: &str) -> Result<bool, FolderError> {
-        let is_own = self.is_removable(name)?;
-        if is_own {
+        let removal = self.removal(name)?;
+        if removal.is_some() {
             self.staged().insert(name.to_owned(), Staged::Removed);
         }
-        Ok(is_own)
+        Ok(removal.is_some_and(|removal| removal.is_some()))
+    }
+
+    /// Takes files that are gone out of the list when the folder is [committed](Folder::commit), as nobody may write them again.
+    ///
+    /// # Errors
+    /// One of them cannot be looked at.
+    pub fn forget_missing(&self) -> Result<(), FolderError> {
+        let is_missing = |name: &String| matches!(self.found(name), Ok(None)) && !self.is_partial(name);
+        self.listed().iter().filter(|name| is_missing(name)).try_for_each(|name| self.remove(name).map(drop))
     }
 
     /// Puts the files that were written in their places, and removes those to be removed: all of them, or none where one is
@@ -340,36 +390,88 @@ impl Folder {
     pub fn commit(&self) -> Result<(), FolderError> {
         let staged = std::mem::take(&mut *self.staged());
         // On a full disk, the space is worth more than files without a place.
-        self.put(&staged).inspect_err(|_| staged.keys().for_each(|name| self.discard(name)))
+        let entries =
+            self.entered(&staged).inspect_err(|_| staged.keys().for_each(|name| self.discard(name)))?;
+        // From here on a later command finishes what is not done.
+        entries.into_iter().try_for_each(|(name, change)| self.put(&name, change))
     }
 
-    fn put(&self, staged: &BTreeMap<String, Staged>) -> Result<(), FolderError> {
-        let mut entries = Vec::new();
+    /// Enters changes into the list, with the file that each is about.
+    fn entered(&self, staged: &BTreeMap<String, Staged>) -> Result<Vec<(String, Change)>, FolderError> {
+        self.finish(staged)?;
+        let (mut entries, mut changes) = (Vec::new(), Vec::new());
         for (name, change) in staged {
             // What is there now may have come meanwhile.
-            let (sha256, size) = match change {
-                Staged::Written { sha256, size } => {
-                    self.replaceable(name, None)?;
-                    (Some(sha256.clone()), Some(*size))
+            let (sha256, size, is_ahead, change) = match change {
+                Staged::Written { sha256, size, is_ahead } => {
+                    let change = Change::Written(self.replaceable(name, None)?.1);
+                    (Some(sha256.clone()), Some(*size), *is_ahead, change)
                 }
-                Staged::Removed if self.is_removable(name)? => (None, None),
-                Staged::Removed => continue,
+                Staged::Removed => match self.removal(name)? {
+                    Some(before) => (None, None, false, Change::Removed(before)),
+                    None => continue,
+                },
             };
-            entries.push((Entry { name: name.clone(), sha256, size, is_adopted: false }, change));
+            entries.push(Entry { name: name.clone(), sha256, size, is_adopted: false, is_ahead });
+            changes.push((name.clone(), change));
         }
-        let listed = entries.iter().map(|(entry, _)| entry.clone()).collect();
-        self.enter(listed).map_err(|source| self.failed(LIST, source))?;
-        for (Entry { name, .. }, change) in entries {
-            let (Some(folder), last) = self.place(&name, false)? else {
-                return Err(self.failed(&name, ErrorKind::NotFound.into()));
-            };
-            match change {
-                Staged::Written { .. } => folder.rename(partial(&last), &folder, &last),
-                Staged::Removed => folder.remove_file(&last),
+        self.enter(entries).map_err(|source| self.failed(LIST, source))?;
+        Ok(changes)
+    }
+
+    /// Does to a file what the list has of it.
+    ///
+    /// # Errors
+    /// Another file came in its place since it was looked at, or the disk fails.
+    fn put(&self, name: &str, change: Change) -> Result<(), FolderError> {
+        let (Some(folder), last) = self.place(name, false)? else {
+            return Err(self.failed(name, ErrorKind::NotFound.into()));
+        };
+        let foreign = || FolderError::Foreign { path: self.path.join(name), earlier: None };
+        let now = folder.symlink_metadata(&last).ok().map(|found| Stamp::of(&found));
+        match (change, now) {
+            (Change::Written(_), None) => {
+                rename_new(&folder, &partial(&last), &last).map_err(|source| match source.kind() {
+                    ErrorKind::AlreadyExists => foreign(),
+                    _ => self.failed(name, source),
+                })
             }
-            .map_err(|source| self.failed(&name, source))?;
+            (Change::Written(before), now) if before == now => {
+                folder.rename(partial(&last), &folder, &last).map_err(|source| self.failed(name, source))
+            }
+            (Change::Written(_), _) => Err(foreign()),
+            (Change::Removed(before), Some(now)) if before == Some(now) => {
+                folder.remove_file(&last).map_err(|source| self.failed(name, source))
+            }
+            (Change::Removed(_), _) => Ok(()),
+        }
+    }
+
+    /// Puts in their places what a command that was interrupted had entered into the list, but for what is `staged` now, and
+    /// removes what else it was writing.
+    fn finish(&self, staged: &BTreeMap<String, Staged>) -> Result<(), FolderError> {
+        let names: Vec<String> =
+            self.list().entries.keys().filter(|name| !staged.contains_key(*name)).cloned().collect();
+        for name in names.iter().filter(|name| self.is_partial(name)) {
+            match self.replaceable(name, None) {
+                Ok((_, before)) if self.is_whole(name) => self.put(name, Change::Written(before))?,
+                _ => self.discard(name),
+            }
         }
         Ok(())
+    }
+
+    /// Whether what stands beside the place of a file is what the list has of it.
+    fn is_whole(&self, name: &str) -> bool {
+        let (Ok((Some(folder), last)), Some(Entry { sha256: Some(wanted), size: Some(size), .. })) =
+            (self.place(name, false), self.last(name))
+        else {
+            return false;
+        };
+        open(&folder, &partial(&last), OpenOptions::new().read(true)).is_ok_and(|mut file| {
+            file.metadata().is_ok_and(|found| found.len() == size)
+                && digest_of(&mut file).is_ok_and(|digest| digest == wanted)
+        })
     }
 
     /// Removes a file that was written and has not got its place.
@@ -383,6 +485,7 @@ impl Folder {
     fn stage(
         &self,
         name: &str,
+        is_ahead: bool,
         contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<String, FolderError> {
         let (folder, last) = self.place(name, true)?;
@@ -395,15 +498,19 @@ impl Folder {
             self.failed(name, source)
         })?;
         let (sha256, size) = (hexadecimal(file.digest), file.size);
-        self.staged().insert(name.to_owned(), Staged::Written { sha256: sha256.clone(), size });
+        let staged = Staged::Written { sha256: sha256.clone(), size, is_ahead };
+        self.staged().insert(name.to_owned(), staged);
         Ok(sha256)
     }
 
-    /// The names of files in the list that were not removed.
+    /// The names of files in the list that were not removed, or that are still there.
     pub fn listed(&self) -> Vec<String> {
         let list = self.list();
-        let is_there = |entries: &Vec<Entry>| entries.last().is_some_and(|entry| entry.sha256.is_some());
-        list.entries.iter().filter(|(_, entries)| is_there(entries)).map(|(name, _)| name.clone()).collect()
+        let is_listed = |(name, entries): &(&String, &Vec<Entry>)| {
+            entries.last().is_some_and(|entry| entry.sha256.is_some())
+                || self.has(name, |last| last.to_owned())
+        };
+        list.entries.iter().filter(is_listed).map(|(name, _)| name.clone()).collect()
     }
 
     /// The files in the list that are no longer as they were last written, by name; `None` in a folder without a list.
@@ -413,33 +520,55 @@ impl Folder {
     pub fn changed(&self) -> Result<Option<BTreeMap<String, Difference>>, FolderError> {
         let mut changed = BTreeMap::new();
         for name in self.listed() {
-            let difference = match self.found(&name) {
-                Err(FolderError::Special { .. }) => Some(Difference::Changed),
-                Err(error) => return Err(error),
-                Ok(None) => self.is_sized(&name).then_some(Difference::Missing),
-                Ok(Some(mut found)) => {
-                    let is_as_written = match self.known(&name, &mut found)? {
-                        // A command that was killed may have listed what has not got its place.
-                        Some((_, is_last)) => is_last || self.is_unfinished(&name),
-                        None => false,
-                    };
-                    (!is_as_written).then_some(Difference::Changed)
-                }
-            };
+            let difference = self.difference(&name)?;
             changed.extend(difference.map(|difference| (name, difference)));
         }
         Ok(self.list().is_begun.then_some(changed))
     }
 
-    /// Whether the last entry of a name has a size. Lists of earlier versions have none, and do not say what was removed.
-    fn is_sized(&self, name: &str) -> bool {
-        let list = self.list();
-        list.entries.get(name).and_then(|entries| entries.last()).is_some_and(|entry| entry.size.is_some())
+    fn difference(&self, name: &str) -> Result<Option<Difference>, FolderError> {
+        let is_removed = !self.is_listed(name);
+        let known = match self.found(name) {
+            Err(FolderError::Special { .. }) => None,
+            Err(error) => return Err(error),
+            Ok(None) if self.is_partial(name) => return Ok(Some(Difference::Unfinished)),
+            Ok(None) => return Ok(self.is_sized(name).then_some(Difference::Missing)),
+            Ok(Some(mut found)) => self.known(name, &mut found)?,
+        };
+        Ok(match known {
+            Some((entry, true)) => entry.is_ahead.then_some(Difference::Unfinished),
+            Some((entry, _)) if is_removed => (!entry.is_adopted).then_some(Difference::Unfinished),
+            Some(_) if self.is_partial(name) => Some(Difference::Unfinished),
+            // What was removed is no longer ours.
+            None if is_removed => None,
+            _ => Some(Difference::Changed),
+        })
     }
 
-    fn is_unfinished(&self, name: &str) -> bool {
+    /// Whether the last entry of a name has a size. Lists of earlier versions have none, and do not say what was removed.
+    fn is_sized(&self, name: &str) -> bool {
+        self.last(name).is_some_and(|entry| entry.size.is_some())
+    }
+
+    /// Whether the list has a file of this name that was not removed.
+    fn is_listed(&self, name: &str) -> bool {
+        self.last(name).is_some_and(|entry| entry.sha256.is_some())
+    }
+
+    /// The last entry of a name.
+    fn last(&self, name: &str) -> Option<Entry> {
+        self.list().entries.get(name).and_then(|entries| entries.last().cloned())
+    }
+
+    /// Whether a command was interrupted while it wrote a file of this name, or before this had its place.
+    fn is_partial(&self, name: &str) -> bool {
+        self.has(name, partial)
+    }
+
+    /// Whether an ordinary file has the name that `of` makes of the last component of this one.
+    fn has(&self, name: &str, of: impl Fn(&str) -> String) -> bool {
         self.place(name, false).is_ok_and(|(folder, last)| {
-            folder.is_some_and(|folder| folder.symlink_metadata(partial(&last)).is_ok())
+            folder.is_some_and(|folder| folder.symlink_metadata(of(&last)).is_ok_and(|found| found.is_file()))
         })
     }
 
@@ -455,8 +584,8 @@ impl Folder {
                 if let Some(mut found) = self.found(&name)?
                     && !self.list().entries.contains_key(&name)
                 {
-                    let (sha256, size) = (Some(found.digest()?), Some(found.size));
-                    adopted.push(Entry { name, sha256, size, is_adopted: true });
+                    let (sha256, size) = (Some(found.digest()?), Some(found.stamp.size));
+                    adopted.push(Entry { name, sha256, size, is_adopted: true, is_ahead: false });
                 }
             }
         }
@@ -496,20 +625,26 @@ impl Folder {
         Ok(names)
     }
 
-    /// What a file of this name with these contents would be.
+    /// What a file of this name with these contents would be, and what is there now.
     ///
     /// # Errors
     /// Something of this name is not from this program.
-    fn replaceable(&self, name: &str, contents: Option<&[u8]>) -> Result<Written, FolderError> {
-        let Some(mut found) = self.found(name)? else { return Ok(Written::New) };
-        let is_same = match contents.filter(|contents| contents.len() as u64 == found.size) {
+    fn replaceable(
+        &self,
+        name: &str,
+        contents: Option<&[u8]>,
+    ) -> Result<(Written, Option<Stamp>), FolderError> {
+        let Some(mut found) = self.found(name)? else { return Ok((Written::New, None)) };
+        let is_same = match contents.filter(|contents| contents.len() as u64 == found.stamp.size) {
             Some(contents) => found.digest()? == digest_of(&mut &contents[..]).unwrap_or_default(),
             None => false,
         };
-        let known = self.known(name, &mut found)?;
-        match known {
-            // One that is listed as an earlier version is written again, so that it is listed as the present one.
-            None | Some((_, true)) if is_same => return Ok(Written::Same),
+        match self.known(name, &mut found)? {
+            None if is_same => return Ok((Written::Same, Some(found.stamp))),
+            // One that is listed as an earlier version, or ahead of others, is written again, so that it is listed as the present one.
+            Some((entry, true)) if is_same && !entry.is_ahead => {
+                return Ok((Written::Same, Some(found.stamp)));
+            }
             None => {
                 let earlier = self.can_adopt().then(|| self.path.clone());
                 return Err(FolderError::Foreign { path: found.path, earlier });
@@ -518,21 +653,31 @@ impl Folder {
         }
         match found.path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
             true => Err(FolderError::Input { path: found.path }),
-            false => Ok(Written::Replaced),
+            false => Ok((Written::Replaced, Some(found.stamp))),
         }
     }
 
-    /// Whether this program wrote the file of this name, nobody changed it, and it was not adopted.
-    fn is_removable(&self, name: &str) -> Result<bool, FolderError> {
-        let Some(mut found) = self.found(name)? else { return Ok(false) };
-        Ok(self.known(name, &mut found)?.is_some_and(|(entry, _)| !entry.is_adopted))
+    /// What the removal of a file takes: `None` where nothing is to be done, else the file to be removed, which may be gone or
+    /// somebody else's, so that only its entry is.
+    fn removal(&self, name: &str) -> Result<Option<Option<Stamp>>, FolderError> {
+        let found = match self.found(name) {
+            Err(FolderError::Special { .. }) => None,
+            found => found?,
+        };
+        let is_listed = self.is_listed(name);
+        let Some(mut found) = found else { return Ok(is_listed.then_some(None)) };
+        Ok(match self.known(name, &mut found)? {
+            None => is_listed.then_some(None),
+            Some((entry, _)) => (!entry.is_adopted).then_some(Some(found.stamp)),
+        })
     }
 
     /// The last entry of a file with these contents, and whether it is the last of its name; `None` if there is none. Only a file
     /// of a listed size is read.
     fn known(&self, name: &str, found: &mut Found) -> Result<Option<(Entry, bool)>, FolderError> {
         let may_be = |entry: &Entry| {
-            entry.sha256.is_some() && entry.size.map_or(found.size <= MOST_UNSIZED, |size| size == found.size)
+            entry.sha256.is_some()
+                && entry.size.map_or(found.stamp.size <= MOST_UNSIZED, |size| size == found.stamp.size)
         };
         let entries = self.list().entries.get(name).cloned().unwrap_or_default();
         if !entries.iter().any(may_be) {
@@ -559,8 +704,8 @@ impl Folder {
             return Err(FolderError::Special { path, what });
         }
         let file = open(&folder, &last, OpenOptions::new().read(true)).map_err(failed)?;
-        let size = file.metadata().map_err(failed)?.len();
-        Ok(Some(Found { path, file, size, digest: None }))
+        let stamp = Stamp::of(&file.metadata().map_err(failed)?);
+        Ok(Some(Found { path, file, stamp, digest: None }))
     }
 
     /// The folder that contains a file, and the last component of its name; `None` if that folder is missing and not made.
@@ -683,9 +828,11 @@ impl Folder {
             text += &(serde_json::to_string(entry)? + "\n");
         }
         let file = list.file.as_mut().ok_or(ErrorKind::NotFound)?;
-        file.write_all(text.as_bytes())?;
+        let before = file.metadata()?.len();
         // A file must not be on disk before its entry.
-        file.sync_data()?;
+        let written = file.write_all(text.as_bytes()).and_then(|()| file.sync_data());
+        // Some of the entries alone would tell of files that are not written.
+        written.inspect_err(|_| drop(file.set_len(before)))?;
         (list.is_begun, list.is_torn) = (true, false);
         list.is_late |= self.is_earlier;
         entries.into_iter().for_each(|entry| list.add(entry));
@@ -784,6 +931,16 @@ fn refuse(name: &str, what: Option<&str>) -> io::Result<()> {
         }
         Some(what) => Err(io::Error::other(format!("{name} is {what}"))),
     }
+}
+
+/// Gives a file a name that no other one has. One that came meanwhile is not replaced, where the file system can tell.
+fn rename_new(folder: &Dir, from: &str, to: &str) -> io::Result<()> {
+    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+    match rustix::fs::renameat_with(folder, from, folder, to, rustix::fs::RenameFlags::NOREPLACE) {
+        Err(rustix::io::Errno::INVAL | rustix::io::Errno::NOSYS | rustix::io::Errno::NOTSUP) => {}
+        done => return Ok(done?),
+    }
+    folder.rename(from, folder, to)
 }
 
 /// The SHA-256 of what remains to be read, in hexadecimal digits.
@@ -956,7 +1113,6 @@ mod tests {
             let error = put(&folder, name, b"new").unwrap_err();
             assert!(matches!(error, FolderError::Foreign { earlier: None, .. }), "{name}: {error}");
             assert!(folder.check([(name, None)]).is_err(), "{name}");
-            assert!(!removed(&folder, name).unwrap(), "{name}");
             assert_eq!(read(&folder, name), text);
         }
         std::fs::write(folder.path().join("psd.csv.partial"), "mine too").unwrap();
@@ -972,6 +1128,12 @@ mod tests {
         assert_eq!(changed(), [("report.html".to_owned(), Difference::Missing)]);
         put(&folder, "report.html", b"newer").unwrap();
         assert_eq!(changed(), []);
+        // What is to be removed, and was changed, stays and is no longer listed.
+        std::fs::write(folder.path().join("report.html"), "mine").unwrap();
+        assert!(!removed(&folder, "report.html").unwrap() && folder.changed().unwrap().unwrap().is_empty());
+        assert_eq!(read(&folder, "report.html"), "mine");
+        std::fs::write(folder.path().join("report.html"), "newer").unwrap();
+        put(&folder, "report.html", b"newer").unwrap();
         // Only the last one is as it was written.
         std::fs::write(folder.path().join("report.html"), "ours").unwrap();
         assert_eq!(changed(), [("report.html".to_owned(), Difference::Changed)]);
@@ -1068,6 +1230,133 @@ mod tests {
         assert_eq!([read(&folder, "a.csv"), read(&folder, "b.csv")], ["b", "b"]);
         assert!(put(&folder, "a.csv", b"c").is_ok() && put(&folder, "b.csv", b"c").is_ok());
         assert!(!folder.path().join(partial("a.csv")).exists());
+    }
+
+    /// The folder as a command leaves it that is killed once its files are in the list, and the names of those that have their places.
+    fn killed(folder: &Folder, placed: &[&str]) {
+        let staged = std::mem::take(&mut *folder.staged());
+        for (name, change) in folder.entered(&staged).unwrap() {
+            if placed.contains(&&*name) {
+                folder.put(&name, change).unwrap();
+            }
+        }
+    }
+
+    fn differences(folder: &Folder) -> Vec<(String, Difference)> {
+        folder.changed().unwrap().unwrap().into_iter().collect()
+    }
+
+    #[test]
+    fn what_a_command_that_was_killed_had_listed_is_unfinished_until_the_next_one_finishes_it() {
+        let (_parent, folder) = new();
+        for name in ["a.csv", "b.csv", "c.csv"] {
+            put(&folder, name, b"old").unwrap();
+        }
+        for name in ["a.csv", "b.csv", "d.csv"] {
+            folder.write(name, b"new").unwrap();
+        }
+        folder.remove("c.csv").unwrap();
+        killed(&folder, &["a.csv"]);
+        let folder = reopened(folder);
+        let unfinished = |name: &str| (name.to_owned(), Difference::Unfinished);
+        assert_eq!(differences(&folder), ["b.csv", "c.csv", "d.csv"].map(unfinished));
+        put(&folder, "other.svg", b"drawn").unwrap();
+        assert_eq!(["b.csv", "d.csv"].map(|name| read(&folder, name)), ["new", "new"]);
+        // What is removed is told by the command that removes it.
+        assert_eq!(differences(&folder), [unfinished("c.csv")]);
+        assert!(folder.listed().contains(&"c.csv".to_owned()) && removed(&folder, "c.csv").unwrap());
+        assert_eq!(differences(&folder), []);
+        assert!(!std::fs::read_dir(folder.path()).unwrap().any(|entry| ending_is_partial(&entry.unwrap())));
+    }
+
+    #[test]
+    fn what_a_command_that_was_killed_wrote_replaces_nothing_of_others() {
+        let (_parent, folder) = new();
+        put(&folder, "a.csv", b"old").unwrap();
+        folder.write("a.csv", b"new").unwrap();
+        folder.write("b.csv", b"new").unwrap();
+        killed(&folder, &[]);
+        let folder = reopened(folder);
+        std::fs::write(folder.path().join("a.csv"), "edited").unwrap();
+        std::fs::write(folder.path().join(partial("b.csv")), "half").unwrap();
+        put(&folder, "other.svg", b"drawn").unwrap();
+        assert_eq!(read(&folder, "a.csv"), "edited");
+        assert!(!folder.path().join("b.csv").exists());
+        assert!(!std::fs::read_dir(folder.path()).unwrap().any(|entry| ending_is_partial(&entry.unwrap())));
+    }
+
+    #[test]
+    fn a_file_that_comes_between_the_last_look_and_the_change_stays() {
+        let (_parent, folder) = new();
+        for name in ["old.csv", "gone.csv", "away.csv"] {
+            put(&folder, name, b"old").unwrap();
+        }
+        for name in ["old.csv", "new.csv", "gone.csv"] {
+            folder.write(name, b"new").unwrap();
+        }
+        folder.remove("away.csv").unwrap();
+        let staged = std::mem::take(&mut *folder.staged());
+        let entered = folder.entered(&staged).unwrap();
+        for name in ["old.csv", "new.csv", "away.csv"] {
+            std::fs::write(folder.path().join(name), "mine").unwrap();
+        }
+        std::fs::remove_file(folder.path().join("gone.csv")).unwrap();
+        for (name, change) in entered {
+            let is_put = folder.put(&name, change).is_ok();
+            assert_eq!(is_put, ["gone.csv", "away.csv"].contains(&&*name), "{name}");
+            assert_eq!(read(&folder, &name), if name == "gone.csv" { "new" } else { "mine" });
+        }
+        let (partial, new) = (partial("new.csv"), "new.csv");
+        let error = rename_new(&folder.root, &partial, new).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::AlreadyExists);
+    }
+
+    #[test]
+    fn a_file_is_unfinished_while_those_that_are_made_of_it_are_not_written() {
+        let (_parent, folder) = new();
+        put(&folder, "study.toml", b"old").unwrap();
+        put(&folder, "report.html", b"old").unwrap();
+        folder.write_ahead("study.toml", b"new").unwrap();
+        folder.commit().unwrap();
+        let folder = reopened(folder);
+        let unfinished = [("study.toml".to_owned(), Difference::Unfinished)];
+        assert_eq!(differences(&folder), unfinished);
+        put(&folder, "drawn.svg", b"drawn").unwrap();
+        assert_eq!(differences(&folder), unfinished);
+        folder.write("study.toml", b"new").unwrap();
+        folder.write("report.html", b"new").unwrap();
+        folder.commit().unwrap();
+        assert_eq!(differences(&folder), []);
+    }
+
+    #[test]
+    fn files_that_are_gone_can_be_forgotten() {
+        let (_parent, folder) = new();
+        put(&folder, "drawn.svg", b"drawn").unwrap();
+        put(&folder, "report.html", b"page").unwrap();
+        std::fs::remove_file(folder.path().join("drawn.svg")).unwrap();
+        assert_eq!(differences(&folder), [("drawn.svg".to_owned(), Difference::Missing)]);
+        folder.forget_missing().unwrap();
+        folder.commit().unwrap();
+        let folder = reopened(folder);
+        assert_eq!(differences(&folder), []);
+        assert_eq!(folder.listed(), ["report.html"]);
+        // One that was changed is the user's once it is to be removed.
+        std::fs::write(folder.path().join("report.html"), "edited").unwrap();
+        assert!(!removed(&folder, "report.html").unwrap());
+        assert_eq!((differences(&folder), read(&folder, "report.html")), (vec![], "edited".to_owned()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_in_the_place_of_one_to_be_removed_stays() {
+        let (_parent, folder) = new();
+        put(&folder, "chart-2.svg", b"drawn").unwrap();
+        let path = folder.path().join("chart-2.svg");
+        std::fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink("elsewhere", &path).unwrap();
+        assert!(!removed(&folder, "chart-2.svg").unwrap());
+        assert!(path.is_symlink() && differences(&folder).is_empty());
     }
 
     #[test]

@@ -355,6 +355,78 @@ fn a_refused_command_replaces_nothing() {
 }
 
 #[test]
+fn a_run_that_is_refused_for_a_table_keeps_its_study_as_it_was() {
+    let desk = desk();
+    let noise = "title = \"A gyro\"\nkind = \"allan\"\ntrials = 16\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[allan]\n\
+                 tau = \"octave\"\nfit = true\n[noise]\nangle_random_walk = \"0.001 deg/sqrt(h)\"\n";
+    desk.write("gyro.toml", noise);
+    desk.done("run gyro.toml --device cpu --out al");
+    for name in ["resolved_study.toml", "points.csv", "coefficients.csv", "report.html", "chart.svg"] {
+        let before = ["resolved_study.toml", name].map(|name| desk.read(&format!("al/{name}")));
+        desk.write(&format!("al/{name}"), "edited");
+        desk.fails(
+            "run gyro.toml --trials 32 --device cpu --out al",
+            6,
+            &[name, "is not as sagnac wrote it", "move it"],
+        );
+        desk.write(&format!("al/{name}"), &before[1]);
+        assert_eq!(desk.read("al/resolved_study.toml"), before[0], "{name}");
+        desk.done("check al");
+    }
+}
+
+#[test]
+fn results_of_a_study_that_was_replaced_are_unfinished_until_they_are_written() {
+    let desk = desk();
+    let charted = desk.read("swept.toml").replace("\"q9973\"", "\"peak\"");
+    desk.write("other.toml", &charted);
+    desk.done("run swept.toml --trials 64 --device cpu --out out");
+    // Room for the study, and not for the page.
+    let script = format!(
+        "ulimit -f 64; exec {} run other.toml --trials 64 --device cpu --out out",
+        crate::desk::PROGRAM
+    );
+    let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
+    assert_eq!(ended.status.code(), Some(6), "{}", String::from_utf8_lossy(&ended.stderr));
+    for command in ["chart out --name drawn", "report out --quiet"] {
+        assert_eq!(desk.read("out/resolved_study.toml").matches("\"peak\"").count(), 1);
+        let ended = desk.sagnac("check out");
+        assert!(ended.code == 4 && ended.stderr.contains("was interrupted"), "{}", ended.stderr);
+        desk.done(command);
+    }
+    assert_eq!(desk.sagnac("check out").code, 4);
+    desk.done("run other.toml --trials 64 --device cpu --out out");
+    desk.done("check out");
+    // A share writes no results, so none are missing.
+    desk.done("run other.toml --trials 64 --device cpu --shard 1/2 --out half");
+    desk.done("run swept.toml --trials 64 --device cpu --shard 1/2 --out half");
+    desk.done("check half");
+}
+
+#[test]
+fn what_is_no_longer_drawn_is_never_missing() {
+    let desk = desk();
+    let one = desk.read("swept.toml").replace("[[chart]]\nx = \"frequency\"\ny = \"q9973\"\n", "");
+    desk.write("one.toml", &one);
+    let [two, one] =
+        ["swept", "one"].map(|study| format!("run {study}.toml --trials 64 --device cpu --out out"));
+    let path = |name: &str| desk.path("out").join(name);
+    desk.done(&two);
+    desk.done("chart out --name drawn");
+    for name in ["drawn.svg", "chart-2.svg"] {
+        fs::remove_file(path(name)).unwrap();
+    }
+    desk.write("out/chart-2.png", "edited");
+    fs::remove_file(path("chart-1.png")).unwrap();
+    fs::create_dir(path("chart-1.png")).unwrap();
+    assert_eq!(desk.sagnac("check out").code, 5);
+    desk.done(&one);
+    desk.done("check out");
+    assert_eq!(desk.read("out/chart-2.png"), "edited");
+    assert!(path("chart-1.png").is_dir());
+}
+
+#[test]
 fn a_run_whose_list_cannot_be_written_ends_with_an_error() {
     let desk = desk();
     fs::hard_link(desk.path("done").join(LIST), desk.path("other_name")).unwrap();
