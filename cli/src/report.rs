@@ -10,7 +10,7 @@ use sagnac::source::text_file::read_bytes;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::view::picture::incomplete;
-use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
+use sagnac::view::report::{CARD, Card, FILE as REPORT, MARKS, gallery};
 use sagnac::view::results::Results;
 
 use crate::failure::Failure;
@@ -21,9 +21,6 @@ use crate::results::{decision, held, lacking};
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
-
-/// What tells a gallery from other files.
-const MARK: &str = "<meta name=\"generator\" content=\"sagnac ";
 
 /// Most bytes of a card that is read, several times as many as a picture has.
 const MOST_BYTES: u64 = 4 << 20;
@@ -97,7 +94,7 @@ fn write_gallery(
         .collect();
     let all_studies = folders.iter().all(|folder| folders::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
-    write_marked(&path, MARK, gallery(&cards, called).as_bytes())?;
+    write_marked(&path, &MARKS, gallery(&cards, called).as_bytes())?;
     if !options.quiet {
         let here = std::env::current_dir().unwrap_or_default();
         say!("{}", path.strip_prefix(here).unwrap_or(&path).display());

@@ -34,8 +34,11 @@ const PARTIAL: &str = ".sagnac_partial";
 const MOST_LIST: u64 = 64 << 20;
 const MOST_NAME: usize = 1 << 10;
 
-/// Length of the beginning of a page in which its mark is sought, in bytes.
-const MOST_BEGINNING: u64 = 1 << 10;
+/// Longest name of a file that file systems take, in bytes.
+const MOST_COMPONENT: usize = 255;
+
+/// Length of the beginning of a page in which its marks are sought, in bytes.
+const MOST_BEGINNING: u64 = 1 << 18;
 
 /// Largest file that is compared with an entry without a size, in bytes.
 const MOST_UNSIZED: u64 = 1 << 30;
@@ -85,6 +88,12 @@ pub enum FolderError {
         path: PathBuf,
         /// What it is.
         what: &'static str,
+    },
+    /// The folder of a page that belongs to no results has some.
+    #[error("{} would be among the files of a results folder\nname another file with `out = FILE`", path.display())]
+    Within {
+        /// The page.
+        path: PathBuf,
     },
     /// The file is one that the command reads.
     #[error("{} is read by this command, and is not replaced\nwrite to another folder", path.display())]
@@ -427,24 +436,17 @@ impl Folder {
         let (Some(folder), last) = self.place(name, false)? else {
             return Err(self.failed(name, ErrorKind::NotFound.into()));
         };
-        let foreign = || FolderError::Foreign { path: self.path.join(name), earlier: None };
-        let now = folder.symlink_metadata(&last).ok().map(|found| Stamp::of(&found));
-        match (change, now) {
-            (Change::Written(_), None) => {
-                rename_new(&folder, &partial(&last), &last).map_err(|source| match source.kind() {
-                    ErrorKind::AlreadyExists => foreign(),
-                    _ => self.failed(name, source),
-                })
+        let done = match change {
+            Change::Written(before) => put_in_place(&folder, &last, before),
+            Change::Removed(before) => {
+                let now = folder.symlink_metadata(&last).ok().map(|found| Stamp::of(&found));
+                if now.is_some() && now == before { folder.remove_file(&last) } else { Ok(()) }
             }
-            (Change::Written(before), now) if before == now => {
-                folder.rename(partial(&last), &folder, &last).map_err(|source| self.failed(name, source))
-            }
-            (Change::Written(_), _) => Err(foreign()),
-            (Change::Removed(before), Some(now)) if before == Some(now) => {
-                folder.remove_file(&last).map_err(|source| self.failed(name, source))
-            }
-            (Change::Removed(_), _) => Ok(()),
-        }
+        };
+        done.map_err(|source| match source.kind() {
+            ErrorKind::AlreadyExists => FolderError::Foreign { path: self.path.join(name), earlier: None },
+            _ => self.failed(name, source),
+        })
     }
 
     /// Puts in their places what a command that was interrupted had entered into the list, but for what is `staged` now, and
@@ -748,7 +750,7 @@ impl Folder {
 
     /// The file that a file is until it is whole, in place of one that a command that was killed left.
     fn begin(&self, folder: &Dir, name: &str, partial: &str) -> Result<File, FolderError> {
-        let path = || ending(&self.path.join(name));
+        let path = || self.path.join(name).with_file_name(partial);
         if folder.symlink_metadata(partial).is_ok_and(|found| found.is_file()) {
             folder.remove_file(partial).map_err(|source| FolderError::Io { path: path(), source })?;
         }
@@ -878,15 +880,12 @@ impl Write for Hashed {
     }
 }
 
-/// The name of a file while it is written.
+/// The name of a file while it is written: a digest in place of one that leaves no room for more.
 fn partial(name: &str) -> String {
-    format!("{name}{PARTIAL}")
-}
-
-fn ending(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(PARTIAL);
-    name.into()
+    match name.len() + PARTIAL.len() {
+        0..=MOST_COMPONENT => format!("{name}{PARTIAL}"),
+        _ => digest_of(&mut name.as_bytes()).unwrap_or_default() + PARTIAL,
+    }
 }
 
 /// Whether this program keeps results in a folder: there is a list, a database or a card.
@@ -987,38 +986,74 @@ pub(crate) fn single_database(path: &Path) -> io::Result<()> {
 }
 
 /// Writes a page that is kept outside of results folders, and therefore in no list: where there is none of its name, or in the place
-/// of one that has `mark` at its beginning. No link is followed below its folder.
+/// of one that has all `marks` near its beginning. No link is followed below its folder.
 ///
 /// # Errors
-/// The file in its place has no mark or is no ordinary one, or the disk fails.
-pub fn write_marked(path: &Path, mark: &str, contents: &[u8]) -> Result<(), FolderError> {
+/// Its folder has results, the file in its place lacks a mark or is no ordinary one, or the disk fails.
+pub fn write_marked(path: &Path, marks: &[&str], contents: &[u8]) -> Result<(), FolderError> {
     let failed = |source| FolderError::Io { path: path.to_owned(), source };
+    if is_results(parent(path)) {
+        return Err(FolderError::Within { path: path.to_owned() });
+    }
     std::fs::create_dir_all(parent(path)).map_err(failed)?;
     let (folder, name) = parts(path).map_err(failed)?;
-    match folder.symlink_metadata(&name) {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            let mut file =
-                open(&folder, &name, OpenOptions::new().write(true).create_new(true)).map_err(failed)?;
-            return file.write_all(contents).and_then(|()| file.sync_all()).map_err(failed);
-        }
+    let before = match folder.symlink_metadata(&name) {
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
         found => {
-            if let Some(what) = special(&found.map_err(failed)?) {
+            let found = found.map_err(failed)?;
+            if let Some(what) = special(&found) {
                 return Err(FolderError::Special { path: path.to_owned(), what });
             }
+            let mut beginning = Vec::new();
+            let before = open(&folder, &name, OpenOptions::new().read(true)).map_err(failed)?;
+            before.take(MOST_BEGINNING).read_to_end(&mut beginning).map_err(failed)?;
+            let beginning = String::from_utf8_lossy(&beginning);
+            if !marks.iter().all(|mark| beginning.contains(mark)) {
+                return Err(FolderError::Foreign { path: path.to_owned(), earlier: None });
+            }
+            Some(Stamp::of(&found))
         }
+    };
+    write_whole(&folder, &name, before, |file| file.write_all(contents)).map_err(failed)
+}
+
+/// Writes a file of which a user gave the name, where there is none of it. It has its place once it is whole.
+///
+/// # Errors
+/// There is one, or it cannot be written.
+pub fn write_new(path: &Path, contents: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let (folder, name) = parts(path)?;
+    match folder.symlink_metadata(&name) {
+        Err(error) if error.kind() == ErrorKind::NotFound => write_whole(&folder, &name, None, contents),
+        found => found.and(Err(ErrorKind::AlreadyExists.into())),
     }
-    let mut beginning = Vec::new();
-    let before = open(&folder, &name, OpenOptions::new().read(true)).map_err(failed)?;
-    before.take(MOST_BEGINNING).read_to_end(&mut beginning).map_err(failed)?;
-    if !String::from_utf8_lossy(&beginning).contains(mark) {
-        return Err(FolderError::Foreign { path: path.to_owned(), earlier: None });
+}
+
+/// Writes a file beside its place, and puts it there if that is still as it was `before`.
+fn write_whole(
+    folder: &Dir,
+    name: &str,
+    before: Option<Stamp>,
+    contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let partial = partial(name);
+    if folder.symlink_metadata(&partial).is_ok_and(|found| found.is_file()) {
+        folder.remove_file(&partial)?;
     }
-    let partial = partial(&name);
-    let _ = folder.remove_file(&partial);
-    let written = open(&folder, &partial, OpenOptions::new().write(true).create_new(true))
-        .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()))
-        .and_then(|()| folder.rename(&partial, &folder, &name));
-    written.map_err(failed).inspect_err(|_| drop(folder.remove_file(&partial)))
+    let mut file = open(folder, &partial, OpenOptions::new().write(true).create_new(true))?;
+    let written = contents(&mut file).and_then(|()| file.sync_all());
+    written
+        .and_then(|()| put_in_place(folder, name, before))
+        .inspect_err(|_| drop(folder.remove_file(&partial)))
+}
+
+/// Puts what was written beside the place of a file there, if that is still as it was `before`, or empty.
+fn put_in_place(folder: &Dir, name: &str, before: Option<Stamp>) -> io::Result<()> {
+    match folder.symlink_metadata(name).ok().map(|found| Stamp::of(&found)) {
+        None => rename_new(folder, &partial(name), name),
+        now if now == before => folder.rename(partial(name), folder, name),
+        Some(_) => Err(ErrorKind::AlreadyExists.into()),
+    }
 }
 
 /// Device and number of a file, where there is one.
@@ -1327,6 +1362,36 @@ mod tests {
         folder.write("report.html", b"new").unwrap();
         folder.commit().unwrap();
         assert_eq!(differences(&folder), []);
+    }
+
+    #[test]
+    fn a_name_as_long_as_file_systems_take_is_written() {
+        let (_parent, folder) = new();
+        let name = "n".repeat(MOST_COMPONENT);
+        put(&folder, &name, b"one").unwrap();
+        assert_eq!(put(&folder, &name, b"two").unwrap(), Written::Replaced);
+        assert_eq!(read(&folder, &name), "two");
+    }
+
+    #[test]
+    fn a_new_file_is_whole_or_is_not_there() {
+        let parent = tempfile::tempdir().unwrap();
+        let path = parent.path().join("record.csv");
+        let full = |file: &mut dyn Write| file.write_all(b"half").and(Err(ErrorKind::StorageFull.into()));
+        assert_eq!(write_new(&path, full).unwrap_err().kind(), ErrorKind::StorageFull);
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
+        let late = |file: &mut dyn Write| {
+            std::fs::write(&path, "mine")?;
+            file.write_all(b"ours")
+        };
+        for _ in 0..2 {
+            assert_eq!(write_new(&path, late).unwrap_err().kind(), ErrorKind::AlreadyExists);
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+        }
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+        std::fs::remove_file(&path).unwrap();
+        write_new(&path, |file| file.write_all(b"ours")).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "ours");
     }
 
     #[test]

@@ -497,14 +497,42 @@ fn a_gallery_is_a_page_and_makes_no_results_folder_of_its_own() {
     fs::create_dir(desk.path("here")).unwrap();
     let card = desk.read("done/report.html");
     desk.write("gallery.html", "mine");
-    for (words, code) in [("report res/a done", 6), ("report res/a done --out done/points.csv", 6)] {
-        desk.fails(words, code, &["is not as sagnac wrote it"]);
+    desk.fails("report res/a done", 6, &["gallery.html is not as sagnac wrote it"]);
+    // A page of results is no gallery, and none is among the files of results.
+    fs::copy(desk.path("done/report.html"), desk.path("page.html")).unwrap();
+    desk.fails("report res/a done --out page.html", 6, &["page.html is not as sagnac wrote it"]);
+    for name in ["points.csv", "report.html", "new.html"] {
+        let words = format!("report res/a done --out done/{name}");
+        desk.fails(&words, 6, &[name, "among the files of a results folder", "--out FILE"]);
     }
     assert_eq!((desk.read("gallery.html"), desk.read("done/report.html")), ("mine".to_owned(), card));
+    desk.done("check done");
     fs::remove_file(desk.path("gallery.html")).unwrap();
     symlink(desk.path("victim"), desk.path("gallery.html")).unwrap();
     desk.fails("report res/a done", 6, &["gallery.html is a link"]);
     assert!(!desk.path("victim").exists());
+}
+
+#[test]
+fn on_a_full_disk_no_half_of_a_file_is_left() {
+    let desk = desk();
+    desk.done("report done study.toml --out first.html");
+    let limited = |blocks: u32, words: &str| {
+        let script = format!("ulimit -f {blocks}; exec {} {words}", crate::desk::PROGRAM);
+        let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
+        assert_eq!(ended.status.code(), Some(6), "{words}: {}", String::from_utf8_lossy(&ended.stderr));
+    };
+    let before = desk.names("");
+    limited(1, "new gap-fill new.toml");
+    desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out al");
+    limited(100, "allan log.csv --data rate --column gz --bootstrap 0 --out al --record record.csv");
+    desk.done("filler quadratic --gap-ticks 3 --out res/a");
+    desk.done("filler quadratic --gap-ticks 2 --out res/b");
+    limited(16, "report res/a res/b");
+    fs::remove_dir_all(desk.path("al")).unwrap();
+    assert_eq!(desk.names("res"), ["a", "b"]);
+    fs::remove_dir_all(desk.path("res")).unwrap();
+    assert_eq!(desk.names(""), before);
 }
 
 #[test]
