@@ -43,6 +43,11 @@ const MOST_BEGINNING: u64 = 1 << 18;
 /// Largest file that is compared with an entry without a size, in bytes.
 const MOST_UNSIZED: u64 = 1 << 30;
 
+/// Least size of a file of which the space on the disk is compared with its size, in bytes, and most times that the size of a file
+/// of this program is that space, whatever a file system compresses.
+const LEAST_HOLLOW: u64 = 64 << 20;
+const MOST_COMPRESSED: u64 = 64;
+
 /// Why a file of a results folder was not written or removed.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
@@ -162,6 +167,7 @@ struct Found {
     path: PathBuf,
     file: File,
     stamp: Stamp,
+    is_hollow: bool,
     digest: Option<String>,
 }
 
@@ -584,6 +590,8 @@ impl Folder {
         if self.can_adopt() {
             for name in self.names()?.into_iter().filter(|name| is_ours(name)) {
                 if let Some(mut found) = self.found(&name)?
+                    && found.stamp.size <= MOST_UNSIZED
+                    && !found.is_hollow
                     && !self.list().entries.contains_key(&name)
                 {
                     let (sha256, size) = (Some(found.digest()?), Some(found.stamp.size));
@@ -675,14 +683,14 @@ impl Folder {
     }
 
     /// The last entry of a file with these contents, and whether it is the last of its name; `None` if there is none. Only a file
-    /// of a listed size is read.
+    /// of a listed size is read, which has that size on the disk too.
     fn known(&self, name: &str, found: &mut Found) -> Result<Option<(Entry, bool)>, FolderError> {
         let may_be = |entry: &Entry| {
             entry.sha256.is_some()
                 && entry.size.map_or(found.stamp.size <= MOST_UNSIZED, |size| size == found.stamp.size)
         };
         let entries = self.list().entries.get(name).cloned().unwrap_or_default();
-        if !entries.iter().any(may_be) {
+        if found.is_hollow || !entries.iter().any(may_be) {
             return Ok(None);
         }
         let digest = found.digest()?;
@@ -706,8 +714,9 @@ impl Folder {
             return Err(FolderError::Special { path, what });
         }
         let file = open(&folder, &last, OpenOptions::new().read(true)).map_err(failed)?;
-        let stamp = Stamp::of(&file.metadata().map_err(failed)?);
-        Ok(Some(Found { path, file, stamp, digest: None }))
+        let metadata = file.metadata().map_err(failed)?;
+        let (stamp, is_hollow) = (Stamp::of(&metadata), is_hollow(&metadata));
+        Ok(Some(Found { path, file, stamp, is_hollow, digest: None }))
     }
 
     /// The folder that contains a file, and the last component of its name; `None` if that folder is missing and not made.
@@ -901,6 +910,15 @@ fn special(found: &Metadata) -> Option<&'static str> {
         kind if kind.is_dir() => Some("a folder"),
         _ => Some("a pipe, a device or a socket"),
     }
+}
+
+/// Whether a file claims far more bytes than it has on the disk, as no file of this program does. Reading it could take hours.
+fn is_hollow(found: &Metadata) -> bool {
+    #[cfg(unix)]
+    let space = cap_std::fs::MetadataExt::blocks(found).saturating_mul(512);
+    #[cfg(not(unix))]
+    let space = found.len();
+    found.len() >= LEAST_HOLLOW && space < found.len() / MOST_COMPRESSED
 }
 
 /// What forbids to write to a file in place: it is no ordinary one, or has other names.
@@ -1219,6 +1237,30 @@ mod tests {
         file.set_len(200 << 30).unwrap();
         let started = std::time::Instant::now();
         assert!(put(&folder, "curve.csv", b"new").is_err() && folder.changed().unwrap().unwrap().len() == 1);
+        assert!(started.elapsed().as_secs() < 5);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_not_on_the_disk_is_not_read_whatever_its_size() {
+        let (_parent, folder) = new();
+        put(&folder, "a.csv", b"ours").unwrap();
+        let zeros = "0".repeat(64);
+        for name in ["a.csv", "b.csv"] {
+            folder
+                .enter(vec![Entry {
+                    name: name.to_owned(),
+                    sha256: Some(zeros.clone()),
+                    size: (name == "a.csv").then_some(200 << 30),
+                    is_adopted: false,
+                    is_ahead: false,
+                }])
+                .unwrap();
+            std::fs::File::create(folder.path().join(name)).unwrap().set_len(200 << 30).unwrap();
+        }
+        let started = std::time::Instant::now();
+        assert!(put(&folder, "a.csv", b"new").is_err() && put(&folder, "b.csv", b"new").is_err());
+        assert_eq!(folder.changed().unwrap().unwrap().len(), 2);
         assert!(started.elapsed().as_secs() < 5);
     }
 
