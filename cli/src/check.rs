@@ -109,7 +109,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     let mut about = String::new();
     let resolved = folder.join(RESOLVED);
     let listed = Folder::read(folder)?;
-    let changed = listed.changed()?;
+    let changed = listed.changed();
     let difference = |name: &str| changed.as_ref().and_then(|changed| changed.get(name)).copied();
     let is_unfinished = |name: &str| difference(name) == Some(Difference::Unfinished);
     if !resolved.is_file() && !is_unfinished(RESOLVED) {
@@ -202,6 +202,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 faults.push(format!("{} was changed since it was written", path.display()))
             }
             Difference::Unfinished => {}
+            Difference::Unreadable => faults.push(format!("cannot read {}, which is listed", path.display())),
             // Without a study, this was said above.
             Difference::Missing if name == RESOLVED => {}
             Difference::Missing => {

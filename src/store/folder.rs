@@ -209,6 +209,8 @@ pub enum Difference {
     Missing,
     /// A command was interrupted before this file, or those that are made of it, had their places.
     Unfinished,
+    /// It cannot be looked at, as with a name that no file can have.
+    Unreadable,
 }
 
 /// What became of a file.
@@ -522,16 +524,13 @@ impl Folder {
     }
 
     /// The files in the list that are no longer as they were last written, by name; `None` in a folder without a list.
-    ///
-    /// # Errors
-    /// A file cannot be read.
-    pub fn changed(&self) -> Result<Option<BTreeMap<String, Difference>>, FolderError> {
-        let mut changed = BTreeMap::new();
-        for name in self.listed() {
-            let difference = self.difference(&name)?;
-            changed.extend(difference.map(|difference| (name, difference)));
-        }
-        Ok(self.list().is_begun.then_some(changed))
+    pub fn changed(&self) -> Option<BTreeMap<String, Difference>> {
+        let difference = |name: String| {
+            let difference = self.difference(&name).unwrap_or(Some(Difference::Unreadable));
+            difference.map(|difference| (name, difference))
+        };
+        let changed = self.listed().into_iter().filter_map(difference).collect();
+        self.list().is_begun.then_some(changed)
     }
 
     fn difference(&self, name: &str) -> Result<Option<Difference>, FolderError> {
@@ -601,6 +600,11 @@ impl Folder {
         }
         adopted.sort_by(|a, b| a.name.cmp(&b.name));
         let names = adopted.iter().map(|entry| entry.name.clone()).collect();
+        if adopted.is_empty() && self.can_adopt() {
+            // The list itself is no file that is written: this tells that there was nothing.
+            let (name, is_adopted) = (LIST.to_owned(), true);
+            adopted.push(Entry { name, sha256: None, size: None, is_adopted, is_ahead: false });
+        }
         self.enter(adopted).map_err(|source| self.failed(LIST, source))?;
         Ok(names)
     }
@@ -802,7 +806,10 @@ impl Folder {
             false => open(&self.root, LIST, OpenOptions::new().read(true)).map_err(unread)?,
         };
         let mut text = Vec::new();
-        (&file).take(MOST_LIST).read_to_end(&mut text).map_err(unread)?;
+        (&file).take(MOST_LIST + 1).read_to_end(&mut text).map_err(unread)?;
+        if text.len() as u64 > MOST_LIST {
+            return Err(unread(too_long()));
+        }
         let text = String::from_utf8_lossy(&text);
         let mut list = self.list();
         list.file = is_written.then_some(file);
@@ -840,6 +847,9 @@ impl Folder {
         }
         let file = list.file.as_mut().ok_or(ErrorKind::NotFound)?;
         let before = file.metadata()?.len();
+        if before + text.len() as u64 > MOST_LIST {
+            return Err(too_long());
+        }
         // A file must not be on disk before its entry.
         let written = file.write_all(text.as_bytes()).and_then(|()| file.sync_data());
         // Some of the entries alone would tell of files that are not written.
@@ -960,6 +970,15 @@ fn rename_new(folder: &Dir, from: &str, to: &str) -> io::Result<()> {
     folder.rename(from, folder, to)
 }
 
+/// A list has or would have more bytes than are read of one.
+fn too_long() -> io::Error {
+    let message = format!(
+        "it has more than {} MiB\nmove it away, and take over the files of the folder with `sagnac check DIR --adopt`",
+        MOST_LIST >> 20
+    );
+    io::Error::new(ErrorKind::FileTooLarge, message)
+}
+
 /// The SHA-256 of what remains to be read, in hexadecimal digits.
 fn digest_of(source: &mut dyn Read) -> io::Result<String> {
     let (mut digest, mut block) = (Sha256::new(), vec![0; 1 << 16]);
@@ -988,6 +1007,24 @@ pub(crate) fn single(path: &Path) -> io::Result<std::fs::File> {
 fn single_in(folder: &Dir, name: &str) -> io::Result<std::fs::File> {
     check_single(folder, name)?;
     open_in_place(folder, name, OpenOptions::new().read(true).write(true).create(true)).map(File::into_std)
+}
+
+/// Opens a file for reading, without following a link or waiting for a pipe.
+///
+/// # Errors
+/// It is no ordinary file, or cannot be opened.
+pub(crate) fn readable(path: &Path) -> io::Result<std::fs::File> {
+    let (folder, name) = parts(path)?;
+    open(&folder, &name, OpenOptions::new().read(true)).map(File::into_std)
+}
+
+/// Whether files can be made in a folder, as far as its permissions tell.
+pub(crate) fn takes_files(folder: &Path) -> bool {
+    #[cfg(unix)]
+    let takes = rustix::fs::access(folder, rustix::fs::Access::WRITE_OK).is_ok();
+    #[cfg(not(unix))]
+    let takes = folder.is_dir();
+    takes
 }
 
 /// Refuses a database that is no ordinary file of one name, or has a journal that is none.
@@ -1100,7 +1137,8 @@ fn parts(path: &Path) -> io::Result<(Dir, String)> {
     Ok((folder, path.file_name().unwrap_or_default().to_string_lossy().into_owned()))
 }
 
-fn parent(path: &Path) -> &Path {
+/// The folder of a file.
+pub(crate) fn parent(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
@@ -1175,7 +1213,7 @@ mod tests {
         // With the same contents nothing is written.
         assert_eq!(put(&folder, "curve.csv", b"mine").unwrap(), Written::Same);
         assert!(put(&folder, "curve.csv", b"new").is_err());
-        let changed = || folder.changed().unwrap().unwrap().into_iter().collect::<Vec<_>>();
+        let changed = || folder.changed().unwrap().into_iter().collect::<Vec<_>>();
         assert_eq!(changed(), [("report.html".to_owned(), Difference::Changed)]);
         std::fs::remove_file(folder.path().join("report.html")).unwrap();
         assert_eq!(changed(), [("report.html".to_owned(), Difference::Missing)]);
@@ -1183,7 +1221,7 @@ mod tests {
         assert_eq!(changed(), []);
         // What is to be removed, and was changed, stays and is no longer listed.
         std::fs::write(folder.path().join("report.html"), "mine").unwrap();
-        assert!(!removed(&folder, "report.html").unwrap() && folder.changed().unwrap().unwrap().is_empty());
+        assert!(!removed(&folder, "report.html").unwrap() && folder.changed().unwrap().is_empty());
         assert_eq!(read(&folder, "report.html"), "mine");
         std::fs::write(folder.path().join("report.html"), "newer").unwrap();
         put(&folder, "report.html", b"newer").unwrap();
@@ -1224,7 +1262,7 @@ mod tests {
     fn one_command_at_a_time_writes() {
         let (_parent, folder) = new();
         assert!(matches!(Folder::open(folder.path()), Err(FolderError::Lock(StoreError::Busy { .. }))));
-        assert!(Folder::read(folder.path()).unwrap().changed().unwrap().is_none());
+        assert!(Folder::read(folder.path()).unwrap().changed().is_none());
         drop(reopened(folder));
     }
 
@@ -1236,7 +1274,7 @@ mod tests {
         // Reading it would take minutes.
         file.set_len(200 << 30).unwrap();
         let started = std::time::Instant::now();
-        assert!(put(&folder, "curve.csv", b"new").is_err() && folder.changed().unwrap().unwrap().len() == 1);
+        assert!(put(&folder, "curve.csv", b"new").is_err() && folder.changed().unwrap().len() == 1);
         assert!(started.elapsed().as_secs() < 5);
     }
 
@@ -1260,7 +1298,7 @@ mod tests {
         }
         let started = std::time::Instant::now();
         assert!(put(&folder, "a.csv", b"new").is_err() && put(&folder, "b.csv", b"new").is_err());
-        assert_eq!(folder.changed().unwrap().unwrap().len(), 2);
+        assert_eq!(folder.changed().unwrap().len(), 2);
         assert!(started.elapsed().as_secs() < 5);
     }
 
@@ -1278,7 +1316,7 @@ mod tests {
         std::fs::write(folder.path().join("a.csv"), "abc").unwrap();
         let folder = reopened(folder);
         // It does not say what was removed.
-        assert!(folder.changed().unwrap().unwrap().is_empty());
+        assert!(folder.changed().unwrap().is_empty());
         assert_eq!(put(&folder, "a.csv", b"new").unwrap(), Written::Replaced);
     }
 
@@ -1320,7 +1358,7 @@ mod tests {
     }
 
     fn differences(folder: &Folder) -> Vec<(String, Difference)> {
-        folder.changed().unwrap().unwrap().into_iter().collect()
+        folder.changed().unwrap().into_iter().collect()
     }
 
     #[test]
@@ -1437,6 +1475,40 @@ mod tests {
     }
 
     #[test]
+    fn a_name_that_no_file_can_have_is_one_fault_among_others() {
+        let (_parent, folder) = new();
+        put(&folder, "a.csv", b"ours").unwrap();
+        let names = ["", "..", "../a.csv", "n\0", &"n".repeat(MOST_NAME)];
+        for name in names {
+            let (name, sha256, size) = (name.to_owned(), Some(String::new()), Some(1));
+            folder.enter(vec![Entry { name, sha256, size, is_adopted: false, is_ahead: false }]).unwrap();
+        }
+        std::fs::write(folder.path().join("a.csv"), "edited").unwrap();
+        let folder = reopened(folder);
+        let found = differences(&folder);
+        assert_eq!(found.len(), names.len() + 1, "{found:?}");
+        assert!(found.contains(&("a.csv".to_owned(), Difference::Changed)));
+        folder.forget_missing().unwrap();
+        put(&folder, "b.csv", b"ours").unwrap();
+    }
+
+    #[test]
+    fn a_list_that_is_too_long_is_neither_read_in_part_nor_written() {
+        let (_parent, folder) = new();
+        put(&folder, "a.csv", b"ours").unwrap();
+        let grown = |size: u64| {
+            let list = std::fs::File::options().write(true).open(folder.path().join(LIST)).unwrap();
+            list.set_len(size).unwrap();
+        };
+        grown(MOST_LIST);
+        assert!(put(&folder, "b.csv", b"ours").unwrap_err().to_string().contains("more than 64 MiB"));
+        assert_eq!(std::fs::metadata(folder.path().join(LIST)).unwrap().len(), MOST_LIST);
+        assert!(!folder.path().join("b.csv").exists());
+        grown(MOST_LIST + 1);
+        assert!(Folder::read(folder.path()).unwrap_err().to_string().contains("move it away"));
+    }
+
+    #[test]
     fn files_that_are_gone_can_be_forgotten() {
         let (_parent, folder) = new();
         put(&folder, "drawn.svg", b"drawn").unwrap();
@@ -1490,6 +1562,13 @@ mod tests {
         for name in ["card.json", "noise.toml", "noise_of_unit7.toml"] {
             std::fs::write(folder.path().join(name), "{}").unwrap();
         }
+        // Whoever found nothing has adopted all there was.
+        let (_other, empty) = new();
+        std::fs::write(empty.path().join("card.json"), "{}").unwrap();
+        let empty = reopened(empty);
+        assert!(empty.adopt(|_| false).unwrap().is_empty() && !empty.can_adopt());
+        std::fs::write(empty.path().join("report.html"), "mine").unwrap();
+        assert!(reopened(empty).adopt(|_| true).unwrap().is_empty());
         // A list that is begun late does not have them.
         let folder = reopened(folder);
         put(&folder, "redrawn.svg", b"ours").unwrap();
@@ -1543,7 +1622,7 @@ mod tests {
         let path = folder.path().to_owned();
         drop(folder);
         assert!(matches!(Folder::open(&path), Err(FolderError::Special { what: HARD_LINK, .. })));
-        assert!(Folder::read(&path).unwrap().changed().unwrap().unwrap().is_empty());
+        assert!(Folder::read(&path).unwrap().changed().unwrap().is_empty());
         assert_eq!(std::fs::read_to_string(victim.join("a.toml")).unwrap(), "mine");
     }
 
