@@ -514,6 +514,21 @@ fn a_gallery_is_a_page_and_makes_no_results_folder_of_its_own() {
 }
 
 #[test]
+fn columns_with_names_of_any_length_are_analysed() {
+    let desk = desk();
+    for length in [300, 70_000] {
+        let name = "é".repeat(length / 2);
+        let rows: String = desk.read("log.csv").lines().skip(1).map(|row| format!("{row}\n")).collect();
+        desk.write("long.csv", &format!("time [s],{name}a [deg/h],{name}b [deg/h],temp [degC]\n{rows}"));
+        let ended = desk.done("allan long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out long");
+        assert!(!ended.stdout.contains(&"é".repeat(201)), "{length}");
+        let begun = format!("_{}.toml", "é".repeat(100));
+        assert_eq!(desk.names("long").iter().filter(|name| name.ends_with(&begun)).count(), 2);
+        desk.done("psd long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out spectra");
+    }
+}
+
+#[test]
 fn on_a_full_disk_no_half_of_a_file_is_left() {
     let desk = desk();
     desk.done("report done study.toml --out first.html");
