@@ -358,7 +358,7 @@ fn a_refused_command_replaces_nothing() {
 fn a_run_that_is_refused_for_a_table_keeps_its_study_as_it_was() {
     let desk = desk();
     let noise = "title = \"A gyro\"\nkind = \"allan\"\ntrials = 16\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[allan]\n\
-                 tau = \"octave\"\nfit = true\n[noise]\nangle_random_walk = \"0.001 deg/sqrt(h)\"\n";
+                 tau = \"octave\"\nfit = \"auto\"\n[noise]\nangle_random_walk = \"0.001 deg/sqrt(h)\"\n";
     desk.write("gyro.toml", noise);
     desk.done("run gyro.toml --device cpu --out al");
     for name in ["resolved_study.toml", "points.csv", "coefficients.csv", "report.html", "chart.svg"] {
@@ -378,7 +378,7 @@ fn a_run_that_is_refused_for_a_table_keeps_its_study_as_it_was() {
 #[test]
 fn results_of_a_study_that_was_replaced_are_unfinished_until_they_are_written() {
     let desk = desk();
-    let charted = desk.read("swept.toml").replace("\"q9973\"", "\"peak\"");
+    let charted = desk.read("swept.toml").replace("\"q9973\"", "\"max\"");
     desk.write("other.toml", &charted);
     desk.done("run swept.toml --trials 64 --device cpu --out out");
     // Room for the study, and not for the page.
@@ -389,7 +389,7 @@ fn results_of_a_study_that_was_replaced_are_unfinished_until_they_are_written() 
     let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
     assert_eq!(ended.status.code(), Some(6), "{}", String::from_utf8_lossy(&ended.stderr));
     for command in ["chart out --name drawn", "report out --quiet"] {
-        assert_eq!(desk.read("out/resolved_study.toml").matches("\"peak\"").count(), 1);
+        assert_eq!(desk.read("out/resolved_study.toml").matches("\"max\"").count(), 1);
         let ended = desk.sagnac("check out");
         assert!(ended.code == 4 && ended.stderr.contains("was interrupted"), "{}", ended.stderr);
         desk.done(command);
@@ -520,8 +520,7 @@ fn columns_with_names_of_any_length_are_analysed() {
         let name = "é".repeat(length / 2);
         let rows: String = desk.read("log.csv").lines().skip(1).map(|row| format!("{row}\n")).collect();
         desk.write("long.csv", &format!("time [s],{name}a [deg/h],{name}b [deg/h],temp [degC]\n{rows}"));
-        let ended = desk.done("allan long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out long");
-        assert!(!ended.stdout.contains(&"é".repeat(201)), "{length}");
+        desk.done("allan long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out long");
         let begun = format!("_{}.toml", "é".repeat(100));
         assert_eq!(desk.names("long").iter().filter(|name| name.ends_with(&begun)).count(), 2);
         desk.done("psd long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out spectra");
@@ -531,7 +530,6 @@ fn columns_with_names_of_any_length_are_analysed() {
 #[test]
 fn on_a_full_disk_no_half_of_a_file_is_left() {
     let desk = desk();
-    desk.done("report done study.toml --out first.html");
     let limited = |blocks: u32, words: &str| {
         let script = format!("ulimit -f {blocks}; exec {} {words}", crate::desk::PROGRAM);
         let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
