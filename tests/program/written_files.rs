@@ -652,7 +652,8 @@ fn a_run_whose_database_or_folder_vanishes_ends_with_an_error() {
             .spawn()
             .unwrap();
         let waited = std::time::Instant::now();
-        while !desk.path("out/tallies.sqlite-wal").exists() {
+        // The study is kept after the database is made, and before anything is sampled.
+        while !desk.path("out/resolved_study.toml").exists() {
             assert!(waited.elapsed().as_secs() < 60);
             std::thread::sleep(std::time::Duration::from_millis(50));
         }
