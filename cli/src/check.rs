@@ -108,16 +108,17 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     let mut lacking = 0;
     let mut about = String::new();
     let resolved = folder.join(RESOLVED);
-    if !resolved.is_file() {
+    let listed = Folder::read(folder)?;
+    let changed = listed.changed();
+    let difference = |name: &str| changed.as_ref().and_then(|changed| changed.get(name)).copied();
+    let is_unfinished = |name: &str| difference(name) == Some(Difference::Unfinished);
+    if !resolved.is_file() && !is_unfinished(RESOLVED) {
         let message = format!(
             "{} is missing: whether trials are complete and tables match cannot be checked",
             resolved.display()
         );
         faults.push(message);
     }
-    let listed = Folder::read(folder)?;
-    let changed = listed.changed()?;
-    let is_changed = |name: &str| changed.as_ref().is_some_and(|changed| changed.contains_key(name));
     let mut compared = vec![];
     if changed.is_none() {
         note!(
@@ -127,7 +128,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             folder.display()
         );
     }
-    if faults.is_empty() {
+    if faults.is_empty() && resolved.is_file() {
         let study = Study::read(&resolved)?;
         note_unlisted(&listed, &study);
         let plan = Plan::new(&study)?;
@@ -164,7 +165,10 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             let earlier = format!(", {name} is from an earlier state");
             let wanted = csv(table, &path)?;
             // An interrupted run has not written the table yet, or not for all trials.
-            let may_differ = lacking > 0 && !is_changed(name);
+            let may_differ = match difference(name) {
+                None => lacking > 0 || is_unfinished(RESOLVED),
+                Some(difference) => difference == Difference::Unfinished,
+            };
             // A table that is longer cannot match, so no more of it is read.
             match read_bytes(&path, wanted.len() as u64 + 1) {
                 Ok(found) if found == wanted => about += &format!(", {name} matches them"),
@@ -176,7 +180,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 }
                 _ => {
                     // A run does not replace what it cannot know as its own.
-                    let is_own = changed.is_some() && !is_changed(name);
+                    let is_own = changed.is_some() && difference(name).is_none();
                     let first = if is_own { "" } else { "move it away, and " };
                     faults.push(format!(
                         "{} does not match the tallies\n{first}run {} again to rebuild it",
@@ -187,6 +191,8 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             }
         }
     }
+    let unfinished = changed.iter().flatten().filter(|(_, found)| **found == Difference::Unfinished);
+    let unfinished: Vec<&str> = unfinished.map(|(name, _)| name.as_str()).take(MOST_TOLD).collect();
     // Tables are compared with the tallies.
     for (name, difference) in changed.iter().flatten().filter(|(name, _)| !compared.contains(&name.as_str()))
     {
@@ -195,6 +201,8 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             Difference::Changed => {
                 faults.push(format!("{} was changed since it was written", path.display()))
             }
+            Difference::Unfinished => {}
+            Difference::Unreadable => faults.push(format!("cannot read {}, which is listed", path.display())),
             // Without a study, this was said above.
             Difference::Missing if name == RESOLVED => {}
             Difference::Missing => {
@@ -209,8 +217,15 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         about = failure::faults(faults.len());
     }
     say_sound(folder, &report, &about, quiet)?;
+    if !unfinished.is_empty() {
+        say!(
+            "{}: a command was interrupted, and what it was to write or to remove is not complete: {}",
+            folder.display(),
+            unfinished.join(", ")
+        );
+    }
     Ok(match (faults.len(), lacking) {
-        (0, 0) => State::Sound,
+        (0, 0) if unfinished.is_empty() => State::Sound,
         (0, _) => State::Incomplete,
         (faults, _) => State::Faulty(faults),
     })

@@ -1,7 +1,7 @@
 //! Errors of commands, with their exit codes.
 
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use sagnac::allan::tau::TauError;
@@ -273,10 +273,18 @@ impl Failure {
             | Failure::Folder(FolderError::Folder { path, source })
                 if is_no_folder(source.kind()) =>
             {
-                let (path, part) =
-                    (path.display(), if path.is_file() { "it is" } else { "a part of its path is" });
+                let part = |part: &Path| if part == path { "it is" } else { "a part of its path is" };
+                let is_dangling = |part: &&Path| part.is_symlink() && !part.exists();
+                let why = match path.ancestors().find(is_dangling) {
+                    Some(link) => format!("{} a link that leads nowhere", part(link)),
+                    None => format!(
+                        "{} a file",
+                        part(path.ancestors().find(|part| part.is_file()).unwrap_or(path))
+                    ),
+                };
                 say!(
-                    "error: cannot use the results folder {path}: {part} a file\nname a folder with --out DIR"
+                    "error: cannot use the results folder {}: {why}\nname a folder with --out DIR",
+                    path.display()
                 );
             }
             // Not an error: it was requested.

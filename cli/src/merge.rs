@@ -73,7 +73,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let results = Folder::open(&options.out)?;
-    check_places(&study, &results)?;
+    check_places(&study, &plan, &results)?;
     let mut store = Store::open_in(&results, &plan.identity())?;
     keep(&study, &results)?;
     store.note_share(Share::WHOLE)?;

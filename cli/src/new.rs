@@ -1,12 +1,12 @@
 //! `sagnac new`: a study file as a starting point.
 
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 use sagnac::kinds::KINDS;
+use sagnac::store::folder::write_new;
 use sagnac::study::kind::Kind;
 
 use crate::failure::Failure;
@@ -39,8 +39,7 @@ fn kinds() -> impl TypedValueParser<Value = &'static Kind> {
 pub fn new(options: &Options) -> Result<(), Failure> {
     let kind = options.kind.name;
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
-    let made = OpenOptions::new().write(true).create_new(true).open(&path);
-    let written = made.and_then(|mut file| file.write_all(options.kind.template.as_bytes()));
+    let written = write_new(&path, |file| file.write_all(options.kind.template.as_bytes()));
     written.map_err(|source| match source.kind() {
         ErrorKind::AlreadyExists => Failure::Usage(format!(
             "{} already exists and was not changed\nname another file: sagnac new {kind} FILE",

@@ -1,13 +1,12 @@
 //! Writing of data to the standard output and to files.
 
-use std::fs::File;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::answer::Answer;
 use sagnac::quantity::visible::{visible, visible_json};
-use sagnac::store::folder::Folder;
+use sagnac::store::folder::{self, Folder};
 use sagnac::table::Table;
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
@@ -212,9 +211,11 @@ fn failure(error: io::Error) -> Failure {
 ///
 /// # Errors
 /// There is one already, or it cannot be written.
-pub fn write_new(path: &Path, contents: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
-    let mut file = File::create_new(path).map_err(unwritten(path))?;
-    contents(&mut file).and_then(|()| file.sync_all()).map_err(unwritten(path))
+pub fn write_new(
+    path: &Path,
+    contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    folder::write_new(path, contents).map_err(unwritten(path))
 }
 
 /// The failure to write to a path.

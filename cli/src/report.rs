@@ -5,12 +5,12 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::answer::of_study;
-use sagnac::run::{Plan, RESOLVED, keep};
+use sagnac::run::{Plan, RESOLVED, complete};
 use sagnac::source::text_file::read_bytes;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::view::picture::incomplete;
-use sagnac::view::report::{CARD, Card, FILE as REPORT, gallery};
+use sagnac::view::report::{CARD, Card, FILE as REPORT, MARKS, gallery};
 use sagnac::view::results::Results;
 
 use crate::chart::{Redraw, redraw};
@@ -22,9 +22,6 @@ use crate::results::{decision, held, lacking};
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
-
-/// What tells a gallery from other files.
-const MARK: &str = "<meta name=\"generator\" content=\"sagnac ";
 
 /// Most bytes of a card that is read, several times as many as a picture has.
 const MOST_BYTES: u64 = 4 << 20;
@@ -108,7 +105,7 @@ fn write_gallery(
         .collect();
     let all_studies = folders.iter().all(|folder| folders::is_study(folder));
     let called = if all_studies { ["study", "studies"] } else { ["result", "results"] };
-    write_marked(&path, MARK, gallery(&cards, called).as_bytes())?;
+    write_marked(&path, &MARKS, gallery(&cards, called).as_bytes())?;
     if !options.quiet {
         let here = std::env::current_dir().unwrap_or_default();
         say!("{}", path.strip_prefix(here).unwrap_or(&path).display());
@@ -129,8 +126,7 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let plan = Plan::new(&study)?;
     let results_folder = Folder::open(folder)?;
     let store = held(&results_folder, &plan)?;
-    // Folders of earlier versions lack the input files of the study.
-    keep(&study, &results_folder)?;
+    complete(&study, &results_folder)?;
     let progress = Shown::new(options.progress.how(options.quiet));
     let tables = plan.tables(&store, &progress)?;
     let lacking = lacking(&study, &plan, &store, &tables)?;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use sagnac::quantity::number::{significant, with_ends};
+use sagnac::quantity::visible::in_cell;
 use sagnac::table::{Column, ColumnError, Table, titled};
 
 use crate::look;
@@ -207,6 +208,8 @@ pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
 /// continue below, with the first `keys` columns repeated. Without a limit, headings of wide tables are broken, and
 /// nothing continues below.
 fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
+    let short = |row: &Vec<String>| row.iter().map(|cell| in_cell(cell).into_owned()).collect();
+    let rows: &[Vec<String>] = &rows.iter().map(short).collect::<Vec<_>>();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widest = |rows: &[Vec<String>], column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
@@ -353,5 +356,14 @@ mod tests {
     fn a_terminal_too_narrow_for_anything_has_a_column_at_a_time() {
         assert_eq!(fitted(&table(), 1, Some(1)).split("\n\n").count(), 3);
         assert_eq!(fitted(&[], 1, Some(1)), "");
+    }
+
+    #[test]
+    fn a_name_of_any_length_is_shown_by_its_beginning() {
+        let long = vec![vec!["n".repeat(70_000), "rms".to_owned()], vec!["7".to_owned(), "8".repeat(70_000)]];
+        for limit in [None, Some(80)] {
+            let text = fitted(&long, 1, limit);
+            assert!(text.contains("nn…") && text.contains("88…") && text.len() < 10_000, "{}", text.len());
+        }
     }
 }

@@ -53,7 +53,15 @@ pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
 
 /// Opens a report, or begins one.
 fn opened(path: &Path) -> Result<File, Failure> {
-    File::options().read(true).append(true).create(true).open(path).map_err(unwritten(path))
+    let file = File::options().read(true).append(true).create(true).open(path).map_err(unwritten(path))?;
+    // What has no end could not be read before more is added.
+    match file.metadata().map_err(unwritten(path))?.is_file() {
+        true => Ok(file),
+        false => Err(Failure::Usage(format!(
+            "--report {} is not an ordinary file\nname a file, or one that does not exist yet",
+            path.display()
+        ))),
+    }
 }
 
 /// Adds rows to a report; the header comes before the first ones.

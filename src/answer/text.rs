@@ -1,6 +1,7 @@
 //! An answer as lines of text.
 
 use crate::answer::{Answer, AnswerTable};
+use crate::quantity::visible::in_cell;
 
 /// The mark of the row of the headline.
 const BEST: &str = "▸ ";
@@ -45,15 +46,15 @@ impl Answer {
 impl AnswerTable {
     /// The table in aligned columns, numbers flush right; columns that do not fit are left out from the end.
     pub fn text(&self, width: usize) -> String {
-        let length = |text: &str| text.chars().count();
+        let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
+        let length = |text: &str| in_cell(text).chars().count();
         // A heading has as many lines as its words need beside the cells.
         let widths: Vec<usize> = (0..self.columns.len())
             .map(|column| {
                 let cells = self.rows.iter().filter_map(|row| Some(length(&row.get(column)?.text)));
-                let words = words(&self.columns[column]);
+                let words = words(&columns[column]);
                 let words = words.iter().map(|word| length(word));
-                let whole =
-                    length(&self.columns[column]).min(if column == 0 { FIRST_HEADING } else { HEADING });
+                let whole = length(&columns[column]).min(if column == 0 { FIRST_HEADING } else { HEADING });
                 cells.chain(words).chain([whole]).max().unwrap_or(0)
             })
             .collect();
@@ -66,7 +67,7 @@ impl AnswerTable {
             fits += 1;
         }
         let broken: Vec<Vec<String>> =
-            self.columns.iter().zip(&widths).map(|(heading, &width)| wrapped(heading, width)).collect();
+            columns.iter().zip(&widths).map(|(heading, &width)| wrapped(heading, width)).collect();
         let height = broken.iter().take(fits).map(Vec::len).max().unwrap_or(0);
         let heading = |line: usize| {
             let of = |lines: &Vec<String>| {
@@ -74,7 +75,8 @@ impl AnswerTable {
             };
             broken.iter().take(fits).map(of).collect::<Vec<String>>()
         };
-        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect());
+        let body =
+            self.rows.iter().map(|row| row.iter().map(|cell| in_cell(&cell.text).into_owned()).collect());
         let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
         let line = |(at, row): (usize, &Vec<String>)| {
             let mark = if at >= height && self.best == Some(at - height) { BEST } else { "  " };

@@ -54,6 +54,17 @@ fn shown_as(sign: char) -> char {
     }
 }
 
+/// Most characters of a cell of a table on a terminal.
+const MOST_CELL: usize = 200;
+
+/// The beginning of a text that is too long for a cell; no terminal shows more, and Rust pads to at most 65,535 characters.
+pub fn in_cell(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(MOST_CELL) {
+        None => Cow::Borrowed(text),
+        Some(_) => Cow::Owned(text.chars().take(MOST_CELL - 1).chain(['…']).collect()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,31 +1,62 @@
 //! Storage of a study with its results.
 
+use std::path::Path;
+
 use crate::run::RESOLVED;
 use crate::store::folder::{Folder, FolderError, Written};
 use crate::study::Study;
+use crate::study::kept::INPUTS;
 
 /// Stores a study in the folder of its results, with the files that it names as they were when it was read, so that the
 /// results can be merged, repeated and moved as a whole. Returns the names of files whose earlier contents were
-/// different, as of a study that was run there before.
+/// different, as of a study that was run there before. Results of such a study make the folder unfinished until the study is
+/// written again with its own.
 ///
 /// # Errors
 /// A file cannot be written.
 pub fn keep(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> {
-    folder.write(RESOLVED, study.resolved(study.trials).as_bytes())?;
+    folder.forget_missing()?;
+    let replaced = write_inputs(study, folder)?;
+    let text = study.resolved(study.trials);
+    let is_same = folder.write(RESOLVED, text.as_bytes())? == Written::Same && replaced.is_empty();
+    let is_result = |name: &String| {
+        name != RESOLVED && !Path::new(name).starts_with(INPUTS) && folder.path().join(name).is_file()
+    };
+    if !is_same && folder.listed().iter().any(is_result) {
+        folder.write_ahead(RESOLVED, text.as_bytes())?;
+    }
+    folder.commit()?;
+    Ok(replaced)
+}
+
+/// Adds what folders of earlier versions lack: the files that the study of a folder names, under their names there. They take
+/// their places when the folder is committed.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn complete(study: &Study, folder: &Folder) -> Result<(), FolderError> {
+    folder.forget_missing()?;
+    write_inputs(study, folder)?;
+    let text = study.resolved(study.trials);
+    if text != study.text() {
+        folder.write(RESOLVED, text.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Writes the files that a study names, and returns the names of those that were different.
+fn write_inputs(study: &Study, folder: &Folder) -> Result<Vec<String>, FolderError> {
     let mut replaced = Vec::new();
     for input in study.inputs() {
         if folder.write(&input.name, input.text.as_bytes())? == Written::Replaced {
             replaced.push(input.name.clone());
         }
     }
-    folder.commit()?;
     Ok(replaced)
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
 
     fn results(folder: &Path) -> Folder {

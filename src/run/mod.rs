@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use crate::device::Device;
 use crate::progress::{Progress, Silent};
 #[cfg(feature = "store")]
-pub use crate::run::keep::keep;
+pub use crate::run::keep::{complete, keep};
 use crate::sampling::plan;
 pub use crate::sampling::plan::{Done, RunError};
 pub use crate::sampling::tables::Tables;

@@ -133,13 +133,26 @@ impl Files {
     /// The text of a file.
     ///
     /// # Errors
-    /// It fails where [`read_text`] does.
+    /// It fails where [`read_text`] does, and where all files together have [`MOST_RECORD`] bytes or more.
     pub(crate) fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
         let path = self.path(name);
         if let Some(known) = self.read.borrow().get(&path) {
             return Ok(known.clone());
         }
-        let text: Arc<str> = read_text(&path, most)?.into();
+        let before: u64 = self.read.borrow().values().map(|text| text.len() as u64).sum();
+        let left = MOST_RECORD.saturating_sub(before);
+        let text: Arc<str> = read_text(&path, most.min(left))
+            .map_err(|error| match error.kind() {
+                ErrorKind::FileTooLarge if left < most => Error::new(
+                    ErrorKind::FileTooLarge,
+                    format!(
+                        "with it, the files of the study have more than {} MiB; split the study",
+                        MOST_RECORD >> 20
+                    ),
+                ),
+                _ => error,
+            })?
+            .into();
         self.read.borrow_mut().insert(path, text.clone());
         Ok(text)
     }
@@ -159,6 +172,22 @@ mod tests {
         assert!(read_text(folder.path(), 8).unwrap_err().to_string().contains("it is a folder"));
         #[cfg(unix)]
         assert!(read_text(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string().contains("a device"));
+    }
+
+    #[test]
+    fn the_files_of_a_study_are_bounded_together() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a", "b", "c"] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_len(if name == "c" { 1 << 10 } else { MOST_RECORD / 2 }).unwrap();
+        }
+        let files = Files::of(folder.path());
+        files.text("a", MOST_RECORD).unwrap();
+        let refused = files.text("b", MOST_RECORD).unwrap_err().to_string();
+        assert!(refused.contains("the files of the study have more than 256 MiB"), "{refused}");
+        files.text("c", MOST_RECORD).unwrap();
+        // Each counts once.
+        files.text("a", MOST_RECORD).unwrap();
     }
 
     #[cfg(target_os = "linux")]

@@ -58,8 +58,7 @@ impl Lock {
                 return Err(StoreError::Busy { path: folder.to_owned(), holder });
             }
         }
-        let is_ours = |text: String| text.is_empty() || Holder::parse(&text).is_some();
-        if !text_of(&file).is_some_and(is_ours) {
+        if !text_of(&file).is_some_and(|text| is_ours(&text)) {
             return Err(failed(Error::other(format!("{LOCK} is not a lock of sagnac"))));
         }
         // The name serves messages only; if the disk is full, more important writes will report it.
@@ -72,9 +71,26 @@ impl Lock {
 /// Most bytes of a lock that are read.
 const MOST_BYTES: u64 = 4096;
 
+/// All of a lock; `None` where that is none.
 fn text_of(file: &File) -> Option<String> {
     let mut text = String::new();
-    file.take(MOST_BYTES).read_to_string(&mut text).is_ok().then_some(text)
+    let is_read = file.take(MOST_BYTES + 1).read_to_string(&mut text).is_ok();
+    (is_read && text.len() as u64 <= MOST_BYTES).then_some(text)
+}
+
+/// Whether a program wrote this as its name, or a power failure left it of one: nothing, zeros, or its beginning.
+fn is_ours(text: &str) -> bool {
+    let is_number = |line: &str| !line.is_empty() && line.bytes().all(|byte| byte.is_ascii_digit());
+    let is_host = |line: &str| !line.contains(char::is_control);
+    match text.trim_end_matches('\0').split('\n').collect::<Vec<_>>()[..] {
+        [""] => true,
+        [process] => is_number(process),
+        [process, host] => is_number(process) && is_host(host),
+        [process, host, since] => {
+            is_number(process) && is_host(host) && (since.is_empty() || is_number(since))
+        }
+        _ => Holder::parse(text).is_some(),
+    }
 }
 
 /// The program that has a results folder.
@@ -95,10 +111,9 @@ pub enum Holder {
 
 impl Holder {
     fn parse(text: &str) -> Option<Holder> {
-        let mut lines = text.lines();
-        let (process, host) = (lines.next()?.parse().ok()?, lines.next()?.to_owned());
-        let since = UNIX_EPOCH.checked_add(Duration::from_secs(lines.next()?.parse().ok()?))?;
-        Some(Holder::Known { process, host, since })
+        let [process, host, since, ""] = text.split('\n').collect::<Vec<_>>()[..] else { return None };
+        let since = UNIX_EPOCH.checked_add(Duration::from_secs(since.parse().ok()?))?;
+        Some(Holder::Known { process: process.parse().ok()?, host: host.to_owned(), since })
     }
 }
 
@@ -146,6 +161,22 @@ mod tests {
         File::create(folder.path().join(LOCK)).unwrap().set_len(1 << 40).unwrap();
         let refused = Lock::take(folder.path()).unwrap_err().to_string();
         assert!(refused.contains("tallies.lock is not a lock of sagnac"), "{refused}");
+    }
+
+    #[test]
+    fn only_a_whole_lock_or_what_a_power_failure_leaves_of_one_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(LOCK);
+        let own = own_name();
+        for text in ["", "\0\0\0\0", "12", "12\n", "12\ndesk", "12\ndesk\n17", &own, &own[..own.len() - 1]] {
+            std::fs::write(&path, text).unwrap();
+            Lock::take(folder.path()).unwrap();
+        }
+        for text in ["notes", "12 apples\n", "12\ndesk\n17\nand more", "\n\n\n", "12\ndesk\n17\n\n", "a\0"] {
+            std::fs::write(&path, text).unwrap();
+            assert!(Lock::take(folder.path()).is_err(), "{text:?}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rusqlite::{Connection, OpenFlags};
 
 use crate::store::database::Database;
-use crate::store::folder::{Folder, real, single_database};
+use crate::store::folder::{Folder, parent, readable, real, single_database, takes_files};
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
 use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
@@ -71,7 +71,7 @@ impl Source {
         lock: impl FnOnce() -> Result<Option<Arc<Lock>>, StoreError>,
     ) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
-        let lock = match single_database(&path).and_then(|()| std::fs::File::open(&path)) {
+        let lock = match single_database(&path).and_then(|()| readable(&path)) {
             Ok(_) => lock()?,
             // It can be read, but not written in place.
             Err(source) if source.kind() == ErrorKind::TooManyLinks => None,
@@ -80,12 +80,13 @@ impl Source {
             }
             Err(source) => return Err(StoreError::Folder { path, source }),
         };
-        let is_locked = lock.is_some();
-        let connection = if is_locked {
+        let journal = folder.join(format!("{FILE}-wal"));
+        // Without a journal, and where none can be made, the database is all there is to be read.
+        let is_replayed = lock.is_some() && (journal.exists() || takes_files(parent(&path)));
+        let connection = if is_replayed {
             let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NOFOLLOW;
             Connection::open_with_flags(real(&path), flags | ALONE)
         } else {
-            let journal = folder.join(format!("{FILE}-wal"));
             if journal.metadata().is_ok_and(|journal| journal.len() > 0) {
                 return Err(StoreError::Unfinished(path));
             }
@@ -95,7 +96,7 @@ impl Source {
         };
         let connection = connection.map_err(|source| StoreError::of(&path, source))?;
         let database = Database::of(path, connection, lock);
-        if is_locked {
+        if is_replayed {
             database.exclusive()?;
         }
         Ok(Source { database })

@@ -15,7 +15,7 @@ use crate::source::text_file::{Files, MOST_RECORD};
 use crate::study::Study;
 
 /// The folder, beside a stored study, of the files that it names.
-const INPUTS: &str = "inputs";
+pub(crate) const INPUTS: &str = "inputs";
 
 /// The parts of a study's text that may have to be replaced when it is stored.
 #[derive(Debug, Clone)]

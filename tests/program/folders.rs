@@ -160,6 +160,12 @@ fn a_results_folder_that_is_a_file_is_said_to_be_one() {
         &["study.toml: it is a file", "name a folder with --out DIR"],
     );
     desk.fails(&format!("{run} study.toml/deep"), 6, &["a part of its path is a file"]);
+    #[cfg(unix)]
+    for (link, to) in [("dangling", "nowhere"), ("loop", "loop")] {
+        std::os::unix::fs::symlink(to, desk.path(link)).unwrap();
+        let words = format!("{run} {link}");
+        desk.fails(&words, 6, &["it is a link that leads nowhere", "name a folder with --out DIR"]);
+    }
 }
 
 #[test]

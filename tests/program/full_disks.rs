@@ -100,6 +100,26 @@ fn a_full_file_system_keeps_what_was_complete_and_a_run_goes_on_when_there_is_ro
 }
 
 #[test]
+fn a_folder_in_which_no_file_can_be_made_can_be_checked_and_merged() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::with(&many_points());
+    let (_, table, _) = whole(&desk);
+    let may = |mode: u32| {
+        std::fs::set_permissions(desk.path("whole"), std::fs::Permissions::from_mode(mode)).unwrap();
+    };
+    may(0o555);
+    if std::fs::write(desk.path("whole/new"), "").is_ok() {
+        println!("NOT SHOWN HERE: permissions do not bind this user");
+        may(0o755);
+        return;
+    }
+    desk.done("check whole");
+    desk.done("merge whole --out merged");
+    assert_eq!(desk.read("merged/points.csv"), table);
+    may(0o755);
+}
+
+#[test]
 fn a_read_only_folder_can_be_checked_and_merged_but_not_run_in() {
     let desk = Desk::with(&many_points());
     let (_, table, _) = whole(&desk);

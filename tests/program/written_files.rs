@@ -355,6 +355,78 @@ fn a_refused_command_replaces_nothing() {
 }
 
 #[test]
+fn a_run_that_is_refused_for_a_table_keeps_its_study_as_it_was() {
+    let desk = desk();
+    let noise = "title = \"A gyro\"\nkind = \"allan\"\ntrials = 16\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[allan]\n\
+                 tau = \"octave\"\nfit = \"auto\"\n[noise]\nangle_random_walk = \"0.001 deg/sqrt(h)\"\n";
+    desk.write("gyro.toml", noise);
+    desk.done("run gyro.toml --device cpu --out al");
+    for name in ["resolved_study.toml", "points.csv", "coefficients.csv", "report.html", "chart.svg"] {
+        let before = ["resolved_study.toml", name].map(|name| desk.read(&format!("al/{name}")));
+        desk.write(&format!("al/{name}"), "edited");
+        desk.fails(
+            "run gyro.toml --trials 32 --device cpu --out al",
+            6,
+            &[name, "is not as sagnac wrote it", "move it"],
+        );
+        desk.write(&format!("al/{name}"), &before[1]);
+        assert_eq!(desk.read("al/resolved_study.toml"), before[0], "{name}");
+        desk.done("check al");
+    }
+}
+
+#[test]
+fn results_of_a_study_that_was_replaced_are_unfinished_until_they_are_written() {
+    let desk = desk();
+    let charted = desk.read("swept.toml").replace("\"q9973\"", "\"max\"");
+    desk.write("other.toml", &charted);
+    desk.done("run swept.toml --trials 64 --device cpu --out out");
+    // Room for the study, and not for the page.
+    let script = format!(
+        "ulimit -f 64; exec {} run other.toml --trials 64 --device cpu --out out",
+        crate::desk::PROGRAM
+    );
+    let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
+    assert_eq!(ended.status.code(), Some(6), "{}", String::from_utf8_lossy(&ended.stderr));
+    for command in ["chart out --name drawn", "report out --quiet"] {
+        assert_eq!(desk.read("out/resolved_study.toml").matches("\"max\"").count(), 1);
+        let ended = desk.sagnac("check out");
+        assert!(ended.code == 4 && ended.stderr.contains("was interrupted"), "{}", ended.stderr);
+        desk.done(command);
+    }
+    assert_eq!(desk.sagnac("check out").code, 4);
+    desk.done("run other.toml --trials 64 --device cpu --out out");
+    desk.done("check out");
+    // A share writes no results, so none are missing.
+    desk.done("run other.toml --trials 64 --device cpu --shard 1/2 --out half");
+    desk.done("run swept.toml --trials 64 --device cpu --shard 1/2 --out half");
+    desk.done("check half");
+}
+
+#[test]
+fn what_is_no_longer_drawn_is_never_missing() {
+    let desk = desk();
+    let one = desk.read("swept.toml").replace("[[chart]]\nx = \"frequency\"\ny = \"q9973\"\n", "");
+    desk.write("one.toml", &one);
+    let [two, one] =
+        ["swept", "one"].map(|study| format!("run {study}.toml --trials 64 --device cpu --out out"));
+    let path = |name: &str| desk.path("out").join(name);
+    desk.done(&two);
+    desk.done("chart out --name drawn");
+    for name in ["drawn.svg", "chart-2.svg"] {
+        fs::remove_file(path(name)).unwrap();
+    }
+    desk.write("out/chart-2.png", "edited");
+    fs::remove_file(path("chart-1.png")).unwrap();
+    fs::create_dir(path("chart-1.png")).unwrap();
+    assert_eq!(desk.sagnac("check out").code, 5);
+    desk.done(&one);
+    desk.done("check out");
+    assert_eq!(desk.read("out/chart-2.png"), "edited");
+    assert!(path("chart-1.png").is_dir());
+}
+
+#[test]
 fn a_run_whose_list_cannot_be_written_ends_with_an_error() {
     let desk = desk();
     fs::hard_link(desk.path("done").join(LIST), desk.path("other_name")).unwrap();
@@ -425,14 +497,55 @@ fn a_gallery_is_a_page_and_makes_no_results_folder_of_its_own() {
     fs::create_dir(desk.path("here")).unwrap();
     let card = desk.read("done/report.html");
     desk.write("gallery.html", "mine");
-    for (words, code) in [("report res/a done", 6), ("report res/a done --out done/points.csv", 6)] {
-        desk.fails(words, code, &["is not as sagnac wrote it"]);
+    desk.fails("report res/a done", 6, &["gallery.html is not as sagnac wrote it"]);
+    // A page of results is no gallery, and none is among the files of results.
+    fs::copy(desk.path("done/report.html"), desk.path("page.html")).unwrap();
+    desk.fails("report res/a done --out page.html", 6, &["page.html is not as sagnac wrote it"]);
+    for name in ["points.csv", "report.html", "new.html"] {
+        let words = format!("report res/a done --out done/{name}");
+        desk.fails(&words, 6, &[name, "among the files of a results folder", "--out FILE"]);
     }
     assert_eq!((desk.read("gallery.html"), desk.read("done/report.html")), ("mine".to_owned(), card));
+    desk.done("check done");
     fs::remove_file(desk.path("gallery.html")).unwrap();
     symlink(desk.path("victim"), desk.path("gallery.html")).unwrap();
     desk.fails("report res/a done", 6, &["gallery.html is a link"]);
     assert!(!desk.path("victim").exists());
+}
+
+#[test]
+fn columns_with_names_of_any_length_are_analysed() {
+    let desk = desk();
+    for length in [300, 70_000] {
+        let name = "é".repeat(length / 2);
+        let rows: String = desk.read("log.csv").lines().skip(1).map(|row| format!("{row}\n")).collect();
+        desk.write("long.csv", &format!("time [s],{name}a [deg/h],{name}b [deg/h],temp [degC]\n{rows}"));
+        desk.done("allan long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out long");
+        let begun = format!("_{}.toml", "é".repeat(100));
+        assert_eq!(desk.names("long").iter().filter(|name| name.ends_with(&begun)).count(), 2);
+        desk.done("psd long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out spectra");
+    }
+}
+
+#[test]
+fn on_a_full_disk_no_half_of_a_file_is_left() {
+    let desk = desk();
+    let limited = |blocks: u32, words: &str| {
+        let script = format!("ulimit -f {blocks}; exec {} {words}", crate::desk::PROGRAM);
+        let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
+        assert_eq!(ended.status.code(), Some(6), "{words}: {}", String::from_utf8_lossy(&ended.stderr));
+    };
+    let before = desk.names("");
+    limited(1, "new gap-fill new.toml");
+    desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out al");
+    limited(100, "allan log.csv --data rate --column gz --bootstrap 0 --out al --record record.csv");
+    desk.done("filler quadratic --gap-ticks 3 --out res/a");
+    desk.done("filler quadratic --gap-ticks 2 --out res/b");
+    limited(16, "report res/a res/b");
+    fs::remove_dir_all(desk.path("al")).unwrap();
+    assert_eq!(desk.names("res"), ["a", "b"]);
+    fs::remove_dir_all(desk.path("res")).unwrap();
+    assert_eq!(desk.names(""), before);
 }
 
 #[test]
@@ -539,7 +652,8 @@ fn a_run_whose_database_or_folder_vanishes_ends_with_an_error() {
             .spawn()
             .unwrap();
         let waited = std::time::Instant::now();
-        while !desk.path("out/tallies.sqlite-wal").exists() {
+        // The study is kept after the database is made, and before anything is sampled.
+        while !desk.path("out/resolved_study.toml").exists() {
             assert!(waited.elapsed().as_secs() < 60);
             std::thread::sleep(std::time::Duration::from_millis(50));
         }

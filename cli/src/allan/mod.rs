@@ -7,7 +7,6 @@ pub mod options;
 pub mod report;
 mod temperature;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::Dynamic;

@@ -34,7 +34,7 @@ use crate::results::summary::{crossings, summary};
 ///
 /// # Errors
 /// The folder has a file of somebody else in the place of one of them.
-pub fn check_places(study: &Study, folder: &Folder) -> Result<(), Failure> {
+pub fn check_places(study: &Study, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     let resolved = study.resolved(study.trials);
     let inputs = study.inputs();
     let kept = inputs.iter().map(|input| (input.name.as_str(), input.text.as_bytes()));
@@ -43,7 +43,9 @@ pub fn check_places(study: &Study, folder: &Folder) -> Result<(), Failure> {
     let written = names.iter().filter(|name| *name != RESOLVED).map(|name| (name.as_str(), None));
     let is_kept = |name: &str| inputs.iter().any(|input| input.name == name);
     let written = written.filter(|(name, _)| !is_kept(name));
-    Ok(folder.check(kept.map(|(name, text)| (name, Some(text))).chain(written))?)
+    let tables = plan.blank_tables();
+    let tables = tables.all().map(|(source, _)| (source.file(), None));
+    Ok(folder.check(kept.map(|(name, text)| (name, Some(text))).chain(written).chain(tables))?)
 }
 
 /// The names of the files that a run of a study always writes into its folder.

@@ -236,7 +236,7 @@ fn run_study(
     options: &Options,
 ) -> Result<Option<Value>, Failure> {
     let results = Folder::open(folder)?;
-    check_places(study, &results)?;
+    check_places(study, plan, &results)?;
     // Closed forms too have a store, which binds the folder to one study.
     let mut store = Store::open_in(&results, &plan.identity())?;
     // Kept from the start, as the run may be killed.

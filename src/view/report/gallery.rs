@@ -27,6 +27,9 @@ pub struct Card {
     pub report: String,
 }
 
+/// What tells a gallery from other files, the pages of results among them.
+pub const MARKS: [&str; 2] = ["<meta name=\"generator\" content=\"sagnac ", "<main class=\"gallery\">"];
+
 /// The page of several results, with a card for each that links to its page. `called` is what the cards are, in the singular
 /// and the plural. Equal cards give equal bytes on every machine.
 ///

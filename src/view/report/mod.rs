@@ -27,7 +27,7 @@ pub(crate) mod still;
 mod tests;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
-pub use crate::view::report::gallery::{CARD, Card, gallery};
+pub use crate::view::report::gallery::{CARD, Card, MARKS, gallery};
 pub use crate::view::report::source::{Named, Source};
 
 use crate::answer::Answer;
