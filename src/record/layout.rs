@@ -8,15 +8,13 @@ pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
 use crate::record::log::measure::Data;
-use crate::record::loggers;
+use crate::record::loggers::{self, Known, Rivals};
 use crate::record::names::Name;
+use crate::record::time::median_step;
 use crate::source::place::{Place, decoded};
 
 /// Lines from which delimiter and decimals are found.
 const SAMPLE: usize = 32;
-
-/// Fewest rows that show whether a column varies.
-const LEAST_STEADY: usize = 8;
 
 /// The layout of a text.
 #[derive(Debug, Clone)]
@@ -30,8 +28,8 @@ pub(crate) struct Layout {
     pub columns: usize,
     /// The number in each cell of one of the first rows, NaN where there is no row.
     pub numbers: Vec<Option<f64>>,
-    /// Columns of which the first rows hold one number, or count up or down by 1.
-    pub steady: Vec<bool>,
+    /// The numbers of each column in the first rows.
+    pub rows: Vec<Vec<f64>>,
     /// The columns with times of the calendar.
     pub calendar: Vec<Option<Calendar>>,
     /// Which number is first in dates with slashes, if the first rows have such dates.
@@ -43,6 +41,8 @@ pub(crate) struct Layout {
     pub stated: Stated,
     /// What was inferred, in a line each.
     pub inferred: Vec<String>,
+    /// The loggers whose header it may be, if these have other units.
+    pub rivals: Option<Rivals>,
     /// The line that shows the columns, which is the header or else the first row, with its number from 1.
     shown: Shown,
 }
@@ -96,11 +96,6 @@ impl Layout {
                 numbers.extend(decimal_found.value(&line.text[cell]));
             }
         }
-        let is_steady = |numbers: &Vec<f64>| {
-            let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
-            numbers.len() >= LEAST_STEADY
-                && [0.0, 1.0, -1.0].iter().any(|known| steps().all(|step| step == *known))
-        };
         let date = shown.iter().find_map(|cell| First::of(cell));
         let of_calendar = |cell: &Vec<u8>| Calendar::of(cell)?.seconds(cell, date.unwrap_or(First::Month));
         let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| of_calendar(cell));
@@ -111,13 +106,14 @@ impl Layout {
             names: vec![],
             columns: cells.len(),
             numbers: shown.iter().map(number).collect(),
-            steady: numbers.iter().map(is_steady).collect(),
+            rows: numbers,
             calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
             first: date,
             start: first.start,
             lines: first.number - 1,
             stated,
             inferred: vec![],
+            rivals: None,
             shown: Shown {
                 number: first.number,
                 text: first.text.to_vec(),
@@ -155,7 +151,17 @@ impl Layout {
             let is_header = words.len() == cells.len() && is_header(&words, decimal_found);
             layout.names = if is_header { names(&words) } else { vec![] };
         }
-        layout.inferred.extend(loggers::complete(&mut layout.names));
+        let above = String::from_utf8_lossy(&head[..first.start]);
+        let rows = &layout.rows;
+        let step = |column: usize| {
+            let numbers = rows.get(column).filter(|numbers| numbers.len() > 1)?;
+            Some(median_step(numbers)).filter(|step| *step > 0.0)
+        };
+        match loggers::complete(&mut layout.names, &above, &step) {
+            Some(Known::One(note)) => layout.inferred.push(note),
+            Some(Known::Several(rivals)) => layout.rivals = Some(rivals),
+            None => {}
+        }
         Ok(layout)
     }
 

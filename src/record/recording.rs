@@ -8,6 +8,7 @@ use crate::record::format::{Columns, FORMATS, Origin, Source};
 use crate::record::layout::Decimal;
 use crate::record::log::measure::Data;
 use crate::record::log::read::Hints;
+use crate::record::loggers::Rivals;
 use crate::record::names::Name;
 use crate::record::spelling::unit_of;
 use crate::record::text::{TEXT_WANTED, Text};
@@ -17,6 +18,9 @@ use crate::source::place::Place;
 
 /// Most columns that a message lists.
 pub(crate) const MOST_LISTED: usize = 20;
+
+/// Fewest rows that show how a column goes on.
+const LEAST_ROWS: usize = 8;
 
 /// Advice on text in another encoding.
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
@@ -121,9 +125,23 @@ impl<'a> Recording<'a> {
         self.columns.sample(column)
     }
 
+    /// The numbers of a column in the first rows, if these are enough to show how it goes on.
+    pub(crate) fn rows(&self, column: usize) -> &[f64] {
+        let rows = self.columns.rows(column);
+        if rows.len() < LEAST_ROWS { &[] } else { rows }
+    }
+
+    /// The loggers whose header it may be, if these have other units.
+    pub(crate) fn rivals(&self) -> Option<&Rivals> {
+        self.columns.rivals()
+    }
+
     /// Whether a column seems to hold one number, or to count rows.
     pub(crate) fn is_steady(&self, column: usize) -> bool {
-        self.columns.is_steady(column)
+        let steps = || self.rows(column).windows(2).map(|pair| pair[1] - pair[0]);
+        steps()
+            .next()
+            .is_some_and(|first| [0.0, 1.0, -1.0].contains(&first) && steps().all(|step| step == first))
     }
 
     /// What times of the calendar a column holds, if any. Those of a time of day include the date in the column before.

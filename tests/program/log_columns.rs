@@ -280,6 +280,48 @@ fn loggers_are_read_without_options_or_asked_with_their_units() {
 }
 
 #[test]
+fn headers_that_two_makers_share_are_told_apart_or_refused_with_both() {
+    let header = "PacketCounter,SampleTimeFine,Acc_X,Gyr_X";
+    let of = |header: &str, step: usize| {
+        log(header, |i, y| format!("{i},{},{},{y}", 1_234_567 + step * i, 9.8 + y))
+    };
+    for (above, step, maker, unit, rate_hz) in [
+        ("", 16_667, "Xsens DOT", "deg/s", 1e6 / 16_667.0),
+        ("", 100, "Xsens MT Manager", "rad/s", 100.0),
+        ("sep=,\nDeviceTag:,D422CD\nOutputRate:,120Hz\n\n", 8333, "Xsens DOT", "deg/s", 1e6 / 8333.0),
+    ] {
+        let desk = of(&format!("{above}{header}"), step);
+        let said = said(&desk, "--data rate");
+        assert!(said.contains(&format!("the header is that of {maker}")), "steps of {step}: {said}");
+        assert!(said.contains(&format!("Gyr_X {unit}")), "steps of {step}: {said}");
+        assert_rate(read(&desk, "--data rate").1, rate_hz, above);
+    }
+    let desk = of(header, 10_000);
+    let pieces = [
+        "that of Xsens MT Manager and of Xsens DOT, which differ in units",
+        "--column Gyr_X",
+        "--time-unit \"0.1 ms\" with --unit rad/s for Xsens MT Manager, which makes 1 Hz",
+        "--time-unit us with --unit deg/s for Xsens DOT, which makes 100 Hz",
+    ];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+    desk.fails("allan log.csv --data rate --rate 100Hz", 3, &pieces);
+    assert_rate(read(&desk, "--data rate --column Gyr_X --time-unit us --unit deg/s").1, 100.0, header);
+}
+
+#[test]
+fn logs_of_kalibr_have_its_units() {
+    let desk = log("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", |i, y| {
+        let a = 9.8 + y;
+        format!("{},{y},{y},{y},{a},{a},{a}", 1_385_030_208_736_666_462_u64 + 5_000_000 * i as u64)
+    });
+    let said = said(&desk, "--data rate");
+    assert!(said.contains("that of Kalibr") && said.contains("alpha_z m/s^2"), "{said}");
+    let (names, rate_hz) = read(&desk, "--data rate");
+    assert_eq!(names, ["omega_x", "omega_y", "omega_z", "alpha_x", "alpha_y", "alpha_z"]);
+    assert_rate(rate_hz, 200.0, "Kalibr");
+}
+
+#[test]
 fn a_german_sheet_is_read_below_its_titles() {
     let header =
         "Messung Kreisel 3;;;\nDatum: 27.06.2024;;;\n\nZeit;Drehrate (°/h);Temperatur (°C);Bemerkung";

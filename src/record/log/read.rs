@@ -129,6 +129,10 @@ impl Log {
         let taken = thermometer.and_then(|given| faults.take(file.find(&given.column, None)));
         let degree = thermometer.zip(taken).map(|(given, column)| given.degree(&file, column, &mut notes));
         let degree = degree.and_then(|degree| faults.take(degree));
+        let is_time_open = matches!(&request.timing, Timing::Stamps { step_s: None, unit: None, .. });
+        if let Some(rivals) = file.rivals().filter(|_| is_time_open || request.units.is_empty()) {
+            return Err(file.refuse(None, &rivals.message, "this header", &rivals.help));
+        }
         let words = expanded(&file, &request.columns);
         let time = found(&file, &request.timing, &words, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
