@@ -10,8 +10,8 @@ use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, are_coarse, are_rounded, are_serial_days, coarseness, doubled as doubled_of, epoch_unit,
-    epoch_unit_of, exact_step, faults as faults_of, grid_of_rows, is_step_of_sensor, likely_units, mean_step,
-    step_in_stamps, uncertainty, unroll,
+    epoch_unit_of, exact_step, faults as faults_of, few_distinct, grid_of_rows, is_step_of_sensor,
+    likely_units, mean_step, rows_of_lost_digits, step_in_stamps, uncertainty, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -375,6 +375,20 @@ pub(crate) fn spread(
     let title = time_column(file, time.column);
     // Stamps that may be none need no decision.
     let has_step = clock.step_s.is_some();
+    let may_be_times = clock.is_sure || stamps.first().is_some_and(|first| epoch_unit(*first).is_some());
+    if let Some(equal) = rows_of_lost_digits(&stamps, has_step).filter(|_| may_be_times) {
+        let message = format!(
+            "{title} has lost its digits: {equal} of {} rows have the time of the row before",
+            stamps.len()
+        );
+        let settings =
+            if has_step { "`time = none`" } else { "`time = none` and `rate = HZ`, the rate of your logger" };
+        let help = format!(
+            "spreadsheets round long numbers: take the log as it was recorded, or ignore its times with {settings}"
+        );
+        faults.add(file.refuse_row(0, time.column, [message, "rounded".to_owned(), help]));
+        return None;
+    }
     let given = clock.duplicates.or((!clock.is_sure && has_step).then_some(Duplicates::Keep));
     let mut duplicates = given;
     let mut doubled = doubled_of(&stamps, &samples, duplicates);
@@ -463,6 +477,12 @@ pub(crate) fn spread(
             return None;
         }
         notes.push(format!("{doubt}; {help}"));
+    }
+    if let Some(distinct) = few_distinct(&stamps).filter(|_| !has_step) {
+        notes.push(format!(
+            "{title} has only {distinct} different times, too few to tell whether samples are missing, by which the rate would be higher; if \
+             it is known, give it as in `rate = HZ`"
+        ));
     }
     let (step_s, grid) = match clock.step_s.or(mean.zip(unit_s).map(|(mean, unit_s)| mean * unit_s)) {
         None => {
