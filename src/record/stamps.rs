@@ -214,14 +214,14 @@ pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Optio
     };
     let missing: Vec<usize> = (0..stamps.len()).filter(|&row| !stamps[row].is_finite()).collect();
     tell(&missing, &|_| {
-        let help = "remove the row; or give `rate = 100Hz` with `time = none`, which takes all rows as one gapless series";
+        let help = "remove the row; or give `rate = HZ` with `time = none`, which takes all rows as one gapless series";
         ["the time is missing", "no number", help].map(str::to_owned)
     });
     let step = |row: usize| stamps[row] - stamps[row - 1];
     let backwards: Vec<usize> = (1..stamps.len()).filter(|&row| step(row) < 0.0).collect();
     tell(&backwards, &|row| {
         let help = "sort the rows by time; logs appended to each other are several records: cut the file there; if the column \
-                    has no times, name another with `time = COLUMN`, or give `rate = 100Hz` with `time = none`";
+                    has no times, name another with `time = COLUMN`, or give `rate = HZ` with `time = none`";
         let message = format!("the time does not increase: {} after {}", stamps[row], stamps[row - 1]);
         [message, "earlier than the row before".to_owned(), help.to_owned()]
     });
