@@ -407,7 +407,11 @@ fn a_short_log_with_a_coarse_clock_says_what_its_few_times_do_not_tell() {
     // 2 % lost at random places of 30 s.
     let places: Vec<f64> = noise(6000).collect();
     let desk = desk_with("log.csv", log(6000, &|i| places[(i * 7 + 3) % 6000].abs() > 0.02));
-    desk.fails("allan log.csv --data rate", 3, &["does not tell for sure which samples are missing"]);
+    desk.fails(
+        "allan log.csv --data rate",
+        3,
+        &["does not tell for sure which samples are missing", "as --rate HZ"],
+    );
     desk.write("log.csv", &log(6000, &|_| true));
     let said = desk.done("allan log.csv --data rate").stderr;
     assert!(!said.contains("which samples are missing"), "{said}");

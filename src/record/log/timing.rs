@@ -559,7 +559,7 @@ pub(crate) fn spread(
     if let Some(distinct) = few_distinct(&stamps).filter(|_| !has_step) {
         notes.push(format!(
             "{title} has only {distinct} different times, too few to tell whether samples are missing, by which the rate would be higher; if \
-             it is known, give it as in `rate = HZ`"
+             it is known, give it as `rate = HZ`"
         ));
     }
     let (step_s, grid) = match clock.step_s.or(mean.zip(unit_s).map(|(mean, unit_s)| mean * unit_s)) {
@@ -665,8 +665,9 @@ fn doubted(title: &str, stamps: &[f64], unit_s: f64) -> Option<(String, String, 
             "{title} does not tell for sure which samples are missing: its rate of {rate} Hz may be off by up to {percent} %"
         )
     };
-    let help = |rate: &str| format!("if the rate of the gyro is known, give it as in `rate = {rate}Hz`");
-    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help(&rate), off > MOST_UNCERTAINTY))
+    // Not that rate, which is the doubtful one.
+    let help = "if the rate of the gyro is known, give it as `rate = HZ`".to_owned();
+    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help, off > MOST_UNCERTAINTY))
 }
 
 /// Notes what the stamps were used for.
