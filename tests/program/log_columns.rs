@@ -281,9 +281,9 @@ fn loggers_are_read_without_options_or_asked_with_their_units() {
 
 #[test]
 fn headers_that_two_makers_share_are_told_apart_or_refused_with_both() {
-    let header = "PacketCounter,SampleTimeFine,Acc_X,Gyr_X";
+    let header = "PacketCounter,SampleTimeFine,Acc_X,Acc_Y,Gyr_X";
     let of = |header: &str, step: usize| {
-        log(header, |i, y| format!("{i},{},{},{y}", 1_234_567 + step * i, 9.8 + y))
+        log(header, |i, y| format!("{i},{},{y},{},{y}", 1_234_567 + step * i, 9.8 + y))
     };
     for (above, step, maker, unit, rate_hz) in [
         ("", 16_667, "Xsens DOT", "deg/s", 1e6 / 16_667.0),
