@@ -7,6 +7,8 @@ pub(crate) enum Calendar {
     Time,
     /// A date.
     Date,
+    /// A time from a start with its unit, such as `0.01 sec`.
+    Since,
 }
 
 /// Which number is first in dates with slashes of which none is a year.
@@ -36,21 +38,38 @@ impl Calendar {
     pub(crate) fn of(cell: &[u8]) -> Option<Calendar> {
         let first = First::of(cell).unwrap_or(First::Month);
         let holds = |calendar: &Calendar| !cell.is_empty() && calendar.seconds(cell, first).is_some();
-        [Calendar::Date, Calendar::Time].into_iter().find(holds)
+        [Calendar::Date, Calendar::Time, Calendar::Since].into_iter().find(holds)
     }
 
-    /// The seconds that a cell of such a column stands for, since 1970 or since midnight; NaN for an empty one.
+    /// The seconds that a cell of such a column stands for, since 1970, since midnight or since a start; NaN for an empty one.
     pub(crate) fn seconds(self, cell: &[u8], first: First) -> Option<f64> {
         let text = std::str::from_utf8(cell).ok()?;
         match self {
             _ if text.is_empty() => Some(f64::NAN),
             Calendar::Date => date(text, first),
             Calendar::Time => time(text, first),
+            Calendar::Since => since(text),
         }
     }
 }
 
 pub(crate) const DAY_S: f64 = 86_400.0;
+
+/// Units of times from a start, as MATLAB writes them, s.
+const SINCE: [(&[&str], f64); 5] = [
+    (&["s", "sec", "secs", "second", "seconds"], 1.0),
+    (&["ms", "msec"], 1e-3),
+    (&["min", "mins", "minute", "minutes"], 60.0),
+    (&["h", "hr", "hrs", "hour", "hours"], 3600.0),
+    (&["day", "days"], DAY_S),
+];
+
+/// A time from a start.
+fn since(text: &str) -> Option<f64> {
+    let (number, unit) = text.rsplit_once(' ')?;
+    let (_, unit_s) = SINCE.iter().find(|(units, _)| units.contains(&unit))?;
+    number.trim_end().parse().ok().filter(|number: &f64| number.is_finite()).map(|number| number * unit_s)
+}
 
 const MONTHS: [&str; 12] =
     ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
@@ -132,6 +151,19 @@ fn days(year: i64, month: i64, day: i64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_from_a_start_have_their_unit_in_each_cell() {
+        for (cell, expected) in
+            [("0 sec", 0.0), ("0.01 sec", 0.01), ("1.5 min", 90.0), ("2 hr", 7200.0), ("1e-3 s", 1e-3)]
+        {
+            assert_eq!(Calendar::of(cell.as_bytes()), Some(Calendar::Since), "{cell}");
+            assert_eq!(Calendar::Since.seconds(cell.as_bytes(), First::Month), Some(expected), "{cell}");
+        }
+        for cell in ["0.01", "0.01 V", "sec", "inf sec", "a sec"] {
+            assert_eq!(Calendar::of(cell.as_bytes()), None, "{cell}");
+        }
+    }
 
     #[test]
     fn dates_and_times_are_read_as_loggers_and_spreadsheets_write_them() {

@@ -10,6 +10,7 @@ use crate::record::error::{RecordError, malformed};
 #[cfg(feature = "hdf5")]
 use crate::record::hdf5::open as hdf5;
 use crate::record::log::measure::Data;
+use crate::record::loggers::Rivals;
 #[cfg(feature = "ros")]
 use crate::record::mcap::open as mcap;
 use crate::record::names::Name;
@@ -85,9 +86,14 @@ pub(crate) trait Columns {
         Some(f64::NAN)
     }
 
-    /// Whether a column seems to hold one number, or to count rows.
-    fn is_steady(&self, _column: usize) -> bool {
-        false
+    /// The numbers of a column in the first rows, as far as they are known before all are read.
+    fn rows(&self, _column: usize) -> &[f64] {
+        &[]
+    }
+
+    /// The loggers whose header it may be, if these have other units.
+    fn rivals(&self) -> Option<&Rivals> {
+        None
     }
 
     /// What times of the calendar a column holds, if any.

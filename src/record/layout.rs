@@ -8,15 +8,14 @@ pub use crate::record::cells::Decimal;
 use crate::record::cells::{Cells, Delimiter};
 use crate::record::error::RecordError;
 use crate::record::log::measure::Data;
-use crate::record::loggers;
+use crate::record::log::timing::is_time;
+use crate::record::loggers::{self, Known, Rivals};
 use crate::record::names::Name;
+use crate::record::time::median_step;
 use crate::source::place::{Place, decoded};
 
 /// Lines from which delimiter and decimals are found.
 const SAMPLE: usize = 32;
-
-/// Fewest rows that show whether a column varies.
-const LEAST_STEADY: usize = 8;
 
 /// The layout of a text.
 #[derive(Debug, Clone)]
@@ -30,8 +29,8 @@ pub(crate) struct Layout {
     pub columns: usize,
     /// The number in each cell of one of the first rows, NaN where there is no row.
     pub numbers: Vec<Option<f64>>,
-    /// Columns of which the first rows hold one number, or count up or down by 1.
-    pub steady: Vec<bool>,
+    /// The numbers of each column in the first rows.
+    pub rows: Vec<Vec<f64>>,
     /// The columns with times of the calendar.
     pub calendar: Vec<Option<Calendar>>,
     /// Which number is first in dates with slashes, if the first rows have such dates.
@@ -43,6 +42,8 @@ pub(crate) struct Layout {
     pub stated: Stated,
     /// What was inferred, in a line each.
     pub inferred: Vec<String>,
+    /// The loggers whose header it may be, if these have other units.
+    pub rivals: Option<Rivals>,
     /// The line that shows the columns, which is the header or else the first row, with its number from 1.
     shown: Shown,
 }
@@ -70,8 +71,10 @@ impl Layout {
     /// # Errors
     /// The log has no rows.
     pub(crate) fn of(head: &[u8], file: &str, decimal: Option<Decimal>) -> Result<Layout, RecordError> {
-        let (header_end, stated) = stable32(head, file).unwrap_or_default();
-        let (mut content, comment) = first_lines(head, header_end);
+        let labview = labview(head);
+        let (header_end, stated) =
+            stable32(head, file).or_else(|| Some((labview?, Stated::default()))).unwrap_or_default();
+        let (mut content, comments) = first_lines(head, header_end);
         let titles = titles(&content, decimal);
         content.drain(..titles);
         let Some(first) = content.first() else {
@@ -80,7 +83,12 @@ impl Layout {
             return Err(RecordError::new(format!("{file} {what}"), "", help, None));
         };
         let (delimiter, decimal_found) = signs(&content, decimal);
-        let cells = texts(first.text, delimiter);
+        let mut cells = texts(first.text, delimiter);
+        // Rows without a remark end before its column.
+        let last = content.last().unwrap_or(first);
+        if labview.is_some() && delimiter.count(last.text) + 1 == cells.len() {
+            cells.pop();
+        }
         // A line below the header may have units, and a cell may be empty.
         let rows = &content[1 + usize::from(content.len() > 2)..];
         let mut shown = vec![vec![]; cells.len()];
@@ -96,11 +104,6 @@ impl Layout {
                 numbers.extend(decimal_found.value(&line.text[cell]));
             }
         }
-        let is_steady = |numbers: &Vec<f64>| {
-            let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
-            numbers.len() >= LEAST_STEADY
-                && [0.0, 1.0, -1.0].iter().any(|known| steps().all(|step| step == *known))
-        };
         let date = shown.iter().find_map(|cell| First::of(cell));
         let of_calendar = |cell: &Vec<u8>| Calendar::of(cell)?.seconds(cell, date.unwrap_or(First::Month));
         let number = |cell: &Vec<u8>| decimal_found.value(cell).or_else(|| of_calendar(cell));
@@ -111,13 +114,14 @@ impl Layout {
             names: vec![],
             columns: cells.len(),
             numbers: shown.iter().map(number).collect(),
-            steady: numbers.iter().map(is_steady).collect(),
+            rows: numbers,
             calendar: shown.iter().map(|cell| Calendar::of(cell)).collect(),
             first: date,
             start: first.start,
             lines: first.number - 1,
             stated,
             inferred: vec![],
+            rivals: None,
             shown: Shown {
                 number: first.number,
                 text: first.text.to_vec(),
@@ -150,12 +154,35 @@ impl Layout {
         } else {
             // The header as NumPy's savetxt writes it.
             let is_sign = |byte: &u8| b"#%; \t".contains(byte);
-            let text = comment.map(|text| &text[text.iter().take_while(|byte| is_sign(byte)).count()..]);
-            let words = text.map(|text| texts(text, delimiter)).unwrap_or_default();
-            let is_header = words.len() == cells.len() && is_header(&words, decimal_found);
-            layout.names = if is_header { names(&words) } else { vec![] };
+            let words = |text: &&[u8]| {
+                let signs = text.iter().take_while(|byte| is_sign(byte)).count();
+                let words = texts(&text[signs..], delimiter);
+                (words.len() == cells.len() && is_header(&words, decimal_found)).then(|| names(&words))
+            };
+            // Above the last comment there may be a header too, but other texts as well.
+            let last = comments.last().and_then(words);
+            let has_time = |names: &Vec<Name>| names.iter().any(|name| is_time(&name.bare));
+            let other = || comments.iter().rev().filter_map(words).find(has_time);
+            layout.names = last.or_else(other).unwrap_or_default();
         }
-        layout.inferred.extend(loggers::complete(&mut layout.names));
+        if labview.is_some() {
+            let line = layout.lines + 1;
+            layout.inferred.push(format!("a measurement of LabVIEW, whose numbers begin in line {line}"));
+            for name in layout.names.iter_mut().filter(|name| name.whole == "X_Value") {
+                name.complete("s");
+            }
+        }
+        let above = String::from_utf8_lossy(&head[..first.start]);
+        let rows = &layout.rows;
+        let step = |column: usize| {
+            let numbers = rows.get(column).filter(|numbers| numbers.len() > 1)?;
+            Some(median_step(numbers)).filter(|step| *step > 0.0)
+        };
+        match loggers::complete(&mut layout.names, &above, &step) {
+            Some(Known::One(note)) => layout.inferred.push(note),
+            Some(Known::Several(rivals)) => layout.rivals = Some(rivals),
+            None => {}
+        }
         Ok(layout)
     }
 
@@ -222,7 +249,18 @@ fn stable32(head: &[u8], file: &str) -> Option<(usize, Stated)> {
     None
 }
 
-/// Most lines in the header of a file of Stable32.
+/// Finds the end of the headers of a measurement file of LabVIEW (.lvm), in bytes.
+fn labview(head: &[u8]) -> Option<usize> {
+    let mut end = 0;
+    let lines = head.split_inclusive(|byte| *byte == b'\n').take(MOST_HEADER).map(|line| {
+        end += line.len();
+        (line, end)
+    });
+    let ends = lines.filter(|(line, _)| line.starts_with(b"***End_of_Header***")).map(|(_, end)| end);
+    ends.last().filter(|_| head.starts_with(b"LabVIEW Measurement"))
+}
+
+/// Most lines in the header of a file of Stable32 or LabVIEW.
 const MOST_HEADER: usize = 200;
 
 /// The delimiter and the decimals of some lines, of which the first may be a header; the decimals may be given.
@@ -283,12 +321,12 @@ fn titles(content: &[Line], decimal: Option<Decimal>) -> usize {
     (0..content.len() - 1).find(is_below_titles).unwrap_or(0)
 }
 
-/// The first lines with content from `start` on, and the comment before the first.
-fn first_lines(head: &[u8], start: usize) -> (Vec<Line<'_>>, Option<&[u8]>) {
+/// The first lines with content from `start` on, and the comments before the first.
+fn first_lines(head: &[u8], start: usize) -> (Vec<Line<'_>>, Vec<&[u8]>) {
     let bom: &[u8] = b"\xef\xbb\xbf";
     let mut number = head[..start].iter().filter(|byte| **byte == b'\n').count();
     let mut start = if start == 0 && head.starts_with(bom) { bom.len() } else { start };
-    let (mut content, mut comment) = (Vec::new(), None);
+    let (mut content, mut comments) = (Vec::new(), Vec::new());
     while start < head.len() && content.len() < SAMPLE {
         let end = head[start..].iter().position(|byte| *byte == b'\n').map_or(head.len(), |n| start + n);
         let text = &head[start..end];
@@ -296,11 +334,11 @@ fn first_lines(head: &[u8], start: usize) -> (Vec<Line<'_>>, Option<&[u8]>) {
         if !Delimiter::Byte(b',').skips(text) {
             content.push(Line { number, start, end: end + 1, text: text.trim_ascii_end() });
         } else if content.is_empty() && !text.trim_ascii().is_empty() {
-            comment = Some(text);
+            comments.push(text);
         }
         start = end + 1;
     }
-    (content, comment)
+    (content, comments)
 }
 
 fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
@@ -432,6 +470,26 @@ mod tests {
             (Some(0.1), 5, 1, 0)
         );
         assert!(text[found.start..].starts_with("1.5e-9"));
+    }
+
+    #[test]
+    fn a_header_of_names_may_stand_above_other_comments() {
+        let rows = "0.0 1.0\n0.1 2.0\n";
+        for (comments, names) in [
+            ("# t gx\n# units: s deg/s and more\n", &["t", "gx"][..]),
+            ("# t gx\n# my log\n", &["my", "log"]),
+            ("# my log\n# of three words\n", &[]),
+        ] {
+            assert_eq!(bare(&layout(&format!("{comments}{rows}"))), names, "{comments}");
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_a_measurement_of_labview_begin_below_its_headers() {
+        let header = "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\n***End_of_Header***\t\n\t\nChannels\t1\nDelta_X\t0,01\n***End_of_Header***\nX_Value\tgz (deg/s)\tComment\n";
+        let found = layout(&format!("{header}0,00\t1,5\n0,01\t1,6\n0,02\t1,7\n"));
+        assert_eq!((bare(&found), found.columns, found.lines), (vec!["X_Value", "gz"], 2, 9));
+        assert_eq!((found.names[0].unit.as_deref(), found.decimal), (Some("s"), Decimal::Comma));
     }
 
     #[test]

@@ -127,7 +127,8 @@ impl Name {
             && !(is_plain && self.is_auxiliary())
     }
 
-    fn is_gyro(&self) -> bool {
+    /// Whether the name is that of a gyro.
+    pub(crate) fn is_gyro(&self) -> bool {
         let is = |word: &String| {
             word.starts_with("gyr") || GYROS.contains(&word.trim_end_matches(['x', 'y', 'z']))
         };

@@ -8,6 +8,7 @@ use crate::record::format::{Columns, FORMATS, Origin, Source};
 use crate::record::layout::Decimal;
 use crate::record::log::measure::Data;
 use crate::record::log::read::Hints;
+use crate::record::loggers::Rivals;
 use crate::record::names::Name;
 use crate::record::spelling::unit_of;
 use crate::record::text::{TEXT_WANTED, Text};
@@ -17,6 +18,12 @@ use crate::source::place::Place;
 
 /// Most columns that a message lists.
 pub(crate) const MOST_LISTED: usize = 20;
+
+/// Fewest rows that show how a column goes on.
+const LEAST_ROWS: usize = 8;
+
+/// Fewest rises of a counter for each time that it begins again.
+const FEWEST_RISES: usize = 4;
 
 /// Advice on text in another encoding.
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
@@ -121,9 +128,34 @@ impl<'a> Recording<'a> {
         self.columns.sample(column)
     }
 
+    /// The numbers of a column in the first rows, if these are enough to show how it goes on.
+    pub(crate) fn rows(&self, column: usize) -> &[f64] {
+        let rows = self.columns.rows(column);
+        if rows.len() < LEAST_ROWS { &[] } else { rows }
+    }
+
+    /// The loggers whose header it may be, if these have other units.
+    pub(crate) fn rivals(&self) -> Option<&Rivals> {
+        self.columns.rivals()
+    }
+
     /// Whether a column seems to hold one number, or to count rows.
     pub(crate) fn is_steady(&self, column: usize) -> bool {
-        self.columns.is_steady(column)
+        let steps = || self.rows(column).windows(2).map(|pair| pair[1] - pair[0]);
+        steps()
+            .next()
+            .is_some_and(|first| [0.0, 1.0, -1.0].contains(&first) && steps().all(|step| step == first))
+    }
+
+    /// Whether a column seems to have times or to count: it rises from row to row, but where whole numbers begin again.
+    pub(crate) fn rises(&self, column: usize) -> bool {
+        let rows = self.rows(column);
+        let steps = || rows.windows(2).map(|pair| pair[1] - pair[0]);
+        let largest = rows.iter().copied().fold(0.0, f64::max);
+        let are_counts = rows.iter().all(|number| *number >= 0.0 && number.fract() == 0.0);
+        let rises = steps().filter(|step| *step > 0.0).count();
+        let begin_again = || steps().all(|step| step > 0.0 || are_counts && step < -0.5 * largest);
+        rises > 0 && FEWEST_RISES * (rows.len() - 1 - rises) <= rises && begin_again()
     }
 
     /// What times of the calendar a column holds, if any. Those of a time of day include the date in the column before.
@@ -316,6 +348,26 @@ mod tests {
         assert_eq!(recording("1,2,3\n").find("2", None).ok(), Some(1));
         let doubled = recording("rate_s,rate [deg/s]\n");
         assert_eq!(doubled.find("rate", Some(Dimension::Rate)).ok(), Some(1));
+    }
+
+    #[test]
+    fn columns_of_times_and_counters_rise_and_others_do_not() {
+        let row = |i: i32| {
+            let ns = (987_528_132 + 5_000_000 * i64::from(i)) % 1_000_000_000;
+            format!(
+                "{ns},{},{},{:.2},{}\n",
+                0.01 * f64::from(i),
+                i % 16,
+                f64::from(i * 37 % 11) - 5.0,
+                i * 37 % 11
+            )
+        };
+        let text: String = (0..30).map(row).collect();
+        let log = recording(&text);
+        assert_eq!(
+            (0..5).map(|column| log.rises(column)).collect::<Vec<_>>(),
+            [true, true, true, false, false]
+        );
     }
 
     #[test]

@@ -214,14 +214,14 @@ pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Optio
     };
     let missing: Vec<usize> = (0..stamps.len()).filter(|&row| !stamps[row].is_finite()).collect();
     tell(&missing, &|_| {
-        let help = "remove the row; or give `rate = 100Hz` with `time = none`, which takes all rows as one gapless series";
+        let help = "remove the row; or give `rate = HZ` with `time = none`, which takes all rows as one gapless series";
         ["the time is missing", "no number", help].map(str::to_owned)
     });
     let step = |row: usize| stamps[row] - stamps[row - 1];
     let backwards: Vec<usize> = (1..stamps.len()).filter(|&row| step(row) < 0.0).collect();
     tell(&backwards, &|row| {
         let help = "sort the rows by time; logs appended to each other are several records: cut the file there; if the column \
-                    has no times, name another with `time = COLUMN`, or give `rate = 100Hz` with `time = none`";
+                    has no times, name another with `time = COLUMN`, or give `rate = HZ` with `time = none`";
         let message = format!("the time does not increase: {} after {}", stamps[row], stamps[row - 1]);
         [message, "earlier than the row before".to_owned(), help.to_owned()]
     });
@@ -376,6 +376,8 @@ struct Points {
     stamps: Vec<f64>,
     /// Least rise of the stamps over the rows, in sampling steps, that is a gap.
     least_rise: f64,
+    /// Whether all stamps are whole units of a coarse clock, so that the first row of each is late by up to a step.
+    are_units: bool,
 }
 
 impl Points {
@@ -385,7 +387,7 @@ impl Points {
         let rows = stamps.len();
         let points = |rows: Vec<usize>, starts: Vec<usize>| {
             let stamps = rows.iter().map(|&row| stamps[row]).collect();
-            Points { rows, starts, stamps, least_rise: 0.5 }
+            Points { rows, starts, stamps, least_rise: 0.5, are_units: false }
         };
         let all = points((0..rows).collect(), (0..rows).collect());
         if rows < 2 {
@@ -406,8 +408,8 @@ impl Points {
         let mut points = if lasts.rows.len() > 1 && noise(&lasts) <= noise(&firsts) { lasts } else { firsts };
         let unit = median_step(&points.stamps);
         let is_unit = |pair: &[f64]| whole_steps(pair[1] - pair[0], unit, 1e-3).is_some();
-        // The first row of a unit is late by up to a step.
         if are_coarse(stamps) && points.stamps.windows(2).all(is_unit) {
+            points.are_units = true;
             points.least_rise = 1.0 + JITTER;
         }
         points
@@ -473,7 +475,8 @@ impl Points {
     /// a clock that drifts makes it larger, so the least over all n is taken.
     fn unseen(&self) -> f64 {
         let points = self.rows.len();
-        if points < FEWEST_BLOCKS * LEAST_WINDOW {
+        let are_few = points < FEWEST_BLOCKS * LEAST_WINDOW;
+        if are_few && !(self.are_units && points >= FEWEST_BLOCKS) {
             return 0.0;
         }
         let step = self.step();
@@ -481,6 +484,12 @@ impl Points {
         let away = |(stamp, place): (&f64, f64)| (stamp - self.stamps[0]) / step - place;
         let away: Vec<f64> = self.stamps.iter().zip(places).map(away).collect();
         let rows_per_point = (self.rows[points - 1] - self.rows[0]) as f64 / (points - 1) as f64;
+        if are_few {
+            // Those of single points have twice n times that part, and up to 1 by the first rows of units, which are late.
+            let second = |of: &[f64]| of[2] - 2.0 * of[1] + of[0];
+            let squares: f64 = away.windows(3).map(|of| second(of) * second(of)).sum();
+            return (squares / (points - 2) as f64 - 1.0).max(0.0) / (2.0 * rows_per_point);
+        }
         let part = |window: usize| {
             let starts = (0..points - window).step_by(window / 2);
             let medians: Vec<f64> = starts.map(|at| low_and_median(&away[at..at + window])[1]).collect();
@@ -647,6 +656,20 @@ pub(crate) fn coarseness(stamps: &[f64]) -> f64 {
 /// Whether most rows have the stamp of the row before.
 pub(crate) fn are_coarse(stamps: &[f64]) -> bool {
     stamps.len() > 1 && median_step(stamps) == 0.0
+}
+
+/// The number of rows with the stamp of the row before, where these are so many that the others show no sampling rate: all, or all
+/// but one where the rate is not given.
+pub(crate) fn rows_of_lost_digits(stamps: &[f64], has_rate: bool) -> Option<usize> {
+    let equal = stamps.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    let most_others = if has_rate { 0 } else { 1 };
+    (are_coarse(stamps) && stamps.len() - 1 - equal <= most_others).then_some(equal)
+}
+
+/// The number of different stamps of a coarse clock, where these are too few to show whether samples are missing.
+pub(crate) fn few_distinct(stamps: &[f64]) -> Option<usize> {
+    let distinct = 1 + stamps.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    (are_coarse(stamps) && distinct < FEWEST_BLOCKS + 2).then_some(distinct)
 }
 
 /// A sampling step of `step_s` in the unit of the stamps: by `unit_s`, or else by the unit of time that gives it nearly the mean step, or
@@ -931,6 +954,45 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn few_stamps_of_a_coarse_clock_show_by_their_wander_that_samples_are_lost() {
+        let mut state = 7_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for rate_hz in [100.0, 197.3, 199.55, 400.0] {
+            for seconds in [12.0, 30.0, 60.0] {
+                let count = (rate_hz * seconds) as usize;
+                let stamp = |i: usize| libm::floor(1.7e9 + 0.3 + i as f64 / rate_hz);
+                let whole: Vec<f64> = (0..count).map(stamp).collect();
+                assert_eq!(uncertainty(&whole), 0.0, "{rate_hz} Hz, {seconds} s");
+                if seconds < 30.0 {
+                    continue;
+                }
+                let kept: Vec<f64> = (0..count).filter(|_| uniform() > 0.02).map(stamp).collect();
+                let error = (mean_step(&kept) * rate_hz - 1.0).abs();
+                let uncertain = uncertainty(&kept);
+                assert!(
+                    uncertain > error,
+                    "{rate_hz} Hz, {seconds} s: off by {error}, uncertain {uncertain}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn stamps_that_have_lost_their_digits_are_found() {
+        let coarse = |distinct: usize| (0..600).map(|i| (i * distinct / 600) as f64).collect::<Vec<_>>();
+        assert_eq!(rows_of_lost_digits(&coarse(1), false), Some(599));
+        assert_eq!(rows_of_lost_digits(&coarse(1), true), Some(599));
+        assert_eq!(rows_of_lost_digits(&coarse(2), false), Some(598));
+        assert_eq!(rows_of_lost_digits(&coarse(2), true), None);
+        assert_eq!(rows_of_lost_digits(&coarse(3), false), None);
+        assert_eq!(rows_of_lost_digits(&[0.0, 1.0], false), None);
+        assert_eq!([5, 30].map(|distinct| few_distinct(&coarse(distinct))), [Some(5), None]);
     }
 
     #[test]

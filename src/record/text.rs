@@ -12,6 +12,7 @@ use crate::record::excess;
 use crate::record::format::{Bytes, Columns, HEAD, Origin, Source};
 use crate::record::layout::Layout;
 use crate::record::log::measure::Data;
+use crate::record::loggers::Rivals;
 use crate::record::names::Name;
 use crate::record::recording::Rules;
 use crate::source::place::{Place, decoded};
@@ -117,8 +118,12 @@ impl Columns for Text<'_> {
         self.layout.numbers.get(column).copied().flatten()
     }
 
-    fn is_steady(&self, column: usize) -> bool {
-        self.layout.steady.get(column) == Some(&true)
+    fn rows(&self, column: usize) -> &[f64] {
+        self.layout.rows.get(column).map_or(&[], Vec::as_slice)
+    }
+
+    fn rivals(&self) -> Option<&Rivals> {
+        self.layout.rivals.as_ref()
     }
 
     fn calendar(&self, column: usize) -> Option<Calendar> {

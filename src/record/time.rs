@@ -44,7 +44,7 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, rules: &Rules) -> Result<Grid, T
     let seconds = |stamp: f64| format!("{} s", significant(stamp * unit_s, 6));
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
-            let help = "remove the row, or give `rate = 100Hz` instead of stamps";
+            let help = "remove the row, or give `rate = HZ` instead of stamps";
             return Err(TimeFault::new(row, "the time is missing", "no number", help));
         }
         if row > 0 && *stamp <= stamps[row - 1] {

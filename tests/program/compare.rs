@@ -229,7 +229,7 @@ fn logs_that_cannot_be_compared_are_refused_with_what_to_do() {
     refused(&desk, &format!("a.csv b.csv {RATE}"), 3, &["b.csv:1:1", "has 2 samples, at least 16"]);
     refused(&desk, &format!("other.csv a.csv {RATE}"), 3, &["cannot read other.csv"]);
     refused(&desk, &format!("a.csv {RATE}"), 2, &["<B>"]);
-    refused(&desk, "a.csv b.csv --data rate --unit deg/h", 3, &["--rate 100Hz, or --time COLUMN"]);
+    refused(&desk, "a.csv b.csv --data rate --unit deg/h", 3, &["--rate HZ, or --time COLUMN"]);
     refused(
         &desk,
         &format!("a.csv b.csv {RATE} --column 1,2,3"),

@@ -280,6 +280,121 @@ fn loggers_are_read_without_options_or_asked_with_their_units() {
 }
 
 #[test]
+fn headers_that_two_makers_share_are_told_apart_or_refused_with_both() {
+    let header = "PacketCounter,SampleTimeFine,Acc_X,Acc_Y,Gyr_X";
+    let of = |header: &str, step: usize| {
+        log(header, |i, y| format!("{i},{},{y},{},{y}", 1_234_567 + step * i, 9.8 + y))
+    };
+    for (above, step, maker, unit, rate_hz) in [
+        ("", 16_667, "Xsens DOT", "deg/s", 1e6 / 16_667.0),
+        ("", 100, "Xsens MT Manager", "rad/s", 100.0),
+        ("sep=,\nDeviceTag:,D422CD\nOutputRate:,120Hz\n\n", 8333, "Xsens DOT", "deg/s", 1e6 / 8333.0),
+    ] {
+        let desk = of(&format!("{above}{header}"), step);
+        let said = said(&desk, "--data rate");
+        assert!(said.contains(&format!("the header is that of {maker}")), "steps of {step}: {said}");
+        assert!(said.contains(&format!("Gyr_X {unit}")), "steps of {step}: {said}");
+        assert_rate(read(&desk, "--data rate").1, rate_hz, above);
+    }
+    let desk = of(header, 10_000);
+    let pieces = [
+        "that of Xsens MT Manager and of Xsens DOT, which differ in units",
+        "--column Gyr_X",
+        "--time-unit \"0.1 ms\" with --unit rad/s for Xsens MT Manager, which makes 1 Hz",
+        "--time-unit us with --unit deg/s for Xsens DOT, which makes 100 Hz",
+    ];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+    desk.fails("allan log.csv --data rate --rate 100Hz", 3, &pieces);
+    assert_rate(read(&desk, "--data rate --column Gyr_X --time-unit us --unit deg/s").1, 100.0, header);
+}
+
+#[test]
+fn all_that_a_file_without_a_header_leaves_open_is_one_question() {
+    let desk = |first: fn(usize) -> String| {
+        let rows = noise(600).enumerate().map(|(i, y)| format!("{},{y},{}\n", first(i), -y));
+        desk_with("log.csv", rows.collect::<String>())
+    };
+    let even = desk(|i| format!("{:.3}", 0.01 * i as f64));
+    let pieces = [
+        "the file has no header: say what its 3 columns are",
+        "--time 1 with --time-unit s for 100 Hz",
+        "--column 2,3",
+        "--unit UNIT",
+        "deg/s",
+    ];
+    even.fails("allan log.csv --data rate", 3, &pieces);
+    even.fails("allan log.csv --data rate --column 2,3", 3, &[pieces[0], pieces[1], pieces[3]]);
+    let one = ["the time column `1` has no unit", "--time-unit s for 100 Hz"];
+    even.fails("allan log.csv --data rate --column 2,3 --unit dps", 3, &one);
+    for time in ["--time 1 --time-unit s", "--time-unit s", "--rate 100Hz"] {
+        let (names, rate_hz) = read(&even, &format!("--data rate {time} --column 2,3 --unit dps"));
+        assert_eq!(names, ["2", "3"], "{time}");
+        assert_rate(rate_hz, 100.0, time);
+    }
+    let without = desk(|i| format!("{}", i * 37 % 11));
+    let pieces = ["--rate HZ, the rate of your logger, --column 1,2,3, --unit UNIT"];
+    without.fails("allan log.csv --data rate", 3, &pieces);
+}
+
+#[test]
+fn seconds_and_nanoseconds_without_names_are_times_and_no_gyros() {
+    let rows = noise(600).enumerate().map(|(i, y)| {
+        let ns = 1_690_000_012_987_528_132_u64 + 5_000_000 * i as u64;
+        format!("{},{},imu,0,1,{y},{}\n", ns / 1_000_000_000, ns % 1_000_000_000, 9.8 + y)
+    });
+    let desk = desk_with("log.csv", rows.collect::<String>());
+    let pieces = ["--column 6,7, --unit UNIT", "the times are taken from columns 1 and 2"];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+    let (names, rate_hz) = read(&desk, "--data rate --column 6,7 --unit rad/s,m/s^2");
+    assert_eq!(names, ["6", "7"]);
+    assert_rate(rate_hz, 200.0, "seconds and nanoseconds");
+}
+
+#[test]
+fn only_gyros_are_proposed_where_names_tell_them() {
+    let row = |i: usize, y: f64| format!("{:.3},{y},{y},{},{}", 0.01 * i as f64, 9.8 + y, 7 * i);
+    let desk = log("time [s],gx,gy,az,ticks", row);
+    desk.fails("allan log.csv --data rate", 3, &["as in --column gx,gy: 1 time [s]"]);
+    let desk = log("time [s],p,q,r,ticks", row);
+    let pieces = ["as in --column p,q,r: 1 time [s]", "give one unit for each, as in --unit rad/s,m/s^2"];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+}
+
+#[test]
+fn times_of_matlab_with_their_unit_are_read_and_other_texts_are_named() {
+    let desk = log("Time,gx_dps", |i, y| format!("{} sec,{y}", i as f64 / 100.0));
+    assert_rate(read(&desk, "--data rate").1, 100.0, "a timetable");
+    let desk = log("Time,gx_dps", |i, y| format!("day {i},{y}"));
+    let pieces = ["the time column `Time` holds text that is neither a number nor a time", "--rate HZ"];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+}
+
+#[test]
+fn a_measurement_of_labview_is_read_below_its_headers() {
+    let header = "LabVIEW Measurement\t\nDecimal_Separator\t,\n***End_of_Header***\t\n\t\nChannels\t1\n\
+                  ***End_of_Header***\nX_Value\tgz (deg/s)\tComment";
+    let desk = log(header, |i, y| format!("{:.3}\t{y:.9}", 0.01 * i as f64).replace('.', ","));
+    let (names, rate_hz) = read(&desk, "--data rate");
+    assert_eq!(names, ["gz"]);
+    assert_rate(rate_hz, 100.0, header);
+    let said = said(&desk, "--data rate");
+    assert!(said.contains("a measurement of LabVIEW, whose numbers begin in line 8"), "{said}");
+}
+
+#[test]
+fn logs_of_kalibr_have_its_units() {
+    let desk = log("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", |i, y| {
+        let a = 9.8 + y;
+        format!("{},{y},{y},{y},{a},{a},{a}", 1_385_030_208_736_666_462_u64 + 5_000_000 * i as u64)
+    });
+    let said = said(&desk, "--data rate");
+    assert!(said.contains("that of Kalibr") && said.contains("alpha_z m/s^2"), "{said}");
+    let (names, rate_hz) = read(&desk, "--data rate");
+    assert_eq!(names, ["omega_x", "omega_y", "omega_z", "alpha_x", "alpha_y", "alpha_z"]);
+    assert_rate(rate_hz, 200.0, "Kalibr");
+}
+
+#[test]
 fn a_german_sheet_is_read_below_its_titles() {
     let header =
         "Messung Kreisel 3;;;\nDatum: 27.06.2024;;;\n\nZeit;Drehrate (°/h);Temperatur (°C);Bemerkung";

@@ -337,7 +337,7 @@ fn a_clock_in_two_cells_of_whole_seconds_shows_the_mean_rate() {
     desk.fails(
         "allan log.txt --data rate",
         3,
-        &["2 problems", "--column 3,4", "the unit of column 3 is missing"],
+        &["the file has no header", "--column 3,4, --unit UNIT", "deg/s"],
     );
     for columns in ["3-4", "all", "3,4"] {
         let found = document(&format!("--unit deg/s --column {columns}"));
@@ -379,6 +379,42 @@ fn rounded_and_coarse_clocks_show_the_rate_of_their_samples_and_no_gaps() {
             assert!((step_s * rate_hz - 1.0).abs() < 5e-4, "{clock}{words}: {} Hz", 1.0 / step_s);
         }
     }
+}
+
+#[test]
+fn stamps_that_a_spreadsheet_has_rounded_are_refused_with_what_reads_the_log_without_them() {
+    let text = noise(600).fold("#timestamp [ns],w_RS_S_x [rad s^-1]\n".to_owned(), |text, y| {
+        text + &format!("1.40364E+18,{y}\n")
+    });
+    let desk = desk_with("log.csv", text);
+    let pieces = ["`timestamp` has lost its digits: 599 of 600 rows", "--time none and --rate HZ"];
+    desk.fails("allan log.csv --data rate", 3, &pieces);
+    desk.fails("allan log.csv --data rate --rate 200Hz", 3, &["has lost its digits", "with --time none"]);
+    assert_eq!(missing(&desk, "log.csv --data rate --rate 200Hz --time none"), (0, 600, 0.005));
+}
+
+#[test]
+fn a_short_log_with_a_coarse_clock_says_what_its_few_times_do_not_tell() {
+    let log = |count: usize, is_kept: &dyn Fn(usize) -> bool| {
+        let rows = noise(count).enumerate().filter(|(i, _)| is_kept(*i));
+        rows.fold("time [s],gz [deg/s]\n".to_owned(), |text, (i, y)| {
+            text + &format!("{},{y}\n", 1_690_000_012 + i / 200)
+        })
+    };
+    let desk = desk_with("log.csv", log(1000, &|_| true));
+    let said = desk.done("allan log.csv --data rate").stderr;
+    assert!(said.contains("only 5 different times, too few to tell whether samples are missing"), "{said}");
+    // 2 % lost at random places of 30 s.
+    let places: Vec<f64> = noise(6000).collect();
+    let desk = desk_with("log.csv", log(6000, &|i| places[(i * 7 + 3) % 6000].abs() > 0.02));
+    desk.fails(
+        "allan log.csv --data rate",
+        3,
+        &["does not tell for sure which samples are missing", "as --rate HZ"],
+    );
+    desk.write("log.csv", &log(6000, &|_| true));
+    let said = desk.done("allan log.csv --data rate").stderr;
+    assert!(!said.contains("which samples are missing"), "{said}");
 }
 
 #[test]

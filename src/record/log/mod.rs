@@ -15,6 +15,7 @@ pub mod temperature;
 #[cfg(test)]
 mod tests;
 pub(crate) mod timing;
+mod unnamed;
 mod write;
 
 /// Most samples of a log, 2^28, which is a week at 400 Hz.

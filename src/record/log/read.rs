@@ -13,6 +13,7 @@ use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::temperature::{Degree, Thermometer};
 use crate::record::log::timing::{Clock, found, is_time, is_timing, parts_of_times, spread};
+use crate::record::log::unnamed::unnamed;
 use crate::record::names::{Name, words};
 use crate::record::recording::{MOST_LISTED, Recording, Rules};
 use crate::record::spelling::unit_of;
@@ -24,7 +25,7 @@ pub(crate) const RULES: Rules = Rules {
     missing: "leave the cell empty or write NaN where a sample is missing",
     jitter: 0.1,
     has_gaps: true,
-    uneven: "resample the log, or give `rate = 100Hz` too",
+    uneven: "resample the log, or give its rate as `rate = HZ` too",
 };
 
 /// Most columns of temperature that are read without being asked for.
@@ -129,10 +130,17 @@ impl Log {
         let taken = thermometer.and_then(|given| faults.take(file.find(&given.column, None)));
         let degree = thermometer.zip(taken).map(|(given, column)| given.degree(&file, column, &mut notes));
         let degree = degree.and_then(|degree| faults.take(degree));
+        let is_time_open = matches!(&request.timing, Timing::Stamps { step_s: None, unit: None, .. });
+        if let Some(rivals) = file.rivals().filter(|_| is_time_open || request.units.is_empty()) {
+            return Err(file.refuse(None, &rivals.message, "this header", &rivals.help));
+        }
         let words = expanded(&file, &request.columns);
         let time = found(&file, &request.timing, &words, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
         let used = [time.map(|time| time.column), taken];
+        if let Some(question) = unnamed(&file, request, used).filter(|_| named.is_empty()) {
+            return Err(question);
+        }
         let columns = wanted(&file, request, &words, &named, used, &mut notes)
             .and_then(|columns| few(&file, columns))
             .and_then(|columns| Ok((given(&file, &request.units, &columns)?, columns)));
@@ -327,7 +335,7 @@ fn wanted(
     match others[..] {
         [_] => Ok(others),
         [] => {
-            let help = "add a column of samples, or give `rate = 100Hz` instead of a time column";
+            let help = "add a column of samples, or give `rate = HZ`, the rate of your logger, instead of a time column";
             Err(file.refuse(None, "there is no column besides the time", "the only one", help))
         }
         _ if !measuring.is_empty() => {
@@ -345,13 +353,17 @@ fn wanted(
                 let name = file.names().get(column).filter(|name| !name.bare.contains([',', ' ', '`']));
                 name.map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
             };
-            let mut proposed = likely(file, taken);
-            if !proposed.iter().all(|&column| file.is_steady(column)) {
-                proposed.retain(|&column| !file.is_steady(column));
-            }
+            let proposed = proposed(file, request.data, taken);
             let names: Vec<String> = proposed.iter().take(MOST_LISTED).map(name).collect();
+            let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
+            let may_differ = proposed.len() > 1 && request.units.is_empty() && !proposed.iter().all(is_gyro);
+            let units = if may_differ {
+                "; where they measure different things, give one unit for each, as in `unit = rad/s,m/s^2`"
+            } else {
+                ""
+            };
             let help = format!(
-                "name one or several of them, as in `column = {}`: {}",
+                "name one or several of them, as in `column = {}`: {}{units}",
                 names.join(","),
                 file.listed()
             );
@@ -411,9 +423,30 @@ fn expanded(file: &Recording, words: &[String]) -> Vec<String> {
     words.iter().flat_map(range).collect()
 }
 
+/// The columns that are proposed as samples: those that may have some, without those that hold one number, count or rise from row to row,
+/// unless no others remain; only gyros, where their names tell them from others.
+pub(super) fn proposed(file: &Recording, data: Data, taken: [Option<usize>; 2]) -> Vec<usize> {
+    let mut columns = likely(file, taken);
+    // Angles rise too.
+    let is_none = |column: &usize| file.is_steady(*column) || data != Data::Angle && file.rises(*column);
+    if !columns.iter().all(is_none) {
+        columns.retain(|column| !is_none(column));
+    }
+    let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
+    if data == Data::Rate && columns.iter().any(is_gyro) {
+        columns.retain(is_gyro);
+    }
+    columns
+}
+
+/// The numbers of columns from 1 on, as `column` takes them.
+pub(super) fn numbers_of<'c>(columns: impl Iterator<Item = &'c usize>) -> String {
+    columns.map(|column| (column + 1).to_string()).collect::<Vec<_>>().join(",")
+}
+
 /// The columns that may have samples: all numbers but those of the columns `taken`, times, lengths of time, temperatures, counters,
 /// lengths of vectors and what only tells about the samples.
-fn likely(file: &Recording, taken: [Option<usize>; 2]) -> Vec<usize> {
+pub(super) fn likely(file: &Recording, taken: [Option<usize>; 2]) -> Vec<usize> {
     let parts = parts_of_times(file);
     let is_likely = |&column: &usize| {
         let is_none =

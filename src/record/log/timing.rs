@@ -10,8 +10,8 @@ use crate::record::recording::Recording;
 use crate::record::spelling::unit_of;
 use crate::record::stamps::{
     Doubled, are_coarse, are_rounded, are_serial_days, coarseness, doubled as doubled_of, epoch_unit,
-    epoch_unit_of, exact_step, faults as faults_of, grid_of_rows, is_step_of_sensor, likely_units, mean_step,
-    step_in_stamps, uncertainty, unroll,
+    epoch_unit_of, exact_step, faults as faults_of, few_distinct, grid_of_rows, is_step_of_sensor,
+    likely_units, mean_step, rows_of_lost_digits, step_in_stamps, uncertainty, unroll,
 };
 use crate::record::time::{TimeFault, grid, median_step};
 
@@ -67,6 +67,9 @@ const RESTS: [(&[&str], f64); 3] = [
     (&["msec", "msecs", "millisec", "millisecs", "millisecond", "milliseconds", "millis", "ms"], 1e-3),
 ];
 
+/// Least size of the largest of some rests of a second, s; in a finer unit they would be those of a far shorter time.
+const LEAST_REST_S: f64 = 1e-3;
+
 /// Largest deviation of the rate by the stamps from the given one, as a part of it; the stamps may be late or rounded.
 const MOST_DEVIATION: f64 = 0.1;
 
@@ -109,6 +112,9 @@ impl Rest {
     /// The column that has the rest of the seconds in `column`: `tv_usec` for `tv_sec`, or `stamp.nanosec` for `stamp.sec`.
     fn of(file: &Recording, column: usize) -> Option<Rest> {
         let names = file.names();
+        if names.is_empty() {
+            return Rest::without_names(file, column);
+        }
         let (base, word) = last_word(&names.get(column)?.whole);
         let is = |known: &[&str], word: &str| known.iter().any(|known| known.eq_ignore_ascii_case(word));
         let unit = |at: usize| {
@@ -118,6 +124,24 @@ impl Rest {
         let rest =
             |at: usize| Some(Rest { column: at, unit_s: unit(at).filter(|_| file.sample(at).is_some())? });
         is(&SECONDS, word).then(|| (0..names.len()).find_map(rest)).flatten()
+    }
+
+    /// The column after whole seconds since 1970 in `column` if it has the whole ns or µs of each.
+    fn without_names(file: &Recording, column: usize) -> Option<Rest> {
+        let (seconds, rests) = (file.rows(column), file.rows(column + 1));
+        let is_second = |second: &f64| second.fract() == 0.0 && matches!(epoch_unit(*second), Some(("s", _)));
+        let largest = rests.iter().copied().fold(0.0, f64::max);
+        let unit_s =
+            RESTS.iter().map(|(_, unit_s)| *unit_s).find(|unit_s| largest * unit_s >= LEAST_REST_S)?;
+        let is_rest = |rest: &f64| rest.fract() == 0.0 && (0.0..1.0).contains(&(rest * unit_s));
+        let first = *seconds.first()?;
+        let times: Vec<f64> =
+            seconds.iter().zip(rests).map(|(second, rest)| second - first + rest * unit_s).collect();
+        let are_parts = seconds.len() == rests.len()
+            && seconds.iter().all(is_second)
+            && rests.iter().all(is_rest)
+            && times.windows(2).all(|pair| pair[1] > pair[0]);
+        are_parts.then_some(Rest { column: column + 1, unit_s })
     }
 
     /// The times from the first one on, which keeps all digits, and where they are taken from: whole seconds have rests, of which
@@ -147,7 +171,7 @@ impl Rest {
     pub(crate) fn refused(&self, file: &Recording, column: usize) -> RecordError {
         let message =
             format!("{} has no rests of the seconds in {}", file.title(self.column), file.title(column));
-        let help = "name a column with the whole time, as in `time = COLUMN`, or give `rate = 100Hz` with `time = none`";
+        let help = "name a column with the whole time, as in `time = COLUMN`, or give `rate = HZ` with `time = none`";
         file.refuse(Some(self.column), &message, "no rest of a second", help)
     }
 }
@@ -205,7 +229,7 @@ pub(crate) fn is_timing(name: &Name) -> bool {
 /// The columns of whole seconds, and those with the rest of each.
 pub(crate) fn parts_of_times(file: &Recording) -> Vec<usize> {
     let both = |column| Rest::of(file, column).map(|rest| [column, rest.column]);
-    (0..file.names().len()).filter_map(both).flatten().collect()
+    (0..file.columns()).filter_map(both).flatten().collect()
 }
 
 /// Whether a column with this name has lengths of time.
@@ -231,6 +255,7 @@ pub(crate) fn found(
     notes: &mut Vec<String>,
 ) -> Result<(Option<Time>, bool), RecordError> {
     let Timing::Stamps { step_s, column, unit } = timing else { return Ok((None, true)) };
+    let has_unit = unit.is_some();
     let time = |column: usize, is_sure: bool| {
         let rest = Rest::of(file, column);
         let known = rest.map(|_| 1.0).filter(|_| unit.is_none());
@@ -264,7 +289,8 @@ pub(crate) fn found(
     let is_of_time =
         |column: usize| is_time_or_serial(column) && (unit(column).is_none() || measures_time(column));
     let mut times = candidates(&is_of_time);
-    if let Some(&column) = times.iter().find(|column| file.sample(**column).is_none()) {
+    let unread = times.iter().copied().find(|column| file.sample(*column).is_none());
+    if let Some(column) = unread {
         notes.push(format!("{} holds no numbers and is not used", time_column(file, column)));
         times.retain(|column| file.sample(*column).is_some());
     }
@@ -280,6 +306,15 @@ pub(crate) fn found(
         nearest(file, candidates(&|column| Rest::of(file, column).is_some()), wanted.first())
     {
         notes.push(format!("times are taken from {}", time_column(file, column)));
+        return time(column, true);
+    }
+    let are_parts = |column: &usize| {
+        let is_wanted =
+            [*column, column + 1].iter().any(|part| wanted.contains(part) || taken == Some(*part));
+        file.names().is_empty() && !is_wanted && Rest::of(file, *column).is_some()
+    };
+    if let Some(column) = (0..file.columns()).find(are_parts) {
+        notes.push(format!("times are taken from columns {} and {}", column + 1, column + 2));
         return time(column, true);
     }
     let has_times = |column| measures_time(column) && !is_span(bare(column)) && file.sample(column).is_some();
@@ -308,16 +343,59 @@ pub(crate) fn found(
     let first = (may_be_first && !(has_step && wanted.is_empty())).then_some(0);
     let column = if has_step { counter.or(first) } else { first };
     if column.is_none() && !has_step {
-        return Err(without_times(file));
+        return Err(without_times(file, unread));
+    }
+    if let Some(column) = column.filter(|_| has_unit && file.names().is_empty()) {
+        return time(column, false);
     }
     Ok((column.map(|column| Time { column, unit_s: None, unit_is: Stated::InHeader, rest: None }), false))
 }
 
-/// The error for a file without times.
-fn without_times(file: &Recording) -> RecordError {
-    let help = "give `rate = 100Hz`, or `time = COLUMN` for a column of time stamps, or both: the stamps then only show where \
-                samples are missing";
-    file.refuse(None, "the times of the samples are not given", "no column called time", help)
+/// The error for a file without times, or with a column of such a name that is `unread`.
+fn without_times(file: &Recording, unread: Option<usize>) -> RecordError {
+    let help = "give the rate of your logger as `rate = HZ`, or `time = COLUMN` for a column of time stamps, or both: the stamps then \
+                only show where samples are missing";
+    match unread {
+        None => file.refuse(None, "the times of the samples are not given", "no column called time", help),
+        Some(column) => {
+            let message =
+                format!("{} holds text that is neither a number nor a time", time_column(file, column));
+            file.refuse(unread, &message, "not read", help)
+        }
+    }
+}
+
+/// What is to be given for the times of a file without a header, where they are not found without it, and the column that would have
+/// them.
+pub(crate) fn asked(file: &Recording, timing: &Timing) -> Option<(Option<usize>, String)> {
+    let Timing::Stamps { step_s: None, column, unit: None } = timing else { return None };
+    let is_clock =
+        |column: usize| file.calendar(column) == Some(Calendar::Time) || Rest::of(file, column).is_some();
+    let is_epoch =
+        |column: usize| file.rows(column).first().is_some_and(|first| epoch_unit(*first).is_some());
+    let at = match column {
+        Some(word) => file.find(word, None).ok().filter(|at| !is_clock(*at) && !is_epoch(*at))?,
+        None if file.step_s().is_some() || is_epoch(0) || (0..file.columns()).any(is_clock) => return None,
+        None => 0,
+    };
+    let rows = file.rows(at);
+    if rows.is_empty() || !are_times(rows, true) {
+        return column.is_none().then(|| (None, "`rate = HZ`, the rate of your logger".to_owned()));
+    }
+    let units = in_units(&likely_units(median_step(rows), &[]), "s");
+    Some((Some(at), format!("`time = {}` with {units}", at + 1)))
+}
+
+/// The settings of some units of time with the rate that each gives, or else of the unit `other`.
+fn in_units(likely: &[(&str, f64)], other: &str) -> String {
+    let settings = likely
+        .iter()
+        .map(|(unit, rate_hz)| format!("`time_unit = {unit}` for {} Hz", significant(*rate_hz, 6)));
+    if likely.is_empty() {
+        format!("`time_unit = {other}`")
+    } else {
+        settings.collect::<Vec<_>>().join(" or ")
+    }
 }
 
 /// A column of times in a sentence.
@@ -375,6 +453,20 @@ pub(crate) fn spread(
     let title = time_column(file, time.column);
     // Stamps that may be none need no decision.
     let has_step = clock.step_s.is_some();
+    let may_be_times = clock.is_sure || stamps.first().is_some_and(|first| epoch_unit(*first).is_some());
+    if let Some(equal) = rows_of_lost_digits(&stamps, has_step).filter(|_| may_be_times) {
+        let message = format!(
+            "{title} has lost its digits: {equal} of {} rows have the time of the row before",
+            stamps.len()
+        );
+        let settings =
+            if has_step { "`time = none`" } else { "`time = none` and `rate = HZ`, the rate of your logger" };
+        let help = format!(
+            "spreadsheets round long numbers: take the log as it was recorded, or ignore its times with {settings}"
+        );
+        faults.add(file.refuse_row(0, time.column, [message, "rounded".to_owned(), help]));
+        return None;
+    }
     let given = clock.duplicates.or((!clock.is_sure && has_step).then_some(Duplicates::Keep));
     let mut duplicates = given;
     let mut doubled = doubled_of(&stamps, &samples, duplicates);
@@ -395,10 +487,10 @@ pub(crate) fn spread(
     }
     let name = file.names().get(time.column);
     let may_number = time.unit_s.is_some()
-        || has_step && name.is_none_or(|name| is_called(&name.bare, &COUNTERS) || is_time(&name.bare));
+        || name.is_none_or(|name| has_step && (is_called(&name.bare, &COUNTERS) || is_time(&name.bare)));
     if !clock.is_sure && !are_times(&stamps, may_number) {
         if !has_step {
-            faults.add(without_times(file));
+            faults.add(without_times(file, None));
         }
         if name.is_some_and(|name| is_time(&name.bare) || is_called(&name.bare, &COUNTERS)) {
             notes.push(format!(
@@ -463,6 +555,12 @@ pub(crate) fn spread(
             return None;
         }
         notes.push(format!("{doubt}; {help}"));
+    }
+    if let Some(distinct) = few_distinct(&stamps).filter(|_| !has_step) {
+        notes.push(format!(
+            "{title} has only {distinct} different times, too few to tell whether samples are missing, by which the rate would be higher; if \
+             it is known, give it as `rate = HZ`"
+        ));
     }
     let (step_s, grid) = match clock.step_s.or(mean.zip(unit_s).map(|(mean, unit_s)| mean * unit_s)) {
         None => {
@@ -548,12 +646,7 @@ fn unit_of_stamps(
             };
             let words = file.names().get(time.column).map(|name| words(&name.whole)).unwrap_or_default();
             let likely = step.map(|step| likely_units(step, &words)).unwrap_or_default();
-            let examples: Vec<String> = likely
-                .iter()
-                .map(|(unit, rate_hz)| format!("`time_unit = {unit}` for {} Hz", significant(*rate_hz, 6)))
-                .collect();
-            let examples =
-                if likely.is_empty() { "`time_unit = ms`".to_owned() } else { examples.join(" or ") };
+            let examples = in_units(&likely, "ms");
             let help = format!("give its unit as in {examples}; accepted: s, ms, us, ns, min, h");
             faults.add(file.refuse(Some(time.column), &message, "its unit is missing", &help));
             None
@@ -572,8 +665,9 @@ fn doubted(title: &str, stamps: &[f64], unit_s: f64) -> Option<(String, String, 
             "{title} does not tell for sure which samples are missing: its rate of {rate} Hz may be off by up to {percent} %"
         )
     };
-    let help = |rate: &str| format!("if the rate of the gyro is known, give it as in `rate = {rate}Hz`");
-    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help(&rate), off > MOST_UNCERTAINTY))
+    // Not that rate, which is the doubtful one.
+    let help = "if the rate of the gyro is known, give it as `rate = HZ`".to_owned();
+    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help, off > MOST_UNCERTAINTY))
 }
 
 /// Notes what the stamps were used for.
