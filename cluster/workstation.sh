@@ -19,7 +19,7 @@ shift
 export SAGNAC=${SAGNAC:-sagnac}
 read -r -a devices <<<"${DEVICES:-$("$SAGNAC" devices | sed -n 's/.*, PCI //p' | tr '\n' ' ')}"
 if ((${#devices[@]} == 0)); then
-  echo "error: no GPU with a PCI address was found: name the devices, DEVICES=\"cpu\"; \`sagnac devices\` lists them" >&2
+  echo "error: no GPU with a PCI address was found: name the devices, DEVICES=\"cpu\"; \`sagnac device list\` lists them" >&2
   exit 2
 fi
 shards=${SHARDS:-$((8 * ${#devices[@]}))}

@@ -18,7 +18,14 @@ Examples:
   sagnac device list
   sagnac device list --why";
 
+const TASKS: &str = "\
+Examples:
+  sagnac device list
+  sagnac device verify --device cpu
+  sagnac device bench --device cpu";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = TASKS)]
 pub struct Command {
     #[command(subcommand)]
     task: Task,

@@ -13,9 +13,9 @@ use crate::failure::Failure;
 /// Files that identify folders, with the commands that write them.
 const WRITTEN: [(&str, &str); 8] = [
     ("curve.csv", "allan"),
-    ("psd.csv", "psd"),
+    ("psd.csv", "allan"),
     ("compare.csv", "compare"),
-    ("lot.csv", "lot"),
+    ("lot.csv", "compare"),
     ("model.csv", "model"),
     ("design.json", "design"),
     ("sensitivity.json", "sensitivity"),

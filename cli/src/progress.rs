@@ -190,7 +190,7 @@ impl Progress for Shown {
         let first = *self.unit.get_or_init(|| unit);
         let bar = &self.bar;
         let say_done = || {
-            if self.how == How::Plain && unit == first && (1..total).contains(&done) {
+            if self.how == How::Plain && unit == first && done < total {
                 self.begins.get_or_init(|| ());
                 say!("{} of {} {unit} done", short(done as f64), short(total as f64));
             }

@@ -83,7 +83,7 @@ fn chosen<A>(options: &Options, all: Vec<A>, about: impl Fn(&A) -> (String, bool
             options.device.as_ref().is_none_or(|part| name.to_lowercase().contains(&part.to_lowercase()));
         (!is_meant, is_software)
     };
-    all.into_iter().min_by_key(rank).expect("no adapter was found: `sagnac devices` lists them")
+    all.into_iter().min_by_key(rank).expect("no adapter was found: `sagnac device list` lists them")
 }
 
 /// A measured kernel of trials.
@@ -93,7 +93,7 @@ struct Bench {
     histogram: bool,
 }
 
-/// Those of `sagnac bench`; the first two are the paper's point without and with histogram.
+/// Those of `sagnac device bench`; the first two are the paper's point without and with histogram.
 fn benches() -> Vec<Bench> {
     let of = |measured: sagnac::verify::measured::Measured| match measured.work {
         Work::Trials(launch) => {

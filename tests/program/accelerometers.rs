@@ -179,7 +179,7 @@ fn gravity_in_another_unit_is_noted_and_rotation_is_not_compared_with_accelerati
     desk.fails(words, 3, &["several columns of samples: gx, gy, gz, ax, ay, az", "--column gx"]);
     let ended = desk.done(&format!("{words} --column ax,az"));
     let said = unwrapped(&ended.stdout);
-    assert!(said.contains("N ratio") && said.contains("m/s/√h") && !said.contains('°'), "{said}");
+    assert!(said.contains(" noisier in N (") && said.contains("m/s/√h") && !said.contains('°'), "{said}");
 }
 
 #[test]

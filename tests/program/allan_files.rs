@@ -316,7 +316,7 @@ fn a_curve_that_is_not_described_gives_no_coefficient_to_any_output_unless_force
     assert!(!forced.0.is_empty() && forced.1 == "not described", "{forced:?}");
 
     let ended = allan(&desk, "gyro.csv --bootstrap 0 --fit-to 8s");
-    assert!(ended.stdout.contains("Fit  τ 1–8 s, "), "{}", ended.stdout);
+    assert!(ended.stdout.contains("τ 1–8 s, χ²"), "{}", ended.stdout);
     assert_eq!(verdict(&desk, "N").1, "identified");
 }
 

@@ -37,7 +37,7 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     let desk = desk();
     let ended = desk.done(&format!("{READ} --column gz --navigate 1h"));
     assert!(ended.stdout.contains(" nmi R95 after 1 h (0."), "{}", ended.stdout);
-    assert!(ended.stdout.contains("at upper limits") && ended.stdout.contains(" CEP "), "{}", ended.stdout);
+    assert!(ended.stdout.contains("At upper limits") && ended.stdout.contains(" CEP "), "{}", ended.stdout);
     assert!(desk.read("out/report.html").contains(" nmi R95 after 1 h (0."));
     let document = json(&desk, "1h");
     let navigation = &document["columns"][0]["navigation"];

@@ -249,7 +249,7 @@ fn a_best_interval_at_the_end_of_what_was_tried_is_called_that() {
     let residuals_alone =
         PAPER.replace("magnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\nnon_", "non_");
     let desk = Desk::with(&residuals_alone);
-    let ended = desk.done("design study.toml --device cpu --quiet --trials 1024");
+    let ended = desk.done("design study.toml --device cpu --trials 1024");
     assert!(ended.stdout.contains("the best interval is an end of those tried"), "{}", ended.stdout);
     let table = desk.read("results/study/design/design.csv");
     let intervals: Vec<&str> = table.lines().skip(1).map(|line| line.split(',').nth(1).unwrap()).collect();

@@ -1,4 +1,4 @@
-//! The rows that `sagnac verify` adds to the matrix of identity, and what `sagnac devices` explains.
+//! The rows that `sagnac device verify` adds to the matrix of identity, and what `sagnac device list` explains.
 
 use std::process::Command;
 
@@ -56,7 +56,7 @@ fn the_matrix_of_the_documents_is_that_of_the_current_kernels() {
     let document = std::fs::read_to_string(format!("{}/docs/identity.md", crate::ROOT)).unwrap();
     assert!(
         document.contains(&format!("`{digest}` with `--trials 4096`")),
-        "docs/identity.md is of other kernels: measure its rows again with `sagnac verify --report FILE`, and name \
+        "docs/identity.md is of other kernels: measure its rows again with `sagnac device verify --report FILE`, and name \
          the digest {digest} of 4096 trials"
     );
     let measured: Vec<_> = document.lines().filter(|line| line.contains("| identical |")).collect();
@@ -87,7 +87,7 @@ fn the_driver_that_a_variable_hides_is_explained() {
     assert!(stdout.contains(&format!("{found}{remedy}")), "{stdout}");
     let (code, _, stderr) = hidden(&["bench", "--device", "gpu"]);
     assert_eq!(code, Some(2), "{stderr}");
-    assert!(stderr.contains("no GPU was found") && stderr.contains("`sagnac devices --why`"), "{stderr}");
+    assert!(stderr.contains("no GPU was found") && stderr.contains("`sagnac device list --why`"), "{stderr}");
 }
 
 #[test]

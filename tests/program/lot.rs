@@ -29,9 +29,9 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     let ended = desk.full(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6"));
     for piece in [
         "*0.",
-        "without odd",
+        "without outliers",
         "next unit",
-        "g4 is an outlier: N 2.0",
+        "g4 is an outlier: N 1.98",
         " × the median (p = ",
         "Without outliers, N  0.1",
         "Between units",
@@ -54,7 +54,7 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     for chart in ["chart-1.svg", "chart-1.png", "chart-2.svg", "chart-2.png"] {
         assert!(desk.path(&format!("results/lot/{chart}")).is_file(), "{chart} is missing");
     }
-    assert!(desk.read("results/lot/chart-1.svg").contains("g4, odd"));
+    assert!(desk.read("results/lot/chart-1.svg").contains("g4, outlier"));
     let json = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6 --json")).stdout;
     let document: Value = serde_json::from_str(&json).unwrap();
     let n = |of: &Value| {

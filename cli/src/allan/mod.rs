@@ -15,7 +15,6 @@ use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
-use sagnac::spectrum::Welch;
 use sagnac::store::folder::Folder;
 use sagnac::view::chart::figure::Figure;
 use serde_json::{Value, json};
@@ -27,6 +26,7 @@ use crate::charts::{plotted, write_figures};
 use crate::failure::Failure;
 use crate::limits;
 use crate::output::{print_documents, write_new, write_page, write_table};
+use crate::psd;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -60,10 +60,12 @@ fn of_log(
     let thermal = thermal.transpose()?;
     analysis.note_equal(earlier);
     let dynamic = options.dynamic.map(|window_s| Dynamic::of(&log, &treatment, window_s)).transpose()?;
-    let welch = Welch { confidence: options.confidence, ..Welch::default() };
-    let (densities, without) = match densities(&log, &treatment, &welch) {
-        Ok(densities) => (densities, None),
-        Err(why) => (vec![], Some(why)),
+    let welch = options.segments.welch(&log, options.confidence);
+    let densities = (!options.no_psd).then(|| densities(&log, &treatment, &welch));
+    let (densities, without) = match densities {
+        Some(Ok(densities)) => (densities, None),
+        Some(Err(why)) => (vec![], Some(why)),
+        None => (vec![], None),
     };
     let with_spectra = spectrum::Analysis::of(analysis, densities);
     let analysis = &with_spectra.noise;
@@ -72,6 +74,7 @@ fn of_log(
     let figures = figures::figures(analysis);
     let results = Folder::open(folder)?.reading([path]);
     save(analysis, &figures, &results)?;
+    psd::save(&with_spectra, &results)?;
     temperature::save(thermal.as_ref(), analysis, &results)?;
     dynamic::save(dynamic.as_ref(), &results)?;
     navigation::save(navigation.as_ref(), &results)?;

@@ -17,6 +17,7 @@ use sagnac::record::log::read::Request;
 use crate::failure::Failure;
 use crate::limits;
 use crate::output::Output;
+use crate::psd::Segments;
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -85,6 +86,11 @@ pub struct Options {
     /// in_run_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
     pub limit: Vec<Limit>,
+    #[command(flatten)]
+    pub segments: Segments,
+    /// Leave out the spectrum
+    #[arg(help_heading = "Spectrum", long)]
+    pub no_psd: bool,
     #[command(flatten)]
     pub output: Output,
     /// Also write an imu.yaml for Kalibr: noise density N and random walk K of gyros and accelerometers

@@ -31,7 +31,7 @@ fn units(lot: &Lot, shown: &[&Coefficient]) -> String {
         std::iter::once(label.clone()).chain(cells).collect()
     };
     format!(
-        "coefficients of each unit with 95 % intervals; * odd, < upper bound of a unit that does not show the coefficient\n{}",
+        "coefficients of each unit with 95 % intervals; * outlier, < upper bound of a unit that does not show the coefficient\n{}",
         headed_by(heading, lot.labels.iter().enumerate().map(line))
     )
 }
@@ -75,10 +75,11 @@ fn of_lot(shown: &[&Coefficient]) -> String {
     };
     let lines = shown.iter().flat_map(|one| {
         let all = one.pooled.map(|pooled| (one, one.title(), pooled));
-        let without = one.without_odd.map(|pooled| (one, format!("{} without odd", one.title()), pooled));
+        let without =
+            one.without_odd.map(|pooled| (one, format!("{} without outliers", one.title()), pooled));
         all.into_iter().chain(without)
     });
-    format!("the lot\n{}", headed_by(heading.map(str::to_owned).to_vec(), lines.map(line)))
+    format!("the batch\n{}", headed_by(heading.map(str::to_owned).to_vec(), lines.map(line)))
 }
 
 fn range(ends: [f64; 2], digits: usize) -> String {

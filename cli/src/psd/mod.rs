@@ -15,12 +15,13 @@ use sagnac::analysis::spectrum::{Analysis, densities, figures, notes, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::spectrum::Welch;
 use sagnac::store::folder::Folder;
+use sagnac::table::Table;
 
 use crate::allan::options::{probability, simulated};
 use crate::charts::{plotted, write_figures};
 use crate::failure::Failure;
 use crate::limits;
-use crate::output::{Output, print_json, write_page, write_table};
+use crate::output::{Output, print_json, write_or_remove, write_page};
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -43,13 +44,8 @@ pub struct Options {
     file: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Length of the segments, as in "100 s": longer ones resolve lower frequencies, shorter ones narrow the intervals
-    /// [default: an eighth of the record, at most 16384 samples]
-    #[arg(long, value_name = "TIME", value_parser = seconds)]
-    segment: Option<f64>,
-    /// What to remove from each segment: its mean (constant), or its straight line (linear)
-    #[arg(long, value_name = "TREND", default_value = "constant", value_parser = trend())]
-    segment_detrend: Trend,
+    #[command(flatten)]
+    segments: Segments,
     /// Number of simulated records from which the interval of the N of the fit is found; 0 uses closed forms [default:
     /// 1000, or 0 for more than 2 million samples of all columns]
     #[arg(long, value_name = "N", value_parser = simulated)]
@@ -66,6 +62,44 @@ pub struct Options {
     output: Output,
 }
 
+/// The segments of which spectra are made.
+#[derive(Debug, Args)]
+#[group(skip)]
+pub struct Segments {
+    /// Length of the segments of spectra, as in "100 s": longer ones resolve lower frequencies, shorter ones narrow the intervals
+    /// [default: an eighth of the record, at most 16384 samples]
+    #[arg(help_heading = "Spectrum", long, value_name = "TIME", value_parser = seconds)]
+    segment: Option<f64>,
+    /// What to remove from each segment: its mean (constant), or its straight line (linear)
+    #[arg(help_heading = "Spectrum", long, value_name = "TREND", default_value = "constant", value_parser = trend())]
+    segment_detrend: Trend,
+}
+
+impl Segments {
+    /// The estimate of the densities of a log.
+    pub fn welch(&self, log: &Log, confidence: f64) -> Welch {
+        Welch {
+            segment: self.segment.map(|length_s| libm::round(length_s / log.step_s) as usize),
+            trend: self.segment_detrend,
+            confidence,
+        }
+    }
+}
+
+/// Writes the tables and charts of the spectra, and removes those of an earlier run where there are none.
+///
+/// # Errors
+/// The disk fails.
+pub fn save(analysis: &Analysis, folder: &Folder) -> Result<(), Failure> {
+    type Made = fn(&Analysis) -> Table;
+    let all: [(&str, Made); 3] =
+        [("psd.csv", tables::table), ("lines.csv", tables::lines), ("white_noise.csv", tables::white_noise)];
+    for (name, table) in all {
+        write_or_remove(folder, name, (!analysis.spectra.is_empty()).then(|| table(analysis)))?;
+    }
+    write_figures(folder, &figures::figures(analysis))
+}
+
 fn trend() -> impl TypedValueParser<Value = Trend> {
     one_of([("constant", Trend::None), ("linear", Trend::Linear)])
 }
@@ -80,10 +114,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
     let folder = options.output.folder(options.file.file_stem().unwrap_or_default());
     let figures = figures::figures(&analysis);
     let results = Folder::open(&folder)?.reading([options.file.as_path()]);
-    write_table(&results, "psd.csv", &tables::table(&analysis))?;
-    write_table(&results, "lines.csv", &tables::lines(&analysis))?;
-    write_table(&results, "white_noise.csv", &tables::white_noise(&analysis))?;
-    write_figures(&results, &figures)?;
+    save(&analysis, &results)?;
     write_page(&results, &of_log(&log, &analysis, decision.answer.clone(), None, vec![]))?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
@@ -103,11 +134,7 @@ pub fn psd(options: &Options) -> Result<(), Failure> {
 /// Analyses the log. The densities come first, because they are quick and may fail.
 fn analysis(options: &Options, log: &Log) -> Result<Analysis, Failure> {
     let treatment = options.reading.treatment();
-    let welch = Welch {
-        segment: options.segment.map(|length_s| libm::round(length_s / log.step_s) as usize),
-        trend: options.segment_detrend,
-        confidence: options.confidence,
-    };
+    let welch = options.segments.welch(log, options.confidence);
     let densities = densities(log, &treatment, &welch)?;
     // The curve is on the page, as `sagnac allan` draws it.
     let asked = Asked {

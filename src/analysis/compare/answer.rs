@@ -39,13 +39,14 @@ impl Analysis {
             judged.iter().max_by(|a, b| b.standing.cmp(&a.standing).then(a.upper().total_cmp(&b.upper())));
         let rows = self.ordered();
         let named = |name: &str| rows.iter().copied().find(|row| row.name == name);
+        // Without a limit the difference that is the least probable by chance, else the first ratio.
+        let apart = rows.iter().copied().filter(|row| row.is_apart());
+        let p = |row: &Row| row.found.p.unwrap_or(1.0);
+        let surest = apart.min_by(|a, b| p(a).total_cmp(&p(b)));
+        let first = || rows.iter().copied().find(|row| row.found.ratio.is_some());
         let told = match critical {
             Some(critical) => named(critical.limit.term.symbol()),
-            None => rows
-                .iter()
-                .copied()
-                .find(|row| row.is_apart())
-                .or_else(|| rows.iter().copied().find(|row| row.found.ratio.is_some())),
+            None => surest.or_else(first),
         };
         let (headline, value) = match critical {
             Some(critical) => (critical.headline(), told.and_then(Row::reading)),

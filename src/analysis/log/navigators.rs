@@ -256,29 +256,29 @@ pub fn answer(found: &[Result<Navigators, String>]) -> Option<Answer> {
     let row = |one: &&Navigators| -> Vec<AnswerCell> {
         let value = within(one);
         let ends = value.ends_text().unwrap_or_default();
-        let at_bounds = one.at_bounds.as_ref().map(|(names, radius)| {
-            let radius = reading(one, *radius, None);
-            AnswerCell { text: format!("{} ({})", radius.text(), names.join(", ")), value: Some(radius) }
-        });
         let class = if one.class == "none" { "worse than tactical" } else { &one.class };
         vec![
             one.column.clone().into(),
             value.into(),
             ends.into(),
             reading(one, one.half, None).into(),
-            at_bounds.unwrap_or_else(|| "—".to_owned().into()),
             class.to_owned().into(),
         ]
     };
     let mut facts: Vec<Fact> =
         worst.sheet.facts().into_iter().filter(|fact| !matches!(fact, Fact::WorstCase { .. })).collect();
+    facts.extend(worst.at_bounds.as_ref().map(|(names, radius)| Fact::Value {
+        name: "At upper limits".to_owned(),
+        value: reading(worst, *radius, None),
+        at: format!("with {} as large as the record allows", names.join(", ")),
+    }));
     facts.extend(worst.left_out_hz.map(|frequency| Fact::Caveat {
         text: format!("the line at {} averages out and is left out", with_unit(frequency, 4, "Hz")),
     }));
     facts.extend(
         found.iter().filter_map(|one| one.as_ref().err()).map(|why| Fact::Caveat { text: why.clone() }),
     );
-    let heads = ["column", "R95", "95 % interval", "CEP", "at upper limits", "class"];
+    let heads = ["column", "R95", "95 % interval", "CEP", "class"];
     Some(Answer {
         kind: Kind::Requirement,
         status: worst.sheet.status(),

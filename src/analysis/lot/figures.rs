@@ -35,10 +35,10 @@ pub fn curves(lot: &Lot) -> Figure {
     };
     let others = (like > 0).then_some(Entry { style: 0, name: others });
     let named =
-        odd.iter().map(|&unit| Entry { style: colour(unit), name: format!("{}, odd", lot.labels[unit]) });
+        odd.iter().map(|&unit| Entry { style: colour(unit), name: format!("{}, outlier", lot.labels[unit]) });
     let unit = lot.units().next().map_or("", |(_, column)| column.unit.symbol(Deviation::Oadev));
     Figure {
-        title: format!("Overlapping Allan deviations of a lot of {} units", lot.labels.len()),
+        title: format!("Overlapping Allan deviations of a batch of {} units", lot.labels.len()),
         subtitle: Some(subtitle(lot)),
         x: Axis::new("averaging time τ", "s"),
         y: Axis::new("deviation σ(τ)", unit),
@@ -76,9 +76,9 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
         next.map(|end| LawLine { colours: vec![place], points: ends.map(|x| (x, end / value)).into() })
     });
     let values = series.iter().flat_map(|series| &series.points).map(|point| point.y);
-    let y = of_ratios("value over that of the lot", values);
+    let y = of_ratios("value over that of the batch", values);
     Some(Figure {
-        title: format!("Coefficients of {} units over those of the lot", lot.labels.len()),
+        title: format!("Coefficients of {} units over those of the batch", lot.labels.len()),
         subtitle: Some(found(lot)),
         x: Axis { scale: Scale::Linear, whole: true, names: lot.labels.clone(), ..Axis::new("unit", "") },
         y,
@@ -89,7 +89,7 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
             lines: lines.collect(),
             is_area: false,
         }],
-        limit: Some(Limit { value: 1.0, label: "the lot".to_owned() }),
+        limit: Some(Limit { value: 1.0, label: "the batch".to_owned() }),
         series,
         ..Figure::default()
     })

@@ -40,12 +40,12 @@ const FEWEST: usize = pool::FEWEST + 1;
 pub enum LotError {
     /// There are too few units.
     #[error(
-        "a lot needs at least two units, found {0}\ngive several logs, or several columns of a log, as in `column = gx,gy`"
+        "a batch needs at least two units, found {0}\ngive several logs, or several columns of a log, as in `column = gx,gy`"
     )]
     TooFew(usize),
     /// The units have different quantities.
     #[error(
-        "{first} has {}, {other} has {}: they are no lot\nselect columns of one kind with `column = NAME`, and give their units with \
+        "{first} has {}, {other} has {}: they are no batch\nselect columns of one kind with `column = NAME`, and give their units with \
          `unit = UNIT`",
         units[0].content(), units[1].content()
     )]
@@ -59,7 +59,7 @@ pub enum LotError {
     },
     /// A record is given twice, under one name, two names, or as a copy.
     #[error(
-        "{0} and {1} are the same record\ngive each unit once, because equal records make the lot look too even"
+        "{0} and {1} are the same record\ngive each unit once, because equal records make the batch look too even"
     )]
     Twice(String, String),
 }

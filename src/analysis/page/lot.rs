@@ -15,7 +15,7 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
         blocks: Option::into_iter(figure).map(|figure| chart(stem, Picture::Curves(figure))).collect(),
     };
     Page {
-        title: format!("A lot of {} units", lot.labels.len()),
+        title: format!("A batch of {} units", lot.labels.len()),
         subtitle: figures::subtitle(lot),
         answer: decision.answer.clone(),
         notes: notes(lot),

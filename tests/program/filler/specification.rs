@@ -125,7 +125,7 @@ fn the_limit_of_a_study_is_that_of_its_fillers_unless_another_one_is_asked_for()
     let desk = Desk::with(&format!("limit = \"4 arcsec\"\n{text}"));
     for (options, told, limit) in [
         ("", "mv: 4.5″ at 99.73 % misses the 4″ limit", None),
-        ("--latency 4ms", "+2 ticks: 3.9", Some(4.0)),
+        ("--latency 4ms", "+0 ticks: 3.98″ at 99.73 % meets the 4″ limit", Some(4.0)),
         ("--limit 5arcsec", "meets the 5″ limit", Some(5.0)),
     ] {
         let found = tables(&desk, &format!("study.toml {options}"));
@@ -167,7 +167,7 @@ fn whatever_moves_a_filler_is_given_with_its_errors_on_the_specification() {
         assert!(chart.contains(piece), "no `{piece}` in {chart}");
     }
     assert!(
-        !chart.contains("the motion") && shown.contains(" arcsec at 99.73 % with all frequencies"),
+        !chart.contains("the motion") && shown.contains(" arcsec at 99.73 %, with all frequencies"),
         "{shown}"
     );
 }
