@@ -47,7 +47,7 @@ const FILES: [&str; 20] = [
 ];
 
 /// Beginnings of the names of pictures, and of studies and noise of columns, that commands write.
-const PICTURES: [&str; 6] = ["chart", "design", "pareto", "response", "sensitivity", "trade"];
+const PICTURES: [&str; 7] = ["chart", "design", "pareto", "psd", "response", "sensitivity", "trade"];
 const TEXTS: [&str; 2] = ["noise", "navigation"];
 
 /// Whether a command writes a file of this name into a results folder.

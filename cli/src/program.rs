@@ -53,7 +53,7 @@ macro_rules! commands {
 }
 
 commands! {
-    /// Run studies: sample what is missing, and write the page with the answer
+    /// Run studies, and write the page with the answer
     ///
     /// Results are written to a folder. Repeating a command resumes the run; a larger --trials adds trials to it.
     Run(crate::run::Options) = crate::run::run;
@@ -61,9 +61,9 @@ commands! {
     Design(crate::design::Options) = crate::design::design;
     /// Find which uncertain input drives the answer of a study
     Sensitivity(crate::sensitivity::Options) = crate::sensitivity::sensitivity;
-    /// Compute gap fillers for firmware: weights, response, C header, test vectors
+    /// Compute gap fillers: weights, response, C header, test vectors
     Filler(crate::filler::Options) = crate::filler::filler;
-    /// Analyze logs: Allan deviations, spectrum, noise coefficients, position error
+    /// Analyze logs: Allan deviations, spectrum, noise coefficients
     Allan(crate::allan::Options) = crate::allan::allan;
     /// Compare two logs, or the units of a batch
     Compare(crate::compare::Options) = crate::compare::compare;
@@ -77,9 +77,9 @@ commands! {
     Check(crate::check::Options) = crate::check::check;
     /// Write a commented study as a starting point
     New(crate::new::Options) = crate::new::new;
-    /// Explain a key of a study, a column of results, a term or an exit code
+    /// Explain a key of studies, a column, a term or an exit code
     Explain(crate::explain::Options) = crate::explain::explain;
-    /// Print the JSON schema of study files, or of what a command prints with --json
+    /// Print the JSON schema of studies, or of what --json prints
     Schema(crate::schemas::Options) = crate::schemas::schema;
     /// List, verify or measure the devices that kernels run on
     Device(crate::devices::Command) = crate::devices::device;
@@ -107,8 +107,11 @@ commands! {
     Man(crate::shells::Man) = crate::shells::man;
 }
 
-/// Notes that a command has another name now.
+/// Notes that a command has another name now, unless only errors are asked for.
 fn renamed(old: &str, new: &str) {
+    if std::env::args_os().any(|argument| argument == "--quiet" || argument == "-q") {
+        return;
+    }
     note!("`sagnac {old}` is `sagnac {new}` now; the old name goes in 0.4");
 }
 
@@ -133,6 +136,30 @@ fn grouped(command: &clap::Command) -> String {
     GROUPS.iter().map(group).collect::<Vec<_>>().join("\n")
 }
 
+/// The options that the short help of commands lists; `--help` has all.
+const BRIEF: [&str; 20] = [
+    "at",
+    "bound",
+    "by",
+    "chart",
+    "column",
+    "device",
+    "filler",
+    "gap_ticks",
+    "json",
+    "latency",
+    "limit",
+    "navigate",
+    "out",
+    "quiet",
+    "rate",
+    "search",
+    "table",
+    "time",
+    "trials",
+    "unit",
+];
+
 /// The parts of the help of the program.
 const HELP: &str = "\
 {about-with-newline}
@@ -145,6 +172,14 @@ const HELP: &str = "\
 pub fn command() -> clap::Command {
     let command = Cli::command();
     let groups = grouped(&command);
+    let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
+    let brief = |command: clap::Command| {
+        command.mut_args(|arg| {
+            let is_brief = arg.is_positional() || BRIEF.contains(&arg.get_id().as_str());
+            if is_brief { arg } else { arg.hide_short_help(true) }
+        })
+    };
+    let command = names.iter().fold(command, |command, name| command.mut_subcommand(name, brief));
     command.before_help(groups).help_template(HELP)
 }
 
@@ -188,8 +223,8 @@ pub struct Bench {
 pub struct DeviceArg {
     /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, gpu:0, part of an adapter's name, or its
     /// PCI address; see `sagnac device list`. Several share the work: all, or a list such as cpu,gpu:0
-    #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
-    name: String,
+    #[arg(help_heading = "Device", long, value_name = "DEVICE", default_value = "auto")]
+    device: String,
     /// Number of CPU threads [default: all logical cores]
     #[arg(help_heading = "Device", long, short = 'j', value_name = "N", value_parser = threads)]
     threads: Option<usize>,
@@ -201,7 +236,7 @@ impl DeviceArg {
     /// # Errors
     /// There is no such device, or it does not work.
     pub fn select(&self, is_said: bool) -> Result<Device, Failure> {
-        let Selection { device, reason, left_out } = select(&self.name, self.threads.unwrap_or(0))?;
+        let Selection { device, reason, left_out } = select(&self.device, self.threads.unwrap_or(0))?;
         if is_said {
             say!("device: {}, {reason}", device.name());
             for sentence in left_out {

@@ -211,7 +211,7 @@ impl Reading {
         let timing = match (step_s, self.time.as_deref()) {
             (Some(step_s), Some("none")) => Timing::Step(step_s),
             (None, Some("none")) => {
-                let message = "--time none ignores time stamps, and the sampling rate is not given\ngive --rate 100Hz too";
+                let message = "--time none ignores time stamps, and the sampling rate is not given\ngive --rate HZ, that of your logger, too";
                 return Err(Failure::Usage(message.to_owned()));
             }
             (step_s, column) => {

@@ -31,9 +31,9 @@ impl Answer {
                     p.check .off[!check.holds()] { span.sign aria-hidden="true" { (if check.holds() { "✓" } else { "!" }) } (check.text()) }
                 }
                 @if let Some((first, more)) = notes.split_first() {
-                    p.note { (first) }
+                    p.note { (said(first)) }
                     @if !more.is_empty() {
-                        details { summary { (more.len()) " more " (if more.len() == 1 { "note" } else { "notes" }) } @for note in more { p.note { (note) } } }
+                        details { summary { (more.len()) " more " (if more.len() == 1 { "note" } else { "notes" }) } @for note in more { p.note { (said(note)) } } }
                     }
                 }
             }
@@ -85,5 +85,15 @@ fn content(fact: &Fact) -> Markup {
             }
             _ => { (fact.text()) }
         }
+    }
+}
+
+/// A text with what is in backticks as code.
+pub(crate) fn said(text: &str) -> Markup {
+    let is_paired = text.matches('`').count().is_multiple_of(2);
+    html! {
+        @if is_paired {
+            @for (at, part) in text.split('`').enumerate() { @if at % 2 == 1 { code { (part) } } @else { (part) } }
+        } @else { (text) }
     }
 }

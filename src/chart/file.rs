@@ -48,40 +48,40 @@ keys! {
     pub(crate) static KEYS;
     /// One or several charts of the estimates: curves, or a map over two columns. If absent, the study has a chart that
     /// suits its kind. Columns are named without prefix and unit: "frequency", "rms".
-    pub(crate) CHART = "chart", "", Holds::Either(&[Holds::Table, Holds::List(&Holds::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
+    pub(crate) CHART = "chart", "", Fixed, Holds::Either(&[Holds::Table, Holds::List(&Holds::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
     /// Kind of the chart; "curves" if absent.
-    pub(crate) KIND = "chart.kind", "", Holds::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
+    pub(crate) KIND = "chart.kind", "", Fixed, Holds::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
     /// Table to draw; "points" if absent.
-    pub(crate) TABLE = "chart.table", "", Holds::Word(Source::WORDS), r#"table = "coefficients""#;
+    pub(crate) TABLE = "chart.table", "", Fixed, Holds::Word(Source::WORDS), r#"table = "coefficients""#;
     /// Title above the chart; the study's title if absent.
-    pub(crate) TITLE = "chart.title", "", Holds::Text, r#"title = "Largest error""#;
+    pub(crate) TITLE = "chart.title", "", Fixed, Holds::Text, r#"title = "Largest error""#;
     /// Column of the abscissa; the values of a text column stand side by side. For a map it is a swept key, dt_nu or
     /// amplitude_noise.
-    pub(crate) X = "chart.x", "", Holds::Text, r#"x = "dt_nu""#;
+    pub(crate) X = "chart.x", "", Fixed, Holds::Text, r#"x = "dt_nu""#;
     /// Column of the ordinate. For curves it is the estimate, or a list of several with one unit, ["bound",
     /// "mean_drift"], each drawn in its own colour; for a map it is another swept key or dt_nu.
-    pub(crate) Y = "chart.y", "", Holds::Either(&[Holds::Text, TEXTS]), r#"y = "rms""#;
+    pub(crate) Y = "chart.y", "", Fixed, Holds::Either(&[Holds::Text, TEXTS]), r#"y = "rms""#;
     /// Column that a map shows; in a winner map the least value wins.
-    pub(crate) Z = "chart.z", "", Holds::Text, r#"z = "q9973""#;
+    pub(crate) Z = "chart.z", "", Fixed, Holds::Text, r#"z = "q9973""#;
     /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
-    pub(crate) OF = "chart.of", "", Holds::Text, r#"of = "filler""#;
+    pub(crate) OF = "chart.of", "", Fixed, Holds::Text, r#"of = "filler""#;
     /// Columns whose values make the curves: the first sets the colour, the second the dash. If y has several columns,
     /// series has only one, which sets the dash. If absent, the curves are those of the fillers, the coefficients, or
     /// the swept keys.
-    pub(crate) SERIES = "chart.series", "", TEXTS, r#"series = ["filler", "gap_ticks"]"#;
+    pub(crate) SERIES = "chart.series", "", Fixed, TEXTS, r#"series = ["filler", "gap_ticks"]"#;
     /// Laws to draw with curves over a swept key or dt_nu, where y is an error in ″; each once.
-    pub(crate) LAWS = "chart.laws", "", Holds::List(&Holds::Word(Law::WORDS)), r#"laws = ["taylor-extremum", "noise"]"#;
+    pub(crate) LAWS = "chart.laws", "", Fixed, Holds::List(&Holds::Word(Law::WORDS)), r#"laws = ["taylor-extremum", "noise"]"#;
     /// Rows to show: each entry names a swept key, filler, error, coefficient or tau, and one of its values. Rows with
     /// error = "residual" are shown unless error is named here, in series or in of.
-    pub(crate) WHERE = "chart.where", "", Holds::Free, r#"where = { error = "residual" }"#;
+    pub(crate) WHERE = "chart.where", "", Fixed, Holds::Free, r#"where = { error = "residual" }"#;
     /// Allowed value, above 0: an angle where the estimate is an error in ″, "10 arcsec"; a rate where it is a
     /// deviation, "0.005 deg/h"; a percentage where it is relative, "10 %". Curves show it as a line and a heat map as
     /// a contour; a winner map is hatched where even the least value is above it.
-    pub(crate) LIMIT = "chart.limit", "", Holds::Any, r#"limit = "10 arcsec""#;
+    pub(crate) LIMIT = "chart.limit", "", Fixed, Holds::Any, r#"limit = "10 arcsec""#;
     /// Scale of the abscissa; if absent, "linear" over a sweep that is linear or not above 0, else "log".
-    pub(crate) X_SCALE = "chart.x_scale", "", SCALE, r#"x_scale = "log""#;
+    pub(crate) X_SCALE = "chart.x_scale", "", Fixed, SCALE, r#"x_scale = "log""#;
     /// Scale of the ordinate, like x_scale.
-    pub(crate) Y_SCALE = "chart.y_scale", "", SCALE, r#"y_scale = "linear""#;
+    pub(crate) Y_SCALE = "chart.y_scale", "", Fixed, SCALE, r#"y_scale = "linear""#;
     /// Scale of the colours of a heat map; "log" if absent.
-    pub(crate) Z_SCALE = "chart.z_scale", "", SCALE, r#"z_scale = "log""#;
+    pub(crate) Z_SCALE = "chart.z_scale", "", Fixed, SCALE, r#"z_scale = "log""#;
 }

@@ -90,33 +90,33 @@ keys! {
     pub(crate) static KEYS;
     /// The drift of a gyro that switches modes; absent parts are 0. Spreads are standard deviations from run to run,
     /// normally distributed.
-    pub(crate) DRIFT = "drift", "", Holds::Table, "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"";
+    pub(crate) DRIFT = "drift", "", Fixed, Holds::Table, "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"";
     /// A = A_qm·A_T, the magnetic drift that builds up during the warm-up: "14 arcsec/s".
-    MAGNETIC = "drift.magnetic", "magnetic drift A", RATES, r#"magnetic = "14 arcsec/s""#;
+    MAGNETIC = "drift.magnetic", "magnetic drift A", Condition, RATES, r#"magnetic = "14 arcsec/s""#;
     /// Time constant τ of the warm-up: "3000 s".
-    WARM_UP = "drift.warm_up_time", "warm-up time τ", TIMES, r#"warm_up_time = "3000 s""#;
+    WARM_UP = "drift.warm_up_time", "warm-up time τ", Condition, TIMES, r#"warm_up_time = "3000 s""#;
     /// Non-magnetic drift Ω_nm, whose sign does not depend on the mode: "0.05 arcsec/s".
-    NON_MAGNETIC = "drift.non_magnetic", "non-magnetic drift", RATES, r#"non_magnetic = "0.05 arcsec/s""#;
+    NON_MAGNETIC = "drift.non_magnetic", "non-magnetic drift", Condition, RATES, r#"non_magnetic = "0.05 arcsec/s""#;
     /// Magnetic drift Ω_m0 that is present from the start.
-    INITIAL = "drift.initial_magnetic", "initial magnetic drift", RATES, r#"initial_magnetic = "1 arcsec/s""#;
+    INITIAL = "drift.initial_magnetic", "initial magnetic drift", Condition, RATES, r#"initial_magnetic = "1 arcsec/s""#;
     /// δP_max, the largest error of the angle at a switch: "10 arcsec". In a study of kind = "switched-run" without
     /// fillers it is the amplitude of a residual that is a sine of the phase of the switch.
-    pub(crate) RESIDUAL_MAX = "drift.residual_max", "largest residual of a switch", ANGLES, r#"residual_max = "10 arcsec""#;
+    pub(crate) RESIDUAL_MAX = "drift.residual_max", "largest residual of a switch", Condition, ANGLES, r#"residual_max = "10 arcsec""#;
 }
 
 keys! {
     /// The keys that differ from run to run.
     pub(crate) static SPREAD_KEYS;
     /// Standard deviation of drift.magnetic.
-    MAGNETIC_SPREAD = "drift.magnetic_spread", "spread of A", SPREADS, r#"magnetic_spread = "1 arcsec/s""#;
+    MAGNETIC_SPREAD = "drift.magnetic_spread", "spread of A", Condition, SPREADS, r#"magnetic_spread = "1 arcsec/s""#;
     /// Standard deviation of the logarithm of drift.warm_up_time, which is normally distributed: "5 %".
-    WARM_UP_SPREAD = "drift.warm_up_time_spread", "spread of τ", PARTS, r#"warm_up_time_spread = "5 %""#;
+    WARM_UP_SPREAD = "drift.warm_up_time_spread", "spread of τ", Condition, PARTS, r#"warm_up_time_spread = "5 %""#;
     /// Standard deviation of drift.non_magnetic.
-    NON_MAGNETIC_SPREAD = "drift.non_magnetic_spread", "spread of the non-magnetic drift", SPREADS, r#"non_magnetic_spread = "0.01 arcsec/s""#;
+    NON_MAGNETIC_SPREAD = "drift.non_magnetic_spread", "spread of the non-magnetic drift", Condition, SPREADS, r#"non_magnetic_spread = "0.01 arcsec/s""#;
     /// Standard deviation of drift.initial_magnetic.
-    INITIAL_SPREAD = "drift.initial_magnetic_spread", "spread of the initial magnetic drift", SPREADS, r#"initial_magnetic_spread = "0.1 arcsec/s""#;
+    INITIAL_SPREAD = "drift.initial_magnetic_spread", "spread of the initial magnetic drift", Condition, SPREADS, r#"initial_magnetic_spread = "0.1 arcsec/s""#;
     /// Angle random walk N: "0.003 deg/sqrt(h)".
-    RANDOM_WALK = "drift.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
+    RANDOM_WALK = "drift.angle_random_walk", "angle random walk N", Condition, N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
 }
 
 /// The settings of these keys.

@@ -37,18 +37,18 @@ keys! {
     /// The keys of the schedule.
     pub(crate) static KEYS;
     /// The mode switches of a run.
-    SWITCHING = "switching", "", Holds::Table, "[switching]\ninterval = \"40 s\"";
+    SWITCHING = "switching", "", Fixed, Holds::Table, "[switching]\ninterval = \"40 s\"";
     /// Switching interval MT: "40 s".
-    pub INTERVAL = "switching.interval", "switching interval", TIMES, r#"interval = "40 s""#, required;
+    pub INTERVAL = "switching.interval", "switching interval", Choice, TIMES, r#"interval = "40 s""#, required;
     /// A whole run.
-    RUN = "run", "", Holds::Table, "[run]\nduration = \"1 h\"";
+    RUN = "run", "", Fixed, Holds::Table, "[run]\nduration = \"1 h\"";
     /// Run time t from switch-on: "1 h".
-    DURATION = "run.duration", "run time", TIMES, r#"duration = "1 h""#, required;
+    DURATION = "run.duration", "run time", Question, TIMES, r#"duration = "1 h""#, required;
     /// The end of a run. "any", the default, averages it over the phase of switching: the angle at the end is read at 64
     /// equally likely times over one cycle of two intervals, centred on run.duration. "exact" reads it at run.duration,
     /// where the drift depends on how far the last interval has come. Rates are angles divided by run.duration, and the
     /// non-magnetic drift acts for exactly that time. Times and trajectories are exact in both cases.
-    pub(crate) END = "run.end", "", Holds::Word(End::WORDS), r#"end = "any""#;
+    pub(crate) END = "run.end", "", Fixed, Holds::Word(End::WORDS), r#"end = "any""#;
 }
 
 /// The settings of these keys.

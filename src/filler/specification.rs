@@ -20,23 +20,23 @@ keys! {
     pub(crate) static KEYS;
     /// Motion for which minimum-variance fillers without a band are designed, and on which all fillers are judged: lines
     /// and bands, each with its own tolerance. The motion that is sampled is that of [motion].
-    pub(crate) SPECIFICATION = "specification", "", Holds::Table, "[specification]\nlines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"0.1 %\" }]";
+    pub(crate) SPECIFICATION = "specification", "", Fixed, Holds::Table, "[specification]\nlines = [{ amplitude = \"90 arcsec\", frequency = \"345 Hz\", tolerance = \"0.1 %\" }]";
     /// Sines of random phase.
-    LINES = "specification.lines", "", Holds::List(&Holds::Table), r#"lines = [{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }]"#;
+    LINES = "specification.lines", "", Fixed, Holds::List(&Holds::Table), r#"lines = [{ amplitude = "90 arcsec", frequency = "345 Hz", tolerance = "0.1 %" }]"#;
     /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec".
-    LINE_AMPLITUDE = "specification.lines.amplitude", "", AMPLITUDES, r#"amplitude = "90 arcsec""#, required;
+    LINE_AMPLITUDE = "specification.lines.amplitude", "", Fixed, AMPLITUDES, r#"amplitude = "90 arcsec""#, required;
     /// Nominal frequency: "345 Hz".
-    LINE_FREQUENCY = "specification.lines.frequency", "", FREQUENCIES, r#"frequency = "345 Hz""#, required;
+    LINE_FREQUENCY = "specification.lines.frequency", "", Fixed, FREQUENCIES, r#"frequency = "345 Hz""#, required;
     /// Largest relative deviation of the frequency from its nominal value; none if absent.
-    LINE_TOLERANCE = "specification.lines.tolerance", "", Holds::Percent, r#"tolerance = "0.1 %""#;
+    LINE_TOLERANCE = "specification.lines.tolerance", "", Fixed, Holds::Percent, r#"tolerance = "0.1 %""#;
     /// Gaussian motion, each with its power spread evenly over its band.
-    BANDS = "specification.bands", "", Holds::List(&Holds::Table), r#"bands = [{ rms = "1000 arcsec/s", band = ["30 Hz", "80 Hz"], tolerance = "5 %" }]"#;
+    BANDS = "specification.bands", "", Fixed, Holds::List(&Holds::Table), r#"bands = [{ rms = "1000 arcsec/s", band = ["30 Hz", "80 Hz"], tolerance = "5 %" }]"#;
     /// Standard deviation of the rate: "1000 arcsec/s".
-    BAND_RMS = "specification.bands.rms", "", RATES, r#"rms = "1000 arcsec/s""#, required;
+    BAND_RMS = "specification.bands.rms", "", Fixed, RATES, r#"rms = "1000 arcsec/s""#, required;
     /// Nominal ends of the band: ["30 Hz", "80 Hz"].
-    BAND_ENDS = "specification.bands.band", "", Holds::Pair(&FREQUENCIES), r#"band = ["30 Hz", "80 Hz"]"#, required;
+    BAND_ENDS = "specification.bands.band", "", Fixed, Holds::Pair(&FREQUENCIES), r#"band = ["30 Hz", "80 Hz"]"#, required;
     /// Largest relative deviation of either end from its nominal value, each on its own; none if absent.
-    BAND_TOLERANCE = "specification.bands.tolerance", "", Holds::Percent, r#"tolerance = "5 %""#;
+    BAND_TOLERANCE = "specification.bands.tolerance", "", Fixed, Holds::Percent, r#"tolerance = "5 %""#;
 }
 
 /// A specified motion, the sum of independent parts.

@@ -13,11 +13,11 @@ keys! {
     /// Precision at which a point stops before it has all `trials`. "0.5 %" is half the width of the 95 % interval of
     /// the rms, relative to the rms. A table gives a precision for each of several estimates. "none" samples all
     /// trials.
-    pub(crate) PRECISION = "precision", "", Holds::Either(&[Holds::Percent, Holds::Table]), r#"precision = "0.5 %""#;
+    pub(crate) PRECISION = "precision", "", Fixed, Holds::Either(&[Holds::Percent, Holds::Table]), r#"precision = "0.5 %""#;
     /// Precision of the rms: "0.5 %".
-    PRECISION_RMS = "precision.rms", "", Holds::Percent, r#"rms = "0.5 %""#;
+    PRECISION_RMS = "precision.rms", "", Fixed, Holds::Percent, r#"rms = "0.5 %""#;
     /// Precision of the 99.73 % level: "2 %".
-    PRECISION_Q9973 = "precision.q9973", "", Holds::Percent, r#"q9973 = "2 %""#;
+    PRECISION_Q9973 = "precision.q9973", "", Fixed, Holds::Percent, r#"q9973 = "2 %""#;
 }
 
 /// Half the 95 % interval of each estimate, relative to the estimate, at which sampling may stop. A filler at a point

@@ -2,6 +2,31 @@
 
 use crate::key::holds::{Holds, Measure};
 
+/// The part that a key plays in the question of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// A designer chooses it, and may change it to meet a limit.
+    Choice,
+    /// A designer chooses it with the question.
+    Fixed,
+    /// It is given; a change of it is told all the same, as that of an amplitude.
+    Condition,
+    /// It is given with the question, such as the time of a run.
+    Question,
+}
+
+impl Role {
+    /// Whether its values are conditions instead of options.
+    pub(crate) fn is_given(self) -> bool {
+        matches!(self, Role::Condition | Role::Question)
+    }
+
+    /// Whether it may change to meet a limit.
+    pub(crate) fn may_change(self) -> bool {
+        matches!(self, Role::Choice | Role::Condition)
+    }
+}
+
 /// A key of study files.
 #[derive(Debug)]
 pub struct Key {
@@ -9,6 +34,8 @@ pub struct Key {
     pub name: &'static str,
     /// Label for axes and reports, such as `vibration frequency`; empty where the key cannot be swept.
     pub label: &'static str,
+    /// The part that it plays in the question of a study.
+    pub(crate) role: Role,
     /// Its meaning.
     pub(crate) doc: &'static str,
     pub(crate) holds: Holds,
@@ -18,16 +45,17 @@ pub struct Key {
     pub(crate) required: bool,
 }
 
-/// Declares keys and a list of them. A row has the key, its label, the values that it holds and an example; its doc
+/// Declares keys and a list of them. A row has the key, its label, its role, the values that it holds and an example; its doc
 /// comment is its meaning.
 macro_rules! keys {
     ($(#[doc = $about:literal])* $list_vis:vis static $list:ident;
-     $($(#[doc = $doc:literal])* $vis:vis $name:ident = $key:literal, $label:literal, $holds:expr, $example:literal $(, $required:ident)?;)+) => {
+     $($(#[doc = $doc:literal])* $vis:vis $name:ident = $key:literal, $label:literal, $role:ident, $holds:expr, $example:literal $(, $required:ident)?;)+) => {
         $(
             $(#[doc = $doc])*
             $vis static $name: $crate::key::row::Key = $crate::key::row::Key {
                 name: $key,
                 label: $label,
+                role: $crate::key::row::Role::$role,
                 doc: concat!($($doc, "\n"),*),
                 holds: $holds,
                 example: $example,

@@ -19,37 +19,37 @@ keys! {
     pub(crate) static KEYS;
     /// Uncertain inputs, each with a range or a distribution. `sagnac sensitivity` tells how much of the uncertainty of the
     /// answer comes from each of them; other commands check them and use the values of the study.
-    pub(crate) SENSITIVITY = "sensitivity", "", Holds::List(&Holds::Table),
+    pub(crate) SENSITIVITY = "sensitivity", "", Fixed, Holds::List(&Holds::Table),
         "[[sensitivity]]\nkey = \"gyro.tick_noise.std\"\nnormal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
     /// Uncertain key, one that a sweep may vary and that holds a quantity: "gyro.tick_noise.std".
-    KEY = "sensitivity.key", "", Holds::Text, "key = \"gyro.tick_noise.std\"", required;
+    KEY = "sensitivity.key", "", Fixed, Holds::Text, "key = \"gyro.tick_noise.std\"", required;
     /// Uniform distribution; of a key of whole numbers, all of them are equally likely.
-    UNIFORM = "sensitivity.uniform", "", Holds::Table, "uniform = { from = \"0.4 arcsec\", to = \"0.6 arcsec\" }";
+    UNIFORM = "sensitivity.uniform", "", Fixed, Holds::Table, "uniform = { from = \"0.4 arcsec\", to = \"0.6 arcsec\" }";
     /// Least value.
-    UNIFORM_FROM = "sensitivity.uniform.from", "", Holds::Any, "from = \"0.4 arcsec\"", required;
+    UNIFORM_FROM = "sensitivity.uniform.from", "", Fixed, Holds::Any, "from = \"0.4 arcsec\"", required;
     /// Largest value.
-    UNIFORM_TO = "sensitivity.uniform.to", "", Holds::Any, "to = \"0.6 arcsec\"", required;
+    UNIFORM_TO = "sensitivity.uniform.to", "", Fixed, Holds::Any, "to = \"0.6 arcsec\"", required;
     /// Distribution whose logarithm is uniform.
-    LOG = "sensitivity.log", "", Holds::Table, "log = { from = \"0.1 arcsec\", to = \"1 arcsec\" }";
+    LOG = "sensitivity.log", "", Fixed, Holds::Table, "log = { from = \"0.1 arcsec\", to = \"1 arcsec\" }";
     /// Least value, above 0.
-    LOG_FROM = "sensitivity.log.from", "", Holds::Any, "from = \"0.1 arcsec\"", required;
+    LOG_FROM = "sensitivity.log.from", "", Fixed, Holds::Any, "from = \"0.1 arcsec\"", required;
     /// Largest value.
-    LOG_TO = "sensitivity.log.to", "", Holds::Any, "to = \"1 arcsec\"", required;
+    LOG_TO = "sensitivity.log.to", "", Fixed, Holds::Any, "to = \"1 arcsec\"", required;
     /// Normal distribution, cut off at the limits of the key.
-    NORMAL = "sensitivity.normal", "", Holds::Table, "normal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
+    NORMAL = "sensitivity.normal", "", Fixed, Holds::Table, "normal = { mean = \"0.5 arcsec\", sd = \"0.05 arcsec\" }";
     /// Mean.
-    NORMAL_MEAN = "sensitivity.normal.mean", "", Holds::Any, "mean = \"0.5 arcsec\"", required;
+    NORMAL_MEAN = "sensitivity.normal.mean", "", Fixed, Holds::Any, "mean = \"0.5 arcsec\"", required;
     /// Standard deviation, above 0.
-    NORMAL_SD = "sensitivity.normal.sd", "", Holds::Any, "sd = \"0.05 arcsec\"", required;
+    NORMAL_SD = "sensitivity.normal.sd", "", Fixed, Holds::Any, "sd = \"0.05 arcsec\"", required;
     /// Value with its 95 % interval, as `sagnac allan` gives them: two halves of normal distributions, cut off at the limits
     /// of the key.
-    INTERVAL = "sensitivity.interval", "", Holds::Table, "interval = { value = \"14 arcsec/s\", low = \"13 arcsec/s\", high = \"15.5 arcsec/s\" }";
+    INTERVAL = "sensitivity.interval", "", Fixed, Holds::Table, "interval = { value = \"14 arcsec/s\", low = \"13 arcsec/s\", high = \"15.5 arcsec/s\" }";
     /// Median.
-    INTERVAL_VALUE = "sensitivity.interval.value", "", Holds::Any, "value = \"14 arcsec/s\"", required;
+    INTERVAL_VALUE = "sensitivity.interval.value", "", Fixed, Holds::Any, "value = \"14 arcsec/s\"", required;
     /// Lower end of the 95 % interval.
-    INTERVAL_LOW = "sensitivity.interval.low", "", Holds::Any, "low = \"13 arcsec/s\"", required;
+    INTERVAL_LOW = "sensitivity.interval.low", "", Fixed, Holds::Any, "low = \"13 arcsec/s\"", required;
     /// Upper end of the 95 % interval.
-    INTERVAL_HIGH = "sensitivity.interval.high", "", Holds::Any, "high = \"15.5 arcsec/s\"", required;
+    INTERVAL_HIGH = "sensitivity.interval.high", "", Fixed, Holds::Any, "high = \"15.5 arcsec/s\"", required;
 }
 
 /// An uncertain input.
@@ -278,6 +278,7 @@ mod tests {
     static ANGLE: Key = Key {
         name: "gyro.angle",
         label: "",
+        role: crate::key::row::Role::Choice,
         doc: "",
         holds: measure(&[Dimension::Angle], 0.0, 10.0, "0 to 10 arcsec"),
         example: "",

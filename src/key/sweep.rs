@@ -19,27 +19,27 @@ keys! {
     /// The keys of sweeps.
     pub(crate) static KEYS;
     /// Sweeps, each of which varies one key; several of them multiply, and the first one changes slowest.
-    SWEEP = "sweep", "", Holds::List(&Holds::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
+    SWEEP = "sweep", "", Fixed, Holds::List(&Holds::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
     /// Key to vary: "motion.frequency".
-    KEY = "sweep.key", "", Holds::Text, "key = \"motion.frequency\"", required;
+    KEY = "sweep.key", "", Fixed, Holds::Text, "key = \"motion.frequency\"", required;
     /// List of the values.
-    LIST = "sweep.list", "", Holds::List(&Holds::Any), "list = [\"2 Hz\", \"5 Hz\"]";
+    LIST = "sweep.list", "", Fixed, Holds::List(&Holds::Any), "list = [\"2 Hz\", \"5 Hz\"]";
     /// Values at equal differences, both ends included.
-    LINEAR = "sweep.linear", "", Holds::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
+    LINEAR = "sweep.linear", "", Fixed, Holds::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
     /// First value of the swept key.
-    LINEAR_FROM = "sweep.linear.from", "", Holds::Any, "from = \"2 Hz\"", required;
+    LINEAR_FROM = "sweep.linear.from", "", Fixed, Holds::Any, "from = \"2 Hz\"", required;
     /// Last value.
-    LINEAR_TO = "sweep.linear.to", "", Holds::Any, "to = \"40 Hz\"", required;
+    LINEAR_TO = "sweep.linear.to", "", Fixed, Holds::Any, "to = \"40 Hz\"", required;
     /// Number of values.
-    LINEAR_POINTS = "sweep.linear.points", "", POINTS, "points = 20", required;
+    LINEAR_POINTS = "sweep.linear.points", "", Fixed, POINTS, "points = 20", required;
     /// Values at equal ratios, both ends included.
-    LOG = "sweep.log", "", Holds::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
+    LOG = "sweep.log", "", Fixed, Holds::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
     /// First value of the swept key, above 0.
-    LOG_FROM = "sweep.log.from", "", Holds::Any, "from = \"2 Hz\"", required;
+    LOG_FROM = "sweep.log.from", "", Fixed, Holds::Any, "from = \"2 Hz\"", required;
     /// Last value, above 0.
-    LOG_TO = "sweep.log.to", "", Holds::Any, "to = \"40 Hz\"", required;
+    LOG_TO = "sweep.log.to", "", Fixed, Holds::Any, "to = \"40 Hz\"", required;
     /// Number of values.
-    LOG_POINTS = "sweep.log.points", "", POINTS, "points = 24", required;
+    LOG_POINTS = "sweep.log.points", "", Fixed, POINTS, "points = 24", required;
 }
 
 const POINTS: Holds = Holds::Whole(1, MOST_VALUES as i64);

@@ -8,5 +8,5 @@ keys! {
     /// The key of the tick.
     pub(crate) static KEYS;
     /// Length of a tick, the time between two readings of the angle: "5 ms".
-    pub(crate) TICK = "gyro.tick", "tick", measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s"), r#"tick = "5 ms""#, required;
+    pub(crate) TICK = "gyro.tick", "tick", Choice, measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s"), r#"tick = "5 ms""#, required;
 }

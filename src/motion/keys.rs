@@ -71,98 +71,98 @@ keys! {
     pub(crate) static KEYS;
     /// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration through
     /// the suspension, or a recorded profile; a constant rate and an angular acceleration can be added.
-    pub(crate) MOTION = "motion", "", Holds::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
+    pub(crate) MOTION = "motion", "", Fixed, Holds::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
     /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec"; an amplitude of the angle is multiplied
     /// by 2πν at each point. A table draws the amplitude for each trial.
-    pub(crate) AMPLITUDE = "motion.amplitude", "vibration amplitude", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
+    pub(crate) AMPLITUDE = "motion.amplitude", "vibration amplitude", Condition, ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
     /// Drawn uniformly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
-    UNIFORM = "motion.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
+    UNIFORM = "motion.amplitude.uniform", "", Fixed, Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
     /// Rayleigh-distributed with this scale, the standard deviation of the rate; the phase is then uniform.
-    RAYLEIGH = "motion.amplitude.rayleigh", "", AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
+    RAYLEIGH = "motion.amplitude.rayleigh", "", Fixed, AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
     /// Frequency ν of the vibration, "20 Hz"; or the band from which it is drawn for each trial, ["18 Hz", "22 Hz"].
-    pub(crate) FREQUENCY = "motion.frequency", "vibration frequency", ONE_FREQUENCY, r#"frequency = "20 Hz""#;
+    pub(crate) FREQUENCY = "motion.frequency", "vibration frequency", Condition, ONE_FREQUENCY, r#"frequency = "20 Hz""#;
     /// Phase of the rate at the middle of the gap; uniform if absent.
-    pub(crate) PHASE = "motion.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    pub(crate) PHASE = "motion.phase", "", Fixed, Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
     /// Several tones with independent phases, at most 8, instead of a single one.
-    pub(crate) TONES = "motion.tones", "", Holds::List(&Holds::Table), r#"tones = [{ amplitude = "12000 arcsec/s", frequency = "20 Hz" }]"#;
+    pub(crate) TONES = "motion.tones", "", Fixed, Holds::List(&Holds::Table), r#"tones = [{ amplitude = "12000 arcsec/s", frequency = "20 Hz" }]"#;
     /// Like motion.amplitude.
-    TONE_AMPLITUDE = "motion.tones.amplitude", "", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#, required;
+    TONE_AMPLITUDE = "motion.tones.amplitude", "", Fixed, ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#, required;
     /// Like motion.amplitude.uniform.
-    TONE_UNIFORM = "motion.tones.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
+    TONE_UNIFORM = "motion.tones.amplitude.uniform", "", Fixed, Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
     /// Like motion.amplitude.rayleigh.
-    TONE_RAYLEIGH = "motion.tones.amplitude.rayleigh", "", AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
+    TONE_RAYLEIGH = "motion.tones.amplitude.rayleigh", "", Fixed, AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
     /// Like motion.frequency.
-    TONE_FREQUENCY = "motion.tones.frequency", "", ONE_FREQUENCY, r#"frequency = "20 Hz""#, required;
+    TONE_FREQUENCY = "motion.tones.frequency", "", Fixed, ONE_FREQUENCY, r#"frequency = "20 Hz""#, required;
     /// Like motion.phase.
-    TONE_PHASE = "motion.tones.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    TONE_PHASE = "motion.tones.phase", "", Fixed, Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
     /// Stationary Gaussian motion, given by rms and band or by a density.
-    pub(crate) GAUSSIAN = "motion.gaussian", "", Holds::Table, r#"gaussian = { rms = "8485 arcsec/s", band = ["18 Hz", "22 Hz"] }"#;
+    pub(crate) GAUSSIAN = "motion.gaussian", "", Fixed, Holds::Table, r#"gaussian = { rms = "8485 arcsec/s", band = ["18 Hz", "22 Hz"] }"#;
     /// Standard deviation of the rate: "8485 arcsec/s".
-    pub(crate) GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", RATES, r#"rms = "8485 arcsec/s""#;
+    pub(crate) GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", Condition, RATES, r#"rms = "8485 arcsec/s""#;
     /// Band over which the power is spread evenly: ["18 Hz", "22 Hz"].
-    pub(crate) GAUSSIAN_BAND = "motion.gaussian.band", "", Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
+    pub(crate) GAUSSIAN_BAND = "motion.gaussian.band", "", Fixed, Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
     /// One-sided power spectral density of the rate, with straight lines in log–log between its points and nothing
     /// outside: [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
-    pub(crate) GAUSSIAN_PSD = "motion.gaussian.psd", "", Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
+    pub(crate) GAUSSIAN_PSD = "motion.gaussian.psd", "", Fixed, Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
     /// A recorded motion to be replayed.
-    pub(crate) PROFILE = "motion.profile", "", Holds::Table, r#"profile = { file = "base.csv" }"#;
+    pub(crate) PROFILE = "motion.profile", "", Fixed, Holds::Table, r#"profile = { file = "base.csv" }"#;
     /// CSV file with columns of time and rate, whose units stand in brackets in the header; the path is relative to the
     /// study file.
-    pub(crate) PROFILE_FILE = "motion.profile.file", "", Holds::File, r#"file = "base.csv""#, required;
+    pub(crate) PROFILE_FILE = "motion.profile.file", "", Fixed, Holds::File, r#"file = "base.csv""#, required;
     /// Place of the gap in the recorded profile; random if absent.
-    pub(crate) POSITION = "motion.profile.position", "", Holds::Word(Position::WORDS), r#"position = "random""#;
+    pub(crate) POSITION = "motion.profile.position", "", Fixed, Holds::Word(Position::WORDS), r#"position = "random""#;
     /// Rate between the samples of the recorded profile; band-limited if absent. Take "linear" if the record has jumps.
-    pub(crate) INTERPOLATION = "motion.profile.interpolation", "", Holds::Word(Interpolation::WORDS), r#"interpolation = "band-limited""#;
+    pub(crate) INTERPOLATION = "motion.profile.interpolation", "", Fixed, Holds::Word(Interpolation::WORDS), r#"interpolation = "band-limited""#;
     /// Part of the recorded profile from which minimum-variance fillers without a band are designed; the first half if
     /// absent, and all fillers are then judged on the second half.
-    pub(crate) DESIGN = "motion.profile.design", "", Holds::Word(Design::WORDS), r#"design = "whole""#;
+    pub(crate) DESIGN = "motion.profile.design", "", Fixed, Holds::Word(Design::WORDS), r#"design = "whole""#;
     /// Vibration of the base that turns the gyro through its suspension: either a sine or random.
-    pub(crate) SUSPENSION = "motion.suspension", "", Holds::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
+    pub(crate) SUSPENSION = "motion.suspension", "", Fixed, Holds::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
     /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
-    pub(crate) GYRO = "motion.suspension.gyro", "gyro", GYROS, r#"gyro = "LGK-400""#;
+    pub(crate) GYRO = "motion.suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
     /// Modes of the suspension instead of a name, the useful one first.
-    pub(crate) MODES = "motion.suspension.modes", "", Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    pub(crate) MODES = "motion.suspension.modes", "", Fixed, Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
-    pub(crate) MODE_FREQUENCY = "motion.suspension.modes.frequency", "", MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    pub(crate) MODE_FREQUENCY = "motion.suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
-    pub(crate) MODE_Q = "motion.suspension.modes.q", "", QS, "q = 100", required;
+    pub(crate) MODE_Q = "motion.suspension.modes.q", "", Fixed, QS, "q = 100", required;
     /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
     /// "20000 arcsec/s/g".
-    pub(crate) MODE_RESPONSE = "motion.suspension.modes.response", "", RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    pub(crate) MODE_RESPONSE = "motion.suspension.modes.response", "", Fixed, RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
     /// A sine of random phase.
-    pub(crate) SINE = "motion.suspension.sine", "", Holds::Table, r#"sine = { acceleration = "1 g", frequency = "700 Hz" }"#;
+    pub(crate) SINE = "motion.suspension.sine", "", Fixed, Holds::Table, r#"sine = { acceleration = "1 g", frequency = "700 Hz" }"#;
     /// Amplitude of the acceleration: "1 g".
-    pub(crate) SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", ACCELERATIONS, r#"acceleration = "1 g""#, required;
+    pub(crate) SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", Condition, ACCELERATIONS, r#"acceleration = "1 g""#, required;
     /// Frequency of the vibration: "700 Hz".
-    pub(crate) SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", FREQUENCIES, r#"frequency = "700 Hz""#, required;
+    pub(crate) SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "700 Hz""#, required;
     /// Stationary Gaussian vibration.
-    pub(crate) RANDOM = "motion.suspension.random", "", Holds::Table, r#"random = { psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]] }"#;
+    pub(crate) RANDOM = "motion.suspension.random", "", Fixed, Holds::Table, r#"random = { psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]] }"#;
     /// One-sided power spectral density of the acceleration, with straight lines in log–log between its points and
     /// nothing outside: [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]].
-    pub(crate) RANDOM_PSD = "motion.suspension.random.psd", "", Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
+    pub(crate) RANDOM_PSD = "motion.suspension.random.psd", "", Fixed, Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
     /// Standard deviation to which the density is scaled: "5 g". If absent, the density is used as it is.
-    pub(crate) RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", ACCELERATIONS, r#"rms = "5 g""#;
+    pub(crate) RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", Condition, ACCELERATIONS, r#"rms = "5 g""#;
     /// Whether resonances and vibration may lie above half the tick rate, so that they appear in the ticks at lower
     /// frequencies.
-    pub(crate) ALIAS = "motion.suspension.alias", "", Holds::Flag, "alias = true";
+    pub(crate) ALIAS = "motion.suspension.alias", "", Fixed, Holds::Flag, "alias = true";
     /// Constant rate added to the motion: "10 deg/s".
-    pub(crate) RATE = "motion.rate", "constant rate", measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s"), r#"rate = "10 deg/s""#;
+    pub(crate) RATE = "motion.rate", "constant rate", Condition, measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s"), r#"rate = "10 deg/s""#;
     /// Constant angular acceleration added to the motion; motion.rate is then the rate at the middle of the gap: "100
     /// deg/s^2".
-    pub(crate) ACCELERATION = "motion.acceleration", "angular acceleration", measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
+    pub(crate) ACCELERATION = "motion.acceleration", "angular acceleration", Condition, measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
 }
 
 keys! {
     /// The ends of bands, which occur only in sweeps.
     pub(crate) static ENDS;
     /// The lower end of the band from which a tone is drawn.
-    pub(crate) FREQUENCY_LOW = "motion.frequency.low", "lower frequency", FREQUENCIES, r#"low = "18 Hz""#;
+    pub(crate) FREQUENCY_LOW = "motion.frequency.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
     /// The upper end of the band from which a tone is drawn.
-    pub(crate) FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", FREQUENCIES, r#"high = "22 Hz""#;
+    pub(crate) FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", Condition, FREQUENCIES, r#"high = "22 Hz""#;
     /// The lower end of the band of Gaussian motion.
-    GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", FREQUENCIES, r#"low = "18 Hz""#;
+    GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
     /// The upper end of the band of Gaussian motion.
-    GAUSSIAN_HIGH = "motion.gaussian.high", "upper frequency", FREQUENCIES, r#"high = "22 Hz""#;
+    GAUSSIAN_HIGH = "motion.gaussian.high", "upper frequency", Condition, FREQUENCIES, r#"high = "22 Hz""#;
 }
 
 /// The density of a rate spectrum, whose reader sets the limits.

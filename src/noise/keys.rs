@@ -29,64 +29,64 @@ keys! {
     pub(crate) static KEYS;
     /// The noise of the gyro, by the coefficients of IEEE Std 647 and 952; absent parts are 0. `sagnac allan` writes
     /// such tables as noise.toml. A gap-fill study may have it instead of gyro.tick_noise.
-    pub(crate) NOISE = "noise", "", Holds::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
+    pub(crate) NOISE = "noise", "", Fixed, Holds::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
     /// Path of a noise.toml, relative to the folder of the study; keys in the study replace those in the file.
-    pub(crate) FILE = "noise.file", "noise file", Holds::File, r#"file = "noise.toml""#;
+    pub(crate) FILE = "noise.file", "noise file", Choice, Holds::File, r#"file = "noise.toml""#;
     /// Quantisation noise Q, rms error of the angle: "0.11 arcsec".
-    QUANTISATION = "noise.quantisation", "quantisation noise Q", ANGLES, r#"quantisation = "0.11 arcsec""#;
+    QUANTISATION = "noise.quantisation", "quantisation noise Q", Condition, ANGLES, r#"quantisation = "0.11 arcsec""#;
     /// Angle of a pulse, if the gyro counts whole pulses: "0.38 arcsec".
-    pub(crate) READOUT_LSB = "noise.readout_lsb", "pulse weight", ANGLES, r#"readout_lsb = "0.38 arcsec""#;
+    pub(crate) READOUT_LSB = "noise.readout_lsb", "pulse weight", Condition, ANGLES, r#"readout_lsb = "0.38 arcsec""#;
     /// Angle random walk N: "0.00048 deg/sqrt(h)".
-    ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
+    ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", Condition, N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
     /// Lock-in of a ring laser gyro with a randomised dither, which adds N = Ω_L √(q/(2πΩ_D)) to angle_random_walk in
     /// quadrature: Ω_L the threshold, q the scale factor, Ω_D the amplitude of the dither's rate.
-    pub(crate) LOCK_IN = "noise.lock_in", "", Holds::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
+    pub(crate) LOCK_IN = "noise.lock_in", "", Fixed, Holds::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
     /// Lock-in threshold Ω_L, the input rate up to which the gyro is locked without dither: "180 arcsec/s".
-    LOCK_IN_THRESHOLD = "noise.lock_in.threshold", "lock-in threshold", THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
+    LOCK_IN_THRESHOLD = "noise.lock_in.threshold", "lock-in threshold", Condition, THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
     /// Angle of one period of the beat: "2 arcsec/pulse".
-    LOCK_IN_SCALE = "noise.lock_in.scale_factor", "scale factor", SCALE_FACTORS, r#"scale_factor = "2 arcsec/pulse""#, required;
+    LOCK_IN_SCALE = "noise.lock_in.scale_factor", "scale factor", Condition, SCALE_FACTORS, r#"scale_factor = "2 arcsec/pulse""#, required;
     /// Amplitude of the dither, of its rate or of its angle: "100 deg/s" or "2.4 arcmin".
-    DITHER_AMPLITUDE = "noise.lock_in.dither_amplitude", "dither amplitude", DITHERS, r#"dither_amplitude = "100 deg/s""#, required;
+    DITHER_AMPLITUDE = "noise.lock_in.dither_amplitude", "dither amplitude", Condition, DITHERS, r#"dither_amplitude = "100 deg/s""#, required;
     /// Dither frequency, from which the rate of an amplitude of the angle follows: "400 Hz".
-    DITHER_FREQUENCY = "noise.lock_in.dither_frequency", "dither frequency", DITHER_FREQUENCIES, r#"dither_frequency = "400 Hz""#, required;
+    DITHER_FREQUENCY = "noise.lock_in.dither_frequency", "dither frequency", Condition, DITHER_FREQUENCIES, r#"dither_frequency = "400 Hz""#, required;
     /// Bias instability B, the flat level of the curve divided by 0.664: "0.00164 deg/h".
-    BIAS_INSTABILITY = "noise.bias_instability", "bias instability B", RATES, r#"bias_instability = "0.00164 deg/h""#;
+    BIAS_INSTABILITY = "noise.bias_instability", "bias instability B", Condition, RATES, r#"bias_instability = "0.00164 deg/h""#;
     /// Rate random walk K: "0.001 deg/h/sqrt(h)".
-    RATE_RANDOM_WALK = "noise.rate_random_walk", "rate random walk K", K, r#"rate_random_walk = "0.001 deg/h/sqrt(h)""#;
+    RATE_RANDOM_WALK = "noise.rate_random_walk", "rate random walk K", Condition, K, r#"rate_random_walk = "0.001 deg/h/sqrt(h)""#;
     /// Rate ramp R: "0.0001 deg/h/h".
-    RATE_RAMP = "noise.rate_ramp", "rate ramp R", R, r#"rate_ramp = "0.0001 deg/h/h""#;
+    RATE_RAMP = "noise.rate_ramp", "rate ramp R", Condition, R, r#"rate_ramp = "0.0001 deg/h/h""#;
     /// Exponentially correlated noise of the rate.
-    MARKOV = "noise.markov", "", Holds::Table, r#"markov = { amplitude = "0.002 deg/h", time = "300 s" }"#;
+    MARKOV = "noise.markov", "", Fixed, Holds::Table, r#"markov = { amplitude = "0.002 deg/h", time = "300 s" }"#;
     /// Rms of the Markov noise: "0.002 deg/h".
-    MARKOV_AMPLITUDE = "noise.markov.amplitude", "rms of the Markov noise", RATES, r#"amplitude = "0.002 deg/h""#, required;
+    MARKOV_AMPLITUDE = "noise.markov.amplitude", "rms of the Markov noise", Condition, RATES, r#"amplitude = "0.002 deg/h""#, required;
     /// Correlation time: "300 s".
-    MARKOV_TIME = "noise.markov.time", "correlation time", TIMES, r#"time = "300 s""#, required;
+    MARKOV_TIME = "noise.markov.time", "correlation time", Condition, TIMES, r#"time = "300 s""#, required;
     /// A sine of the rate, with a random phase in each record.
-    SINE = "noise.sine", "", Holds::Table, r#"sine = { amplitude = "0.01 deg/h", frequency = "0.01 Hz" }"#;
+    SINE = "noise.sine", "", Fixed, Holds::Table, r#"sine = { amplitude = "0.01 deg/h", frequency = "0.01 Hz" }"#;
     /// Peak of the sine: "0.01 deg/h".
-    SINE_AMPLITUDE = "noise.sine.amplitude", "peak of the sine", RATES, r#"amplitude = "0.01 deg/h""#, required;
+    SINE_AMPLITUDE = "noise.sine.amplitude", "peak of the sine", Condition, RATES, r#"amplitude = "0.01 deg/h""#, required;
     /// Frequency of the sine: "0.01 Hz".
-    SINE_FREQUENCY = "noise.sine.frequency", "frequency of the sine", SINES, r#"frequency = "0.01 Hz""#, required;
+    SINE_FREQUENCY = "noise.sine.frequency", "frequency of the sine", Condition, SINES, r#"frequency = "0.01 Hz""#, required;
     /// An exponential decay of the rate from the start of the record.
-    WARM_UP = "noise.warm_up", "", Holds::Table, r#"warm_up = { amplitude = "0.1 deg/h", time = "20 min" }"#;
+    WARM_UP = "noise.warm_up", "", Fixed, Holds::Table, r#"warm_up = { amplitude = "0.1 deg/h", time = "20 min" }"#;
     /// Rate of the warm-up at the start: "0.1 deg/h".
-    WARM_UP_AMPLITUDE = "noise.warm_up.amplitude", "warm-up", SIGNED_RATES, r#"amplitude = "0.1 deg/h""#, required;
+    WARM_UP_AMPLITUDE = "noise.warm_up.amplitude", "warm-up", Condition, SIGNED_RATES, r#"amplitude = "0.1 deg/h""#, required;
     /// Time constant: "20 min".
-    WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", TIMES, r#"time = "20 min""#, required;
+    WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", Condition, TIMES, r#"time = "20 min""#, required;
     /// Mode switches, the first one interval after the start of the record, and their effects on the angle.
-    pub(crate) SWITCHING = "noise.switching", "", Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
+    pub(crate) SWITCHING = "noise.switching", "", Fixed, Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
     /// Time from one switch to the next: "40 s". It is rounded to a whole number of samples.
-    pub(crate) INTERVAL = "noise.switching.interval", "interval between switches", TIMES, r#"interval = "40 s""#, required;
+    pub(crate) INTERVAL = "noise.switching.interval", "interval between switches", Choice, TIMES, r#"interval = "40 s""#, required;
     /// Magnetic drift A of a warm gyro, whose sign every switch reverses: "14 arcsec/s".
-    pub(crate) MAGNETIC = "noise.switching.magnetic", "magnetic drift A", SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
+    pub(crate) MAGNETIC = "noise.switching.magnetic", "magnetic drift A", Condition, SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
     /// Time constant with which A builds up from the start: "50 min". If absent, A is present from the start.
-    pub(crate) SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", TIMES, r#"warm_up_time = "50 min""#;
+    pub(crate) SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", Condition, TIMES, r#"warm_up_time = "50 min""#;
     /// Magnetic drift that is present from the start, to which A is added: "0.1 deg/h".
-    pub(crate) INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
+    pub(crate) INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", Condition, SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
     /// Amplitude D of the residual that the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
-    pub(crate) RESIDUAL = "noise.switching.residual", "amplitude of fill residuals D", ANGLES, r#"residual = "10 arcsec""#;
+    pub(crate) RESIDUAL = "noise.switching.residual", "amplitude of fill residuals D", Condition, ANGLES, r#"residual = "10 arcsec""#;
     /// Standard deviation of the additional noise of the residual: "2 arcsec".
-    pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", ANGLES, r#"residual_noise = "2 arcsec""#;
+    pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", Condition, ANGLES, r#"residual_noise = "2 arcsec""#;
 }
 
 /// The setting of the coefficient (0) or the shape (1) of a term. A term with a shape can be swept only where its table

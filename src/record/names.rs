@@ -30,6 +30,9 @@ const UNITS_AS_NAMES: [&str; 12] = [
     "seconds",
 ];
 
+/// Words of names of increments.
+const INCREMENTS: [&str; 5] = ["delta", "dangle", "dtheta", "increment", "integral"];
+
 /// Words for gyros, without the letter of their axis; `gyr` and what begins with it are others.
 const GYROS: [&str; 5] = ["w", "g", "omega", "ang", "angular"];
 
@@ -108,12 +111,14 @@ impl Name {
         &self.whole[..self.whole.len() - index(&self.whole).len()]
     }
 
-    /// The unit of the column where it measures `data`. That of rates in `gyro_rad` is an angle in one second, but not that in brackets.
+    /// The unit of the column where it measures `data`. That of rates in `gyro_rad` is an angle in one second, but not that in brackets or
+    /// of an increment, such as `delta_angle`.
     pub(crate) fn unit_of(&self, data: Data) -> Option<String> {
         let unit = self.unit.as_ref()?;
         let is_plain = !self.base().ends_with(BRACKETS);
         let is_angle = || unit_of(unit, &[Dimension::Angle]).is_ok();
-        let is_rate = data == Data::Rate && is_plain && is_angle();
+        let is_increment = || self.has_word(&INCREMENTS);
+        let is_rate = data == Data::Rate && is_plain && self.is_gyro() && !is_increment() && is_angle();
         Some(if is_rate { format!("{unit}/s") } else { unit.clone() })
     }
 

@@ -442,7 +442,11 @@ impl Folder {
     /// Another file came in its place since it was looked at, or the disk fails.
     fn put(&self, name: &str, change: Change) -> Result<(), FolderError> {
         let (Some(folder), last) = self.place(name, false)? else {
-            return Err(self.failed(name, ErrorKind::NotFound.into()));
+            return match change {
+                // Its folder is gone too.
+                Change::Removed(_) => Ok(()),
+                Change::Written(_) => Err(self.failed(name, ErrorKind::NotFound.into())),
+            };
         };
         let done = match change {
             Change::Written(before) => put_in_place(&folder, &last, before),
@@ -479,7 +483,7 @@ impl Folder {
             return false;
         };
         open(&folder, &partial(&last), OpenOptions::new().read(true)).is_ok_and(|mut file| {
-            file.metadata().is_ok_and(|found| found.len() == size)
+            file.metadata().is_ok_and(|found| found.len() == size && !is_hollow(&found))
                 && digest_of(&mut file).is_ok_and(|digest| digest == wanted)
         })
     }

@@ -146,9 +146,8 @@ fn sparse_files_of_a_terabyte_are_refused_at_once() {
 fn options_that_make_no_sense_are_told_with_what_does() {
     let desk = desk_with("log.csv", log());
     for (words, pieces) in [
-        ("--data rate --unit deg/h --time none", vec!["--rate 100Hz"]),
+        ("--data rate --unit deg/h --time none", vec!["--rate HZ"]),
         ("--data rate --rate 1Hz --binary f128", vec!["`f128` has no meaning", "f64 x7"]),
-        ("--unit deg/h --rate 1Hz", vec!["--data"]),
         ("--data speed --rate 1Hz", vec!["rate, increment, angle"]),
         ("--data rate --unit volts --rate 1Hz", vec!["`volts` is not a known unit", "deg/h, deg/s"]),
         ("--data rate --scale 0.5arcsec/pulse --rate 1Hz", vec!["--data increment"]),

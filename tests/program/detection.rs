@@ -139,7 +139,7 @@ fn logs() -> String {
     let desk = Desk::with("");
     let read = |file: &str| {
         let (_, words) = LOGS.iter().find(|(log, _)| *log == file).unwrap();
-        desk.sagnac(&format!("allan {file} {words} --data rate --unit rad/s"))
+        desk.sagnac(&format!("allan {file} {words} --data rate --unit rad/s --table --verbose"))
     };
     let folder = Path::new(crate::ROOT).join("tests/data/formats");
     let sound = |file: &str| std::fs::read(folder.join(file)).unwrap();

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::desk::Desk;
+use crate::noise::white;
 
 /// Trials of each point. Any change of a kernel, a lowering or a statistic shows in the first few.
 const TRIALS: u32 = 512;
@@ -23,9 +24,85 @@ const NEW_ANSWERS: &str = "docs/answers.md.new";
 
 const ABOUT_ANSWERS: &str = "# Questions and answers
 
-The question of every shipped study, and its answer as a terminal of 80 columns shows it. A test writes this page from runs with few
-trials, so the figures of a full run differ a little.
+The question of every shipped study and of each other command, and its answer as a terminal of 80 columns shows it. A test writes this page
+from runs with few trials, so the figures of a full run differ a little.
 ";
+
+/// Commands besides `run`, with the question that each answers, in the folder of the studies.
+const COMMANDS: [(&str, &str); 12] = [
+    ("allan data/gyro_at_rest.csv --rate 1Hz", "Which noise does this log show?"),
+    (
+        "allan data/gyro_at_rest.csv --rate 1Hz --limit N=0.0006deg/sqrt(h) --limit B=0.0018deg/h",
+        "Does this log meet the limits?",
+    ),
+    (
+        "allan data/gyro_at_rest.csv --rate 1Hz --navigate 1h --position-limit 0.3nmi",
+        "Where is a navigator with this gyro after an hour?",
+    ),
+    ("compare data/gyro_at_rest.csv half.csv --rate 1Hz", "Is this gyro noisier than that one?"),
+    ("compare units.csv --rate 1Hz --column g1,g2,g3,g4,g5", "How even is this batch of gyros?"),
+    (
+        "compare units.csv --rate 1Hz --column g1,g2,g3,g4,g5 --limit N=0.1deg/sqrt(h)",
+        "Which units of this batch meet the limit?",
+    ),
+    ("model data/gyro_at_rest.csv --rate 1Hz --bound", "What do I write into my filter?"),
+    ("design design_point.toml --trials 512", "How often should the gyro switch?"),
+    (
+        "sensitivity what_decides.toml --by oracle_rms --samples 512",
+        "Which uncertain input drives the error?",
+    ),
+    ("filler which_filler.toml", "Which filler belongs in the firmware?"),
+    (
+        "filler minimum-variance --gap-ticks 3 --tick 5ms --band 18Hz,22Hz --amplitude 12000arcsec/s --noise 0.5arcsec \
+         --limit 8arcsec --latency 20ms",
+        "How many ticks must a filler read?",
+    ),
+    ("filler quadratic --gap-ticks 3", "What does a quadratic filler do to the noise?"),
+];
+
+/// The studies, and logs besides: the first half of the gyro's, and units of which the fourth has twice the noise.
+fn desk_of_commands(root: &Path) -> Desk {
+    let desk = Desk::with("");
+    let studies = root.join("studies");
+    for name in ["design_point.toml", "what_decides.toml", "which_filler.toml"] {
+        std::fs::copy(studies.join(name), desk.path(name)).unwrap();
+    }
+    std::fs::create_dir(desk.path("data")).unwrap();
+    let log = std::fs::read_to_string(studies.join("data/gyro_at_rest.csv")).unwrap();
+    desk.write("data/gyro_at_rest.csv", &log);
+    let half: Vec<&str> = log.lines().take(log.lines().count() / 2).collect();
+    desk.write("half.csv", &half.join("\n"));
+    let units = [5.0, 5.2, 4.9, 10.0, 5.1].into_iter().zip(1..).map(|(sigma, seed)| white(4096, sigma, seed));
+    let units: Vec<Vec<f64>> = units.collect();
+    let row = |i: usize| units.iter().map(|unit| format!("{:.4}", unit[i])).collect::<Vec<_>>().join(",");
+    let names: Vec<String> = (1..6).map(|unit| format!("g{unit} [deg/h]")).collect();
+    let rows: Vec<String> = std::iter::once(names.join(",")).chain((0..4096).map(row)).collect();
+    desk.write("units.csv", &rows.join("\n"));
+    desk
+}
+
+/// The row and the section of a command on the page of answers.
+fn answered(desk: &Desk, (words, question): (&str, &str)) -> [String; 2] {
+    let ended = desk.sagnac_with(&format!("{words} --out out"), &[("COLUMNS", "80")]);
+    assert_eq!(ended.code, 0, "{words}: {}", ended.stderr);
+    std::fs::remove_dir_all(desk.path("out")).unwrap();
+    let shown = ended.stdout.trim_end();
+    let (headline, counts) = measured(words, shown);
+    let anchor = question.trim_end_matches('?').to_lowercase().replace(' ', "-");
+    let row = format!("| [{question}](#{anchor}) | {headline} | {} | {} |\n", counts[0], counts[1]);
+    [row, format!("\n## {question}\n\n```text\n$ sagnac {words}\n{shown}\n```\n")]
+}
+
+/// The headline of an answer, and its number of words and lines.
+fn measured(name: &str, shown: &str) -> (String, [usize; 2]) {
+    let parts: Vec<&str> = shown.splitn(3, "\n\n").collect();
+    let headline =
+        parts.get(1).unwrap_or_else(|| panic!("{name} has no headline:\n{shown}")).replace('\n', " ");
+    let counts = [headline.split_whitespace().count(), shown.lines().count()];
+    assert!(counts.iter().zip(MOST).all(|(count, most)| *count <= most), "{name}: {counts:?}\n{shown}");
+    assert!(shown.lines().all(|line| line.chars().count() <= 80), "{name}: a line is too long\n{shown}");
+    (headline, counts)
+}
 
 /// Most words of a headline, and most lines of an answer with its heading.
 const MOST: [usize; 2] = [12, 20];
@@ -39,12 +116,7 @@ fn digests(study: &Path) -> ([String; 2], BTreeMap<String, String>) {
     let ended = desk.sagnac_with(&words, &[("COLUMNS", "80")]);
     assert_eq!(ended.code, 0, "{name}: {}", ended.stderr);
     let shown = ended.stdout.trim_end();
-    let parts: Vec<&str> = shown.splitn(3, "\n\n").collect();
-    let headline =
-        parts.get(1).unwrap_or_else(|| panic!("{name} has no headline:\n{shown}")).replace('\n', " ");
-    let counts = [headline.split_whitespace().count(), shown.lines().count()];
-    assert!(counts.iter().zip(MOST).all(|(count, most)| *count <= most), "{name}: {counts:?}\n{shown}");
-    assert!(shown.lines().all(|line| line.chars().count() <= 80), "{name}: a line is too long\n{shown}");
+    let (headline, counts) = measured(name, shown);
     let text = std::fs::read_to_string(study).unwrap();
     let question = text.parse::<toml::Table>().unwrap()["question"].as_str().unwrap().to_owned();
     let row = format!("| [{name}](#{name}) | {headline} | {} | {} |\n", counts[0], counts[1]);
@@ -77,8 +149,11 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
         studies.iter().map(|study| digests(study)).unzip();
     let found: BTreeMap<String, String> = found.into_iter().flatten().collect();
     let all = |part: usize| answers.iter().map(|parts| parts[part].as_str()).collect::<String>();
-    let heading = "\n| study | headline | words | lines |\n|---|---|---|---|\n";
-    let answers = format!("{ABOUT_ANSWERS}{heading}{}{}", all(0), all(1));
+    let heading = "\n| study or question | headline | words | lines |\n|---|---|---|---|\n";
+    let desk = desk_of_commands(root);
+    let commands: Vec<[String; 2]> = COMMANDS.into_iter().map(|command| answered(&desk, command)).collect();
+    let of_commands = |part: usize| commands.iter().map(|parts| parts[part].as_str()).collect::<String>();
+    let answers = format!("{ABOUT_ANSWERS}{heading}{}{}{}{}", all(0), of_commands(0), all(1), of_commands(1));
     let is_current = std::fs::read_to_string(root.join(ANSWERS)).unwrap_or_default() == answers;
     if !is_current {
         std::fs::write(root.join(NEW_ANSWERS), answers).unwrap();

@@ -18,12 +18,12 @@ fn rows(report: &str) -> Vec<Vec<String>> {
 #[test]
 fn a_report_has_a_row_for_each_device_and_grows_below_one_header() {
     let desk = Desk::with("");
-    desk.done("verify --device cpu --trials 64 --report report.md");
+    desk.done("device verify --device cpu --trials 64 --report report.md");
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     let variants = |report: &str| rows(report).into_iter().map(|row| row[3].clone()).collect::<Vec<_>>();
     assert_eq!(variants(&desk.read("report.md")), widths);
     // All adapters of this machine, one of which a software rasteriser is at least.
-    desk.done("verify --trials 64 --report report.md");
+    desk.done("device verify --trials 64 --report report.md");
     let all = rows(&desk.read("report.md"));
     let gpus: Vec<_> = all.iter().filter(|row| row[0] != "CPU").collect();
     assert_eq!(gpus.len(), crate::devices::adapters().len());
@@ -40,7 +40,7 @@ fn a_report_has_a_row_for_each_device_and_grows_below_one_header() {
 fn a_report_that_cannot_be_written_ends_the_command_before_its_work() {
     let desk = Desk::with("");
     for path in ["missing/report.md", "."] {
-        let ended = desk.sagnac(&format!("verify --device cpu --report {path}"));
+        let ended = desk.sagnac(&format!("device verify --device cpu --report {path}"));
         assert_eq!(ended.code, 6, "{}", ended.stderr);
         assert!(ended.stderr.contains(&format!("error: cannot write {path}: ")), "{}", ended.stderr);
         assert_eq!(ended.stdout, "", "no kernel was verified");
@@ -51,7 +51,7 @@ fn a_report_that_cannot_be_written_ends_the_command_before_its_work() {
 #[test]
 fn the_matrix_of_the_documents_is_that_of_the_current_kernels() {
     let desk = Desk::with("");
-    desk.done("verify --device cpu --trials 4096 --report report.md");
+    desk.done("device verify --device cpu --trials 4096 --report report.md");
     let digest = rows(&desk.read("report.md")).remove(0).remove(7);
     let document = std::fs::read_to_string(format!("{}/docs/identity.md", crate::ROOT)).unwrap();
     assert!(
@@ -80,19 +80,19 @@ fn the_driver_that_a_variable_hides_is_explained() {
             String::from_utf8(output.stderr).unwrap(),
         )
     };
-    let (code, stdout, stderr) = hidden(&["devices", "--why"]);
+    let (code, stdout, stderr) = hidden(&["device", "list", "--why"]);
     assert_eq!((code, stderr.as_str()), (Some(0), ""));
     let found = "VK_DRIVER_FILES names /gone.json, which does not exist, and hides all drivers that it does not name\n";
     let remedy = "     unset VK_DRIVER_FILES, or name the manifest of a driver\n";
     assert!(stdout.contains(&format!("{found}{remedy}")), "{stdout}");
-    let (code, _, stderr) = hidden(&["bench", "--device", "gpu"]);
+    let (code, _, stderr) = hidden(&["device", "bench", "--device", "gpu"]);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("no GPU was found") && stderr.contains("`sagnac device list --why`"), "{stderr}");
 }
 
 #[test]
 fn every_adapter_is_explained() {
-    let why = Desk::with("").done("devices --why").stdout;
+    let why = Desk::with("").done("device list --why").stdout;
     for adapter in crate::devices::adapters() {
         assert!(why.contains(&format!("{} ", adapter.name())), "{why}");
     }

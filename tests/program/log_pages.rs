@@ -51,10 +51,10 @@ fn the_page_of_a_log_holds_what_its_json_holds() {
     for piece in [
         "Noise of imu.csv",
         "8192 samples at 100 Hz",
-        "gz: least N, ",
+        "gx: least N, ",
         "one of 0.7 s, 70 samples, at 10 s",
         "one at 30 s",
-        "gx: a line of ",
+        " Hz in gx, ",
         "a record of 5.5 min, 4 times as long, shows it",
         "--remove-outliers",
         "told apart",
@@ -126,10 +126,10 @@ fn a_browser_draws_the_page_of_a_log_and_asks_for_nothing() {
     assert_eq!(
         browser.ask(drawn, json!(null)),
         json!([2, 2, 2, 2]),
-        "curves of record, means, deviations, density"
+        "curves of deviations, density, record, means"
     );
     // The record has its gap, and no markers.
-    let gap = "return document.querySelector('[data-chart=\"0\"] .drawing .curve').getAttribute('d').split('M').length - 1";
+    let gap = "return document.querySelector('[data-chart=\"2\"] .drawing .curve').getAttribute('d').split('M').length - 1";
     assert_eq!(browser.number(gap), 2.0);
     let marker = "return getComputedStyle(document.querySelector('.trace .drawing .marker')).display";
     assert_eq!(browser.text(marker), "none");

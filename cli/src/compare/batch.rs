@@ -31,7 +31,11 @@ pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
     if options.output.json {
         return print_json(&tables::document(&lot, &decision));
     }
-    let heading = format!("{} units of {} logs", lot.labels.len(), lot.logs.len());
+    let logs = match lot.logs.len() {
+        1 => "a log".to_owned(),
+        count => format!("{count} logs"),
+    };
+    let heading = format!("{} units of {logs}", lot.labels.len());
     options.output.printed.show(
         &heading,
         &decision.answer,

@@ -28,7 +28,7 @@ Examples:
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz --limit N=1.1
-  sagnac compare gyro1.csv gyro2.csv gyro3.csv --data rate --unit deg/h --rate 100Hz \\
+  sagnac compare gyro1.csv gyro2.csv gyro3.csv --unit deg/h --rate 100Hz --column gz \\
     --limit \"N=0.003 deg/sqrt(h)\"
   sagnac compare bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
 

@@ -157,9 +157,12 @@ fn remark(study: &Study, table: &Table, choice: &Choice, input: &Input, is_down:
     }
 }
 
+/// Significant digits of an input.
+const DIGITS: usize = 4;
+
 /// A quantity with the sign of arc seconds.
 fn shown(quantity: Quantity) -> String {
-    let text = short(quantity).replace("arcsec", "″");
+    let text = short(quantity, DIGITS).replace("arcsec", "″");
     text.strip_suffix(" ″").map_or(text.clone(), |number| format!("{number}″"))
 }
 

@@ -10,7 +10,6 @@ use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::kinds::lock_in::LockInStudy;
 use crate::kinds::lock_in::inputs::{FREQUENCY, SCALE_FACTOR, THRESHOLD};
-use crate::kinds::relock::inputs::BIAS;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::study::Study;
@@ -31,9 +30,6 @@ pub(super) const EVALUATIONS: usize = MOST.len() + BISECTIONS + 1;
 
 /// Most conditions under which a lever is tried.
 const MOST_CONDITIONS: usize = 1000;
-
-/// Prefixes of keys that are the question itself, or on which the gyro stands: without its bias it locks in.
-const ASKED: [&str; 3] = ["run.", "navigation.", BIAS.name];
 
 /// Keys that move a zone of lock-in or change its width, which takes it off the inputs that are sampled or onto them.
 const ZONE: [&str; 3] = [SCALE_FACTOR.name, THRESHOLD.name, FREQUENCY.name];
@@ -135,8 +131,7 @@ impl<'a> Place<'a> {
             // Where a run ends exactly, its drift depends on how far the last interval has come.
             let is_parity = std::ptr::eq(key, &INTERVAL) && ends_exactly(self.study, self.point);
             let is_new = inputs.iter().all(|input| !std::ptr::eq(input.key, key));
-            let is_asked =
-                ASKED.iter().any(|table| key.name.starts_with(table)) || self.conditions.contains(&key.name);
+            let is_asked = !key.role.may_change() || self.conditions.contains(&key.name);
             let moves_zones = ZONE.contains(&key.name) && has_zones(self.study, self.point);
             if is_new && value.value != 0.0 && !is_asked && !is_parity && !moves_zones {
                 inputs.push(Input { key, value });

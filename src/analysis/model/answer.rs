@@ -64,7 +64,8 @@ impl Analysis {
             (_, true) => "bound",
             (_, false) => "bounds",
         };
-        format!("{parts} {verb} {} to {}", column.target.name, excess.text())
+        let whose = if self.columns.len() > 1 { &column.target.name } else { "the record" };
+        format!("{parts} {verb} {whose} to {}", excess.text())
     }
 
     /// A row for each of several columns.
@@ -134,8 +135,9 @@ impl Analysis {
         let reached = |tried: &Tried| Some((tried.states, tried.excess?));
         let tried: Vec<(usize, f64)> = column.found.tried.iter().filter_map(reached).collect();
         // One state less, which lies farther above.
-        if let [.., (states, excess), _] = tried[..]
+        if let [.., (states, excess), (_, reached)] = tried[..]
             && self.asked.states.is_none()
+            && excess > reached
         {
             let reading = Reading::in_unit("excess", 100.0 * excess, "%", None);
             facts.push(value(&format!("With {states} states"), reading, "above".to_owned()));

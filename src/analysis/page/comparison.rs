@@ -27,10 +27,10 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
         answer: decision.answer.clone(),
         notes: notes(analysis),
         sections: vec![
-            shown("What these records show", &analysis.events().concat()),
-            Section { id: "record", heading: "Records", blocks: records(logs, analysis) },
             Section { id: "deviations", heading: "Deviations", blocks: deviations },
             Section { id: "coefficients", heading: "Coefficients", blocks: coefficients },
+            shown("What these records show", &analysis.events().concat()),
+            Section { id: "record", heading: "Records", blocks: records(logs, analysis) },
         ],
         tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
     }

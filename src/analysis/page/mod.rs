@@ -63,11 +63,11 @@ pub fn of_log(
         ("events.csv", events::table(noise)),
     ];
     let sections = [
+        deviations(noise),
+        coefficients::section(noise),
+        spectrum::section(analysis, without),
         shown("What this record shows", &events::rows(noise)),
         record::section(log, noise),
-        deviations(noise),
-        spectrum::section(analysis, without),
-        coefficients::section(noise),
     ];
     Page {
         title: format!("Noise of {file}"),

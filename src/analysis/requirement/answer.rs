@@ -157,14 +157,13 @@ impl<'a> Panel<'a> {
             return (format!("{}{} {}", self.whose(subject), name(row), row.cell().text), None);
         }
         let rejected = self.subjects.iter().any(|subject| matches!(subject.noise, Ok(Some(_))));
-        let minimum = self.subjects.iter().find_map(|subject| {
-            let reading = subject.stability.as_ref()?.reading()?;
-            Some((self.whose(subject), reading))
-        });
+        let minimum = self.subjects.iter().find_map(|subject| Some((subject, subject.stability.as_ref()?)));
+        let only = if rejected { "No noise model fits; " } else { "" };
         match minimum {
-            Some((whose, reading)) => {
-                let only = if rejected { "No noise model fits; " } else { "" };
-                (format!("{whose}{only}curve minimum {}", reading.with_interval()), Some(reading))
+            Some((subject, row)) => {
+                let reading = row.reading();
+                let value = reading.as_ref().map_or_else(|| row.cell().text, Reading::with_interval);
+                (format!("{}{only}curve minimum {value}", self.whose(subject)), reading)
             }
             None if rejected => ("No noise model fits".to_owned(), None),
             None => ("No coefficient and no curve minimum".to_owned(), None),
@@ -190,27 +189,15 @@ impl<'a> Panel<'a> {
         let rows = subject.noise.ok().flatten().map_or(&[][..], |sheet| &sheet.rows);
         let (stability, floor) = (subject.stability.iter(), subject.floor.into_iter());
         let floor = floor.filter(|_| self.judged.iter().any(|one| one.of() == Limited::Floor));
-        let line = |(row, title, state): (&Row, &str, &str)| {
+        let line = |(row, title, state): (&Row, &str, &str)| -> Vec<AnswerCell> {
             let interval = row.reading().and_then(|reading| reading.ends_text()).unwrap_or_default();
-            [row.cell(), interval.into()]
-                .into_iter()
-                .chain(self.limited(row))
-                .chain([state.to_owned().into()])
-                .fold(vec![title.to_owned().into()], |mut line, cell| {
-                    line.push(cell);
-                    line
-                })
+            vec![title.to_owned().into(), row.cell(), interval.into(), state.to_owned().into()]
         };
         let at = subject.stability_tau_s.map(|tau_s| format!("τ = {} s", significant(tau_s, 3)));
-        // Beside limits there is room for symbols only.
-        let title = |row: &Row| match self.judged.is_empty() {
-            true => title(row.name, subject.unit),
-            false => row.name.replace('_', " "),
-        };
         let state = |row: &Row| self.judgement(row).map_or_else(|| state(row), |one| one.standing().word());
         let all: Vec<(&Row, String, String)> = rows
             .iter()
-            .map(|row| (row, title(row), state(row).to_owned()))
+            .map(|row| (row, title(row.name, subject.unit), state(row).to_owned()))
             .chain(stability.map(|row| {
                 let state = self.judgement(row).map(|one| one.standing().word().to_owned());
                 (row, "curve minimum".to_owned(), state.or(at.clone()).unwrap_or_default())
@@ -236,10 +223,9 @@ impl<'a> Panel<'a> {
         let first = ORDER.iter().find_map(|term| {
             kept.iter().position(|(row, ..)| row.name == term.symbol() && row.value.is_some())
         });
-        let limit = (!self.judged.is_empty()).then_some("limit");
-        let heads = ["coefficient", "estimate", "95 % interval"].into_iter().chain(limit).chain(["status"]);
+        let heads = ["coefficient", "estimate", "95 % interval", "status"];
         AnswerTable {
-            columns: heads.map(str::to_owned).collect(),
+            columns: heads.map(str::to_owned).into(),
             best: if headed.is_some() { best } else { first.or(best) },
             omitted: all.len() - kept.len(),
             rows: kept.into_iter().map(|(row, title, state)| line((row, title, state))).collect(),
@@ -248,13 +234,6 @@ impl<'a> Panel<'a> {
 
     fn judgement(&self, row: &Row) -> Option<&Judged<'a>> {
         self.judged.iter().find(|one| one.is_of(row))
-    }
-
-    /// The cell on the limit of a row, where there are limits.
-    fn limited(&self, row: &Row) -> Option<AnswerCell> {
-        let limit = |one: &Judged| AnswerCell::from(one.limit());
-        let cell = self.judgement(row).map_or_else(|| String::new().into(), limit);
-        (!self.judged.is_empty()).then_some(cell)
     }
 
     /// A row for each of several records: those with the least margin first, without limits those with the least value.

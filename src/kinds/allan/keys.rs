@@ -37,29 +37,29 @@ keys! {
     /// The keys of the record.
     pub(crate) static KEYS;
     /// The record of a gyro at rest.
-    RECORD = "record", "", Holds::Table, "[record]\nsample = \"1 s\"\nlength = \"9 h\"";
+    RECORD = "record", "", Fixed, Holds::Table, "[record]\nsample = \"1 s\"\nlength = \"9 h\"";
     /// Time from one sample to the next: "1 s".
-    SAMPLE = "record.sample", "sampling time", SAMPLES, r#"sample = "1 s""#, required;
+    SAMPLE = "record.sample", "sampling time", Choice, SAMPLES, r#"sample = "1 s""#, required;
     /// Time from the first sample to the last: "9 h". It is rounded to a whole number of samples.
-    pub(crate) LENGTH = "record.length", "length of the record", LENGTHS, r#"length = "9 h""#, required;
+    pub(crate) LENGTH = "record.length", "length of the record", Choice, LENGTHS, r#"length = "9 h""#, required;
     /// Constant rate, such as the Earth's on the input axis: "10 deg/h". It affects only a readout in whole pulses.
-    pub(crate) RATE = "record.rate", "constant rate", RATES, r#"rate = "10 deg/h""#;
+    pub(crate) RATE = "record.rate", "constant rate", Condition, RATES, r#"rate = "10 deg/h""#;
 }
 
 keys! {
     /// The keys of the curve and its fit, for every kind of study that has one.
     pub(crate) static CURVE_KEYS;
     /// Estimates made from each record.
-    pub(crate) ALLAN = "allan", "", Holds::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
+    pub(crate) ALLAN = "allan", "", Fixed, Holds::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
     /// Averaging times: "octave", "decade10", "decade20", or ["1 s", "10 s"]; octave if absent.
-    pub(crate) TAU = "allan.tau", "", TEXTS, r#"tau = "octave""#;
+    pub(crate) TAU = "allan.tau", "", Fixed, TEXTS, r#"tau = "octave""#;
     /// Estimated variance; "overlapping" if absent.
-    pub(crate) ESTIMATOR = "allan.estimator", "", Holds::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
+    pub(crate) ESTIMATOR = "allan.estimator", "", Fixed, Holds::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
     /// Fraction of the overlapping differences that is used; "m/64" if absent.
-    pub(crate) OVERLAP = "allan.overlap", "", Holds::Word(Overlap::WORDS), r#"overlap = "full""#;
+    pub(crate) OVERLAP = "allan.overlap", "", Fixed, Holds::Word(Overlap::WORDS), r#"overlap = "full""#;
     /// Coefficients fitted to each record: "auto" for those of Q, N, B, K, R that it supports, or some of "Q", "N",
     /// "B", "K", "R", "markov", "sine"; none if absent.
-    pub(crate) FIT = "allan.fit", "", TEXTS, r#"fit = ["Q", "N", "B"]"#;
+    pub(crate) FIT = "allan.fit", "", Fixed, TEXTS, r#"fit = ["Q", "N", "B"]"#;
 }
 
 /// The settings of these keys, except the noise.

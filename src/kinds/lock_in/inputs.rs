@@ -120,46 +120,46 @@ keys! {
     /// The keys of the gyro, its dither and its input.
     pub(crate) static KEYS;
     /// The gyro.
-    GYRO = "gyro", "", Holds::Table, "[gyro]\nscale_factor = \"2 arcsec/pulse\"";
+    GYRO = "gyro", "", Fixed, Holds::Table, "[gyro]\nscale_factor = \"2 arcsec/pulse\"";
     /// Scale factor q, the input angle of one period of the beat: "2 arcsec/pulse".
-    pub(crate) SCALE_FACTOR = "gyro.scale_factor", "scale factor", SCALES, r#"scale_factor = "2 arcsec/pulse""#, required;
+    pub(crate) SCALE_FACTOR = "gyro.scale_factor", "scale factor", Choice, SCALES, r#"scale_factor = "2 arcsec/pulse""#, required;
     /// Lock-in of the two beams.
-    LOCK_IN = "lock_in", "", Holds::Table, "[lock_in]\nthreshold = \"180 arcsec/s\"";
+    LOCK_IN = "lock_in", "", Fixed, Holds::Table, "[lock_in]\nthreshold = \"180 arcsec/s\"";
     /// Lock-in threshold Ω_L, the largest rate that a gyro without dither does not see: "180 arcsec/s".
-    pub(crate) THRESHOLD = "lock_in.threshold", "lock-in threshold", THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
+    pub(crate) THRESHOLD = "lock_in.threshold", "lock-in threshold", Condition, THRESHOLDS, r#"threshold = "180 arcsec/s""#, required;
     /// White phase noise of the beam, as the angle random walk that it causes without lock-in; 0 if absent.
-    BEAM_NOISE = "lock_in.beam_noise", "phase noise of the beam", WALKS, r#"beam_noise = "0.0002 deg/sqrt(h)""#;
+    BEAM_NOISE = "lock_in.beam_noise", "phase noise of the beam", Choice, WALKS, r#"beam_noise = "0.0002 deg/sqrt(h)""#;
     /// Factor on the number of steps of the integration, to see that the results do not depend on it; 1 if absent.
-    pub(crate) REFINEMENT = "lock_in.refinement", "factor on the steps", FACTORS, "refinement = 2";
+    pub(crate) REFINEMENT = "lock_in.refinement", "factor on the steps", Choice, FACTORS, "refinement = 2";
     /// Dither, a torsional oscillation of the block, which keeps the gyro out of lock-in; none if absent. Its noise is that of each
     /// half-cycle, from one zero crossing of its angle to the next.
-    pub(crate) DITHER = "dither", "", Holds::Table, "[dither]\nfrequency = \"400 Hz\"\nrate = \"100 deg/s\"\namplitude_noise = \"2 %\"";
+    pub(crate) DITHER = "dither", "", Fixed, Holds::Table, "[dither]\nfrequency = \"400 Hz\"\nrate = \"100 deg/s\"\namplitude_noise = \"2 %\"";
     /// Dither frequency f_d: "400 Hz".
-    pub(crate) FREQUENCY = "dither.frequency", "dither frequency", FREQUENCIES, r#"frequency = "400 Hz""#, required;
+    pub(crate) FREQUENCY = "dither.frequency", "dither frequency", Choice, FREQUENCIES, r#"frequency = "400 Hz""#, required;
     /// Amplitude Ω_D of the dither rate: "100 deg/s".
-    pub(crate) DITHER_RATE = "dither.rate", "amplitude of the dither rate", AMPLITUDES, r#"rate = "100 deg/s""#, required;
+    pub(crate) DITHER_RATE = "dither.rate", "amplitude of the dither rate", Choice, AMPLITUDES, r#"rate = "100 deg/s""#, required;
     /// Randomisation: standard deviation of the amplitude, independent in each half-cycle, as a part of the amplitude; 0 if absent.
-    pub(crate) AMPLITUDE_NOISE = "dither.amplitude_noise", "amplitude noise of the dither", PARTS, r#"amplitude_noise = "2 %""#;
+    pub(crate) AMPLITUDE_NOISE = "dither.amplitude_noise", "amplitude noise of the dither", Choice, PARTS, r#"amplitude_noise = "2 %""#;
     /// Standard deviation of the step of the amplitude's random walk from half-cycle to half-cycle, as a part of the amplitude; 0 if
     /// absent.
-    AMPLITUDE_WALK = "dither.amplitude_walk", "amplitude walk of the dither", PARTS, r#"amplitude_walk = "0.01 %""#;
+    AMPLITUDE_WALK = "dither.amplitude_walk", "amplitude walk of the dither", Choice, PARTS, r#"amplitude_walk = "0.01 %""#;
     /// Standard deviation of the dither's phase at each reversal, which leaves the zero crossings where they are; 0 if absent.
-    PHASE_NOISE = "dither.phase_noise", "phase noise of the dither", PHASES, r#"phase_noise = "0.5 deg""#;
+    PHASE_NOISE = "dither.phase_noise", "phase noise of the dither", Choice, PHASES, r#"phase_noise = "0.5 deg""#;
     /// The angle that is put out; "stripped" if absent.
-    pub(crate) READOUT = "dither.readout", "", Holds::Word(Readout::WORDS), r#"readout = "stripped""#;
+    pub(crate) READOUT = "dither.readout", "", Fixed, Holds::Word(Readout::WORDS), r#"readout = "stripped""#;
     /// Input rate of the gyro; none if absent.
-    INPUT = "input", "", Holds::Table, "[input]\nrate = \"37 arcsec/s\"";
+    INPUT = "input", "", Fixed, Holds::Table, "[input]\nrate = \"37 arcsec/s\"";
     /// Input rate Ω at the start: "37 arcsec/s"; 0 if absent.
-    pub(crate) RATE = "input.rate", "input rate", RATES, r#"rate = "37 arcsec/s""#;
+    pub(crate) RATE = "input.rate", "input rate", Condition, RATES, r#"rate = "37 arcsec/s""#;
     /// Change of the input rate, for a slow passage through a dead band: "1 arcsec/s^2"; 0 if absent.
-    pub(crate) RAMP = "input.ramp", "ramp of the input rate", RAMPS, r#"ramp = "1 arcsec/s^2""#;
+    pub(crate) RAMP = "input.ramp", "ramp of the input rate", Choice, RAMPS, r#"ramp = "1 arcsec/s^2""#;
     /// The record of the angle.
-    RECORD = "record", "", Holds::Table, "[record]\nlength = \"10 s\"";
+    RECORD = "record", "", Fixed, Holds::Table, "[record]\nlength = \"10 s\"";
     /// Time from one sample of the angle to the next, rounded to whole periods of the dither unless it is left in; one period, or 10 ms
     /// without dither, if absent.
-    pub(crate) SAMPLE = "record.sample", "sampling time", TIMES, r#"sample = "5 ms""#;
+    pub(crate) SAMPLE = "record.sample", "sampling time", Choice, TIMES, r#"sample = "5 ms""#;
     /// Length of the record, rounded to whole samples: "10 s".
-    pub(crate) LENGTH = "record.length", "length of the record", TIMES, r#"length = "10 s""#, required;
+    pub(crate) LENGTH = "record.length", "length of the record", Choice, TIMES, r#"length = "10 s""#, required;
 }
 
 /// The settings of these keys. Those of the dither apply where there is one.

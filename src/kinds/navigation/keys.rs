@@ -29,33 +29,33 @@ keys! {
     /// The keys of the navigator.
     pub(crate) static KEYS;
     /// The navigator: its task, its times, its place on the Earth and its leg.
-    pub(crate) NAVIGATION = "navigation", "", Holds::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
+    pub(crate) NAVIGATION = "navigation", "", Fixed, Holds::Table, "[navigation]\nlatitude = \"60 deg\"\nduration = \"1 h\"";
     /// Task of the navigator; "inertial" if absent.
-    pub(crate) SOLUTION = "navigation.solution", "", Holds::Word(Solution::WORDS), r#"solution = "inertial""#;
+    pub(crate) SOLUTION = "navigation.solution", "", Fixed, Holds::Word(Solution::WORDS), r#"solution = "inertial""#;
     /// Time from the start to the end, for "inertial" and "heading": "1 h".
-    pub(crate) DURATION = "navigation.duration", "time of navigation", DURATIONS, r#"duration = "1 h""#;
+    pub(crate) DURATION = "navigation.duration", "time of navigation", Question, DURATIONS, r#"duration = "1 h""#;
     /// Time at rest before the start, for "inertial" and "gyrocompass", in which the east gyro finds the heading from the
     /// rate of the Earth. If absent, "inertial" starts without errors. "heading" may have it for its calibration.
-    pub(crate) ALIGNMENT = "navigation.alignment", "time of alignment", DURATIONS, r#"alignment = "10 min""#;
+    pub(crate) ALIGNMENT = "navigation.alignment", "time of alignment", Fixed, DURATIONS, r#"alignment = "10 min""#;
     /// Whether the mean rates of the other gyros in the alignment are taken as their biases and removed; false if absent.
-    pub(crate) CALIBRATION = "navigation.calibration", "", Holds::Flag, "calibration = true";
+    pub(crate) CALIBRATION = "navigation.calibration", "", Fixed, Holds::Flag, "calibration = true";
     /// Path of the noise model of a Kalman filter, relative to the folder of the study, for "heading": a document of
     /// `sagnac model --json` with one column. The filter finds the bias of the gyro in the alignment and predicts it from the
     /// start on; calibration is that of a filter that knows white noise only.
-    pub(crate) FILTER = "navigation.filter", "filter", Holds::File, r#"filter = "model.json""#;
+    pub(crate) FILTER = "navigation.filter", "filter", Fixed, Holds::File, r#"filter = "model.json""#;
     /// Latitude at the start, for "inertial" and "gyrocompass": "60 deg".
-    pub(crate) LATITUDE = "navigation.latitude", "latitude", LATITUDES, r#"latitude = "60 deg""#;
+    pub(crate) LATITUDE = "navigation.latitude", "latitude", Question, LATITUDES, r#"latitude = "60 deg""#;
     /// Speed on a straight leg, for "inertial"; at rest if absent: "250 m/s".
-    pub(crate) SPEED = "navigation.speed", "speed", SPEEDS, r#"speed = "250 m/s""#;
+    pub(crate) SPEED = "navigation.speed", "speed", Question, SPEEDS, r#"speed = "250 m/s""#;
     /// Course of the leg from north over east; north if absent: "90 deg".
-    pub(crate) COURSE = "navigation.course", "course", COURSES, r#"course = "90 deg""#;
+    pub(crate) COURSE = "navigation.course", "course", Question, COURSES, r#"course = "90 deg""#;
     /// Time from one sample of the gyros to the next. If absent, it is chosen so that a record has more than 2000 samples
     /// and switches of modes fall on samples; the responses are averaged over each sample.
-    pub(crate) SAMPLE = "navigation.sample", "sampling time", SAMPLES, r#"sample = "1 s""#;
+    pub(crate) SAMPLE = "navigation.sample", "sampling time", Question, SAMPLES, r#"sample = "1 s""#;
     /// Number of sets of coefficients that are drawn from the distributions of [[sensitivity]], each for an equal part of
     /// the trials, so that the errors contain the uncertainty of the coefficients; if absent, they have the values of the
     /// study.
-    pub(crate) DRAWS = "navigation.draws", "", Holds::Whole(2, 1000), "draws = 16";
+    pub(crate) DRAWS = "navigation.draws", "", Fixed, Holds::Whole(2, 1000), "draws = 16";
 }
 
 /// The settings of these keys.

@@ -128,43 +128,43 @@ keys! {
     pub(crate) static KEYS;
     /// The perimeter loop after a mode switch: its initial detuning, and the measurements made while it settles.
     /// Detunings are fractions of the wavelength, without unit; absent values are 0.
-    pub(crate) RELOCK = "relock", "", Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
+    pub(crate) RELOCK = "relock", "", Fixed, Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
     /// Detuning Δλ0 left by a switch: 0.05.
-    MISS = "relock.miss", "miss Δλ0", MISSES, "miss = 0.05", required;
+    MISS = "relock.miss", "miss Δλ0", Choice, MISSES, "miss = 0.05", required;
     /// Error of the half-wave voltage U_λ/2: standard deviation of the miss, normally distributed.
-    HALF_WAVE = "relock.half_wave_error", "error of U_λ/2", DETUNINGS, "half_wave_error = 0.005";
+    HALF_WAVE = "relock.half_wave_error", "error of U_λ/2", Choice, DETUNINGS, "half_wave_error = 0.005";
     /// Step of the DAC: the miss is uniformly distributed over half a step to either side.
-    DAC_STEP = "relock.dac_step", "step of the DAC", DETUNINGS, "dac_step = 0.002";
+    DAC_STEP = "relock.dac_step", "step of the DAC", Choice, DETUNINGS, "dac_step = 0.002";
     /// Hysteresis of the piezo: the miss is uniformly distributed over this value to either side.
-    HYSTERESIS = "relock.hysteresis", "hysteresis of the piezo", DETUNINGS, "hysteresis = 0.005";
+    HYSTERESIS = "relock.hysteresis", "hysteresis of the piezo", Choice, DETUNINGS, "hysteresis = 0.005";
     /// Time constant τ_L of the closed loop: "12 ms".
-    LOOP_TIME = "relock.loop_time", "time constant of the loop", TIMES, r#"loop_time = "12 ms""#, required;
+    LOOP_TIME = "relock.loop_time", "time constant of the loop", Choice, TIMES, r#"loop_time = "12 ms""#, required;
     /// Frequency f0 of the bias at zero detuning: "80 kHz".
-    pub(crate) BIAS = "relock.bias_frequency", "frequency of the bias", BIASES, r#"bias_frequency = "80 kHz""#, required;
+    pub(crate) BIAS = "relock.bias_frequency", "frequency of the bias", Fixed, BIASES, r#"bias_frequency = "80 kHz""#, required;
     /// Angle of a period of the beat: "2.6 arcsec".
-    PULSE = "relock.pulse_weight", "pulse weight", PULSES, r#"pulse_weight = "2.6 arcsec""#, required;
+    PULSE = "relock.pulse_weight", "pulse weight", Choice, PULSES, r#"pulse_weight = "2.6 arcsec""#, required;
     /// Curvature χ in f = f0 (1 − χΔλ²), Z(2): 40.
-    CURVATURE = "relock.curvature", "curvature χ", CURVATURES, "curvature = 40", required;
+    CURVATURE = "relock.curvature", "curvature χ", Choice, CURVATURES, "curvature = 40", required;
     /// Standard deviation of the error of f0 from its temperature curve, relative to f0: "0.1 %".
-    TEMPERATURE = "relock.temperature_error", "error of f0", PARTS, r#"temperature_error = "0.1 %""#;
+    TEMPERATURE = "relock.temperature_error", "error of f0", Choice, PARTS, r#"temperature_error = "0.1 %""#;
     /// Standard deviation of the noise of the mean detuning over half a tick.
-    ADC_NOISE = "relock.adc_noise", "noise of the detuning", DETUNINGS, "adc_noise = 0.0001";
+    ADC_NOISE = "relock.adc_noise", "noise of the detuning", Condition, DETUNINGS, "adc_noise = 0.0001";
     /// Step of the ADC, to which the mean detuning is rounded.
-    ADC_STEP = "relock.adc_step", "step of the ADC", DETUNINGS, "adc_step = 0.0002";
+    ADC_STEP = "relock.adc_step", "step of the ADC", Choice, DETUNINGS, "adc_step = 0.0002";
     /// Step in which the periods of the beat in half a tick are counted. 1 counts whole periods, and 0 does not round;
     /// 1 if absent.
-    COUNT_STEP = "relock.count_step", "step of the count", COUNTS, "count_step = 1";
+    COUNT_STEP = "relock.count_step", "step of the count", Choice, COUNTS, "count_step = 1";
     /// Number of ticks followed after the loop closes, 1 to 8; 4 if absent.
-    TICKS = "relock.ticks", "", Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";
+    TICKS = "relock.ticks", "", Fixed, Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";
     /// Half-period of the bias with which a tick begins; the negative one if absent.
-    FIRST_HALF = "relock.first_half", "", Holds::Word(FirstHalf::WORDS), r#"first_half = "negative""#;
+    FIRST_HALF = "relock.first_half", "", Fixed, Holds::Word(FirstHalf::WORDS), r#"first_half = "negative""#;
 }
 
 keys! {
     /// The keys that only studies of kind = "relock" have.
     pub(crate) static SIGNAL_KEYS;
     /// Gain A_I/Δλ of Z(1), 4·a_I·c/Δν, in any unit; adds a column with the signal.
-    SIGNAL_GAIN = "relock.signal_gain", "", unlimited(&[Dimension::Ratio]), "signal_gain = 20";
+    SIGNAL_GAIN = "relock.signal_gain", "", Fixed, unlimited(&[Dimension::Ratio]), "signal_gain = 20";
 }
 
 /// The settings of these keys.

@@ -51,7 +51,7 @@ keys! {
     /// The table of the tick, the only property of the gyro that a relock uses.
     static GYRO_KEYS;
     /// The gyro.
-    GYRO = "gyro", "", Holds::Table, "[gyro]\ntick = \"5 ms\"";
+    GYRO = "gyro", "", Fixed, Holds::Table, "[gyro]\ntick = \"5 ms\"";
 }
 
 static SETTINGS: [Setting<RelockInputs>; 1] =

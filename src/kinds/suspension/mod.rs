@@ -43,20 +43,20 @@ keys! {
     /// The keys of the suspension.
     static KEYS;
     /// The suspension of a gyro, given by the name of a known one or by its modes.
-    SUSPENSION = "suspension", "", Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
+    SUSPENSION = "suspension", "", Fixed, Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
     /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
-    GYRO = "suspension.gyro", "gyro", GYROS, r#"gyro = "LGK-400""#;
+    GYRO = "suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
     /// Modes of the suspension instead of a name, second-order resonances with the useful one first.
-    MODES = "suspension.modes", "", Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    MODES = "suspension.modes", "", Fixed, Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
-    MODE_FREQUENCY = "suspension.modes.frequency", "", MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    MODE_FREQUENCY = "suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
-    MODE_Q = "suspension.modes.q", "", QS, "q = 100", required;
+    MODE_Q = "suspension.modes.q", "", Fixed, QS, "q = 100", required;
     /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
     /// "20000 arcsec/s/g".
-    MODE_RESPONSE = "suspension.modes.response", "", RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    MODE_RESPONSE = "suspension.modes.response", "", Fixed, RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
     /// Frequency of the vibration: "380 Hz"; absent where it is swept.
-    FREQUENCY = "suspension.frequency", "vibration frequency", FREQUENCIES, r#"frequency = "380 Hz""#;
+    FREQUENCY = "suspension.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "380 Hz""#;
 }
 
 const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");

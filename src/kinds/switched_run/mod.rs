@@ -56,14 +56,14 @@ keys! {
     /// The keys specific to this kind.
     static KEYS;
     /// Sign of the magnetic drift in the first interval; positive if absent.
-    FIRST_MODE = "switching.first_mode", "", Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
+    FIRST_MODE = "switching.first_mode", "", Fixed, Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
     /// Phase of the motion at the switches; random if absent. If the motion has a fixed phase, every switch has that
     /// phase.
-    TIMING = "switching.timing", "", Holds::Word(Timing::WORDS), r#"timing = "random""#;
+    TIMING = "switching.timing", "", Fixed, Holds::Word(Timing::WORDS), r#"timing = "random""#;
     /// Times at which the angle is estimated in addition to the end: ["10 min", "30 min"].
-    pub(crate) TIMES = "run.times", "", Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
+    pub(crate) TIMES = "run.times", "", Fixed, Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
     /// Number of runs that are kept as trajectories; none if absent.
-    TRAJECTORIES = "run.trajectories", "", Holds::Whole(0, 1000), "trajectories = 20";
+    TRAJECTORIES = "run.trajectories", "", Fixed, Holds::Whole(0, 1000), "trajectories = 20";
 }
 
 /// The part of a study that is specific to whole runs.

@@ -21,7 +21,7 @@ keys! {
     /// The key that a relock study does not have.
     static KEYS;
     /// Compensation of the ticks; "none" if absent. A study of kind = "relock" compares all compensations.
-    COMPENSATION = "relock.compensation", "compensation", Holds::Word(Compensation::WORDS), r#"compensation = "detuning""#;
+    COMPENSATION = "relock.compensation", "compensation", Choice, Holds::Word(Compensation::WORDS), r#"compensation = "detuning""#;
 }
 
 /// Every key of a relock in a run.

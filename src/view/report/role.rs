@@ -1,38 +1,18 @@
 //! The part that a column plays in the question of a study.
 
 use crate::chart::Source;
-use crate::kinds::navigation::keys::{ALIGNMENT, FILTER};
-use crate::motion::keys::GYRO as SUSPENDED_GYRO;
-use crate::noise::keys::{FILE as NOISE_FILE, INTERVAL};
+use crate::kinds::KINDS;
+use crate::kinds::allan::columns::COEFFICIENT;
 use crate::study::Study;
 use crate::table::{Column, ColumnError, Role, Table};
 
-/// Prefixes of keys that are conditions or requirements instead of choices of a designer.
-const GIVEN: [&str; 14] = [
-    "coefficient",
-    "record.rate",
-    "suspension.frequency",
-    "run.",
-    "motion.",
-    "drift.",
-    "noise.",
-    "navigation.",
-    "relock.adc_noise",
-    "lock_in.threshold",
-    "input.rate",
-    "gyro.tick_noise",
-    "gyro.readout_lsb",
-    "switching.gap_ticks",
-];
-
-/// Keys of these between which a designer chooses: those that tell gyros or filters apart, the time of alignment, and the interval
-/// between switches.
-const CHOSEN: [&str; 5] = [SUSPENDED_GYRO.name, NOISE_FILE.name, FILTER.name, ALIGNMENT.name, INTERVAL.name];
-
-/// Whether a column is a condition or a requirement instead of a choice.
+/// Whether a column is a condition instead of a choice: that of a key by its role, of others the names of coefficients.
 pub(crate) fn is_given(column: &Column) -> bool {
-    let key = if column.of.is_empty() { &column.name } else { &column.of };
-    !CHOSEN.contains(&key.as_str()) && GIVEN.iter().any(|given| key.starts_with(given))
+    let name = if column.of.is_empty() { &column.name } else { &column.of };
+    let keys = KINDS.iter().flat_map(|kind| (kind.keys)().into_iter().chain((kind.sweepable)()));
+    keys.into_iter()
+        .find(|key| key.name == *name)
+        .map_or_else(|| name.starts_with(COEFFICIENT), |key| key.role.is_given())
 }
 
 /// The columns that distinguish rows, each once, after some `columns`.

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use crate::answer::card::said;
 use crate::answer::{Answer, AnswerTable};
 use crate::table::Table;
 use crate::view::picture::Drawn;
@@ -213,15 +214,5 @@ fn grid(grid: &Grid) -> Markup {
                 }
             }
         }
-    }
-}
-
-/// A text with what is in backticks as code.
-fn said(text: &str) -> Markup {
-    let is_paired = text.matches('`').count().is_multiple_of(2);
-    html! {
-        @if is_paired {
-            @for (at, part) in text.split('`').enumerate() { @if at % 2 == 1 { code { (part) } } @else { (part) } }
-        } @else { (text) }
     }
 }

@@ -46,7 +46,7 @@ pub(crate) fn name_in(sheet: &mut Sheet, found: &Design) {
 
 /// A value with its unit.
 pub(crate) fn shown(value: &Swept) -> String {
-    value.quantity().map_or_else(|| value.to_string(), short)
+    value.quantity().map_or_else(|| value.to_string(), |quantity| short(quantity, 6))
 }
 
 /// The headings of latency and memory, where the design shows them.
