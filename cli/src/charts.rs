@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 use sagnac::store::folder::Folder;
-use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::{Drawn, chart_stem};
 
 use crate::failure::Failure;
-use crate::look;
 
 /// Writes the charts as SVG and PNG, and removes those of earlier runs that no longer exist.
 ///
@@ -17,29 +15,13 @@ pub fn draw(pictures: &[Drawn], folder: &Folder) -> Result<(), Failure> {
     // In parallel: a chart of 10,000 points takes half a second.
     pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture))?;
     let drawn: Vec<String> = (0..pictures.len()).map(|index| chart_stem(index, pictures.len())).collect();
-    remove_undrawn(folder, &drawn, is_chart_stem)
-}
-
-/// Writes figures by their stems, and removes those of earlier runs that no longer exist.
-///
-/// # Errors
-/// A figure cannot be drawn, written or removed.
-pub fn write_figures(folder: &Folder, figures: &[(String, Option<Figure>)]) -> Result<(), Failure> {
-    for (stem, figure) in figures {
-        match figure {
-            Some(figure) => write_pictures(folder, stem, &Picture::Curves(figure.clone()))?,
-            None => ["svg", "png"]
-                .into_iter()
-                .try_for_each(|ending| folder.remove(&format!("{stem}.{ending}")).map(drop))?,
+    for name in folder.listed() {
+        let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png"));
+        if stem.is_some_and(|stem| is_chart_stem(stem) && !drawn.iter().any(|drawn| drawn == stem)) {
+            folder.remove(&name)?;
         }
     }
     Ok(())
-}
-
-/// The figures as text for the terminal.
-pub fn plotted(figures: Vec<(String, Option<Figure>)>) -> String {
-    let drawn = figures.into_iter().filter_map(|(_, figure)| figure);
-    drawn.map(|figure| format!("{}\n", Picture::Curves(figure).text(look::of_output()))).collect()
 }
 
 /// Writes a chart as `<stem>.svg` and `<stem>.png`.
@@ -51,24 +33,6 @@ pub fn write_pictures(folder: &Folder, stem: &str, picture: &Picture) -> Result<
         picture.png(2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
     folder.write(&format!("{stem}.svg"), picture.svg().as_bytes())?;
     folder.write(&format!("{stem}.png"), &png)?;
-    Ok(())
-}
-
-/// Removes pictures of earlier runs whose stem is one of ours and not among those that are `drawn`.
-///
-/// # Errors
-/// A file cannot be removed.
-pub fn remove_undrawn(
-    folder: &Folder,
-    drawn: &[String],
-    is_ours: impl Fn(&str) -> bool,
-) -> Result<(), Failure> {
-    for name in folder.listed() {
-        let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png"));
-        if stem.is_some_and(|stem| is_ours(stem) && !drawn.iter().any(|drawn| drawn == stem)) {
-            folder.remove(&name)?;
-        }
-    }
     Ok(())
 }
 

@@ -4,27 +4,23 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
-use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::searched::band;
-use sagnac::analysis::design::{Constraints, Design, Measure, Request, Search, design as find};
+use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as find};
 use sagnac::analysis::page;
 use sagnac::quantity::number::short;
 use sagnac::quantity::units::Dimension;
 use sagnac::store::folder::Folder;
-use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
-use serde_json::Value;
 
-use crate::charts::{write_figures, write_pictures};
 use crate::failure::Failure;
 use crate::filler::alone::at_least_0;
-use crate::output::{Printed, print_json, write_or_remove, write_page, write_table};
+use crate::outcome::Outcome;
+use crate::output::{Printed, print_json};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::terminal::headed_by;
 use crate::words::one_of;
-use crate::{kind, look, whole};
+use crate::{kind, whole};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -124,50 +120,18 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
-    let table = report::table(&found);
     let sheet = found.sheet()?;
     let document = report::json(&found, sheet.as_ref());
-    let picture = write_all(&found, sheet.as_ref(), &document, &table, &Folder::open(&folder)?)?;
+    let (runs, after) = (short(found.trials as f64), report::duration(found.variant().duration_s));
+    let figure = report::figure(&found).map_err(|error| Failure::Picture(error.to_string()))?;
+    let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
+    let candidates = report::table(&found).rows();
+    let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", found.study.title);
+    let mut outcome = Outcome::new(heading, page);
+    outcome.add_json("design.json", &document)?;
+    outcome.save(&Folder::open(&folder)?, &["design.csv", "pareto.csv", "design", "pareto"])?;
     if options.json {
         return print_json(&document);
     }
-    let (runs, after) = (short(found.trials as f64), report::duration(found.variant().duration_s));
-    options.printed.show(
-        &format!("{} · {} candidates × {runs} runs of {after}", found.study.title, table.rows()),
-        &found.answer(sheet.as_ref()),
-        &found.notes,
-        || picture.text(look::of_output()),
-        || Ok(summary(&found)),
-    )?;
-    options.printed.whereabouts(&folder);
-    Ok(())
-}
-
-fn write_all(
-    found: &Design,
-    sheet: Option<&Sheet>,
-    document: &Value,
-    table: &Table,
-    folder: &Folder,
-) -> Result<Picture, Failure> {
-    write_table(folder, "design.csv", table)?;
-    let json = serde_json::to_vec_pretty(document);
-    folder.write("design.json", &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
-    let figure = report::figure(found).map_err(|error| Failure::Picture(error.to_string()))?;
-    let picture = Picture::Curves(figure);
-    write_pictures(folder, "design", &picture)?;
-    write_or_remove(folder, "pareto.csv", report::pareto_table(found))?;
-    write_figures(folder, &[("pareto".to_owned(), report::pareto_figure(found))])?;
-    write_page(folder, &page::of_design(found, sheet, table, picture.clone()))?;
-    Ok(picture)
-}
-
-/// A line for each filler at its best interval, below one for each variant.
-fn summary(found: &Design) -> String {
-    let (heading, lines) = report::by_filler(found);
-    let fillers = headed_by(heading, lines.into_iter());
-    let variants = report::by_variant(found);
-    let variants =
-        variants.map_or_else(String::new, |(heading, lines)| headed_by(heading, lines.into_iter()) + "\n");
-    variants + &fillers
+    outcome.show(&options.printed, &folder)
 }

@@ -1,8 +1,10 @@
 //! Output for a study of one point: its fillers side by side.
 
+use sagnac::quantity::number::significant;
+use sagnac::table::text::{aligned, distinct};
 use sagnac::table::{Cell, Column, Role, Table};
 
-use crate::terminal::{aligned, distinct, number};
+use crate::look;
 
 /// A line for each filler with the estimates of a summary for each error.
 pub fn one_point(table: &Table) -> String {
@@ -31,8 +33,8 @@ pub fn one_point(table: &Table) -> String {
         }
         lines[0].push(format!("{kind} {}, {}", name(column), column.unit.symbol));
         for (line, value) in lines[1..].iter_mut().zip(values) {
-            line.push(number(value, 4));
+            line.push(value.map_or_else(String::new, |value| significant(value, 4)));
         }
     }
-    aligned(&lines)
+    aligned(&lines, look::columns())
 }

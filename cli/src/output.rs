@@ -8,10 +8,9 @@ use sagnac::answer::Answer;
 use sagnac::quantity::visible::{visible, visible_json};
 use sagnac::store::folder::{self, Folder};
 use sagnac::table::Table;
-use sagnac::view::report::sections::Page;
-use sagnac::view::report::{CARD, FILE as REPORT};
+use sagnac::view::report::FILE as REPORT;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::failure::{Failure, in_options};
 use crate::look;
@@ -116,11 +115,6 @@ impl Output {
     /// The results folder; by default the one called `name` in `results/`.
     pub fn folder(&self, name: impl AsRef<Path>) -> PathBuf {
         self.out.clone().unwrap_or_else(|| Path::new("results").join(name))
-    }
-
-    /// Says where the results are, and opens their page if that is asked for.
-    pub fn whereabouts(&self, folder: &Path) {
-        self.printed.whereabouts(folder);
     }
 
     /// Shows progress, unless only errors or JSON are printed.
@@ -229,28 +223,6 @@ pub fn unwritten(path: &Path) -> impl Fn(io::Error) -> Failure {
 /// It cannot be written.
 pub fn write_table(folder: &Folder, name: &str, table: &Table) -> Result<String, Failure> {
     Ok(folder.write_by(name, |file| table.write_csv(file).map(drop))?)
-}
-
-/// Writes a table of a results folder, or removes that of an earlier run where there is none.
-///
-/// # Errors
-/// It cannot be written or removed.
-pub fn write_or_remove(folder: &Folder, name: &str, table: Option<Table>) -> Result<(), Failure> {
-    match table {
-        Some(table) => write_table(folder, name, &table).map(drop),
-        None => Ok(folder.remove(name).map(drop)?),
-    }
-}
-
-/// Writes the page of a results folder, with its card for galleries, and puts them and all files written before in their places.
-///
-/// # Errors
-/// A file cannot be written.
-pub fn write_page(folder: &Folder, page: &Page) -> Result<(), Failure> {
-    let spell = |text: &str| in_options(&text);
-    folder.write(REPORT, page.html(&spell).as_bytes())?;
-    folder.write(CARD, json!(page.card(&spell)).to_string().as_bytes())?;
-    Ok(folder.commit()?)
 }
 
 /// A table as the bytes of its file.

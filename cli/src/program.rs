@@ -85,9 +85,8 @@ commands! {
     Device(crate::devices::Command) = crate::devices::device;
     #[command(hide = true)]
     Chart(crate::chart::Options) = |options| { renamed("chart", "report DIR --chart"); crate::chart::chart(options) };
-    /// Compute the power spectral density of a recorded log, with its lines and the white noise beside the Allan fit
     #[command(hide = true)]
-    Psd(crate::psd::Options) = |options| { renamed("psd", "allan"); crate::psd::psd(options) };
+    Psd(crate::allan::Options) = |options| { renamed("psd", "allan"); crate::allan::allan(options) };
     #[command(hide = true)]
     Lot(crate::compare::Options) = |options| { renamed("lot", "compare"); crate::compare::batch::batch(options, "lot") };
     #[command(hide = true)]

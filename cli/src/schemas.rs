@@ -28,7 +28,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<_, fn() -> String, 13>([
+    one_of::<_, fn() -> String, 12>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),
@@ -36,7 +36,6 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
         ("sensitivity", shipped!("sensitivity")),
         ("filler", shipped!("filler")),
         ("allan", shipped!("allan")),
-        ("psd", shipped!("psd")),
         ("compare", shipped!("compare")),
         ("lot", shipped!("lot")),
         ("model", shipped!("model")),

@@ -5,18 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sagnac::analysis::page;
 use sagnac::analysis::sensitivity::report;
-use sagnac::analysis::sensitivity::{Request, Sensitivity, SensitivityError, sensitivity as find};
+use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as find};
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::view::chart::picture::Picture;
 
-use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::output::{Printed, print_json, write_page, write_table};
+use crate::outcome::Outcome;
+use crate::output::{Printed, print_json};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::terminal::headed_by;
-use crate::{chart, kind, look, whole};
+use crate::{chart, kind, whole};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -86,22 +84,15 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
         None => "sensitivity".to_owned(),
     };
     let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
-    let picture = write_all(&study, &found, &Folder::open(&folder)?)?;
+    let document = report::json(&study, &found);
+    let heading = format!("{} · {}", study.title, report::effort(&found));
+    let mut outcome = Outcome::new(heading, page::of_sensitivity(&study, &found));
+    outcome.add_json("sensitivity.json", &document)?;
+    outcome.save(&Folder::open(&folder)?, &[])?;
     if options.json {
-        return print_json(&report::json(&study, &found));
+        return print_json(&document);
     }
-    options.printed.show(
-        &format!("{} · {}", study.title, report::effort(&found)),
-        &found.answer(),
-        &found.notes,
-        || picture.text(look::of_output()),
-        || {
-            let (heading, lines) = report::by_input(&found);
-            Ok(headed_by(heading, lines.into_iter()))
-        },
-    )?;
-    options.printed.whereabouts(&folder);
-    Ok(())
+    outcome.show(&options.printed, &folder)
 }
 
 /// An error at the place in the study that caused it.
@@ -114,15 +105,4 @@ fn failure(study: &Study, error: SensitivityError) -> Failure {
         }
         Err(error) => Failure::Record(in_options(&error)),
     }
-}
-
-fn write_all(study: &Study, found: &Sensitivity, folder: &Folder) -> Result<Picture, Failure> {
-    let table = report::table(found);
-    write_table(folder, "sensitivity.csv", &table)?;
-    let json = serde_json::to_vec_pretty(&report::json(study, found));
-    folder.write("sensitivity.json", &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
-    let picture = Picture::Curves(report::figure(study, found));
-    write_pictures(folder, "sensitivity", &picture)?;
-    write_page(folder, &page::of_sensitivity(study, found, &table, picture.clone()))?;
-    Ok(picture)
 }

@@ -245,7 +245,7 @@ def psd(
     unit_check: bool = True,
     threads: int | None = None,
 ) -> Analysis:
-    """The power spectral density of a record with its lines and its white noise, as ``sagnac psd`` computes them.
+    """The power spectral density of a record with its lines and its white noise, as ``sagnac allan`` computes them.
 
     Parameters
     ----------

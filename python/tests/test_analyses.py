@@ -86,11 +86,11 @@ def test_a_spectrum_is_that_of_the_program(program: Program) -> None:
     values = record(3, 1.0)
     path = written(program.folder, "record.csv", values)
     read = ["--data", "rate", "--unit", "deg/h", "--rate", "100Hz", "--bootstrap", 0]
-    expected = program("psd", path, *read, "--limit", "floor=1 deg/sqrt(h)")
+    expected = program("allan", path, *read, "--limit", "floor=1 deg/sqrt(h)")
     found = sagnac.psd(values, RATE, unit="deg/h", bootstrap=0, limits={"floor": "1 deg/sqrt(h)"})
     assert found.decision is not None and found.decision["met"] is True
     assert found.decision["limits"][0]["value"] == expected["decision"]["limits"][0]["value"]
-    assert found.data["columns"][0]["lines"] == expected["columns"][0]["lines"]
+    assert found.data["columns"][0]["spectrum"] == expected["columns"][0]["spectrum"]
     assert found.tables["psd.csv"].rows > 100
     wrong: Any
     for wrong in ({"confidence": 2.0}, {"segment_detrend": "cubic"}, {"terms": "N"}):

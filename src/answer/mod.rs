@@ -196,8 +196,8 @@ mod tests {
     use super::Answer;
 
     /// The documents that contain an answer.
-    const DOCUMENTS: [&str; 9] =
-        ["allan", "compare", "design", "filler", "lot", "model", "psd", "run", "sensitivity"];
+    const DOCUMENTS: [&str; 8] =
+        ["allan", "compare", "design", "filler", "lot", "model", "run", "sensitivity"];
 
     #[test]
     fn schemas_have_the_definitions_of_an_answer_that_follow_from_its_type() {

@@ -31,14 +31,8 @@ impl Answer {
         if !table.is_empty() {
             text += &format!("\n{table}");
         }
-        let labels = self.facts.iter().map(|fact| fact.label().chars().count()).max().unwrap_or(0);
-        let facts = self.facts.iter().map(|fact| {
-            let indent = labels + 4;
-            let lines = wrapped(&fact.text(), width.saturating_sub(indent).max(20))
-                .join(&format!("\n{:indent$}", ""));
-            format!("  {:<labels$}  {lines}\n", fact.label())
-        });
-        let facts: String = facts.collect();
+        let facts: Vec<(&str, String)> = self.facts.iter().map(|fact| (fact.label(), fact.text())).collect();
+        let facts = labelled(&facts, width);
         if facts.is_empty() { text } else { format!("{text}\n{facts}") }
     }
 }
@@ -96,6 +90,17 @@ impl AnswerTable {
     }
 }
 
+/// Labels with their texts beside them, in lines of at most a width.
+pub(crate) fn labelled(rows: &[(&str, String)], width: usize) -> String {
+    let labels = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+    let indent = labels + 4;
+    let line = |(label, text): &(&str, String)| {
+        let lines = wrapped(text, width.saturating_sub(indent).max(20)).join(&format!("\n{:indent$}", ""));
+        format!("  {label:<labels$}  {lines}\n")
+    };
+    rows.iter().map(line).collect()
+}
+
 /// The words of a text; a sign and a bar stay with the word before.
 fn words(text: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
@@ -112,7 +117,7 @@ fn words(text: &str) -> Vec<String> {
 }
 
 /// A text in lines of at most a width, broken between words.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
+pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = vec![String::new()];
     for word in words(text) {
         let last = lines.len() - 1;

@@ -4,6 +4,7 @@ mod cell;
 pub(crate) mod cells;
 pub(crate) mod column;
 pub(crate) mod file;
+pub mod text;
 
 use std::collections::HashMap;
 use std::hash::Hash;

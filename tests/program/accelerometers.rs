@@ -44,9 +44,8 @@ fn six_axes_of_a_numpy_log_have_numpys_deviations_in_two_tables_and_two_charts()
         assert_eq!(same(&curve, point)["unit"], point["unit"]);
     }
     for piece in [
-        "gx, gy, gz: overlapping Allan deviation, °/h",
-        "ax, ay, az: overlapping Allan deviation, µg",
-        "gx, gy, gz: coefficients of the overlapping Allan curves",
+        "overlapping Allan deviation, °/h, with 95 % intervals",
+        "overlapping Allan deviation, µg, with 95 % intervals",
         "m/s/√h",
         "µg/√h",
         "≤",
@@ -120,7 +119,7 @@ fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
     assert!((density * 60.0 / number(n, "value") - 1.0).abs() < 1e-5, "{yaml}");
     assert!(yaml.contains("#gyroscope_noise_density:"), "{yaml}");
 
-    let ended = desk.full("psd acc.csv --data rate --unit m/s^2 --rate 100Hz --bootstrap 0 --out psd");
+    let ended = desk.full("allan acc.csv --data rate --unit m/s^2 --rate 100Hz --bootstrap 0 --out psd");
     assert!(ended.stdout.contains("µg²/Hz") && ended.stdout.contains("m/s/√h"), "{}", ended.stdout);
     assert!(desk.read("psd/psd.svg").contains("density of the acceleration"));
     let white = desk.table("psd/white_noise.csv");

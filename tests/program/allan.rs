@@ -22,10 +22,10 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683 \
                  --intervals stable32";
     let ended = done(&desk, words);
-    for piece in ["1001 samples at 1 Hz", "0.10570", "68.3 % intervals", "time deviation", "in-run stability"]
+    for piece in ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "In-run stability"]
     {
         assert!(
-            ended.stdout.contains(piece.trim_end_matches('0')),
+            ended.stdout.contains(piece),
             "{piece} is missing in\n{}",
             ended.stdout
         );
@@ -130,7 +130,7 @@ fn gaps_outliers_and_what_was_done_are_said() {
         "linear trend was removed",
         "R is gone",
         "above τ = 16 s",
-        "°/h/h was removed",
+        "Removed trend",
     ] {
         assert!(kept.stdout.contains(piece), "{piece} is missing in\n{}", kept.stdout);
     }
@@ -159,7 +159,7 @@ fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
     let text: String = noise(20_000).map(|y| format!("{y}\n")).collect();
     let desk = desk_with("rest.csv", text);
     let ended = done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out out");
-    assert!(ended.stdout.contains("coefficients of the overlapping Allan curve"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("\nCoefficients\n"), "{}", ended.stdout);
     let rows = desk.table("out/coefficients.csv");
     let row = |name: &str| crate::desk::row(&rows, &[("coefficient", name)]);
     let number = |name: &str, column: &str| crate::desk::number(row(name), column);

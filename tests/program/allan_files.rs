@@ -76,7 +76,7 @@ fn the_chart_of_one_column_has_the_fit_and_its_parts() {
     let desk = gyro();
     allan(&desk, "gyro.csv --deviation oadev,hdev");
     let svg = desk.read("out/chart.svg").replace('\u{a0}', " ");
-    for piece in [">measured<", ">fit<", ">parts of the fit of oadev<"] {
+    for piece in [">measured<", ">fit, τ from ", ">parts of the fit of oadev<"] {
         assert!(svg.contains(piece), "{piece} is missing in the chart");
     }
     for (name, unit) in [("Q", "arcsec"), ("N", "°/√h"), ("B", "°/h")] {
@@ -86,12 +86,12 @@ fn the_chart_of_one_column_has_the_fit_and_its_parts() {
     assert!(!svg.contains(">K = "), "K is not identified");
     allan(&desk, "gyro.csv --fit none");
     let svg = desk.read("out/chart.svg");
-    assert!(!svg.contains(">fit<") && !svg.contains(">measured<") && !svg.contains("parts of"));
+    assert!(!svg.contains(">fit") && !svg.contains(">measured<") && !svg.contains("parts of"));
     // Of angles there is no closed form.
     allan(&desk, "gyro.csv --deviation oadev,tdev");
     assert!(desk.read("out/chart.svg").contains(">parts of the fit<"));
     let svg = desk.read("out/chart-tdev.svg");
-    assert!(!svg.contains(">fit<") && !svg.contains("parts of"));
+    assert!(!svg.contains(">fit") && !svg.contains("parts of"));
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn half_the_noise_is_found_in_table_csv_json_answer_and_pictures() {
     let desk = two(lines(&white(4096, 6.0, 1)), lines(&white(4096, 3.0, 2)));
     let ended = done(&desk, &format!("a.csv b.csv {RATE}"));
     for piece in [
-        "A  a.csv, 1: 4096 samples at 1 Hz, 68 min",
+        "A a.csv, 1: 4096 samples at 1 Hz, 68 min",
         "no trend was removed",
         "ratio",
         "lower",

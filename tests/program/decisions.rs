@@ -1,4 +1,4 @@
-//! The answers in which `sagnac allan`, `psd`, `compare` and `lot` end: limits are held against intervals, and every answer says
+//! The answers in which `sagnac allan`, `compare` and `lot` end: limits are held against intervals, and every answer says
 //! what the numbers say.
 
 use sagnac::quantity::number::significant;
@@ -218,12 +218,12 @@ fn spikes_are_left_out_of_the_fit_that_is_held_against_a_limit() {
 fn a_spectrum_and_the_page_end_in_the_decision_of_the_log() {
     let desk = gyro();
     let limits = ["floor=0.2 deg/sqrt(h)", "N=0.2 deg/sqrt(h)"];
-    let psd = document(&desk, &format!("psd g.csv {READ} --bootstrap 0"), &limits);
-    assert_eq!(psd["decision"]["met"], json!(true));
-    let floor = psd["columns"][0]["white_noise"]["floor"]["n"].as_f64().unwrap();
-    assert_eq!(psd["decision"]["limits"][0]["value"], floor);
-    assert_eq!(psd["decision"], allan(&desk, "", &limits)["decision"]);
-    let ended = desk.done(&format!("psd g.csv {READ} --bootstrap 0 --limit floor=0.2deg/sqrt(h) --out out"));
+    let found = document(&desk, &format!("allan g.csv {READ} --bootstrap 0"), &limits);
+    assert_eq!(found["decision"]["met"], json!(true));
+    let floor = found["columns"][0]["spectrum"]["white_noise"]["floor"]["n"].as_f64().unwrap();
+    assert_eq!(found["decision"]["limits"][0]["value"], floor);
+    let ended =
+        desk.done(&format!("allan g.csv {READ} --bootstrap 0 --limit floor=0.2deg/sqrt(h) --out out"));
     let page = desk.read("out/report.html");
     let told = "N of the floor 0.1";
     assert!(
@@ -309,9 +309,7 @@ fn limits_that_make_no_sense_are_refused_before_anything_is_written() {
         ("--limit N=1deg/sqrt(h) --fit none", ["none are fitted", "leave out the limit"]),
         ("--limit R=1deg/h/h --detrend linear", ["R is not fitted", "leave out the limit"]),
     ] {
-        for command in ["allan", "psd"] {
-            desk.fails(&format!("{command} g.csv {READ} {limit}"), 2, &pieces);
-        }
+        desk.fails(&format!("allan g.csv {READ} {limit}"), 2, &pieces);
     }
     assert!(!desk.path("results").exists(), "a refused limit left results");
 }

@@ -83,7 +83,6 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(
         "allan warm.csv --data rate --rate 1Hz --column gz --temperature temp --bootstrap 0 --out warm",
     );
-    desk.done(&format!("psd {log} {read} --bootstrap 0 --out psd"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
     desk.done("lot two.csv --data rate --column gx,gz --out lot");
@@ -117,9 +116,9 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("allan", "stationarity.csv", "allan"),
         ("allan", "temperature.csv", "warm"),
         ("allan", "compensation.csv", "warm"),
-        ("psd", "psd.csv", "psd"),
-        ("psd", "lines.csv", "psd"),
-        ("psd", "white_noise.csv", "psd"),
+        ("allan", "psd.csv", "allan"),
+        ("allan", "lines.csv", "allan"),
+        ("allan", "white_noise.csv", "allan"),
         ("compare", "compare.csv", "compare"),
         ("compare", "coefficients.csv", "compare"),
         ("lot", "units.csv", "lot"),

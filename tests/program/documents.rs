@@ -74,7 +74,7 @@ fn a_merge_without_all_shares_says_in_its_verdict_and_document_what_is_missing()
 }
 
 #[test]
-fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_schemas_say() {
+fn design_sensitivity_filler_allan_compare_lot_and_model_print_what_their_schemas_say() {
     let desk = Desk::with("");
     let design = format!("design {} {FEW}", shipped("studies/design_point.toml"));
     check(&schema("design"), &desk.done(&design).stdout, "design");
@@ -95,7 +95,8 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
     let allan = schema("allan");
     for more in [
         "--bootstrap 0",
-        "--fit none --bootstrap 0",
+        "--fit none --no-psd --bootstrap 0",
+        "--segment 600s --segment-detrend linear --bootstrap 0",
         &format!("{deviations} --bootstrap 0"),
         "--bootstrap 200",
         "--bootstrap 0 --dynamic 30min",
@@ -121,9 +122,6 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
     for more in ["", "--fit none", "--limit in_run_stability=1deg/s"] {
         let words = format!("lot two.csv --data rate --column gx,gz --json {more}");
         check(&schema("lot"), &desk.done(&words).stdout, &words);
-    }
-    for more in ["--bootstrap 0", "--fit none", "--segment 600s --segment-detrend linear --bootstrap 0"] {
-        check(&schema("psd"), &desk.done(&format!("psd {log} {read} {more}")).stdout, more);
     }
     let model = schema("model");
     for more in ["--bound", "--bound=repeat --write all", "--bound --quantisation white --states 1"] {

@@ -89,7 +89,7 @@ fn headers_of_logs_are_shown_visibly() {
     desk.write("unit.csv", &format!("time [s],rate [{HOSTILE}]\n{rows}"));
     for words in [
         "allan log.csv --data rate",
-        "psd log.csv --data rate",
+        "allan log.csv --data rate",
         "allan log.csv --data rate --column nothing",
         "allan bad.csv --data rate",
         "allan unit.csv --data rate",

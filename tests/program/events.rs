@@ -27,16 +27,15 @@ fn kinds(events: &Value) -> Vec<[&str; 2]> {
 }
 
 #[test]
-fn psd_model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
+fn model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
     let desk = desk_with("gyro.csv", with_line());
     for (command, folder, done) in [
         ("allan gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
-        ("psd gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
         ("model gyro.csv --bound", "gyro_model", "removed"),
     ] {
         let words = format!("{command} {READ}");
         let text = desk.full(&words).stdout;
-        assert!(text.contains("\nwhat this record shows\n") && text.contains(done), "{command}: {text}");
+        assert!(text.contains("What this record shows\n") && text.contains(done), "{command}: {text}");
         let page = desk.read(&format!("results/{folder}/report.html"));
         assert!(page.contains("<h2>What this record shows</h2>"), "{command}");
         let found = document(&desk, &words);
@@ -68,7 +67,7 @@ fn a_record_given_twice_is_noted_with_the_name_of_the_first() {
     assert_eq!(kinds(&found["a"]["events"]), [["line", "removed"]]);
     assert_eq!(kinds(&found["b"]["events"]), [["same record", "noted"], ["line", "removed"]]);
     let text = desk.full(&words).stdout;
-    let list = text.split("\nwhat these records show\n").nth(1).unwrap();
+    let list = text.split("\nWhat these records show\n").nth(1).unwrap();
     let rows: Vec<Vec<&str>> =
         list.lines().skip(1).take(3).map(|line| line.split_whitespace().collect()).collect();
     assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<&str>>(), ["a", "b", "b"], "{text}");
@@ -83,9 +82,9 @@ fn lines_that_only_a_noise_burst_makes_are_none_and_its_samples_count_as_missing
     let louder = |i: usize| if (4000..6000).contains(&i) { 10.0 } else { 1.0 };
     let text = sums.enumerate().map(|(i, y)| format!("{}\n", louder(i) * y)).collect::<String>();
     let desk = desk_with("gyro.csv", text);
-    let spectrum = document(&desk, &format!("psd gyro.csv {READ} --bootstrap 0"));
+    let spectrum = document(&desk, &format!("allan gyro.csv {READ} --bootstrap 0"));
     assert_eq!(kinds(&spectrum["columns"][0]["events"]), [["noise burst", "left out of the fit"]]);
-    assert_eq!(spectrum["columns"][0]["lines"], Value::Array(vec![]));
+    assert_eq!(spectrum["columns"][0]["spectrum"]["lines"], Value::Array(vec![]));
 
     let missing = |more: &str| {
         let found = document(&desk, &format!("allan gyro.csv {READ} --bootstrap 0 {more}"));

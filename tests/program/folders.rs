@@ -90,19 +90,17 @@ fn a_gallery_joins_the_results_of_every_command() {
         "sensitivity {decides} --by oracle_rms --samples 32 --device cpu --out all/what_decides"
     ));
     desk.done(&format!("allan log.csv {read} --out all/allan"));
-    desk.done(&format!("psd log.csv {read} --out all/psd"));
     desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
     desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
     desk.done("model log.csv --data rate --column gx,gz --bound --out all/model");
-    let pages =
-        ["allan", "compare", "filler", "lot", "model", "psd", "study", "study/design", "what_decides"];
+    let pages = ["allan", "compare", "filler", "lot", "model", "study", "study/design", "what_decides"];
     let said = desk.done("report all").stderr;
     for page in pages {
         assert!(said.contains(&format!("all/{page}/report.html\n")), "{page}: {said}");
     }
     let gallery = desk.read("all/gallery.html");
-    assert!(gallery.contains("<h1>9 results</h1>"), "{gallery}");
-    assert_eq!(gallery.matches("<img").count(), 9);
+    assert!(gallery.contains("<h1>8 results</h1>"), "{gallery}");
+    assert_eq!(gallery.matches("<img").count(), 8);
     for page in pages {
         let text = desk.read(&format!("all/{page}/report.html"));
         let (_, from) = text.split_once("class=\"headline\">").unwrap();

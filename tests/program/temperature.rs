@@ -120,7 +120,7 @@ fn a_wrong_temperature_is_refused_with_what_is_accepted() {
     ] {
         desk.fails(&format!("{WORDS} --column gx {words}"), code, &pieces);
     }
-    for command in ["psd log.csv", "compare log.csv log.csv", "lot log.csv", "model log.csv"] {
+    for command in ["allan log.csv", "compare log.csv log.csv", "lot log.csv", "model log.csv"] {
         let words = format!("{command} --data rate --unit deg/h --column gx,gy --temperature temp");
         desk.fails(&words, 2, &["--temperature without --compensate", "give --compensate too"]);
     }
@@ -158,7 +158,7 @@ fn share_within(values: &[Row], value: &str, intervals: &[Row]) -> f64 {
 fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence() {
     let desk = log_and_clean();
     for (command, table, value) in [
-        ("psd", "psd.csv", "density"),
+        ("allan", "psd.csv", "density"),
         // Of models the record, from which events are removed.
         ("model", "model.csv", "record"),
     ] {
@@ -173,8 +173,8 @@ fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence
         assert_eq!(share, 1.0, "{command}: share of 95 % intervals of the clean record around its values");
     }
     // The spectrum of the record as it is is another one at the lowest frequency.
-    desk.done(&format!("psd log.csv {READ} --out raw --segment 2000s"));
-    desk.done(&format!("psd clean.csv {READ} --out clean --segment 2000s"));
+    desk.done(&format!("allan log.csv {READ} --out raw --segment 2000s"));
+    desk.done(&format!("allan clean.csv {READ} --out clean --segment 2000s"));
     let [raw, clean] = ["raw/psd.csv", "clean/psd.csv"].map(|name| number(&desk.table(name)[0], "density"));
     assert!(raw > 100.0 * clean, "{raw} beside {clean}");
 }
@@ -207,12 +207,9 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
 #[test]
 fn a_record_without_a_dependence_stays_as_it_is_and_every_command_says_so() {
     let desk = log("time_s,gx,gy,temp [degC]", |_| 20.0);
-    for (command, of_column) in [
-        ("psd log.csv", ""),
-        ("compare log.csv log.csv", "log"),
-        ("model log.csv --bound", ""),
-        ("allan log.csv", ""),
-    ] {
+    for (command, of_column) in
+        [("allan log.csv", ""), ("compare log.csv log.csv", "log"), ("model log.csv --bound", "")]
+    {
         let column = if of_column.is_empty() { "gx" } else { "gx,gy" };
         let read = READ.replace("gx", column);
         let ended = desk.full(&format!("{command} {read} {COMPENSATE} --out out"));

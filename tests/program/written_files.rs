@@ -23,13 +23,12 @@ use crate::logs::noise;
 const LIST: &str = "written_by_sagnac.jsonl";
 
 /// Commands that write into a results folder, without it.
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 13] = [
     "run study.toml --trials 256 --device cpu --out",
     "run swept.toml --trials 64 --device cpu --out",
     "merge done --out",
     "allan log.csv --data rate --column gz --temperature temp --compensate --dynamic 30s --bootstrap 0 --out",
     "allan log.csv --data rate --column gz --navigate 1min --bootstrap 0 --out",
-    "psd log.csv --data rate --column gz --bootstrap 0 --out",
     "compare log.csv log.csv --data rate --column gz,gx --out",
     "lot log.csv --data rate --column gz,gx --out",
     "model noise.toml --from 1s --to 1000s --bound --filter-rate 100Hz --write all --out",
@@ -288,10 +287,10 @@ fn a_received_folder_writes_nowhere_else_when_it_is_shown() {
 #[test]
 fn inputs_are_never_outputs_and_files_that_a_user_names_are_new() {
     let desk = desk();
-    desk.done("psd log.csv --data rate --column gz --bootstrap 0 --out a");
+    desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out a");
     let before = desk.read("a/psd.csv");
     desk.fails(
-        "psd a/psd.csv --data rate --rate 1Hz --unit none --column 3 --time none --bootstrap 0 --out a",
+        "allan a/psd.csv --data rate --rate 1Hz --unit none --column 3 --time none --bootstrap 0 --out a",
         6,
         &["a/psd.csv is read by this command", "write to another folder"],
     );
@@ -523,7 +522,7 @@ fn columns_with_names_of_any_length_are_analysed() {
         desk.done("allan long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out long");
         let begun = format!("_{}.toml", "é".repeat(100));
         assert_eq!(desk.names("long").iter().filter(|name| name.ends_with(&begun)).count(), 2);
-        desk.done("psd long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out spectra");
+        desk.done("allan long.csv --data rate --column 2-3 --time 1 --bootstrap 0 --out spectra");
     }
 }
 

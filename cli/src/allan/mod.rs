@@ -1,32 +1,50 @@
 //! `sagnac allan`.
 
-mod axes;
-pub mod dynamic;
-mod navigation;
 pub mod options;
-pub mod report;
-mod temperature;
+mod thermal;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::analysis::dynamic::Dynamic;
-use sagnac::analysis::log::{Analysis, events, figures, kalibr, navigators, noise_file, notes, tables};
+use sagnac::analysis::dynamic::{self, Dynamic};
+use sagnac::analysis::log::navigators::{self, Navigators, navigators};
+use sagnac::analysis::log::{Analysis, kalibr, noise_file, notes};
 use sagnac::analysis::page;
-use sagnac::analysis::spectrum::{self, densities};
+use sagnac::analysis::spectrum::{self, densities, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
-use sagnac::view::chart::figure::Figure;
 use serde_json::{Value, json};
 
-use crate::allan::navigation::Navigation;
 pub use crate::allan::options::Options;
-use crate::allan::temperature::Thermal;
-use crate::charts::{plotted, write_figures};
+use crate::allan::thermal::Thermal;
 use crate::failure::Failure;
 use crate::limits;
-use crate::output::{print_documents, write_new, write_page, write_table};
-use crate::psd;
+use crate::outcome::Outcome;
+use crate::output::{print_documents, write_new};
+
+/// The files of the command, of which stars stand for names of columns and units.
+const NAMES: [&str; 20] = [
+    "curve.csv",
+    "coefficients.csv",
+    "events.csv",
+    "psd.csv",
+    "lines.csv",
+    "white_noise.csv",
+    "temperature.csv",
+    "compensation.csv",
+    "dynamic.csv",
+    "stationarity.csv",
+    "noise*.toml",
+    "navigation*.toml",
+    "chart",
+    "chart-accelerometers",
+    "chart-numbers",
+    "chart-tdev*",
+    "chart-temperature*",
+    "chart-rate*",
+    "chart-dynamic*",
+    "psd*",
+];
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -64,68 +82,70 @@ fn of_log(
     let densities = (!options.no_psd).then(|| densities(&log, &treatment, &welch));
     let (densities, without) = match densities {
         Some(Ok(densities)) => (densities, None),
+        Some(Err(why)) if options.segments.length_s.is_some() => return Err(why.into()),
         Some(Err(why)) => (vec![], Some(why)),
         None => (vec![], None),
     };
     let with_spectra = spectrum::Analysis::of(analysis, densities);
     let analysis = &with_spectra.noise;
     let decision = with_spectra.decision(&options.limit);
-    let navigation = Navigation::of(options, analysis, &progress);
-    let figures = figures::figures(analysis);
-    let results = Folder::open(folder)?.reading([path]);
-    save(analysis, &figures, &results)?;
-    psd::save(&with_spectra, &results)?;
-    temperature::save(thermal.as_ref(), analysis, &results)?;
-    dynamic::save(dynamic.as_ref(), &results)?;
-    navigation::save(navigation.as_ref(), &results)?;
-    let of_temperature = thermal.iter().map(|thermal| thermal.section(analysis));
-    let over_time = dynamic.as_ref().map(page::of_dynamic);
+    let asked =
+        options.navigate.map(|duration_s| navigators::Asked { duration_s, limit: options.position_limit });
+    let navigation = asked.map(|asked| navigators(analysis, &asked, &progress));
     // Navigators are what is asked for, unless only coefficients have limits.
     let is_asked = options.limit.is_empty() || options.position_limit.is_some();
-    let of_navigators = navigation.as_ref().and_then(|found| navigators::answer(&found.columns));
+    let of_navigators = navigation.as_ref().and_then(|found| navigators::answer(found));
     let (answer, aside) = match of_navigators {
         Some(found) if is_asked => (found, None),
         found => (decision.answer.clone(), found),
     };
-    let aside = aside.map(|found| page::of_navigators(&found));
-    let further = of_temperature.chain(over_time).chain(aside).collect();
-    let page = page::of_log(&log, &with_spectra, answer.clone(), without.as_ref(), further);
-    write_page(&results, &page)?;
-    let mut all = notes::notes(analysis);
-    all.extend(noise_file::notes(analysis));
+    let mut page = page::of_log(&log, &with_spectra, answer, without.as_ref());
+    if let Some(thermal) = &thermal {
+        thermal.add_to(&mut page, analysis);
+    }
+    if let Some(dynamic) = &dynamic {
+        page.sections.push(page::of_dynamic(dynamic));
+        page.tables.push(("dynamic.csv", dynamic::tables::windows(dynamic)));
+        page.tables.push(("stationarity.csv", dynamic::tables::octaves(dynamic)));
+    }
+    page.sections.extend(aside.map(|found| page::of_navigators(&found)));
+    let mut outcome = Outcome::new(notes::heading(analysis), page);
+    if !with_spectra.spectra.is_empty() {
+        outcome.add_table("psd.csv", &tables::table(&with_spectra))?;
+    }
+    let texts = noise_file::files(analysis).into_iter().chain(studies(analysis, navigation.as_deref()));
+    outcome.files.extend(texts.map(|(name, text)| (name, text.into_bytes())));
     if let Some(path) = &options.kalibr {
+        outcome.page.notes.extend(kalibr::notes(analysis)?);
         let text = kalibr::text(analysis)?;
         write_new(path, |file| file.write_all(text.as_bytes()))?;
-        all.extend(kalibr::notes(analysis)?);
+        outcome.places.push(format!("the Kalibr file is {}", path.display()));
     }
+    let results = Folder::open(folder)?.reading([path]);
+    outcome.save(&results, &NAMES)?;
     if let Some(path) = &options.record {
         write_new(path, |file| treatment.applied(log).write_csv(file))?;
+        outcome.places.push(format!("the record as it is analysed is {}", path.display()));
     }
     if options.output.json {
-        let mut document = tables::document(analysis, &decision);
-        document["answer"] = json!(answer);
+        let mut document = tables::document(&with_spectra, &decision);
+        document["answer"] = json!(outcome.page.answer);
         if let Some(thermal) = &thermal {
             document["temperature"] = thermal.document(analysis);
         }
-        dynamic.iter().for_each(|dynamic| dynamic::add(dynamic, &mut document));
-        navigation.iter().for_each(|navigation| navigation.add(&mut document));
+        for place in 0..analysis.columns.len() {
+            let column = &mut document["columns"][place];
+            if let Some(dynamic) = &dynamic {
+                column["dynamic"] = dynamic::tables::document(dynamic, &dynamic.columns[place]);
+            }
+            if let Some(navigation) = &navigation {
+                let found = navigation[place].as_ref();
+                column["navigation"] = found.map_or_else(|why| json!(why), Navigators::json);
+            }
+        }
         return Ok(Some(document));
     }
-    let details = || {
-        let of_temperature = thermal.as_ref().map_or_else(String::new, |thermal| thermal.report(analysis));
-        let over_time = dynamic.as_ref().map_or_else(String::new, dynamic::report);
-        Ok(report::report(analysis) + &of_temperature + &over_time)
-    };
-    options.output.printed.show(&notes::heading(analysis), &answer, &all, || plotted(figures), details)?;
-    options.output.whereabouts(folder);
-    if !options.output.printed.quiet {
-        if let Some(path) = &options.kalibr {
-            say!("the Kalibr file is {}", path.display());
-        }
-        if let Some(path) = &options.record {
-            say!("the record as it is analysed is {}", path.display());
-        }
-    }
+    outcome.show(&options.output.printed, folder)?;
     Ok(None)
 }
 
@@ -152,24 +172,14 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-/// Writes tables, noise and charts, and removes files of an earlier run that are no longer written.
-fn save(analysis: &Analysis, figures: &[(String, Option<Figure>)], folder: &Folder) -> Result<(), Failure> {
-    write_table(folder, "curve.csv", &tables::table(analysis))?;
-    write_table(folder, "coefficients.csv", &tables::coefficients(analysis))?;
-    write_table(folder, "events.csv", &events::table(analysis))?;
-    let noise = noise_file::files(analysis);
-    write_texts(folder, "noise", &noise)?;
-    write_figures(folder, figures)
-}
-
-/// Writes texts with the names of columns behind a `stem`, and removes those of an earlier run that this one lacks.
-fn write_texts(folder: &Folder, stem: &str, texts: &[(String, String)]) -> Result<(), Failure> {
-    for name in folder.listed() {
-        let of_column = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".toml"));
-        let is_named = of_column.is_some_and(|column| column.is_empty() || column.starts_with('_'));
-        if is_named && !texts.iter().any(|(other, _)| *other == name) {
-            folder.remove(&name)?;
-        }
-    }
-    texts.iter().try_for_each(|(name, text)| Ok(folder.write(name, text.as_bytes()).map(drop)?))
+/// The study behind the navigators of each column, by the name of its file.
+fn studies(
+    analysis: &Analysis,
+    navigation: Option<&[Result<Navigators, String>]>,
+) -> impl Iterator<Item = (String, String)> {
+    let found = navigators::names(analysis).into_iter().zip(navigation.into_iter().flatten());
+    found
+        .filter_map(|(name, found)| Some((name, found.as_ref().ok()?.study.clone())))
+        .collect::<Vec<_>>()
+        .into_iter()
 }

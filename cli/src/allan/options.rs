@@ -6,18 +6,20 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
+use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
 use sagnac::analysis::requirement::Limit;
 use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
+use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;
 use sagnac::record::log::read::Request;
+use sagnac::spectrum::Welch;
 
 use crate::failure::Failure;
 use crate::limits;
 use crate::output::Output;
-use crate::psd::Segments;
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -160,6 +162,34 @@ impl Options {
         }
         Ok(())
     }
+}
+
+/// The segments of which spectra are made.
+#[derive(Debug, Args)]
+#[group(skip)]
+pub struct Segments {
+    /// Length of the segments of spectra, as in "100 s": longer ones resolve lower frequencies, shorter ones narrow the intervals
+    /// [default: an eighth of the record, at most 16384 samples]
+    #[arg(help_heading = "Spectrum", long = "segment", value_name = "TIME", value_parser = seconds)]
+    pub length_s: Option<f64>,
+    /// What to remove from each segment: its mean (constant), or its straight line (linear)
+    #[arg(help_heading = "Spectrum", long, value_name = "TREND", default_value = "constant", value_parser = trend())]
+    segment_detrend: Trend,
+}
+
+impl Segments {
+    /// The estimate of the densities of a log.
+    pub fn welch(&self, log: &Log, confidence: f64) -> Welch {
+        Welch {
+            segment: self.length_s.map(|length_s| libm::round(length_s / log.step_s) as usize),
+            trend: self.segment_detrend,
+            confidence,
+        }
+    }
+}
+
+fn trend() -> impl TypedValueParser<Value = Trend> {
+    one_of([("constant", Trend::None), ("linear", Trend::Linear)])
 }
 
 fn suppose() -> impl TypedValueParser<Value = Suppose> {

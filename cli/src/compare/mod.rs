@@ -1,26 +1,22 @@
 //! `sagnac compare`.
 
 pub mod batch;
-pub mod report;
-mod units;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::compare::limit::{RatioLimit, check};
 use sagnac::analysis::compare::logs::Analysis;
-use sagnac::analysis::compare::{figures, notes, tables};
+use sagnac::analysis::compare::tables;
 use sagnac::analysis::page::of_comparison;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
-use sagnac::view::chart::picture::Picture;
 
-use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
-use crate::look;
-use crate::output::{Output, print_json, write_or_remove, write_page, write_table};
+use crate::outcome::Outcome;
+use crate::output::{Output, print_json};
 use crate::reading::Reading;
 
 const EXAMPLES: &str = "\
@@ -76,22 +72,15 @@ fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
     let decision = analysis.decision(&limits);
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = options.output.folder(format!("{}_vs_{}", stem(first), stem(second)));
+    let page = of_comparison([&a, &b], &analysis, &decision);
+    let [one, other] = &analysis.sides;
+    let outcome = Outcome::new(format!("A {} · B {}", one.heading(), other.heading()), page);
     let results = Folder::open(&folder)?.reading([first.as_path(), second.as_path()]);
-    save(&analysis, &results)?;
-    write_page(&results, &of_comparison([&a, &b], &analysis, &decision))?;
+    outcome.save(&results, &["compare.csv", "coefficients.csv", "chart-1", "chart-2"])?;
     if options.output.json {
         return print_json(&tables::document(&analysis, &decision));
     }
-    let [one, other] = &analysis.sides;
-    options.output.printed.show(
-        &format!("A {} · B {}", report::heading(one), report::heading(other)),
-        &decision.answer,
-        &notes::notes(&analysis),
-        || Picture::Curves(figures::curves(&analysis)).text(look::of_output()),
-        || Ok(report::report(&analysis)),
-    )?;
-    options.output.whereabouts(&folder);
-    Ok(())
+    outcome.show(&options.output.printed, &folder)
 }
 
 /// Reads the logs.
@@ -124,13 +113,4 @@ fn analysis(
     let (treatment, fitting) = (options.reading.treatment(), options.reading.fitting());
     let logs = [(first.as_path(), a), (second.as_path(), b)];
     Analysis::of(logs, &treatment, fitting.as_ref()).map_err(|error| Failure::Record(in_options(&error)))
-}
-
-/// Writes the tables and the charts. Without coefficients, those of an earlier run are removed.
-fn save(analysis: &Analysis, folder: &Folder) -> Result<(), Failure> {
-    write_table(folder, "compare.csv", &tables::ratios(analysis))?;
-    let coefficients = analysis.rows.is_ok().then(|| tables::coefficients(analysis));
-    write_or_remove(folder, "coefficients.csv", coefficients)?;
-    write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(analysis)))?;
-    write_pictures(folder, "chart-2", &Picture::Curves(figures::ratio(analysis)))
 }

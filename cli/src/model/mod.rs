@@ -1,7 +1,5 @@
 //! `sagnac model`.
 
-mod report;
-
 use std::path::PathBuf;
 
 use clap::Args;
@@ -12,15 +10,15 @@ use sagnac::analysis::model::noise::of_file;
 use sagnac::analysis::model::search::MOST_STATES;
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
-use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, answer, figures, tables};
+use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, tables};
 use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::store::folder::Folder;
 
 use crate::allan::options::probability;
-use crate::charts::{plotted, write_figures};
 use crate::failure::Failure;
-use crate::output::{Output, print_json, write_page, write_table};
+use crate::outcome::Outcome;
+use crate::output::{Output, print_json};
 use crate::reading::{Reading, seconds};
 use crate::words::one_of;
 
@@ -133,22 +131,22 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     let folder = options.output.folder(format!("{stem}_model"));
     let writers = options.write.as_deref().unwrap_or_default();
     let results = Folder::open(&folder)?.reading([options.file.as_path()]);
-    let written = save(&analysis, writers, &results)?;
+    let mut outcome = Outcome::new(analysis.source.heading.clone(), of_model(&analysis, writers));
+    let texts = texts(&analysis, writers);
+    if !texts.is_empty() {
+        let path = |(file, _): &(&str, String)| folder.join(file).display().to_string();
+        outcome
+            .places
+            .push(format!("files for tools: {}", texts.iter().map(path).collect::<Vec<_>>().join(", ")));
+    }
+    outcome.files = texts.into_iter().map(|(file, text)| (file.to_owned(), text.into_bytes())).collect();
+    let files = WRITERS.iter().map(|writer| writer.file);
+    let names: Vec<&str> = ["model.csv", "model", "model-accelerometers"].into_iter().chain(files).collect();
+    outcome.save(&results, &names)?;
     if options.output.json {
         return print_json(&tables::document(&analysis));
     }
-    options.output.printed.show(
-        &analysis.source.heading,
-        &analysis.answer(),
-        &answer::notes(&analysis),
-        || plotted(figures::figures(&analysis)),
-        || Ok(report::report(&analysis)),
-    )?;
-    options.output.whereabouts(&folder);
-    if !options.output.printed.quiet && !written.is_empty() {
-        say!("files for tools: {}", written.join(", "));
-    }
-    Ok(())
+    outcome.show(&options.output.printed, &folder)
 }
 
 /// The curves of a log.
@@ -167,19 +165,4 @@ fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
     let analysis = log::Analysis::of(&log, &options.file, &treatment, &asked, &options.output.progress())?;
     let targets = Target::of_log(&analysis)?;
     Ok((Source::of_log(&analysis), targets))
-}
-
-/// Writes the table, the charts, the page and the files for tools, and removes those of an earlier run that this one does not write.
-fn save(analysis: &Analysis, writers: &[&'static Writer], folder: &Folder) -> Result<Vec<String>, Failure> {
-    write_table(folder, "model.csv", &tables::table(analysis))?;
-    write_figures(folder, &figures::figures(analysis))?;
-    let texts = texts(analysis, writers);
-    for writer in WRITERS.iter().filter(|writer| texts.iter().all(|(file, _)| *file != writer.file)) {
-        folder.remove(writer.file)?;
-    }
-    for (file, text) in &texts {
-        folder.write(file, text.as_bytes())?;
-    }
-    write_page(folder, &of_model(analysis, writers))?;
-    Ok(texts.iter().map(|(file, _)| folder.path().join(file).display().to_string()).collect())
 }

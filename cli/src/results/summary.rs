@@ -6,6 +6,7 @@ use sagnac::chart::Source;
 use sagnac::quantity::number::significant;
 use sagnac::run::Tables;
 use sagnac::study::Study;
+use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::view::chart::notes::ChartError;
 use sagnac::view::chart::stack::Shown as Curves;
@@ -15,7 +16,6 @@ use sagnac::view::picture::{refused, written};
 use crate::failure::Failure;
 use crate::look;
 use crate::one_point::one_point;
-use crate::terminal::{aligned, pivot};
 
 /// The table of the first chart and the coefficients, for people.
 pub(crate) fn summary(study: &Study, tables: &Tables, curves: &[Curves]) -> Result<String, Failure> {
@@ -54,7 +54,7 @@ fn columns(table: &Table) -> String {
         let cells = column.cells.iter().map(|cell| cell.rounded(6));
         std::iter::once(column.heading()).chain(cells).collect::<Vec<String>>()
     };
-    aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
+    aligned(&table.columns.iter().map(line).collect::<Vec<_>>(), look::columns())
 }
 
 /// The points of a study without a chart as a grid, as after sweeps over names alone. Of the texts that a summary of
@@ -68,7 +68,7 @@ fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
     let [first, last] = lines(table);
     let swept = study.sweeps.iter().map(|sweep| sweep.key.name);
     let across: Vec<&str> = first.into_iter().chain(swept).chain(last).collect();
-    pivot(table, &across, &estimate.name, &[], &study.text_columns(Source::Points), &rows)
+    pivot(table, &across, &estimate.name, &[], &study.text_columns(Source::Points), &rows, look::columns())
 }
 
 /// The columns of a table of points that label lines, before and after those of swept keys: an abscissa that
@@ -96,7 +96,7 @@ fn of_chart(study: &Study, points: &Table, shown: &Curves, chart: &Chart) -> Res
     };
     let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
     let texts = study.text_columns(chart.source);
-    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(study, chart))?)
+    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(study, chart), look::columns())?)
 }
 
 /// Some columns, with a line for each of their rows.
@@ -104,7 +104,7 @@ fn listed(columns: &[&Column]) -> String {
     let line = |row: usize| columns.iter().map(|column| column.cells[row].rounded(4)).collect();
     let heading: Vec<String> = columns.iter().map(|column| column.heading()).collect();
     let rows = columns.first().map_or(0, |column| column.cells.len());
-    aligned(&std::iter::once(heading).chain((0..rows).map(line)).collect::<Vec<_>>())
+    aligned(&std::iter::once(heading).chain((0..rows).map(line)).collect::<Vec<_>>(), look::columns())
 }
 
 /// Most coefficients that are shown in addition to their file.
@@ -130,7 +130,7 @@ fn coefficients_found(study: &Study, table: &Table) -> String {
     };
     let mut lines = vec![columns.iter().enumerate().map(heading).collect::<Vec<String>>()];
     lines.extend((0..table.rows()).map(line));
-    format!("coefficients found in each record\n{}", aligned(&lines))
+    format!("coefficients found in each record\n{}", aligned(&lines, look::columns()))
 }
 
 fn points_of(study: &Study) -> usize {

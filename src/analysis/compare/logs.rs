@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::allan::Unit;
+use crate::analysis::compare::words::duration;
 use crate::analysis::compare::{Comparison, NoCommonTime, compare};
 use crate::events::Events;
 use crate::fit::Fitting;
+use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
@@ -92,6 +94,18 @@ pub struct Side {
 }
 
 impl Side {
+    /// A heading such as `lgv1.csv: 32400 samples at 1 Hz, 9 h`.
+    pub fn heading(&self) -> String {
+        format!(
+            "{}, {}: {} samples at {} Hz, {}",
+            self.path.display(),
+            self.column,
+            self.samples,
+            significant(1.0 / self.step_s, 7),
+            duration(self.length_s())
+        )
+    }
+
     /// Time from the first sample to the end of the last, s.
     pub fn length_s(&self) -> f64 {
         self.samples as f64 * self.step_s

@@ -10,15 +10,15 @@ use crate::analysis::dynamic::words::sentence;
 use crate::analysis::dynamic::{Column, Dynamic};
 
 /// Start of the file names of all maps.
-pub const STEM: &str = "chart-dynamic";
+const STEM: &str = "chart-dynamic";
 
 /// Units of time: the longest record that is shown in each, its size in s, its name.
 const TIMES: [(f64, f64, &str); 3] =
     [(600.0, 1.0, "s"), (36_000.0, 60.0, "min"), (f64::INFINITY, 3600.0, "h")];
 
-/// Two maps of each column with the stems of their file names: of its deviations over time and τ, and of these over the deviations
-/// of the whole record, which shows changes of any τ alike.
-pub fn figures(dynamic: &Dynamic) -> Vec<[(String, Map); 2]> {
+/// Two maps of each column with the stems of their file names: of its deviations over time and τ over those of the whole record,
+/// which shows changes of any τ alike, and of the deviations themselves.
+pub fn figures(dynamic: &Dynamic) -> Vec<(String, Map)> {
     let of = |(column, number): (&Column, usize)| {
         let title = "Overlapping Allan deviation over time";
         let z = Axis::new("deviation σ(τ)", column.unit.symbol(Deviation::Oadev));
@@ -29,9 +29,9 @@ pub fn figures(dynamic: &Dynamic) -> Vec<[(String, Map); 2]> {
             cell(point, whole.value.filter(|value| *value > 0.0)?)
         });
         let stem = if dynamic.columns.len() > 1 { format!("{STEM}-{number}") } else { STEM.to_owned() };
-        [(stem.clone(), deviations), (format!("{stem}-ratio"), ratios)]
+        [(format!("{stem}-ratio"), ratios), (stem, deviations)]
     };
-    dynamic.columns.iter().zip(1..).map(of).collect()
+    dynamic.columns.iter().zip(1..).flat_map(of).collect()
 }
 
 /// A value with its interval, over another one.

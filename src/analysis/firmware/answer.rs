@@ -47,6 +47,16 @@ fn budget(rms: f64, noise_rms: f64) -> Fact {
 }
 
 impl Firmware {
+    /// The gap and the point of the study in a line.
+    pub fn heading(&self) -> String {
+        let n = self.gap_ticks;
+        let plural = if n == 1 { "" } else { "s" };
+        let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
+        let place = self.place();
+        let at = if place.is_empty() { String::new() } else { format!(" · {place}") };
+        format!("{} · n = {n} lost tick{plural}{of}{at}", self.title)
+    }
+
     /// The answer: that of the search where there is one, else which filler leaves least.
     pub fn answer(&self) -> Answer {
         match &self.trade {

@@ -18,7 +18,7 @@ const MOST_RIPPLES: f64 = 8.0;
 
 /// The figures with the stems of their file names: for each unit one for deviations of the rate or acceleration, and one for
 /// those of the angle or velocity.
-pub fn figures(analysis: &Analysis) -> Vec<(String, Option<Figure>)> {
+pub fn figures(analysis: &Analysis) -> Vec<(String, Figure)> {
     let of = |of_angle: bool| {
         let wanted = move |deviation: Deviation| deviation.is_of_angle() == of_angle;
         move |unit| figure(analysis, unit, &wanted)
@@ -26,20 +26,21 @@ pub fn figures(analysis: &Analysis) -> Vec<(String, Option<Figure>)> {
     [per_unit(analysis, "chart", of(false)), per_unit(analysis, "chart-tdev", of(true))].concat()
 }
 
-/// The figures of each unit: that of the first unit has the `stem` itself, those of further units an ending. `None` stands for
-/// a figure that a log with other columns would have.
+/// The figures of each unit: that of the first unit has the `stem` itself, those of further units an ending.
 pub(crate) fn per_unit(
     analysis: &Analysis,
     stem: &str,
     figure: impl Fn(Unit) -> Option<Figure>,
-) -> Vec<(String, Option<Figure>)> {
-    let first = analysis.units().next();
-    let further = [(Unit::Acceleration, "-accelerometers"), (Unit::Plain, "-numbers")];
-    let further = further.map(|(unit, ending)| {
-        let is_further = first != Some(unit);
-        (format!("{stem}{ending}"), is_further.then(|| figure(unit)).flatten())
-    });
-    [(stem.to_owned(), first.and_then(&figure))].into_iter().chain(further).collect()
+) -> Vec<(String, Figure)> {
+    let of = |(place, unit): (usize, Unit)| {
+        let ending = match unit {
+            _ if place == 0 => "",
+            Unit::Acceleration => "-accelerometers",
+            Unit::Angular | Unit::Plain => "-numbers",
+        };
+        Some((format!("{stem}{ending}"), figure(unit)?))
+    };
+    analysis.units().enumerate().filter_map(of).collect()
 }
 
 /// The columns of a log as the colours of a chart.

@@ -12,14 +12,11 @@ const MOST_POINTS: usize = 40;
 const BETWEEN: u32 = 4;
 
 /// The figures with the stems of their file names, one for each unit.
-pub fn figures(analysis: &Analysis) -> Vec<(String, Option<Figure>)> {
+pub fn figures(analysis: &Analysis) -> Vec<(String, Figure)> {
     let first = analysis.columns.first().map(|column| column.target.unit);
-    let second = first != Some(Unit::Acceleration);
-    let further = second.then(|| figure(analysis, Unit::Acceleration)).flatten();
-    vec![
-        ("model".to_owned(), first.and_then(|unit| figure(analysis, unit))),
-        ("model-accelerometers".to_owned(), further),
-    ]
+    let further = Some(Unit::Acceleration).filter(|unit| first != Some(*unit));
+    let of = |(unit, stem): (Option<Unit>, &str)| Some((stem.to_owned(), figure(analysis, unit?)?));
+    [(first, "model"), (further, "model-accelerometers")].into_iter().filter_map(of).collect()
 }
 
 fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {

@@ -3,6 +3,7 @@
 use crate::allan::Unit;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::{Analysis, Column};
+use crate::analysis::page::longer;
 use crate::analysis::page::record::by_name;
 use crate::analysis::page::values::{interval, range, stability};
 use crate::quantity::number::significant;
@@ -23,6 +24,7 @@ pub(crate) fn section(noise: &Analysis) -> Section {
         ("Fit", of(&fit)),
         ("95 % intervals", of(&|column| Some(column.noise()?.intervals.words()))),
         ("In-run stability", of(&stability)),
+        ("Record that would show B", by_name(longer::records(noise))),
     ];
     let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
     let facts = (!facts.is_empty()).then_some(Block::Facts(facts));

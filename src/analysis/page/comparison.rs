@@ -1,5 +1,7 @@
 //! The page of two logs that are compared.
 
+use crate::allan::Deviation;
+use crate::analysis::compare::Ratio;
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::notes::notes;
 use crate::analysis::compare::rows::{Row, Verdict};
@@ -10,6 +12,7 @@ use crate::analysis::page::{chart, shown};
 use crate::analysis::requirement::Decision;
 use crate::quantity::number::significant;
 use crate::record::log::channel::Log;
+use crate::table::titled;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
@@ -17,10 +20,10 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
     let [a, b] = &analysis.sides;
     let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
-    let deviations = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure))).into();
+    let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
+    let deviations = charts.into_iter().chain([ratios(analysis)]).collect();
     let coefficients = coefficients(analysis).into_iter().collect();
-    let tables =
-        [("coefficients.csv", tables::coefficients(analysis)), ("compare.csv", tables::ratios(analysis))];
+    let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
     Page {
         title: format!("{} and {} compared", a.label, b.label),
         subtitle: analysis.treatment().summary(),
@@ -32,8 +35,28 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
             shown("What these records show", &analysis.events().concat()),
             Section { id: "record", heading: "Records", blocks: records(logs, analysis) },
         ],
-        tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
+        tables: of_fits.into_iter().chain([("compare.csv", tables::ratios(analysis))]).collect(),
     }
+}
+
+/// A row for each averaging time.
+fn ratios(analysis: &Analysis) -> Block {
+    let labels = analysis.sides.each_ref().map(|side| &*side.label);
+    let row = |ratio: &Ratio| {
+        let values = [0, 1].map(|k| ratio.points[k].value.map_or_else(String::new, |x| significant(x, 4)));
+        let [a, b] = values;
+        let shown = ratio.value.map_or_else(String::new, |ratio| times(ratio, 4));
+        let ends = interval(ratio.interval.map_or([None; 2], |ends| ends.map(Some)), &|x| times(x, 4));
+        let verdict = match ratio.is_above() {
+            Some(true) => "higher",
+            Some(false) => "lower",
+            None => "",
+        };
+        [significant(ratio.tau_s(), 7), a, b, shown, ends, verdict.to_owned()].map(Cell::from).into()
+    };
+    let head = ["τ, s", labels[0], labels[1], "ratio", "95 % interval", labels[1]].map(str::to_owned).into();
+    let title = titled("overlapping Allan deviations", analysis.unit.symbol(Deviation::Oadev));
+    Block::More(title, Grid { head, rows: analysis.comparison.ratios.iter().map(row).collect() })
 }
 
 fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {

@@ -6,12 +6,11 @@ use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
 use crate::analysis::page::{chart, study_file};
 use crate::quantity::number::significant;
-use crate::table::Table;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
-/// The page of a design from its table and its chart.
-pub fn of_design(found: &Design, sheet: Option<&Sheet>, table: &Table, picture: Picture) -> Page {
+/// The page of a design from its chart.
+pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Page {
     let study = &found.study;
     let grid = |(head, lines): (Vec<String>, Vec<Vec<String>>)| {
         let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
@@ -41,6 +40,6 @@ pub fn of_design(found: &Design, sheet: Option<&Sheet>, table: &Table, picture: 
             section("fillers", "Fillers at their best intervals", vec![grid(report::by_filler(found))]),
             section("source", "How it was made", vec![made, study_file(study, found.trials)]),
         ],
-        tables: once(("design.csv", table.clone())).chain(pareto).collect(),
+        tables: once(("design.csv", report::table(found))).chain(pareto).collect(),
     }
 }

@@ -1,7 +1,7 @@
 //! The page of fillers for firmware.
 
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
-use crate::analysis::page::{chart, study_file};
+use crate::analysis::page::{chart, study_file, weights};
 use crate::kinds::gap_fill::judged::{Judged, deviation};
 use crate::quantity::number::significant;
 use crate::study::Study;
@@ -17,6 +17,8 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     let search = firmware.trade.as_ref().map_or(vec![], |trade| {
         vec![chart("trade", Picture::Curves(trade.figure())), Block::Grid(of_trade(trade))]
     });
+    let fillers = std::iter::once(Block::Grid(of_designs(firmware)));
+    let weights = firmware.designs.iter().flat_map(|design| weights::blocks(firmware, design));
     let header = vec![Block::File("sagnac_filler.h", firmware.header()), study_file(study, study.trials)];
     let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
     Page {
@@ -26,7 +28,7 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
         notes: vec![],
         sections: vec![
             section("search", "Ticks before and after the gap", search),
-            section("fillers", "Fillers", vec![Block::Grid(of_designs(firmware))]),
+            section("fillers", "Fillers", fillers.chain(weights).collect()),
             section(
                 "response",
                 "Response to vibration",
@@ -42,7 +44,7 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
 fn of_designs(firmware: &Firmware) -> Grid {
     let size = if firmware.shift.is_none() { "99.73 %" } else { "rms" };
     let shifted = format!("{size} with {}, arcsec", deviation(firmware.shift));
-    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, arcsec", &shifted, "what it is"];
+    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, arcsec", &shifted];
     let of_shifted = |Judged { shifted, .. }: Judged| match firmware.shift {
         None => shifted.level,
         Some(_) => shifted.rms,
@@ -57,7 +59,6 @@ fn of_designs(firmware: &Firmware) -> Grid {
             significant(rule.whole().noise_gain(), 4),
             number(design.errors[0].rms),
             number(design.judged.map(of_shifted)),
-            design.method.clone(),
         ];
         cells.map(Cell::from).into()
     };

@@ -1,5 +1,6 @@
 //! Sections of analyses that are only made where they are asked for.
 
+use crate::analysis::data_sheet;
 use crate::analysis::dynamic::{self, Dynamic, words};
 use crate::analysis::log::Analysis;
 use crate::analysis::page::chart;
@@ -13,9 +14,9 @@ use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
 
 /// The section on the dependence of a log on temperature, with its analyses before and after compensation.
-pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) -> Section {
-    let charts = temperature::figures::figures(Some(found), [before, after]);
-    let charts = charts.into_iter().filter_map(|(stem, figure)| Some(chart(&stem, Picture::Curves(figure?))));
+pub fn of_temperature(found: &Temperature, [before, after]: [&Analysis; 2]) -> Section {
+    let charts = temperature::figures::figures(found, [before, after]).into_iter();
+    let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
     let row = |(column, row): (&str, Row)| {
         let interval = row.interval.map(interval).unwrap_or_default();
         let value = row.value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
@@ -27,9 +28,32 @@ pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) 
     let rows: Vec<Vec<Cell>> = found.columns.iter().flat_map(of_column).map(row).collect();
     let head = ["column", "coefficient", "value", "95 % interval", "unit", "verdict"];
     let grid = Grid { head: head.map(str::to_owned).into(), rows };
-    let grid = (!grid.rows.is_empty()).then_some(Block::Grid(grid));
+    let grids = [Some(grid), compensated(found, [before, after])].into_iter().flatten();
+    let grids = grids.filter(|grid| !grid.rows.is_empty()).map(Block::Grid);
     let notes = notes(found).into_iter().map(Block::Note);
-    Section { id: "temperature", heading: "Temperature", blocks: charts.chain(grid).chain(notes).collect() }
+    Section { id: "temperature", heading: "Temperature", blocks: charts.chain(grids).chain(notes).collect() }
+}
+
+/// The coefficients of the noise before and after compensation, in the order before.
+fn compensated(found: &Temperature, sides: [&Analysis; 2]) -> Option<Grid> {
+    let of_column = |place: usize| {
+        let [before, after] = sides.map(|side| side.columns[place].coefficients());
+        let value = |rows: &[data_sheet::Row], name: &str| {
+            let value = rows.iter().find(|row| row.name == name).and_then(|row| row.value);
+            value.map_or_else(|| "–".to_owned(), |value| significant(value, 4))
+        };
+        let name = &*sides[0].columns[place].name;
+        let rows = data_sheet::each_once(before.iter().chain(after)).into_iter().map(move |row| {
+            let cells =
+                [name.to_owned(), row.name.to_owned(), value(before, row.name), value(after, row.name)];
+            cells.into_iter().chain([row.symbol.to_owned()]).map(Cell::from).collect()
+        });
+        rows.collect::<Vec<Vec<Cell>>>()
+    };
+    let known = (0..found.columns.len()).filter(|&place| found.columns[place].found.is_ok());
+    let rows: Vec<_> = known.flat_map(of_column).collect();
+    let head = ["column", "noise", "before compensation", "after", "unit"];
+    (!rows.is_empty()).then(|| Grid { head: head.map(str::to_owned).into(), rows })
 }
 
 /// The section on navigators with the gyros of a log, beside another answer.
@@ -43,6 +67,6 @@ pub fn of_dynamic(found: &Dynamic) -> Section {
     let said = found.columns.iter().map(|column| (&*column.name, words::sentence(column))).collect();
     let said = by_name(said).into_iter().map(Block::Text);
     let maps = dynamic::figures::figures(found).into_iter();
-    let maps = maps.map(|[_, (stem, ratios)]| chart(&stem, Picture::Map(ratios)));
+    let maps = maps.map(|(stem, map)| chart(&stem, Picture::Map(map)));
     Section { id: "dynamic", heading: "Over time", blocks: said.chain(maps).collect() }
 }

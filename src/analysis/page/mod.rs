@@ -1,4 +1,4 @@
-//! The pages of analyses: that of a log, which `sagnac allan` and `sagnac psd` write, of two which are compared, of a lot, of a
+//! The pages of analyses: that of a log, which `sagnac allan` writes, of two which are compared, of a lot, of a
 //! model for filters, of a design, of fillers and of a sensitivity.
 //!
 //! ```text
@@ -13,17 +13,19 @@
 
 mod coefficients;
 mod comparison;
+mod curves;
 mod design;
 mod filler;
 mod further;
+mod longer;
 mod lot;
 mod model;
-mod next;
 mod record;
 mod sensitivity;
 mod spectrum;
 mod trace;
 mod values;
+mod weights;
 
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
@@ -44,22 +46,17 @@ use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
-/// The page of a log from its analysis and its answer, with the sections of `further` analyses. If it has no spectra, `without` says
-/// why.
-pub fn of_log(
-    log: &Log,
-    analysis: &Analysis,
-    answer: Answer,
-    without: Option<&NoSpectrum>,
-    further: Vec<Section>,
-) -> Page {
+/// The page of a log from its analysis and its answer. If it has no spectra, `without` says why.
+pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&NoSpectrum>) -> Page {
     let noise = &analysis.noise;
     let file = noise.path.file_name().unwrap_or(noise.path.as_os_str()).to_string_lossy();
-    let tables = [
+    let has_spectra = !analysis.spectra.is_empty();
+    let of_spectra = has_spectra.then(|| {
+        [("lines.csv", tables::lines(analysis)), ("white_noise.csv", tables::white_noise(analysis))]
+    });
+    let of_noise = [
         ("coefficients.csv", log::tables::coefficients(noise)),
         ("curve.csv", log::tables::table(noise)),
-        ("lines.csv", tables::lines(analysis)),
-        ("white_noise.csv", tables::white_noise(analysis)),
         ("events.csv", events::table(noise)),
     ];
     let sections = [
@@ -74,8 +71,8 @@ pub fn of_log(
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         answer,
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
-        sections: sections.into_iter().chain(further).chain([next::section(analysis)]).collect(),
-        tables: tables.into_iter().filter(|(_, table)| table.rows() > 0).collect(),
+        sections: sections.into(),
+        tables: of_noise.into_iter().chain(of_spectra.into_iter().flatten()).collect(),
     }
 }
 
@@ -94,15 +91,14 @@ fn deviations(noise: &log::Analysis) -> Section {
         [column] => column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described()),
         _ => None,
     };
-    let of_figure = |(stem, figure): (String, Option<Figure>)| {
-        let mut figure = figure?;
+    let of_figure = |(stem, mut figure): (String, Figure)| {
         if let Some(fit) = fit {
             figure.lines = format!("{}, {}", figure.lines, range(fit));
         }
-        Some(chart(&stem, Picture::Curves(figure)))
+        chart(&stem, Picture::Curves(figure))
     };
-    let blocks = figures::figures(noise).into_iter().filter_map(of_figure).collect();
-    Section { id: "deviations", heading: "Deviations", blocks }
+    let charts = figures::figures(noise).into_iter().map(of_figure);
+    Section { id: "deviations", heading: "Deviations", blocks: charts.chain(curves::tables(noise)).collect() }
 }
 
 /// The text of a study, with this number of trials.

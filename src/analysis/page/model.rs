@@ -3,18 +3,21 @@
 use crate::allan::Deviation;
 use crate::analysis::model::answer::notes;
 use crate::analysis::model::states::discrete;
+use crate::analysis::model::target::Point;
 use crate::analysis::model::writers::{Writer, texts};
-use crate::analysis::model::{Analysis, Column, figures, tables};
+use crate::analysis::model::{Aim, Analysis, Column, figures, tables};
 use crate::analysis::page::{chart, shown};
 use crate::quantity::number::significant;
+use crate::table::titled;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of the models of a log or a noise.toml, with the files that were written for tools.
 pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
     let charts = figures::figures(analysis).into_iter();
-    let charts = charts.filter_map(|(stem, figure)| Some(chart(&stem, Picture::Curves(figure?)))).collect();
+    let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
     let columns = || analysis.columns.iter();
+    let curves = charts.chain(columns().map(|column| curve(analysis, column))).collect();
     let coefficients = columns().map(|column| Block::Grid(coefficients(column))).collect();
     let at_rate = columns().flat_map(|column| matrices(analysis, column)).collect();
     let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name, text)).collect();
@@ -29,7 +32,7 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
         notes: notes(analysis),
         sections: vec![
             shown("What this record shows", &analysis.events()),
-            section("curve", "Record and model", charts),
+            section("curve", "Record and model", curves),
             section("coefficients", "Coefficients", coefficients),
             section("discrete", "At the rate of the filter", at_rate),
             section("files", "Files for tools", files),
@@ -50,6 +53,29 @@ fn coefficients(column: &Column) -> Grid {
     });
     let head = [column.target.name.as_str(), "value", "unit"].map(str::to_owned).into();
     Grid { head, rows: rows.chain(state).collect() }
+}
+
+/// The curve of a column beside that of its model.
+fn curve(analysis: &Analysis, Column { target, found }: &Column) -> Block {
+    let percent = |part: f64| format!("{:+.1} %", 100.0 * part);
+    let (is_bound, bound) = match analysis.asked.aim {
+        Aim::Describe => (false, "upper"),
+        Aim::Bound => (true, "upper"),
+        Aim::BoundRepeat => (true, "bound"),
+    };
+    let row = |(point, bounded): (&Point, &f64)| {
+        let upper = if is_bound { *bounded } else { point.upper };
+        let model = found.model.deviation(point.tau_s);
+        let [value, end, deviation] = [point.value, upper, model].map(|value| significant(value, 4));
+        let above = [point.value, upper].map(|other| percent(model / other - 1.0));
+        let cells = [significant(point.tau_s, 5), value, end, deviation].into_iter().chain(above);
+        cells.map(Cell::from).collect()
+    };
+    let above = format!("above {bound}");
+    let head = ["τ, s", "record", bound, "model", "above record", &above].map(str::to_owned).into();
+    let title =
+        format!("{}: {}", target.name, titled("Allan deviation", target.unit.symbol(Deviation::Oadev)));
+    Block::More(title, Grid { head, rows: target.points.iter().zip(&found.bounds).map(row).collect() })
 }
 
 /// F and Q of a column.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::allan::{Deviation, Unit as Curves};
+use crate::allan::{Deviation, Trend, Unit as Curves};
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::trace::{extremes, means, shares};
 use crate::analysis::page::values::in_unit;
@@ -57,10 +57,21 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
         ("Samples", vec![sampling(analysis.samples, analysis.step_s)]),
         ("Treatment", vec![analysis.treatment.effect(analysis.length_s())]),
         ("Mean", of(&mean)),
+        ("Removed trend", of(&|column| (analysis.treatment.trend == Trend::Linear).then(|| slope(column)))),
         ("Gaps", of(&|column| Some(gaps(&column.gaps, analysis.step_s, |sample| analysis.time(sample))))),
         ("Outliers", of(&|column| Some(outliers(&column.outliers, |sample| analysis.time(sample))))),
     ];
     facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
+}
+
+/// The slope that was removed, with its unit.
+fn slope(column: &Column) -> String {
+    let (factor, unit) = match column.unit {
+        Curves::Angular => (3600.0, "°/h/h"),
+        Curves::Acceleration => (3600.0, "µg/h"),
+        Curves::Plain => (1.0, "1/s"),
+    };
+    in_unit(factor * column.slope, unit)
 }
 
 /// The number of samples and their spacing.

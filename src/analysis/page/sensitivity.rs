@@ -3,12 +3,12 @@
 use crate::analysis::page::{chart, study_file};
 use crate::analysis::sensitivity::{Sensitivity, report};
 use crate::study::Study;
-use crate::table::Table;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
-/// The page of a sensitivity from its table and its chart.
-pub fn of_sensitivity(study: &Study, found: &Sensitivity, table: &Table, picture: Picture) -> Page {
+/// The page of a sensitivity.
+pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
+    let picture = Picture::Curves(report::figure(study, found));
     let (head, lines) = report::by_input(found);
     let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
     let made = Block::Facts(vec![
@@ -26,6 +26,6 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity, table: &Table, picture
             section("tornado", "The answer as one input varies", vec![chart("sensitivity", picture)]),
             section("source", "How it was made", vec![made, study_file(study, study.trials)]),
         ],
-        tables: vec![("sensitivity.csv", table.clone())],
+        tables: vec![("sensitivity.csv", report::table(found))],
     }
 }

@@ -7,12 +7,16 @@ use crate::analysis::log::Column;
 use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
 use crate::analysis::page::values::{in_unit, interval};
-use crate::analysis::spectrum::notes::method;
+use crate::analysis::spectrum::notes::{method, symbol};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
 use crate::quantity::number::significant;
-use crate::spectrum::{FALSE_ALARM, Line};
+use crate::spectrum::{FALSE_ALARM, Line, Point};
+use crate::table::titled;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Section};
+
+/// Rows of a density per octave.
+const PER_OCTAVE: f64 = 2.0;
 
 /// Most lines in the small table; `lines.csv` has all.
 const MOST_LINES: usize = 20;
@@ -20,19 +24,33 @@ const MOST_LINES: usize = 20;
 pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Section {
     let why = without
         .map(|why| Block::Text(format!("There is no spectrum. {}", why.to_string().replace('\n', "; "))));
-    let charts = figures::figures(analysis).into_iter().filter_map(|(stem, figure)| {
-        let mut figure = figure?;
+    let charts = figures::figures(analysis).into_iter().map(|(stem, mut figure)| {
         // Under several columns, each frequency of all of them hides the others.
         if figure.series.len() > 1 {
             figure.laws.clear();
         }
-        Some(chart(&stem, Picture::Curves(figure)))
+        chart(&stem, Picture::Curves(figure))
     });
     let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
     let method = by_name(methods).into_iter().map(Block::Note);
-    let blocks = why.into_iter().chain(charts).chain(method);
-    let blocks = blocks.chain(lines(analysis)).chain(white(analysis)).collect();
+    let blocks = why.into_iter().chain(charts).chain(method).chain(lines(analysis)).chain(white(analysis));
+    let blocks = blocks.chain(analysis.columns().map(|column| means(analysis, column))).collect();
     Section { id: "spectrum", heading: "Spectrum", blocks }
+}
+
+/// Means of the density of a column beside the fitted model.
+fn means(analysis: &Analysis, (column, spectrum): (&Column, &Spectrum)) -> Block {
+    let row = |point: Point| {
+        let fit = spectrum.model_at(point.frequency_hz).map_or_else(String::new, |fit| significant(fit, 4));
+        let ends = point.interval.map_or_else(String::new, |ends| interval(ends.into()));
+        let [frequency, value] =
+            [(point.frequency_hz, 5), (point.value, 4)].map(|(x, digits)| significant(x, digits));
+        [frequency, value, ends, fit].map(Cell::from).into()
+    };
+    let ends = format!("{} interval", analysis.noise.percent());
+    let head = ["frequency, Hz", "density", &ends, "fit"].map(str::to_owned).into();
+    let title = titled(&format!("{}: density, means over half an octave", column.name), symbol(column.unit));
+    Block::More(title, Grid { head, rows: spectrum.means(PER_OCTAVE).into_iter().map(row).collect() })
 }
 
 /// The highest lines of all columns.

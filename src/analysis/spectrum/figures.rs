@@ -1,4 +1,4 @@
-//! The chart of `sagnac psd`.
+//! The chart of a spectrum.
 
 use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
@@ -17,7 +17,7 @@ use crate::view::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series
 const PER_OCTAVE: f64 = 12.0;
 
 /// The figures with the stems of their file names, one for each unit.
-pub fn figures(analysis: &Analysis) -> Vec<(String, Option<Figure>)> {
+pub fn figures(analysis: &Analysis) -> Vec<(String, Figure)> {
     per_unit(&analysis.noise, "psd", |unit| figure(analysis, unit))
 }
 

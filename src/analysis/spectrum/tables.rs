@@ -1,4 +1,4 @@
-//! The results of `sagnac psd` as tables and as JSON.
+//! The spectra of a log as tables and as JSON.
 
 use serde_json::{Value, json};
 
@@ -154,20 +154,13 @@ pub fn white_noise(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&white_columns(), &rows) }
 }
 
-/// The complete analysis as JSON: that of `sagnac allan`, with densities in place of its curves.
+/// The complete analysis as JSON: that of the noise, with the spectrum of each column.
 pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
     let mut document = log::tables::document(&analysis.noise, decision);
     document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });
     document["notes"] = json!(of_columns(analysis));
-    if let Value::Array(columns) = &mut document["columns"] {
-        for (column, (own, spectrum)) in columns.iter_mut().zip(analysis.columns()) {
-            let (Value::Object(column), Value::Object(of_density)) = (column, of_column(own, spectrum))
-            else {
-                continue;
-            };
-            column.remove("curves");
-            column.extend(of_density);
-        }
+    for (place, (column, spectrum)) in analysis.columns().enumerate() {
+        document["columns"][place]["spectrum"] = of_column(column, spectrum);
     }
     document
 }

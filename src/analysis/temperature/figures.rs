@@ -13,13 +13,10 @@ use crate::view::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};
 const PLACES: u32 = 100;
 
 /// The figures with the stems of their file names, for each unit the deviations before and after compensation and the rate over
-/// temperature. Without a temperature all of them are `None`.
-pub fn figures(
-    temperature: Option<&Temperature>,
-    [before, after]: [&Analysis; 2],
-) -> Vec<(String, Option<Figure>)> {
-    let deviations = |unit| temperature.and_then(|_| deviations([before, after], unit));
-    let rates = |unit| rates(temperature?, before, unit);
+/// temperature.
+pub fn figures(temperature: &Temperature, [before, after]: [&Analysis; 2]) -> Vec<(String, Figure)> {
+    let deviations = |unit| deviations([before, after], unit);
+    let rates = |unit| rates(temperature, before, unit);
     [per_unit(before, "chart-temperature", deviations), per_unit(before, "chart-rate", rates)].concat()
 }
 

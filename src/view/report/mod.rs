@@ -25,6 +25,7 @@ pub mod source;
 pub(crate) mod still;
 #[cfg(test)]
 mod tests;
+mod text;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
 pub use crate::view::report::gallery::{CARD, Card, MARKS, gallery};

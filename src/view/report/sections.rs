@@ -28,7 +28,7 @@ pub struct Page {
     pub notes: Vec<String>,
     /// Sections in their order; those without blocks are left out.
     pub sections: Vec<Section>,
-    /// Tables with the names of their files. Of a large table the page shows a part and says which.
+    /// Tables with the names of their files. Of a large table the page shows a part and says which, and none without rows.
     pub tables: Vec<(&'static str, Table)>,
 }
 
@@ -50,12 +50,12 @@ pub enum Block {
     Text(String),
     /// A remark in smaller letters.
     Note(String),
-    /// Sentences as a list.
-    List(Vec<String>),
     /// Names, each with one or more lines.
     Facts(Vec<(&'static str, Vec<String>)>),
     /// A small table to read.
     Grid(Grid),
+    /// A small table that a page shows on demand, below its title.
+    More(String, Grid),
     /// The table of an answer beside that of the page.
     Options(AnswerTable),
     /// A chart.
@@ -76,7 +76,7 @@ pub struct Grid {
 }
 
 /// A cell of a [`Grid`].
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Cell {
     /// Its text.
     pub text: String,
@@ -102,7 +102,12 @@ impl Page {
         let sections: Vec<&Section> =
             self.sections.iter().filter(|section| !section.blocks.is_empty()).collect();
         let charts: Vec<&Drawn> = self.charts().collect();
-        let tables: Vec<(&str, &Table)> = self.tables.iter().map(|(file, table)| (*file, table)).collect();
+        let tables: Vec<(&str, &Table)> = self
+            .tables
+            .iter()
+            .filter(|(_, table)| table.rows() > 0)
+            .map(|(file, table)| (*file, table))
+            .collect();
         let Packed { text, tables, thinned } = data(&charts, &tables);
         let links: Vec<(&str, &str)> = sections
             .iter()
@@ -144,12 +149,16 @@ impl Page {
         self.sections.iter().flat_map(|section| &section.blocks).filter_map(drawn)
     }
 
+    /// The charts of results, which are files too.
+    pub fn figures(&self) -> impl Iterator<Item = &Drawn> {
+        let blocks = self.sections.iter().flat_map(|section| &section.blocks);
+        blocks.filter_map(|block| if let Block::Chart(drawn) = block { Some(drawn) } else { None })
+    }
+
     /// The card of the page in galleries, with its settings in the words of `spell`.
     pub fn card(&self, spell: &dyn Fn(&str) -> String) -> Card {
-        let blocks = || self.sections.iter().flat_map(|section| &section.blocks);
         // Rather a chart of results than a record.
-        let is_chart = |block: &&Block| matches!(block, Block::Chart(_));
-        let first = blocks().find(is_chart).and_then(drawn).or_else(|| self.charts().next());
+        let first = self.figures().next().or_else(|| self.charts().next());
         let [title, question, headline] =
             [&self.title, &self.subtitle, &self.answer.headline].map(|text| spell(text));
         Card {
@@ -180,7 +189,6 @@ fn block(
         @match block {
             Block::Text(text) => { p { (said(text)) } }
             Block::Note(text) => { p.note { (said(text)) } }
-            Block::List(sentences) => { ul { @for sentence in sentences { li { (said(sentence)) } } } }
             Block::Facts(facts) => {
                 dl {
                     @for (name, lines) in facts {
@@ -190,6 +198,7 @@ fn block(
                 }
             }
             Block::Grid(grid) => { (self::grid(grid)) }
+            Block::More(title, grid) => { details { summary { (title) } (self::grid(grid)) } }
             Block::Options(table) => { (table.html()) }
             Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart", told)) }
             Block::File(name, text) => { (file(name, text)) }

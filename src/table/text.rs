@@ -1,12 +1,9 @@
-//! Tables for people, in aligned columns.
+//! Tables as text in aligned columns.
 
 use std::collections::HashMap;
 
-use sagnac::quantity::number::{significant, with_ends};
-use sagnac::quantity::visible::in_cell;
-use sagnac::table::{Column, ColumnError, Table, titled};
-
-use crate::look;
+use crate::quantity::visible::in_cell;
+use crate::table::{Column, ColumnError, Table};
 
 /// Most rows of a table that are shown; of longer ones every second, third, … row, and those that are the best of a curve.
 const MOST_ROWS: usize = 48;
@@ -17,7 +14,8 @@ const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
 /// One column of a table over the sweeps: a line for each combination of their values, and a column for each curve.
 ///
 /// `sweeps` are the columns that label lines, except those in `series`; the first of them always does. Other columns in
-/// `texts` that differ between rows, filler or error, label columns too, so that no cell has two values.
+/// `texts` that differ between rows, filler or error, label columns too, so that no cell has two values. Lines are at most
+/// `limit` columns wide.
 ///
 /// # Errors
 /// A name selects no single column, or the filter leaves no row.
@@ -28,6 +26,7 @@ pub fn pivot(
     series: &[&str],
     texts: &[&str],
     filter: &[(String, String)],
+    limit: Option<usize>,
 ) -> Result<String, ColumnError> {
     let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
     let (sweeps, y, mut series) = (columns(sweeps)?, table.column(y)?, columns(series)?);
@@ -89,7 +88,7 @@ pub fn pivot(
     };
     let names: Vec<String> = curves.iter().map(|names| names.column.heading()).collect();
     let by = if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) };
-    Ok(format!("{}{by}{note}\n{}", y.heading(), fitted(&shown, across.len(), look::columns())))
+    Ok(format!("{}{by}{note}\n{}", y.heading(), fitted(&shown, across.len(), limit)))
 }
 
 /// The different values of a column in the shown rows.
@@ -124,7 +123,7 @@ impl<'t> Names<'t> {
 }
 
 /// The index of each item among the different ones, and the first place of each of these.
-pub(crate) fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
+pub fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
     let (mut known, mut firsts) = (HashMap::new(), Vec::new());
     let places = items
         .enumerate()
@@ -150,63 +149,14 @@ fn gcd(a: usize, b: usize) -> usize {
 /// Width beyond which headings are broken if no terminal has a known width.
 const USUAL_MOST: usize = 100;
 
-/// A number with some significant digits; blank if it is absent.
-pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(String::new, |value| significant(value, digits))
+/// Rows of cells, flush right, with every column as wide as its widest cell. Beyond `limit` columns, headings are broken into
+/// lines, and columns that do not fit continue below the others, with the first column repeated. Without a limit, headings of wide
+/// tables are broken, and nothing continues below.
+pub fn aligned(rows: &[Vec<String>], limit: Option<usize>) -> String {
+    fitted(rows, 1, limit)
 }
 
-/// A table with a heading, [`aligned`].
-pub(crate) fn headed<const N: usize>(heading: [&str; N], rows: impl Iterator<Item = Vec<String>>) -> String {
-    headed_by(heading.map(str::to_owned).to_vec(), rows)
-}
-
-/// A table with a heading of any length, [`aligned`].
-pub(crate) fn headed_by(heading: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> String {
-    aligned(&std::iter::once(heading).chain(rows).collect::<Vec<_>>())
-}
-
-/// The heading of a table of coefficients.
-pub(crate) const WITH_INTERVAL: [&str; 6] = ["", "value", "lower", "upper", "", ""];
-
-/// A line of a table of coefficients: name, value, the ends of its interval, unit and verdict.
-pub(crate) fn with_interval(
-    name: &str,
-    value: Option<f64>,
-    interval: Option<[f64; 2]>,
-    unit: &str,
-    verdict: &str,
-) -> Vec<String> {
-    let [value, lower, upper] = with_its_interval(value, interval, 3);
-    vec![name.to_owned(), value, lower, upper, unit.to_owned(), verdict.to_owned()]
-}
-
-/// A value and the ends of its interval; with `digits` significant digits where one of them is absent.
-pub(crate) fn with_its_interval(
-    value: Option<f64>,
-    interval: Option<[f64; 2]>,
-    digits: usize,
-) -> [String; 3] {
-    match value.zip(interval) {
-        Some((value, ends)) => with_ends(value, ends),
-        None => {
-            [value, interval.map(|ends| ends[0]), interval.map(|ends| ends[1])].map(|x| number(x, digits))
-        }
-    }
-}
-
-/// A row of a table over the columns of a log: its name with its unit, and a cell for each column.
-pub(crate) fn row<T>(name: &str, unit: &str, columns: &[T], cell: impl Fn(&T) -> String) -> Vec<String> {
-    std::iter::once(titled(name, unit)).chain(columns.iter().map(cell)).collect()
-}
-
-/// Rows of cells, flush right, with every column as wide as its widest cell; on a narrower terminal as in [`fitted`].
-pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
-    fitted(rows, 1, look::columns())
-}
-
-/// Rows of cells as in [`aligned`], within `limit` columns: headings are broken into lines, and columns that do not fit
-/// continue below, with the first `keys` columns repeated. Without a limit, headings of wide tables are broken, and
-/// nothing continues below.
+/// Rows of cells as in [`aligned`], with the first `keys` columns repeated.
 fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let short = |row: &Vec<String>| row.iter().map(|cell| in_cell(cell).into_owned()).collect();
     let rows: &[Vec<String>] = &rows.iter().map(short).collect::<Vec<_>>();
