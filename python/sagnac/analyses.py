@@ -126,7 +126,7 @@ def sensitivity(
     study
         As for :func:`run`, with uncertain inputs in ``sensitivity``.
     by
-        Column of the points whose value is the answer; one in closed form, such as ``oracle_rms``, needs no sampling. By default
+        Column of the points whose value is the answer; one in closed form, such as ``theory_rms``, needs no sampling. By default
         the answer by which the study is judged.
     where
         Values of columns that choose one row of each point, such as ``{"filler": "const"}``.
@@ -155,7 +155,7 @@ def sensitivity(
     ...         {"key": "motion.frequency", "uniform": {"from": "4 Hz", "to": "6 Hz"}},
     ...     ],
     ... }
-    >>> found = sensitivity(gap, by="oracle_rms", samples=1024, device="cpu")
+    >>> found = sensitivity(gap, by="theory_rms", samples=1024, device="cpu")
     >>> found.data["inputs"][0]["input"], found.data["inputs"][0]["first"]["value"] > 0.9
     ('gyro.tick_noise.std', True)
     """

@@ -83,7 +83,7 @@ def run(
     ...     "motion": {"amplitude": "12000 arcsec/s", "frequency": "20 Hz"},
     ...     "switching": {"gap_ticks": 3, "fillers": ["const", "quadratic"], "errors": ["residual"]},
     ... })
-    >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["oracle_rms_arcsec"])]
+    >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["theory_rms_arcsec"])]
     ['const: 109', 'quadratic: 19.1']
     """
     path, text = _source(study)

@@ -53,9 +53,9 @@ def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> Non
 
 def test_a_sensitivity_is_that_of_the_program(program: Program, studies: Path) -> None:
     study = studies / "what_decides.toml"
-    found = sagnac.sensitivity(study, by="oracle_rms", samples=32, device="cpu")
+    found = sagnac.sensitivity(study, by="theory_rms", samples=32, device="cpu")
     expected = program(
-        "sensitivity", study, "--by", "oracle_rms", "--samples", 32, "--device", "cpu", "--out", "out"
+        "sensitivity", study, "--by", "theory_rms", "--samples", 32, "--device", "cpu", "--out", "out"
     )  # fmt: skip
     assert found.data == expected
     assert found.report == (program.folder / "out/report.html").read_text(encoding="utf-8")

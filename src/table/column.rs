@@ -31,7 +31,7 @@ pub enum Role {
     /// Standard error (1 σ) of an estimate.
     StandardError,
     /// Closed form of an estimate.
-    Oracle,
+    Theory,
     /// Deviation of an estimate from its closed form, in standard errors: the check of sampling.
     Z,
     /// Relative difference of the closed form of the sampled integers from that of the inputs: the check of their

@@ -102,7 +102,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         "design {studies}/design_point.toml --trials 64 --device cpu --latency 10ms --out pareto"
     ));
     desk.done(&format!(
-        "sensitivity {studies}/what_decides.toml --by oracle_rms --samples 32 --out sensitivity"
+        "sensitivity {studies}/what_decides.toml --by theory_rms --samples 32 --out sensitivity"
     ));
     let all = files();
     let command = |command: &str, name: &str| {
@@ -167,7 +167,7 @@ fn every_role_refers_to_a_column_of_its_file() {
                 Role::Lower
                 | Role::Upper
                 | Role::StandardError
-                | Role::Oracle
+                | Role::Theory
                 | Role::Z
                 | Role::Representation
                 | Role::Least => found,

@@ -80,7 +80,7 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
     check(&schema("design"), &desk.done(&design).stdout, "design");
     let search = format!("{design} --search --latency 20ms");
     check(&schema("design"), &desk.done(&search).stdout, "design with a search");
-    for more in ["--by oracle_rms --samples 32", "--samples 32 --trials 64"] {
+    for more in ["--by theory_rms --samples 32", "--samples 32 --trials 64"] {
         let decides = shipped("studies/what_decides.toml");
         let words = format!("sensitivity {decides} --device cpu --json --out s {more}");
         check(&schema("sensitivity"), &desk.done(&words).stdout, more);

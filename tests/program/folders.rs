@@ -87,7 +87,7 @@ fn a_gallery_joins_the_results_of_every_command() {
     desk.done("filler quadratic --gap-ticks 3 --out all/filler");
     let decides = format!("{}/studies/what_decides.toml", crate::ROOT);
     desk.done(&format!(
-        "sensitivity {decides} --by oracle_rms --samples 32 --device cpu --out all/what_decides"
+        "sensitivity {decides} --by theory_rms --samples 32 --device cpu --out all/what_decides"
     ));
     desk.done(&format!("allan log.csv {read} --out all/allan"));
     desk.done(&format!("psd log.csv {read} --out all/psd"));

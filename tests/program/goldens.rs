@@ -48,7 +48,7 @@ const COMMANDS: [(&str, &str); 12] = [
     ("model data/gyro_at_rest.csv --rate 1Hz --bound", "What do I write into my filter?"),
     ("design design_point.toml --trials 512", "How often should the gyro switch?"),
     (
-        "sensitivity what_decides.toml --by oracle_rms --samples 512",
+        "sensitivity what_decides.toml --by theory_rms --samples 512",
         "Which uncertain input drives the error?",
     ),
     ("filler which_filler.toml", "Which filler belongs in the firmware?"),

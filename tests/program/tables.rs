@@ -47,7 +47,7 @@ fn what_is_not_known_is_blank_and_not_zero() {
         for blank in ["rms_se_arcsec", "q9973_hi_arcsec", "z"] {
             assert_eq!(row[blank], "", "{blank} of {row:?}");
         }
-        for known in ["trials", "dt_nu", "mean_arcsec", "rms_arcsec", "max_arcsec", "oracle_rms_arcsec"] {
+        for known in ["trials", "dt_nu", "mean_arcsec", "rms_arcsec", "max_arcsec", "theory_rms_arcsec"] {
             let value: f64 = row[known].parse().unwrap_or_else(|_| panic!("{known} of {row:?}"));
             assert!(value.is_finite(), "{known} of {row:?}");
         }

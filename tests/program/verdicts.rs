@@ -58,7 +58,7 @@ fn each_verdict_names_its_chart_its_error_and_its_rows_and_equal_ones_are_printe
 
 #[test]
 fn the_verdict_is_about_what_the_chart_draws() {
-    let (text, json) = said(&format!("{AMPLITUDES}{}{}", chart("q9973", ""), chart("oracle_max", "")));
+    let (text, json) = said(&format!("{AMPLITUDES}{}{}", chart("q9973", ""), chart("theory_max", "")));
     let at = |verdict: usize| json["verdicts"][verdict]["series"][0]["at"][0][1].as_f64().unwrap();
     // Without noise the largest error of const is 156 ″ at 12000 ″/s, and grows with the amplitude.
     assert!((at(1) / (12000.0 * 10.0 / 154.6) - 1.0).abs() < 0.02, "{}\n{text}", at(1));

@@ -102,8 +102,8 @@ impl Runner<'_> {
             Some(filled) => level(filled)?,
             None => (drift, halves.clone()),
         };
-        let oracle = filled.estimates[usize::from(measure.is_largest())].oracle;
-        let closed_form = oracle.map(|oracle| oracle.rms() / duration_s);
+        let theory = filled.estimates[usize::from(measure.is_largest())].theory;
+        let closed_form = theory.map(|theory| theory.rms() / duration_s);
         let (interval_s, switches) = (*interval_s, *switches);
         Ok(Tried { interval_s, switches, drift, closed_form, halves, switched, switched_halves })
     }

@@ -121,7 +121,7 @@ impl Firmware {
             let rms = |i: usize| match lowered.as_ref().ok()? {
                 Some(lowered) => {
                     let estimates = lowered.fillers.get(place)?;
-                    estimates.iter().find(|estimate| estimate.error == ERRORS[i])?.oracle.rms
+                    estimates.iter().find(|estimate| estimate.error == ERRORS[i])?.theory.rms
                 }
                 None => Some(specified_rms(inputs, both[i]?)),
             };

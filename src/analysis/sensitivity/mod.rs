@@ -33,7 +33,7 @@
 //!     uniform = { from = "4 Hz", to = "6 Hz" }
 //! "#)?;
 //! let mut device = select("cpu", 2)?.device;
-//! let asked = Request { by: Some("oracle_rms".to_owned()), samples: Some(1024), ..Request::default() };
+//! let asked = Request { by: Some("theory_rms".to_owned()), samples: Some(1024), ..Request::default() };
 //! let found = sensitivity(&study, &asked, &mut device, &Silent)?;
 //! assert_eq!(found.decisive().key, "gyro.tick_noise.std");
 //! assert!(found.decisive().index.first.value > 0.9);

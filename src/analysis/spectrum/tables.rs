@@ -45,7 +45,7 @@ pub(crate) fn density_columns<'a>() -> Vec<ColumnOf<DensityRow<'a>>> {
         Of::new("upper", Unit::NONE, "upper", |row| row.point.interval.map(|ends| ends.1).into())
             .is_of("density", Role::Upper, "Upper end of the interval of `density`."),
         Of::new("model", Unit::NONE, "model", |row| row.spectrum.model_at(row.point.frequency_hz).into())
-            .is_of("density", Role::Oracle, "Density of the noise model that was fitted to the Allan curve, in `unit`; blank without a fit and above its frequencies."),
+            .is_of("density", Role::Theory, "Density of the noise model that was fitted to the Allan curve, in `unit`; blank without a fit and above its frequencies."),
         Of::new("unit", Unit::NONE, "unit", |row| text(in_files(row.column.unit)))
             .is(Role::Note, "Unit of `density`, `lower`, `upper` and `model`."),
         Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))

@@ -125,13 +125,13 @@ pub fn named_records() -> Vec<NamedRecords> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+    use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the largest bound relative to its variance; `None`
     /// without a closed form.
     fn compare(named: &NamedRecords) -> Option<(f64, f64)> {
         let records = named.lowered();
-        let physical = PhysicalOracle {
+        let physical = PhysicalTheory {
             process: Process { sample_s: 1.0, parts: named.parts.clone() },
             readout_lsb: named.readout_lsb,
             mean_rate: EARTH_RATE,
@@ -141,11 +141,11 @@ mod tests {
         };
         let mut all = None;
         for (at, m) in records.ms().iter().enumerate() {
-            let oracle = records.oracle(at);
-            let found = records.representation(at, &oracle, &physical);
+            let theory = records.theory(at);
+            let found = records.representation(at, &theory, &physical);
             let found = found.unwrap_or_else(|error| panic!("{}, m = {m}: {error}", named.name));
-            let Some((found, variance)) = found.zip(oracle.value) else { continue };
-            let bound = oracle.representation / variance;
+            let Some((found, variance)) = found.zip(theory.value) else { continue };
+            let bound = theory.representation / variance;
             println!("{}, m = {m}: {found:.2e}, bound {bound:.2e}", named.name);
             let (most, loosest) = all.unwrap_or((0.0_f64, 0.0_f64));
             all = Some((most.max(found.abs()), loosest.max(bound)));
@@ -221,7 +221,7 @@ mod tests {
         let (most, loosest) = compare(&named).unwrap();
         assert!(most < 1e-4 && loosest < 1e-2, "{most}, bound {loosest}");
         let parts = vec![Part::angle_random_walk(0.02)];
-        let still = PhysicalOracle {
+        let still = PhysicalTheory {
             process: Process { sample_s: 1.0, parts },
             readout_lsb: 0.83,
             mean_rate: 0.0,
@@ -229,7 +229,7 @@ mod tests {
             samples: 700,
             estimator,
         };
-        let found = named.lowered().oracle(0).value.unwrap();
+        let found = named.lowered().theory(0).value.unwrap();
         let without = still.variance(1).unwrap().value;
         assert!((found / without - 1.0).abs() > 0.1, "{found}, {without} without a rate");
     }

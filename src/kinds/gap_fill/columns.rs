@@ -3,7 +3,7 @@
 use crate::chart::law::Law;
 use crate::filler::closed::LISTED;
 use crate::filler::{FILLERS, Filler};
-use crate::kinds::gap_fill::lower::Oracle;
+use crate::kinds::gap_fill::lower::Theory;
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};
 use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
@@ -31,7 +31,7 @@ impl Row<'_> {
     }
 
     fn z(&self) -> Option<f64> {
-        let Oracle { rms, rounding, resolution, omitted, .. } = self.estimate.oracle;
+        let Theory { rms, rounding, resolution, omitted, .. } = self.estimate.theory;
         // A bound larger than the standard error would hide what the trials show.
         let hides = self.found.rms_se().is_some_and(|se| rounding > se);
         self.found.z(rms, if hides { resolution + omitted } else { rounding })
@@ -81,10 +81,10 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
-        Of::new("oracle_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.oracle.rms.into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
-        Of::new("oracle_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.oracle.max.into())
-            .is_of("max", Role::Oracle, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
+        Of::new("theory_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.theory.rms.into())
+            .is_of("rms", Role::Theory, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
+        Of::new("theory_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.theory.max.into())
+            .is_of("max", Role::Theory, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())

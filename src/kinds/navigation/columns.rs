@@ -151,14 +151,14 @@ macro_rules! sizes {
                 concat!("Standard error (1 σ) of `", $name, "_rms`, ", $in, "."),
             ),
             Of::new(
-                concat!("oracle_", $name, "_rms"),
+                concat!("theory_", $name, "_rms"),
                 $unit,
                 concat!($label, ", rms (closed form)"),
                 |row| row.size(Quantity::$quantity, |sizes| Some(sizes.closed_rms)).into(),
             )
             .is_of(
                 concat!($name, "_rms"),
-                Role::Oracle,
+                Role::Theory,
                 concat!(
                     "`",
                     $name,
@@ -204,14 +204,14 @@ macro_rules! sizes {
                 "Upper end of the 95 % interval of the level; blank where the trials cannot bound it.",
             ),
             Of::new(
-                concat!("oracle_", $name, $half),
+                concat!("theory_", $name, $half),
                 $unit,
                 concat!($label, ", 50 % (closed form)"),
                 |row| row.size(Quantity::$quantity, |sizes| Some(sizes.closed_half)).into(),
             )
             .is_of(
                 concat!($name, $half),
-                Role::Oracle,
+                Role::Theory,
                 concat!(
                     "The level for normally distributed errors with the mean and covariance in closed form, ",
                     $in,
@@ -240,14 +240,14 @@ macro_rules! sizes {
                 "Upper end of the 95 % interval of the level; blank where the trials cannot bound it.",
             ),
             Of::new(
-                concat!("oracle_", $name, "_q95"),
+                concat!("theory_", $name, "_q95"),
                 $unit,
                 concat!($label, ", 95 % (closed form)"),
                 |row| row.size(Quantity::$quantity, |sizes| Some(sizes.closed_most)).into(),
             )
             .is_of(
                 concat!($name, "_q95"),
-                Role::Oracle,
+                Role::Theory,
                 concat!(
                     "The level for normally distributed errors with the mean and covariance in closed form, ",
                     $in,

@@ -106,13 +106,13 @@ fn named_navigators() -> Vec<(&'static str, Solution, Noise, f64)> {
 mod tests {
     use super::*;
     use crate::kinds::navigation::columns::Quantity;
-    use crate::kinds::navigation::lower::physical_oracle::PhysicalOracle;
+    use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the least and the largest ratio of a bound to its rms.
     fn compare(name: &str, solution: Solution, noise: Noise, duration_s: f64) -> (f64, f64) {
         let (point, study) = asked(solution, noise, duration_s);
         let lowered = Lowered::new(&point, &study, SEED, Streams::Independent).unwrap();
-        let physical = PhysicalOracle::new(&point, &study, SEED);
+        let physical = PhysicalTheory::new(&point, &study, SEED);
         let (mut most, mut loosest) = (0.0_f64, 0.0_f64);
         for quantity in Quantity::of(solution) {
             let errors = quantity.errors();

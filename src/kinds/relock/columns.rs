@@ -67,7 +67,7 @@ impl Row<'_> {
     }
 
     fn z(&self) -> Cell {
-        self.found.z(self.estimate.oracle.map(|oracle| oracle.1), self.estimate.rounding).into()
+        self.found.z(self.estimate.theory.map(|theory| theory.1), self.estimate.rounding).into()
     }
 }
 
@@ -108,11 +108,11 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % angle left (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
-        Of::new("oracle_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.0).into())
-            .is_of("mean", Role::Oracle, "`mean` in closed form, ″. It exists without compensation, for the first tick with frequency compensation, and with \
+        Of::new("theory_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.theory.map(|theory| theory.0).into())
+            .is_of("mean", Role::Theory, "`mean` in closed form, ″. It exists without compensation, for the first tick with frequency compensation, and with \
                 detuning compensation if there is neither noise nor a step."),
-        Of::new("oracle_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.1).into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, where there is one."),
+        Of::new("theory_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.theory.map(|theory| theory.1).into())
+            .is_of("rms", Role::Theory, "`rms` in closed form, ″, where there is one."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", Row::z)
             .is_of("rms", Role::Z, found::Z),
         Of::new("drift", Unit::ARCSEC_PER_S, "apparent rate for the nominal miss", Row::drift)

@@ -1,4 +1,4 @@
-//! The Allan variance of sampled noise, in closed form: the oracle of the Monte Carlo and the basis of the fit.
+//! The Allan variance of sampled noise, in closed form: the theory of the Monte Carlo and the basis of the fit.
 //!
 //! The angles θ_k, in ″, at the times k·t0, k = 0 … N, are a record of N samples. At the averaging factor m and τ =
 //! m·t0 an estimator takes the mean square of differences of angles over 2τ² or 6τ² ([`Difference`], [`Estimator`]).

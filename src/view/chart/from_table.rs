@@ -24,7 +24,7 @@ impl Figure {
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
         let laws =
             chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
-        let oracle = table.beside(y, Role::Oracle);
+        let theory = table.beside(y, Role::Theory);
         let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
         let key = table.columns.iter().find(is_key);
         let (colours, dashes) = match &series[..] {
@@ -45,7 +45,7 @@ impl Figure {
             colours: styled(colours, &rows),
             dashes: styled(dashes, &rows),
             // The closed form is not sampled.
-            points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
+            points: if y.role == Role::Theory { "closed form".to_owned() } else { chart.points.clone() },
             bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
             limit: chart.limit.map(limit),
@@ -82,7 +82,7 @@ impl Figure {
             };
             let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
             notes.blank += all - points.len();
-            let law = oracle.map_or(vec![], |oracle| with_gaps(oracle, rows, place));
+            let law = theory.map_or(vec![], |theory| with_gaps(theory, rows, place));
             figure.series.push(Series { colour: *colour, dash: *dash, points, law });
         }
         // In the order of the legend.

@@ -84,7 +84,7 @@ fn a_run_has_the_residual_as_specified_and_no_sampled_one_within_the_tolerances_
         let [sampled, error] = ["rms_arcsec", "rms_se_arcsec"].map(|name| number(own, name));
         assert!(sampled < rms + 4.0 * error, "{line}: {sampled} ± {error}, {rms} as specified");
         assert!(number(own, "q9973_lo_arcsec") < level, "{line}");
-        rows.push((sampled - number(own, "oracle_rms_arcsec")) / error);
+        rows.push((sampled - number(own, "theory_rms_arcsec")) / error);
         let other = row(&points, &[("filler", "const")]);
         assert!(
             (number(other, "latency_s") - 0.004).abs() < 1e-12

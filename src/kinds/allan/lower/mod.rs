@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Asked ─ model ─▶ Model ─ fixed ─▶ Fixed ─┬─ drift, levels ─▶ Recipe
-//!                                         └─ oracle ─▶ Oracle
+//!                                         └─ theory ─▶ Theory
 //! ```
 //!
 //! Words, unit of angle and headroom: `docs/numerics.md`, "Synthetic records".
@@ -12,13 +12,13 @@ pub(crate) mod drift;
 pub(crate) mod enough;
 pub(crate) mod fixed;
 pub(crate) mod model;
-pub(crate) mod oracle;
-pub(crate) mod physical_oracle;
+pub(crate) mod theory;
+pub(crate) mod physical_theory;
 pub(crate) mod representation;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::model::too_long;
-pub use crate::kinds::allan::lower::oracle::Oracle;
+pub use crate::kinds::allan::lower::theory::Theory;
 
 use crate::kernel::allan;
 use crate::kernel::recipe::{Level, Recipe};
@@ -79,7 +79,7 @@ pub struct Asked<'a> {
 /// })?;
 /// let sums = Cpu::new(Width::widest(), 1)?.sums(records.recipe(), 0, 1, &|_| {});
 /// // σ²(1 s) of one record, and its mean over all records.
-/// let (found, expected) = (records.variances(&sums)[0], records.oracle(0).value.unwrap());
+/// let (found, expected) = (records.variances(&sums)[0], records.theory(0).value.unwrap());
 /// assert!((found / expected - 1.0).abs() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -9,8 +9,8 @@ use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::Records;
 use crate::kinds::allan::lower::fixed::TURN;
 use crate::kinds::allan::lower::model::{Markov, Noise, Sine, reach};
-use crate::kinds::allan::lower::oracle::Oracle;
-use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::allan::lower::theory::Theory;
+use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::quantity::number::significant;
 use crate::sampling::found;
 use crate::theory::allan::quantiser;
@@ -19,19 +19,19 @@ use crate::theory::allan::quantiser;
 const DRIFT_ROUNDING: f64 = 0.51;
 
 impl Records {
-    /// Relative difference of an oracle at `ms()[at]` from the closed form of the inputs, where there is one.
+    /// Relative difference of a theoretical value at `ms()[at]` from the closed form of the inputs, where there is one.
     ///
     /// # Errors
     /// The difference exceeds what the rounding of words explains.
     pub(crate) fn representation(
         &self,
         at: usize,
-        oracle: &Oracle,
-        physical: &PhysicalOracle,
+        theory: &Theory,
+        physical: &PhysicalTheory,
     ) -> Result<Option<f64>, Refusal> {
         let m = self.ms()[at];
-        let Some((words, inputs)) = oracle.value.zip(physical.variance(m)) else { return Ok(None) };
-        let most = oracle.representation + inputs.error;
+        let Some((words, inputs)) = theory.value.zip(physical.variance(m)) else { return Ok(None) };
+        let most = theory.representation + inputs.error;
         let off = (words - inputs.value).abs();
         if off > most || off.is_nan() {
             let found = format!(

@@ -9,7 +9,7 @@ use crate::filler::keys::Error;
 use crate::filler::{Filler, Method, Target};
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::lower::physical_oracle::Boundaries;
+use crate::kinds::gap_fill::lower::physical_theory::Boundaries;
 use crate::motion::Gaussian;
 use crate::theory::gap::{Weights, greatest_common_divisor};
 use crate::theory::memo::Memo;

@@ -9,7 +9,7 @@
 //! Words, weights and headroom: `docs/numerics.md`, "Errors of a navigator".
 
 pub mod closed;
-pub(crate) mod physical_oracle;
+pub(crate) mod physical_theory;
 pub(crate) mod representation;
 
 use std::sync::Arc;

@@ -14,7 +14,7 @@ use crate::theory::allan::quantiser;
 
 /// The expected estimate for the lowered words, (″/s)².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oracle {
+pub struct Theory {
     /// Expected value; absent where it is not known to 1 %.
     pub value: Option<f64>,
     /// Bound of the deviation of the expected estimate from `value`, due to rounding in the kernel and to readouts
@@ -54,11 +54,11 @@ impl Square {
 
 impl Records {
     /// The expected estimate at `ms()[at]`. For records with drift it takes as long as summing their differences.
-    pub fn oracle(&self, at: usize) -> Oracle {
+    pub fn theory(&self, at: usize) -> Theory {
         let unit = self.variance_of_square(at);
         let Square { value, error, representation } = self.mean_square(at);
         let error = error + SUM_ERROR * value;
-        Oracle {
+        Theory {
             value: (error <= MOST_ROUNDING * value).then_some(value * unit),
             rounding: error * unit,
             representation: (representation + REPRESENTATION_ERROR * value) * unit,
