@@ -39,7 +39,7 @@ pub struct Options {
     /// that suit the run. Other swept keys are choices too: each combination of their values is tried
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// Estimate to minimise
+    /// Estimate to minimize
     #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_q9973")]
     by: Measure,
     /// Longest time from the end of the gap to the correction, such as "10 ms": fillers that read later ticks are left out

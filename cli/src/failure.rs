@@ -142,7 +142,7 @@ const OPTIONS: [&str; 34] = [
     "force",
     "from",
     "out",
-    "quantisation",
+    "quantization",
     "rate",
     "remove_outliers",
     "salvage",

@@ -14,7 +14,7 @@ from . import _sagnac
 from ._raw import RawAnalysis
 from ._reading import Kind, limits_of, reading_of
 from .errors import UsageError
-from .records import LEAST_REALISATIONS
+from .records import LEAST_REALIZATIONS
 from .results import Charted, Table, answer_of
 from .studies import MOST_TRIALS, _source, _threads, _whole
 
@@ -62,7 +62,7 @@ def design(
         As for :func:`run`; of ``kind = "switched-run"``. The candidates are its swept intervals, or intervals that suit the run.
         Other swept keys are choices too: each combination of their values is a variant, and the best one wins.
     by
-        Estimate to minimise.
+        Estimate to minimize.
     latency
         Longest time from the end of the gap to the correction, such as ``"10 ms"``; fillers that read later ticks are left out.
     memory
@@ -284,7 +284,7 @@ def psd(
     if segment_detrend not in ("constant", "linear"):
         raise UsageError(f'segment_detrend="{segment_detrend}"\naccepted: "constant", "linear"')
     if bootstrap is not None and bootstrap != 0:
-        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
+        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
     is_linear = segment_detrend == "linear"
     return _analysis(
         _sagnac.psd(

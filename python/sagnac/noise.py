@@ -51,7 +51,7 @@ class Curve:
     upper: Numbers
     """Ends of the interval; NaN where it is unknown."""
     alpha: Numbers
-    """The noise, S(f) ∝ f^α: 2 quantisation, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
+    """The noise, S(f) ∝ f^α: 2 quantization, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
     record is too short."""
     alpha_carried: NDArray[np.bool_]
     """Whether α was identified at a shorter τ, because there are too few groups at this one."""

@@ -40,7 +40,7 @@ def run(
     Parameters
     ----------
     study
-        The path of a study file; its text, which is recognised by its line ends; or a dictionary of its keys, in which tables are
+        The path of a study file; its text, which is recognized by its line ends; or a dictionary of its keys, in which tables are
         dictionaries, and values are texts with units or numbers as in the file. Files named in a text or a dictionary are
         relative to the working directory.
     trials, seed

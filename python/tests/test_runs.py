@@ -19,7 +19,7 @@ STUDIES = {
     "which_filler": 2000,
     "filler_map": 200,
     "recorded_profile": 100,
-    "readout_quantisation": 500,
+    "readout_quantization": 500,
     "my_gyro": 40,
     "lgk400_vs_lgv1": 40,
     "design_point": 200,

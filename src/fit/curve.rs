@@ -75,8 +75,8 @@ pub enum FitError {
     )]
     NotDescribed,
     /// This number of simulated records gives no covariance.
-    #[error("{0} realisations give no covariance: at least two with one estimate for every averaging factor")]
-    Realisations(usize),
+    #[error("{0} realizations give no covariance: at least two with one estimate for every averaging factor")]
+    Realizations(usize),
 }
 
 impl Curve {

@@ -268,7 +268,7 @@ mod tests {
         assert_eq!(estimates.max, 5e5);
     }
 
-    /// Errors with the quantiles of a standardised distribution at `mean` and with standard deviation `sd`.
+    /// Errors with the quantiles of a standardized distribution at `mean` and with standard deviation `sd`.
     fn spread(mean: f64, sd: f64, quantile: impl Fn(f64) -> f64) -> Moments {
         const TRIALS: i32 = 100_000;
         let base = level(libm::floor(0.25 * libm::hypot(mean, sd)) as u32);
@@ -283,7 +283,7 @@ mod tests {
         // Standard deviations from far below a bin to as wide as the mean; at 0.2 the even distribution has one sign,
         // at 1 both.
         for relative in [1e-6, 1e-5, 1e-3, 0.0077, 0.0079, 0.02, 0.1, 0.2, 1.0] {
-            // With their third and fourth standardised moments.
+            // With their third and fourth standardized moments.
             let cases: [(&str, Moments, f64, f64); 3] = [
                 ("even", spread(1e8, 1e8 * relative, even), 0.0, 1.8),
                 ("exponential", spread(1e8, 1e8 * relative * 0.3, exponential), 2.0, 9.0),

@@ -129,7 +129,7 @@ fn off_the_model(model: &Model, records: &Records) -> f64 {
 fn every_noise_has_its_slope_and_its_theory() {
     // Up to where a curve of so many records says something, and from where the sampled law is the continuous one.
     let laws = [
-        ("quantisation", Part::quantisation(0.24), -1.0, [1, 1024]),
+        ("quantization", Part::quantization(0.24), -1.0, [1, 1024]),
         ("angle random walk", Part::angle_random_walk(0.04), -0.5, [1, 1024]),
         ("bias instability", Part::bias_instability(0.002, 24), 0.0, [1, 1024]),
         ("rate random walk", Part::rate_random_walk(1e-4), 0.5, [16, 1024]),
@@ -198,7 +198,7 @@ fn markov_noise_sines_and_readouts_have_their_theories() {
         ("sine beyond half the rate", vec![n, sine(61.0)], quiet, 0.0),
         ("pulses of the earth's rate", vec![], 0.38, 15.041),
         ("pulses and white noise", vec![n], 0.38, 15.041),
-        ("pulses, noises and a sine", vec![n, markov(0.5), sine(1.7), Part::quantisation(0.05)], 0.1, 3.3),
+        ("pulses, noises and a sine", vec![n, markov(0.5), sine(1.7), Part::quantization(0.05)], 0.1, 3.3),
         ("pulses and flicker", vec![Part::angle_random_walk(0.9), flicker], 0.02, 15.041),
         ("pulses on a ramp", vec![Part::angle_random_walk(0.9), ramp, warm_up], 0.02, 15.041),
         ("ramp and noise", vec![n, ramp, warm_up], quiet, 0.0),
@@ -224,7 +224,7 @@ fn markov_noise_sines_and_readouts_have_their_theories() {
 /// The gyros of the Allan paper's table 2: Q in ″, N in °/√h, B in °/h.
 fn gyros() -> [(&'static str, Vec<Part>); 2] {
     let parts = |q: f64, n: f64, b: f64| {
-        vec![Part::quantisation(q), Part::angle_random_walk(n * 60.0), Part::bias_instability(b, 24)]
+        vec![Part::quantization(q), Part::angle_random_walk(n * 60.0), Part::bias_instability(b, 24)]
     };
     [("LGK-400", parts(0.24, 0.00067, 0.00192)), ("LGV-1", parts(0.11, 0.00048, 0.00164))]
 }
@@ -264,7 +264,7 @@ fn flicker_is_flat_to_half_a_percent_for_all_octaves_of_a_record() {
 /// Models that differ in all that lowering distinguishes.
 fn models() -> Vec<Model> {
     let everything = [
-        Part::quantisation(0.24),
+        Part::quantization(0.24),
         Part::angle_random_walk(0.04),
         Part::bias_instability(0.002, 24),
         Part::rate_random_walk(1e-4),

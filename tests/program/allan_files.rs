@@ -11,7 +11,7 @@ use sagnac::theory::allan::process::Process;
 use toml::{Table, Value};
 
 const GYRO: [Part; 3] =
-    [Part::quantisation(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
+    [Part::quantization(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
 
 /// N = 0.02 ″/√s and K = 0.002 ″/s^1.5, in °/√h and °/h/√h.
 const WALK: [Part; 2] = [Part::angle_random_walk(0.02), Part::rate_random_walk(0.002)];
@@ -123,8 +123,8 @@ fn noise_toml_has_the_identified_coefficients_and_says_the_rest() {
     let desk = gyro();
     allan(&desk, "gyro.csv");
     let (found, noise) = (coefficients(&desk), noise_of(&desk, "noise.toml"));
-    assert_eq!(names(&noise), ["angle_random_walk", "bias_instability", "quantisation"]);
-    for (key, name) in [("quantisation", "Q"), ("angle_random_walk", "N"), ("bias_instability", "B")] {
+    assert_eq!(names(&noise), ["angle_random_walk", "bias_instability", "quantization"]);
+    for (key, name) in [("quantization", "Q"), ("angle_random_walk", "N"), ("bias_instability", "B")] {
         let (value, _, unit) = &found[&("gz".to_owned(), name.to_owned())];
         let (written, value) = (number(&noise[key], unit), value.parse::<f64>().unwrap());
         assert!((written / value - 1.0).abs() < 1e-5, "{key}: {written}, not {value} {unit}");

@@ -126,7 +126,7 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
         check(&schema("psd"), &desk.done(&format!("psd {log} {read} {more}")).stdout, more);
     }
     let model = schema("model");
-    for more in ["--bound", "--bound=repeat --write all", "--bound --quantisation white --states 1"] {
+    for more in ["--bound", "--bound=repeat --write all", "--bound --quantization white --states 1"] {
         check(&model, &desk.done(&format!("model {log} {read} {more}")).stdout, more);
     }
     desk.write("noise.toml", "angle_random_walk = \"0.003 deg/sqrt(h)\"\n");

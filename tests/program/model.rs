@@ -12,7 +12,7 @@ fn deviation(model: &Value, tau: f64) -> f64 {
     let get = |value: &Value, key: &str| value[key].as_f64().unwrap_or_else(|| panic!("{key} in {value}"));
     let n = 60.0 * get(model, "white_deg_per_rt_h");
     let k = get(model, "random_walk_deg_per_h_per_rt_h") / 60.0;
-    let q = get(model, "quantisation_arcsec");
+    let q = get(model, "quantization_arcsec");
     let markov = model["markov"].as_array().unwrap().iter().map(|state| {
         let (sigma, z) = (get(state, "sigma_deg_per_h"), tau / get(state, "correlation_time_s"));
         // The bracket loses digits below, where the state is a random walk of density 2σ²/T.
@@ -74,12 +74,12 @@ fn the_bound_of_a_noise_file_is_nowhere_below_its_curve_and_says_how_far_above_i
 }
 
 #[test]
-fn quantisation_is_measurement_noise_or_covered_by_white_noise() {
-    let desk = desk_with("noise.toml", format!("{NOISE}quantisation = \"0.5 arcsec\"\n"));
+fn quantization_is_measurement_noise_or_covered_by_white_noise() {
+    let desk = desk_with("noise.toml", format!("{NOISE}quantization = \"0.5 arcsec\"\n"));
     let with = |more: &str| {
         json(&desk, &format!("model noise.toml --from 1s --to 1000s --bound --filter-rate 10Hz {more}"))
     };
-    let (apart, white) = (with(""), with("--quantisation white"));
+    let (apart, white) = (with(""), with("--quantization white"));
     let total = |tau: f64| (curve(tau).powi(2) + 0.75 / (tau * tau)).sqrt();
     for i in 0..=60 {
         let tau = 10_f64.powf(f64::from(i) / 20.0);

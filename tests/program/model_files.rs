@@ -121,11 +121,11 @@ fn read_by_c(desk: &Desk, folder: &str) -> Option<Read> {
     Some(Read { white: numbers[0], walk: numbers[1], markov })
 }
 
-/// Gyros of different make: with flicker over a white noise, with much flicker, and with quantisation and a walk.
+/// Gyros of different make: with flicker over a white noise, with much flicker, and with quantization and a walk.
 const GYROS: [&str; 3] = [
     "angle_random_walk = \"0.0003 deg/sqrt(h)\"\nbias_instability = \"0.009 deg/h\"\nrate_random_walk = \"0.0108 deg/h/sqrt(h)\"\n",
     "angle_random_walk = \"0.2 deg/sqrt(h)\"\nbias_instability = \"6 deg/h\"\n",
-    "quantisation = \"0.3 arcsec\"\nangle_random_walk = \"0.0005 deg/sqrt(h)\"\nrate_random_walk = \"0.02 deg/h/sqrt(h)\"\n",
+    "quantization = \"0.3 arcsec\"\nangle_random_walk = \"0.0005 deg/sqrt(h)\"\nrate_random_walk = \"0.02 deg/h/sqrt(h)\"\n",
 ];
 
 #[test]

@@ -9,7 +9,7 @@ use sagnac::allan::tau::Taus;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
 use sagnac::analysis::requirement::Limit;
-use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
+use sagnac::kinds::allan::realizations::LEAST_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::measure::Data;
 use sagnac::record::log::read::Request;
@@ -172,13 +172,13 @@ pub(crate) fn probability(text: &str) -> Result<f64, String> {
 }
 
 /// Most simulated records.
-const MOST_REALISATIONS: usize = 100_000;
+const MOST_REALIZATIONS: usize = 100_000;
 
 pub(crate) fn simulated(text: &str) -> Result<usize, String> {
-    let is_accepted = |count: &usize| *count == 0 || (LEAST_REALISATIONS..=MOST_REALISATIONS).contains(count);
+    let is_accepted = |count: &usize| *count == 0 || (LEAST_REALIZATIONS..=MOST_REALIZATIONS).contains(count);
     text.parse().ok().filter(is_accepted).ok_or_else(|| {
         format!(
-            "give 0, or {LEAST_REALISATIONS} to {MOST_REALISATIONS}: fewer do not resolve the 2.5 % quantiles, and more change no \
+            "give 0, or {LEAST_REALIZATIONS} to {MOST_REALIZATIONS}: fewer do not resolve the 2.5 % quantiles, and more change no \
              digit of them"
         )
     })

@@ -12,7 +12,7 @@ use sagnac::analysis::model::noise::of_file;
 use sagnac::analysis::model::search::MOST_STATES;
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
-use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, answer, figures, tables};
+use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization, answer, figures, tables};
 use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::store::folder::Folder;
@@ -68,9 +68,9 @@ pub struct Options {
     /// Number of Markov states, 0 to 3 [default: the fewest]
     #[arg(help_heading = "Model", long, value_name = "N", value_parser = states)]
     states: Option<usize>,
-    /// What quantisation is to the filter: measurement noise of the angle, or white noise of the rate
-    #[arg(help_heading = "Model", long, value_name = "AS", default_value = "measurement", value_parser = quantisation())]
-    quantisation: Quantisation,
+    /// What quantization is to the filter: measurement noise of the angle, or white noise of the rate
+    #[arg(help_heading = "Model", long, value_name = "AS", default_value = "measurement", value_parser = quantization())]
+    quantization: Quantization,
     /// Rate of the filter, for F, Q and R [default: that of the log]
     #[arg(help_heading = "Model", long, value_name = "RATE", value_parser = rate)]
     filter_rate: Option<f64>,
@@ -89,8 +89,8 @@ fn aims() -> impl TypedValueParser<Value = Aim> {
     one_of([("band", Aim::Bound), ("repeat", Aim::BoundRepeat)])
 }
 
-fn quantisation() -> impl TypedValueParser<Value = Quantisation> {
-    one_of([("measurement", Quantisation::Measurement), ("white", Quantisation::White)])
+fn quantization() -> impl TypedValueParser<Value = Quantization> {
+    one_of([("measurement", Quantization::Measurement), ("white", Quantization::White)])
 }
 
 fn margin(text: &str) -> Result<f64, String> {
@@ -118,7 +118,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
         aim: options.bound.unwrap_or(Aim::Describe),
         margin: options.margin,
         states: options.states,
-        quantisation: options.quantisation,
+        quantization: options.quantization,
         filter_hz: options.filter_rate,
         confidence: options.confidence,
     };
@@ -160,7 +160,7 @@ fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
         taus: Taus::Decade(PER_DECADE),
         confidence: options.confidence,
         fitting: options.reading.fitting(),
-        // Only the quantisation of the fit is needed.
+        // Only the quantization of the fit is needed.
         simulated: Some(0),
         ..OfLog::default()
     };

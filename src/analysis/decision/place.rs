@@ -282,7 +282,7 @@ fn ends_exactly(study: &Study, point: usize) -> bool {
     runs.and_then(|points| points.get(point)).is_some_and(|point| point.schedule.end == End::Exact)
 }
 
-/// Whether a point is of a dither without randomisation, whose zones of lock-in are sharp.
+/// Whether a point is of a dither without randomization, whose zones of lock-in are sharp.
 fn has_zones(study: &Study, point: usize) -> bool {
     let points = study.asked::<LockInStudy>().map(|study| &study.points);
     let inputs = points.and_then(|points| points.get(point)).map(|point| &point.inputs);

@@ -1,9 +1,9 @@
-//! The quantity that a design minimises.
+//! The quantity that a design minimizes.
 
 use crate::key::holds::names;
 
 names! {
-    /// The quantity to minimise, as listed by `--by`.
+    /// The quantity to minimize, as listed by `--by`.
     pub enum Measure {
         /// The drift that 99.73 % of runs do not exceed.
         DriftQ9973 = "drift_q9973",

@@ -39,7 +39,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
         })
             .is(Role::Estimate, "α of the noise that the lag-1 autocorrelation shows, from a spectral density of the rate as f^α: 2 \
-                quantisation, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
+                quantization, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
                 walk."),
         Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
             .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),

@@ -14,7 +14,7 @@ use crate::quantity::number::significant;
 
 /// Coefficients by which records are compared without a limit, the first that they show.
 const ORDER: [Term; 5] =
-    [Term::AngleRandomWalk, Term::BiasInstability, Term::Quantisation, Term::RateRandomWalk, Term::RateRamp];
+    [Term::AngleRandomWalk, Term::BiasInstability, Term::Quantization, Term::RateRandomWalk, Term::RateRamp];
 
 /// The answer of records with the judgements on which it rests.
 #[derive(Debug, Clone, PartialEq)]

@@ -221,10 +221,10 @@ fn rivals(effect: Effect, best: &Choice, choices: &[Choice]) -> Vec<&'static str
     with.effects.iter().filter(|x| !without.effects.contains(x)).map(|x| x.title()).collect()
 }
 
-/// The covariance of blocks of the parts of a noise that are fast: white noise, quantisation and the band limit.
+/// The covariance of blocks of the parts of a noise that are fast: white noise, quantization and the band limit.
 fn of_fast(process: &Process, means: &dyn Fn(&Part) -> Vec<f64>) -> Vec<f64> {
     let is_fast =
-        |part: &&Part| matches!(part.term, Term::AngleRandomWalk | Term::Quantisation | Term::BandLimit);
+        |part: &&Part| matches!(part.term, Term::AngleRandomWalk | Term::Quantization | Term::BandLimit);
     let parts = process.parts.iter().filter(is_fast).map(means);
     parts.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a + b).collect()).unwrap_or_else(|| vec![0.0])
 }

@@ -21,7 +21,7 @@ pub struct NamedRecords {
     pub name: &'static str,
     /// Parts of the noise.
     pub parts: Vec<Part>,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub readout_lsb: f64,
     /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
@@ -34,10 +34,10 @@ pub struct NamedRecords {
 /// The estimator of studies, with every 64th part of τ.
 pub const THINNED: Estimator = Estimator { difference: Difference::Second, stride: Stride::Part(64) };
 
-/// Quantisation noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
+/// Quantization noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
 pub fn lgk_400() -> Vec<Part> {
     vec![
-        Part::quantisation(0.24),
+        Part::quantization(0.24),
         Part::angle_random_walk(0.00067 * 60.0),
         Part::bias_instability(0.00192, 24),
     ]
@@ -177,7 +177,7 @@ mod tests {
         let steady = Magnetic { initial: 0.7, ..magnetic };
         let switched = |magnetic| Some(Switching { magnetic, ..none });
         for (name, parts, readout_lsb, switching) in [
-            ("quantisation", vec![Part::quantisation(0.24)], 0.0, None),
+            ("quantization", vec![Part::quantization(0.24)], 0.0, None),
             ("white", vec![white], 0.0, None),
             ("flicker", vec![Part::bias_instability(0.00192, 24)], 0.0, None),
             ("walk", vec![Part::rate_random_walk(2e-4)], 0.0, None),

@@ -46,7 +46,7 @@ impl Row<'_> {
         Some(0.5 * se? * libm::sqrt(self.tau_s() / variance)).filter(|se| se.is_finite())
     }
 
-    /// N over its closed form for a randomised dither, whose premises need not hold, with its 95 % interval.
+    /// N over its closed form for a randomized dither, whose premises need not hold, with its 95 % interval.
     fn walk_ratio(&self) -> Option<(f64, Option<(f64, f64)>)> {
         let inputs = &self.point.inputs;
         let closed = libm::hypot(inputs.gyro()?.angle_random_walk(), inputs.beam_noise);

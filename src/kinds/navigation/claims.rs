@@ -16,7 +16,7 @@ pub(crate) fn claims<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("claimed", Unit::ARCSEC, "error of the heading claimed by the filter, σ", |row| of(row, |claim| Some(claim.sigma)))
             .is(Role::Estimate, "Standard deviation of the heading that the filter claims, ″, of its own model."),
         Of::new("nees", Unit::NONE, "mean squared error over claimed variance (NEES)", |row| of(row, |claim| claim.nees))
-            .is(Role::Estimate, "Normalised estimation error squared: mean squared error of the heading over the variance that the filter claims. 1 is \
+            .is(Role::Estimate, "Normalized estimation error squared: mean squared error of the heading over the variance that the filter claims. 1 is \
                 consistent, more is too sure, less too careful.")
             .within(|row| row.claim.as_ref().and_then(Claim::nees_band)),
         Of::new("nees_se", Unit::NONE, "NEES, standard error", |row| of(row, |claim| claim.nees_se))

@@ -39,7 +39,7 @@ pub struct Asked<'a> {
     /// Noise process with any parts, but at most one Markov noise and one sine. The octaves of bias instability follow
     /// from the record, whatever the part says.
     pub process: &'a Process,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub readout_lsb: f64,
     /// Constant rate of the gyro, ″/s; it affects only a readout in whole pulses.
     pub mean_rate: f64,
@@ -134,7 +134,7 @@ impl Records {
             flicker: fixed.flicker.clone(),
             markov: fixed.markov,
             sine: fixed.sine,
-            quantisation: fixed.quantisation,
+            quantization: fixed.quantization,
             pulse: fixed.pulse,
             switching: fixed.switching,
             drift: drift::angles(&model, &fixed),
@@ -216,14 +216,14 @@ impl Records {
             ref flicker,
             markov,
             sine,
-            quantisation,
+            quantization,
             pulse,
             switching,
             ref drift,
             order,
             ref levels,
         } = self.recipe;
-        let mut words = vec![allan::VERSION, key[0], key[1], samples, white, rate_scale, walk, quantisation];
+        let mut words = vec![allan::VERSION, key[0], key[1], samples, white, rate_scale, walk, quantization];
         words.push(flicker.len() as u32);
         words.extend(flicker);
         words.push(markov.is_some().into());

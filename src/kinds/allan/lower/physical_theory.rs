@@ -8,7 +8,7 @@ use crate::kinds::allan::point::Point;
 use crate::theory::allan::estimator::Estimator;
 use crate::theory::allan::exponential::mean_of_decay;
 use crate::theory::allan::process::Process;
-use crate::theory::allan::quantiser;
+use crate::theory::allan::quantizer;
 use crate::theory::allan::switching::{Jumps, Switching};
 
 /// Most residues that are summed; beyond them there is no closed form.
@@ -20,7 +20,7 @@ const SUM_ERROR: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub(crate) struct PhysicalTheory {
     pub(crate) process: Process,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub(crate) readout_lsb: f64,
     /// Constant rate, ″/s.
     pub(crate) mean_rate: f64,
@@ -74,7 +74,7 @@ impl PhysicalTheory {
             if self.switching.is_some() {
                 return None;
             }
-            sum += quantiser::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
+            sum += quantizer::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
         }
         let tau = process.sample_s * m as f64;
         let unit = 1.0 / (difference.divisor() * tau * tau);

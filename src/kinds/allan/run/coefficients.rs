@@ -92,14 +92,14 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
     let RecordInputs { sample_s, noise, .. } = &point.inputs;
     let mut process = noise.process(*sample_s, point.inputs.samples());
     if noise.readout_lsb > 0.0 {
-        process.parts.push(Part::quantisation(noise.readout_lsb / libm::sqrt(12.0)));
+        process.parts.push(Part::quantization(noise.readout_lsb / libm::sqrt(12.0)));
     }
     let jumps = noise.switched(*sample_s).and_then(|switching| switching.jumps());
     process.parts.extend(jumps.map(|jumps| Part::angle_random_walk(jumps.angle_random_walk(*sample_s))));
     let model = Covariance::of_process(&process, geometry).ok()?;
     let fitted = geometry.ms().len();
     let rows: Vec<Vec<f64>> = estimates.records().map(|record| record[..fitted].to_vec()).collect();
-    Covariance::of_realisations(&rows, &model).ok()
+    Covariance::of_realizations(&rows, &model).ok()
 }
 
 /// The true value of a quantity, in the unit of data sheets; absent for the shape of a term that the noise lacks.
@@ -109,7 +109,7 @@ fn truth(quantity: Quantity, noise: &Noise) -> Option<f64> {
     let value = match term {
         _ if shape.is_some() => of_shape,
         // A readout in whole pulses has an error of 1/√12 of a pulse.
-        Term::Quantisation => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
+        Term::Quantization => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
         _ => size.abs(),
     };
     (shape.is_none() || value > 0.0).then_some(quantity.unit(Unit::Angular).0 * value)

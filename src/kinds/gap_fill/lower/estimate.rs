@@ -138,7 +138,7 @@ impl Estimate {
 
         let noise = sigma * whole.noise_gain();
         let known = error != Error::InGap || fixed.gap_ticks == 1;
-        let quantised = fractions.variance(whole);
+        let quantized = fractions.variance(whole);
         let rms_with = |more: f64| {
             let square = response.mean * response.mean + response.variance + noise * noise + more;
             // A variance of pulses that vanishes may come out below 0.
@@ -146,14 +146,14 @@ impl Estimate {
         };
         // The root of a variance that is wrong by `error` is wrong by at most √error, and by at most error/rms.
         let of_variance = |error: f64, rms: f64| libm::sqrt(error).min(error / rms.max(f64::MIN_POSITIVE));
-        let omitted = quantised.map_or(0.0, |(variance, tail)| {
+        let omitted = quantized.map_or(0.0, |(variance, tail)| {
             of_variance(tail, rms_with(variance) * unit) / unit * unit_arcsec
         });
         // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
         let about =
-            quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
+            quantized.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
         let theory = Theory {
-            rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
+            rms: quantized.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
             size: rms_with(about) * unit_arcsec,
             noise_of_square: fixed
                 .profile
@@ -189,7 +189,7 @@ impl Estimate {
             (definition(filler, Some(&rows), designed), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
-        let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);
+        let pulses = fixed.representation_of_pulses(whole) + quantized.map_or(0.0, |(_, tail)| tail);
         let of_pulses = of_variance(pulses, rms_with(about) * unit);
         let representation = (fixed.representation(whole, &response) + of_pulses) / unit * unit_arcsec;
         Ok(Estimate { error, address, theory, representation, unit_arcsec, bin_base, rows, shift })

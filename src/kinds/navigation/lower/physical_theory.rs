@@ -67,7 +67,7 @@ fn random(noise: &Noise, t0: f64, samples: u64) -> covariance::Noise {
     let shaped = |term: Term| Some(noise.of(term)).filter(|[size, _]| *size != 0.0);
     let switching = noise.switched(t0);
     covariance::Noise {
-        errors: noise.of(Term::Quantisation)[0],
+        errors: noise.of(Term::Quantization)[0],
         white: noise.of(Term::AngleRandomWalk)[0] * root,
         octaves: variances.into_iter().flatten().map(octave).collect(),
         walk: noise.of(Term::RateRandomWalk)[0] * t0 * root,

@@ -36,7 +36,7 @@ impl Deviation {
         let jumps = fixed.jumps();
         Deviation {
             noise: Noise {
-                errors: libm::sqrt(off.quantisation * off.quantisation + rounded),
+                errors: libm::sqrt(off.quantization * off.quantization + rounded),
                 white: off.white,
                 octaves: off.octaves,
                 walk: off.walk,
