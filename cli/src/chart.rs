@@ -115,7 +115,7 @@ const EXAMPLES: &str = "\
 Examples:
   sagnac report results/error_vs_dtnu --y rms --limit \"5 arcsec\"
   sagnac report results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
-  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
+  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z p99_73 \\
     --where filler=quadratic
 
 The chart is written to DIR as an SVG and a PNG. The page report.html keeps the charts of the study; `sagnac report DIR` rebuilds it.";

@@ -96,7 +96,7 @@ pub struct Reading {
     /// Longest averaging time of the fit [default: an eighth of the record]
     #[arg(help_heading = "Reading the log", long, value_name = "TIME", value_parser = seconds)]
     fit_to: Option<f64>,
-    /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *not described*
+    /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *model rejected*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
     /// Column of a temperature, by name or number, on which the rate depends: `sagnac allan` reports the dependence, other commands

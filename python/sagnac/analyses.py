@@ -18,7 +18,7 @@ from .records import LEAST_REALIZATIONS
 from .results import Charted, Table, answer_of
 from .studies import MOST_TRIALS, _source, _threads, _whole
 
-Measure = Literal["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"]
+Measure = Literal["drift_p99_73", "drift_rms", "largest_p99_73", "largest_rms"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Analysis(Charted):
 def design(
     study: str | os.PathLike[str] | Mapping[str, Any],
     *,
-    by: Measure = "drift_q9973",
+    by: Measure = "drift_p99_73",
     latency: str | None = None,
     memory: int | None = None,
     search: bool = False,
@@ -212,7 +212,7 @@ def compare(
     >>> import numpy as np
     >>> draw = np.random.default_rng(1).normal
     >>> found = compare(draw(0.0, 1.0, 20_000), draw(0.0, 1.3, 20_000), 100.0, unit="deg/h", names=("before", "after"))
-    >>> [(row["coefficient"], row["verdict"]) for row in found.data["coefficients"]]
+    >>> [(row["coefficient"], row["status"]) for row in found.data["coefficients"]]
     [('N', 'B higher')]
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)

@@ -108,7 +108,7 @@ def allan(
             unit=raw["unit"],
             m=raw["m"],
             tau=raw["tau"],
-            terms=raw["terms"],
+            differences=raw["differences"],
             value=raw["value"],
             lower=raw["lower"],
             upper=raw["upper"],
@@ -159,7 +159,7 @@ def fit(
         Shortest and longest averaging time of the fit, s. By default it starts at the shortest from which the terms describe the
         curve, and ends at an eighth of the record.
     force
-        Takes the coefficients of the best fit even where it does not describe the curve; their verdict stays ``not described``.
+        Takes the coefficients of the best fit even where it does not describe the curve; their verdict stays ``model rejected``.
     bootstrap
         Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
         in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
@@ -171,7 +171,7 @@ def fit(
     -----
     Least squares on the overlapping Allan variances at the octaves of τ up to an eighth of the record, with the
     covariance between them; each term is that of sampled noise. The fit takes the octaves that the terms describe; if they
-    describe none, all coefficients are ``not described`` and have no value. Otherwise a value is given if it is identified, else a
+    describe none, all coefficients are ``model rejected`` and have no value. Otherwise a value is given if it is identified, else a
     bound.
     Intervals are those of a record without gaps.
 
@@ -190,8 +190,8 @@ def fit(
     ['N']
     >>> found["N"].unit, found["N"].lower < 0.1 / 60 < found["N"].upper
     ('deg/sqrt(h)', True)
-    >>> found["B"].value is None, found["B"].verdict
-    (True, 'not identifiable, at most the upper end')
+    >>> found["B"].value is None, found["B"].status
+    (True, 'not estimable, at most the upper limit')
     """
     values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if bootstrap is not None and bootstrap != 0:

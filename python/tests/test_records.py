@@ -45,7 +45,7 @@ def check_curves(found: sagnac.Allan, column: Any) -> None:
         pairs = {
             "m": curve.m,
             "tau_s": curve.tau,
-            "terms": curve.terms,
+            "differences": curve.differences,
             "value": curve.value,
             "alpha": curve.alpha,
             "edf": curve.edf,
@@ -120,7 +120,7 @@ def check_fit(found: sagnac.Fit, column: Any) -> None:
     for expected in column["coefficients"]:
         row = found[expected["coefficient"]]
         assert (row.value, row.lower, row.upper) == (expected["value"], expected["lower"], expected["upper"])
-        assert (row.unit, row.verdict) == (expected["unit"], expected["verdict"])
+        assert (row.unit, row.status) == (expected["unit"], expected["status"])
     assert found.intervals == column["coefficient_intervals"]["from"]
     assert found.events == column["events"]
     of_fit = column["fit"]
@@ -170,7 +170,7 @@ def test_a_range_is_that_of_the_program_and_a_curve_that_no_term_describes_has_n
         found = sagnac.fit(white, 100.0, unit="deg/h", terms=["K", "R"], force=force, bootstrap=0)
         check_fit(found, expected)
         assert not found.described and np.isnan(found.fitted).all()
-        assert {row.verdict for row in found.values()} == {"not described"}
+        assert {row.status for row in found.values()} == {"model rejected"}
         assert any(row.value is not None for row in found.values()) == force
 
 

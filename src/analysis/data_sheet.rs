@@ -123,7 +123,7 @@ impl DataSheet {
     /// let closed = Intervals { records: 0, without: None };
     /// let events = Events::of(&angles, &Outliers::default(), &[]);
     /// let sheet = DataSheet::of(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
-    /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
+    /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "estimated"));
     /// # Ok::<(), String>(())
     /// ```
     pub fn of(
@@ -183,10 +183,10 @@ fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
 
 fn verdict(coefficient: &Coefficient) -> &'static str {
     match coefficient.verdict {
-        Verdict::Identified => "identified",
-        Verdict::AtBoundary { .. } => "none found, at most the upper end",
-        Verdict::NotIdentifiable { below: Some(_) } => "not identifiable, at most the upper end",
-        Verdict::NotIdentifiable { below: None } => "not identifiable",
-        Verdict::NotDescribed => "not described",
+        Verdict::Identified => "estimated",
+        Verdict::AtBoundary { .. } => "not detected, at most the upper limit",
+        Verdict::NotIdentifiable { below: Some(_) } => "not estimable, at most the upper limit",
+        Verdict::NotIdentifiable { below: None } => "not estimable",
+        Verdict::NotDescribed => "model rejected",
     }
 }

@@ -70,7 +70,7 @@ pub enum FitError {
     NotDefinite,
     /// The terms describe no range of τ of the curve.
     #[error(
-        "not described: the fitted terms describe the curve over no range of τ\nfit other terms, or set the range, \
+        "model rejected: the fitted terms describe the curve over no range of τ\nfit other terms, or set the range, \
          as in `fit_from = 1s`"
     )]
     NotDescribed,

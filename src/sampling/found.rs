@@ -10,9 +10,9 @@ use crate::tally::stats::{Estimates, NORMAL_95, Quantile, z_score};
 pub(crate) const RMS_SE: &str =
     "Standard error (1 σ) of `rms`; 0 where every trial has the same error. The 95 % band is ±1.96 of these.";
 pub(crate) const LEVEL_LOWER: &str =
-    "Lower end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
+    "Lower end of the 95 % interval of `p99_73`; blank where the trials cannot bound it.";
 pub(crate) const LEVEL_UPPER: &str =
-    "Upper end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
+    "Upper end of the 95 % interval of `p99_73`; blank where the trials cannot bound it.";
 pub(crate) const Z: &str = "Deviation of `rms` from `theory_rms` in standard errors; beyond ±5 something is wrong. Blank without a closed form.";
 
 pub(crate) const REPRESENTATION: &str = "Relative difference of `theory_rms`, that of the integers that are sampled, from the closed form of the inputs, \
@@ -75,7 +75,7 @@ impl Found {
 
     /// The 99.73 % level.
     pub(crate) fn level(&self, of: fn(&Quantile) -> Option<f64>) -> Option<f64> {
-        of(&self.estimates?.q9973?)
+        of(&self.estimates?.p99_73?)
     }
 
     pub(crate) fn rms_band(&self) -> Band {

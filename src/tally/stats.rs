@@ -22,7 +22,7 @@ pub struct Estimates {
     /// Largest |error| seen.
     pub max: f64,
     /// The level below which 99.73 % of |error| stay.
-    pub q9973: Option<Quantile>,
+    pub p99_73: Option<Quantile>,
 }
 
 /// A quantile of |error| and its 95 % interval from order statistics, widened to the edges of bins.
@@ -60,7 +60,7 @@ impl Estimates {
             rms: rms * scale,
             rms_se: rms_se.map(|se| se * scale),
             max: max * scale,
-            q9973: quantile(tally.count, &filled, edges).map(|q| Quantile {
+            p99_73: quantile(tally.count, &filled, edges).map(|q| Quantile {
                 value: q.value * scale,
                 low: q.low.map(|x| x * scale),
                 high: q.high.map(|x| x * scale),
@@ -327,7 +327,7 @@ mod tests {
     fn the_quantile_of_an_even_spread_is_found_within_its_bounds() {
         let n = 200_000;
         let base = level(n as u32 / 8);
-        let q = Estimates::of(&tally_of(1..=n, base), base, 1.0).unwrap().q9973.unwrap();
+        let q = Estimates::of(&tally_of(1..=n, base), base, 1.0).unwrap().p99_73.unwrap();
         let exact = LEVEL * f64::from(n);
         assert!((q.value / exact - 1.0).abs() < 1e-3, "{q:?}");
         let (low, high) = (q.low.unwrap(), q.high.unwrap());
@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn a_quantile_that_few_trials_cannot_bound_has_no_upper_end() {
         let base = level(12);
-        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().q9973.unwrap();
+        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().p99_73.unwrap();
         assert_eq!(q.high, None);
         assert!(q.low.is_some());
     }
@@ -347,7 +347,7 @@ mod tests {
         // Bins end at 32, and one error in a hundred lies far beyond.
         let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
         let found = Estimates::of(&tally, level(1), 1.0).unwrap();
-        assert_eq!((found.q9973, found.rms_se), (None, None));
+        assert_eq!((found.p99_73, found.rms_se), (None, None));
         assert_eq!(found.max, 5000.0);
     }
 

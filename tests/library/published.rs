@@ -98,7 +98,7 @@ fn stopping(trials: &str, precision: &str) -> String {
 #[test]
 fn sampling_stops_at_the_same_trial_wherever_it_is_begun() {
     let study = parsed("study.toml", &stopping("1_000_000", "\"0.5 %\""));
-    assert_eq!(study.precision, Some(Precision { rms: Some(0.005), q9973: None }));
+    assert_eq!(study.precision, Some(Precision { rms: Some(0.005), p99_73: None }));
     let at_once = run_afresh(&study);
     let trials: Vec<f64> = rows(&at_once).map(|row| row.number("trials")).collect();
     assert!(trials[0] < 1e6 && trials.iter().all(|&other| other == trials[0]), "{trials:?}");
@@ -159,7 +159,7 @@ fn with_a_precision_the_total_is_that_of_the_round() {
 #[test]
 fn the_cap_ends_what_is_not_precise_enough() {
     let table =
-        run_afresh(&parsed("study.toml", &stopping("5_000", "{ rms = \"0.01 %\", q9973 = \"1 %\" }")));
+        run_afresh(&parsed("study.toml", &stopping("5_000", "{ rms = \"0.01 %\", p99_73 = \"1 %\" }")));
     assert!(rows(&table).all(|row| row.number("trials") == 5000.0));
 }
 

@@ -128,13 +128,13 @@ fn off_the_model(model: &Model, records: &Records) -> f64 {
 #[test]
 fn every_noise_has_its_slope_and_its_theory() {
     // Up to where a curve of so many records says something, and from where the sampled law is the continuous one.
-    let laws = [
+    let references = [
         ("quantization", Part::quantization(0.24), -1.0, [1, 1024]),
         ("angle random walk", Part::angle_random_walk(0.04), -0.5, [1, 1024]),
         ("bias instability", Part::bias_instability(0.002, 24), 0.0, [1, 1024]),
         ("rate random walk", Part::rate_random_walk(1e-4), 0.5, [16, 1024]),
     ];
-    for (name, part, law, [from, to]) in laws {
+    for (name, part, law, [from, to]) in references {
         let model = Model { ms: octaves(2048, 2), ..Model::of(&[part]) };
         let records = model.lowered();
         let sampled = sampled(&records, 4096);

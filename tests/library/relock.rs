@@ -201,7 +201,7 @@ fn words_have_the_closed_forms_of_the_inputs() {
         for estimate in &lowered.estimates {
             assert_eq!(estimate.representation.is_some(), estimate.theory.is_some(), "{name}: {estimate:?}");
             let (Some(found), Some((_, rms))) = (estimate.representation, estimate.theory) else { continue };
-            // Half a unit of the miss is below 2^-20 of it and half a unit of f0's error below 2^-35, and a tick's word is
+            // Half a unit of the initial detuning is below 2^-20 of it and half a unit of f0's error below 2^-35, and a tick's word is
             // within an eighth of an LSB.
             let ticks = if estimate.tick.is_some() { 1.0 } else { f64::from(inputs.relock.ticks) };
             let most = MOST_REPRESENTATION * rms + ticks * lowered.fixed.lsb_arcsec / 8.0;
@@ -287,7 +287,7 @@ fn relocks_that_make_no_sense_are_refused_by_name() {
         ("relock.adc_noise", error(&|relock| relock.adc_noise = 1e-11)),
         ("relock.half_wave_error", error(&|relock| relock.half_wave_error = 1e-11)),
         (
-            "relock.miss",
+            "relock.initial_detuning",
             error(&|relock| {
                 (relock.miss, relock.half_wave_error, relock.dac_step, relock.hysteresis) =
                     (0.0, 0.0, 0.0, 0.0);

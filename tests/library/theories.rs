@@ -303,7 +303,7 @@ fn an_error_below_the_resolution_is_blank() {
     for (row, bound) in residuals.iter().zip(bounds) {
         assert!(row.maybe("rms").is_none_or(|rms| rms == 0.0), "{}", row.place());
         assert!(row.number("theory_rms") < 1e-9 && bound < 1e-3, "rounding of {bound}: {}", row.place());
-        let estimates = ["mean", "rms", "rms_se", "max", "q9973", "z"];
+        let estimates = ["mean", "rms", "rms_se", "max", "p99_73", "z"];
         blank += usize::from(estimates.iter().all(|name| row.maybe(name).is_none()));
     }
     assert!(blank >= 3, "{blank}");

@@ -92,7 +92,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(
         "filler minimum-variance --gap-ticks 1 --tick 5ms --band 20Hz --amplitude 1deg/s --noise 1arcsec --latency 5ms --out trade",
     );
-    let by = ["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"];
+    let by = ["drift_p99_73", "drift_rms", "largest_p99_73", "largest_rms"];
     for by in by {
         desk.done(&format!(
             "design {studies}/design_point.toml --trials 64 --device cpu --by {by} --out {by}"

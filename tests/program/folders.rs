@@ -182,7 +182,7 @@ fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
     assert!(headline(&desk).starts_with("own band: 99.73 % error "), "{}", headline(&desk));
     assert!(!desk.read("results/study/report.html").contains(caveat));
     // A limit, and a name that begins as the other does.
-    let chart = format!("{SWEEP}[chart]\nx = \"frequency\"\ny = \"q9973\"\nlimit = \"40 arcsec\"\n");
+    let chart = format!("{SWEEP}[chart]\nx = \"frequency\"\ny = \"p99_73\"\nlimit = \"40 arcsec\"\n");
     let desk = Desk::with(&format!("{}{chart}", fillers(&format!("{own}, {banded}"))));
     assert!(headline(&desk).starts_with("own band "), "{}", headline(&desk));
     assert!(desk.read("results/study/report.html").contains(&format!("<dd>own: {caveat}</dd>")));

@@ -31,7 +31,7 @@ fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
     let rows = desk.table("out/temperature.csv");
     let of = |column: &str, name: &str| row(&rows, &[("column", column), ("coefficient", name)]);
     let c1 = of("gx", "T");
-    assert_eq!((c1["verdict"].as_str(), c1["unit"].as_str()), ("identified", "deg/h/K"));
+    assert_eq!((c1["status"].as_str(), c1["unit"].as_str()), ("estimated", "deg/h/K"));
     assert!(number(c1, "lower") < 0.5 && 0.5 < number(c1, "upper"), "{c1:?}");
     assert!((number(c1, "value") - 0.5).abs() < 0.05, "{c1:?}");
     assert!(number(of("gy", "T"), "lower") < 0.0, "{:?}", of("gy", "T"));
@@ -216,7 +216,7 @@ fn a_record_without_a_dependence_stays_as_it_is_and_every_command_says_so() {
         let column = if of_column.is_empty() { "gx" } else { "gx,gy" };
         let read = READ.replace("gx", column);
         let ended = desk.full(&format!("{command} {read} {COMPENSATE} --out out"));
-        let note = "gx: no temperature coefficients, and no compensation: not identifiable";
+        let note = "gx: no temperature coefficients, and no compensation: not estimable";
         assert!(ended.stderr.contains(note), "{command}:\n{}", ended.stderr);
         assert!(!ended.stdout.contains("temperature compensated"), "{command}:\n{}", ended.stdout);
     }

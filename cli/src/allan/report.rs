@@ -39,7 +39,7 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
         let (slope, unit) = removed(column);
         text += &format!("; a trend of {slope} {unit} was removed");
     }
-    let heading = ["τ, s", "terms", curve.deviation.name(), "lower", "upper", "α", "noise"];
+    let heading = ["τ, s", "differences", curve.deviation.name(), "lower", "upper", "α", "noise"];
     let step = curve.points.len().div_ceil(MOST_LINES).max(1);
     text += &format!(
         "\n{}",

@@ -134,8 +134,8 @@ fn of_parts(
                 let around = |se: f64| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se);
                 Some(Found { value: found.rms, interval: found.rms_se.map(around) })
             }
-            Measure::DriftQ9973 | Measure::LargestQ9973 => {
-                let q = found.q9973?;
+            Measure::DriftP9973 | Measure::LargestP9973 => {
+                let q = found.p99_73?;
                 Some(Found { value: q.value, interval: q.low.zip(q.high) })
             }
         }

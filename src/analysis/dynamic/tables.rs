@@ -30,7 +30,7 @@ pub(crate) fn point_columns<'a>() -> Vec<ColumnOf<PointRow<'a>>> {
             .is(Role::Coordinate, "End of the window, from the start of the file, s."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("terms", Unit::NONE, "terms", |row| Cell::Integer(row.point.terms as i64))
+        Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
             .is(Role::Count, "Number of differences behind the value."),
         Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
             .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),

@@ -33,7 +33,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
             .is(Role::Count, "Averaging time in samples."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("terms", Unit::NONE, "terms", |row| Cell::Integer(row.point.terms as i64))
+        Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
             .is(Role::Count, "Number of differences behind the value."),
         Of::new("alpha", Unit::NONE, "alpha", |row| {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
@@ -119,7 +119,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
             .is_of("value", Role::Upper, "Upper end of the 95 % interval; if `value` is blank, an upper bound on the coefficient."),
         Of::new("unit", Unit::NONE, "unit", |line| text(line.row.unit))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
-        Of::new("verdict", Unit::NONE, "verdict", |line| text(line.row.verdict))
+        Of::new("status", Unit::NONE, "status", |line| text(line.row.verdict))
             .is(Role::Note, "Whether the record identifies the coefficient, in words."),
         Of::new("intervals", Unit::NONE, "intervals", |line| text(&line.intervals))
             .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; for the minimum, those of the curve."),
@@ -188,7 +188,7 @@ pub(crate) fn document_of(row: &Row) -> Value {
         "lower": row.interval.map(|ends| ends[0]),
         "upper": row.interval.map(|ends| ends[1]),
         "unit": row.unit,
-        "verdict": row.verdict,
+        "status": row.verdict,
         "fitted": row.fitted,
     })
 }
@@ -197,7 +197,7 @@ pub(crate) fn document_of(row: &Row) -> Value {
 fn alpha_from(point: &Point) -> &'static str {
     match point.noise {
         Some(noise) if noise.carried => "carried",
-        Some(_) => "identified",
+        Some(_) => "estimated",
         None => "",
     }
 }
@@ -280,7 +280,7 @@ fn of_point(point: &Point) -> Value {
     json!({
         "m": point.m,
         "tau_s": point.tau_s,
-        "terms": point.terms,
+        "differences": point.terms,
         "alpha": point.noise.map(|noise| noise.alpha),
         "alpha_carried": point.noise.map(|noise| noise.carried),
         "edf": point.edf,

@@ -40,7 +40,7 @@ pub(crate) fn unit_columns<'a>() -> Vec<ColumnOf<UnitRow<'a>>> {
             .is_of("value", Role::Upper, "Upper end of the 95 % interval; if `value` is blank, an upper bound on the coefficient."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.found.row.unit))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.found.row.verdict))
+        Of::new("status", Unit::NONE, "status", |row| text(row.found.row.verdict))
             .is(Role::Note, "Whether the record identifies the coefficient, in words."),
         Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
             .is(Role::Estimate, "Probability that any test of the lot finds a unit at least as far from the others by chance if all are \

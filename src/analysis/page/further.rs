@@ -25,7 +25,7 @@ pub fn of_temperature(found: &Temperature, before: &Analysis, after: &Analysis) 
     };
     let of_column = |column| rows(column).into_iter().map(move |row| (&*column.name, row));
     let rows: Vec<Vec<Cell>> = found.columns.iter().flat_map(of_column).map(row).collect();
-    let head = ["column", "coefficient", "value", "95 % interval", "unit", "verdict"];
+    let head = ["column", "coefficient", "value", "95 % interval", "unit", "status"];
     let grid = Grid { head: head.map(str::to_owned).into(), rows };
     let grid = (!grid.rows.is_empty()).then_some(Block::Grid(grid));
     let notes = notes(found).into_iter().map(Block::Note);

@@ -84,10 +84,10 @@ fn name(row: &Row) -> &'static str {
 /// What the record shows of a coefficient, in a word or two.
 fn state(row: &Row) -> &'static str {
     match row.verdict.split(',').next().unwrap_or_default() {
-        "identified" => "estimated",
-        "none found" => "not detected",
-        "not identifiable" => "not estimable",
-        "not described" => "model rejected",
+        "estimated" => "estimated",
+        "not detected" => "not detected",
+        "not estimable" => "not estimable",
+        "model rejected" => "model rejected",
         other => other,
     }
 }

@@ -129,7 +129,7 @@ pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
             .is(Role::Estimate, "Highest frequency of the flat range, Hz."),
         Of::new("others", Unit::NONE, "others", |row| row.white.model.map(|[_, others]| others).into())
             .is(Role::Estimate, "Part of the fitted density over the flat range that is of other terms than N."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.white.verdict()))
+        Of::new("status", Unit::NONE, "status", |row| text(row.white.verdict()))
             .is(Role::Note, "Whether the floor is told apart from the fitted density over the flat range, as far as the fit reaches, all \
                 terms included."),
         Of::new("n_verdict", Unit::NONE, "n_verdict", |row| text(row.row.verdict))
@@ -181,7 +181,7 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "lower": row.interval.map(|ends| ends[0]),
             "upper": row.interval.map(|ends| ends[1]),
             "unit": row.unit,
-            "verdict": row.verdict,
+            "status": row.verdict,
         })
     };
     let columns = density_columns();
@@ -210,7 +210,7 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "range_hz": range(white),
             "others": white.model.map(|[_, others]| others),
             "told_apart": white.is_told_apart(),
-            "verdict": white.verdict(),
+            "status": white.verdict(),
         },
     })
 }

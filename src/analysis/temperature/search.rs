@@ -182,8 +182,8 @@ impl Search {
             let verdict = match (estimate, place) {
                 _ if !others.is_empty() => format!("cannot be told from {}", listed(&others)),
                 (None, _) => "cannot be told from the other terms".to_owned(),
-                (Some(estimate), Some(_)) if estimate.is_identified() => "identified".to_owned(),
-                (_, Some(_)) => "not identified: the interval contains 0".to_owned(),
+                (Some(estimate), Some(_)) if estimate.is_identified() => "estimated".to_owned(),
+                (_, Some(_)) => "not detected: the interval contains 0".to_owned(),
                 (_, None) => "not needed".to_owned(),
             };
             findings.push(Finding { effect, estimate, is_used: place.is_some(), verdict });

@@ -54,7 +54,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .usual(Usual::Abscissa),
         Of::new("m", Unit::NONE, "averaging factor m", |row| row.m.into())
             .is(Role::Count, "Averaging time in samples."),
-        Of::new("terms", Unit::NONE, "differences", |row| row.terms.into())
+        Of::new("differences", Unit::NONE, "differences", |row| row.terms.into())
             .is(Role::Count, "Number of differences in one record at this averaging time."),
         Of::new("trials", Unit::NONE, "records", |row| row.records.into())
             .is(Role::Trials, "Number of records behind the estimates of the row."),
@@ -137,11 +137,11 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
         Of::new("relative_rmse", Unit::NONE, "rms error over true value", |row| row.found.relative_rmse(row.truth).into())
             .is(Role::Error, "`rmse` divided by `truth`: 0.1 is 10 %. Blank if fewer than half of the records show the coefficient, because those \
                 are the ones in which it came out too large."),
-        Of::new("identified", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
+        Of::new("detected", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
             .is(Role::Fraction, "Fraction of the records that show the coefficient, 0 to 1."),
         Of::new("trials", Unit::NONE, "records", |row| row.found.records().into())
             .is(Role::Trials, "Number of records."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| Cell::Text(row.found.verdict(row.truth)))
+        Of::new("status", Unit::NONE, "status", |row| Cell::Text(row.found.verdict(row.truth)))
             .is(Role::Note, "Verdict on the coefficient from all records, in words.")
             .brief(),
     ]

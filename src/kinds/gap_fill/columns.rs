@@ -72,15 +72,15 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, labelled("largest error seen", "largest error seen on [motion]"), |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error among the trials, ″; the noise reaches 6.3 standard deviations."),
-        Of::new("q9973", Unit::ARCSEC, labelled("99.73 % error", "99.73 % error on [motion]"), |row| row.found.level(|q| Some(q.value)).into())
+        Of::new("p99_73", Unit::ARCSEC, labelled("99.73 % error", "99.73 % error on [motion]"), |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, which 99.73 % of errors stay below in magnitude; for a Gaussian it is 3 σ.")
             .brief()
             .usual(Usual::Answer)
             .within(|row| row.found.level_band()),
-        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
-        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
+        Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+        Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
         Of::new("theory_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.theory.rms.into())
             .is_of("rms", Role::Theory, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
         Of::new("theory_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.theory.max.into())
@@ -110,7 +110,7 @@ fn of_specification<'a>() -> [ColumnOf<Row<'a>>; 3] {
                 tolerances, with noise, ″, in closed form.")
             .brief()
             .usual(Usual::Estimate),
-        Of::new("specified_q9973", Unit::ARCSEC, "99.73 % error as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
+        Of::new("specified_p99_73", Unit::ARCSEC, "99.73 % error as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
             .is_of("specified_rms", Role::Error, "The level, ″, which 99.73 % of these residuals stay below in magnitude; of several lines the one with the largest \
                 residual counts as a sine, and all else as normally distributed.")
             .brief()

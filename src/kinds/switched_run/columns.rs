@@ -102,13 +102,13 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error of the angle among the runs, ″."),
-        Of::new("q9973", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
+        Of::new("p99_73", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, below which the error of the angle stays in magnitude in 99.73 % of runs.")
             .within(|row| row.found.level_band()),
-        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
-        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
+        Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+        Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
         Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
             .is(Role::Estimate, "`mean` divided by the time, °/h; blank for the largest angle.")
             .brief(),
@@ -116,15 +116,15 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Error, "`rms` divided by the time, °/h; blank for the largest angle.")
             .brief()
             .within(|row| row.drift_band(row.found.rms_band())),
-        Of::new("drift_q9973", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
-            .is(Role::Error, "`q9973` divided by the time, °/h: 99.73 % of runs drift by less. Blank for the largest angle.")
+        Of::new("drift_p99_73", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
+            .is(Role::Error, "`p99_73` divided by the time, °/h: 99.73 % of runs drift by less. Blank for the largest angle.")
             .brief()
             .usual(Usual::Estimate)
             .within(|row| row.drift_band(row.found.level_band())),
-        Of::new("drift_q9973_lo", Unit::DEG_PER_H, "99.73 % drift (lower)", |row| row.drift(row.found.level(|q| q.low)))
-            .is_of("drift_q9973", Role::Lower, "Lower end of the 95 % interval of `drift_q9973`, °/h."),
-        Of::new("drift_q9973_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
-            .is_of("drift_q9973", Role::Upper, "Upper end of the 95 % interval of `drift_q9973`, °/h."),
+        Of::new("drift_p99_73_lo", Unit::DEG_PER_H, "99.73 % drift (lower)", |row| row.drift(row.found.level(|q| q.low)))
+            .is_of("drift_p99_73", Role::Lower, "Lower end of the 95 % interval of `drift_p99_73`, °/h."),
+        Of::new("drift_p99_73_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
+            .is_of("drift_p99_73", Role::Upper, "Upper end of the 95 % interval of `drift_p99_73`, °/h."),
         Of::new("theory_mean", Unit::ARCSEC, "mean error of the angle (closed form)", |row| row.theory_mean().into())
             .is_of("mean", Role::Theory, "`mean` in closed form, ″; blank for the largest angle."),
         Of::new("theory_rms", Unit::ARCSEC, "rms error of the angle (closed form)", |row| row.theory_rms().into())

@@ -20,10 +20,10 @@ impl Figure {
         let Shown { table, estimate, series } = Shown::of(table, chart)?;
         let table: &Table = &table;
         let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
-        let law = chart.laws().first().map(|law| ("law", law.about().unit));
+        let law = chart.references().first().map(|law| ("law", law.about().unit));
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
         let laws =
-            chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
+            chart.references().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
         let theory = table.beside(y, Role::Theory);
         let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
         let key = table.columns.iter().find(is_key);

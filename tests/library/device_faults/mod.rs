@@ -51,7 +51,7 @@ interval = "40 s"
 gap_ticks = 3
 fillers = ["const", "quadratic"]
 [relock]
-miss = 0.05
+initial_detuning = 0.05
 loop_time = "12 ms"
 bias_frequency = "80 kHz"
 pulse_weight = "2.6 arcsec"

@@ -346,7 +346,7 @@ fn a_wrong_f0_adds_up_as_the_number_of_switches() {
              temperature_error = \"1 %\"\ncompensation = \"detuning\"\n"
         );
         let row = numbers(&parsed("runs.toml", &text)).remove(0);
-        assert!(row.contains_key("q9973"), "{row:?}");
+        assert!(row.contains_key("p99_73"), "{row:?}");
         row["rms"]
     };
     let (nine, ninety) = (rms("100 s"), rms("910 s"));

@@ -124,7 +124,7 @@ fn minimum_variance_from_options_is_that_of_the_study_that_says_the_same() {
 
 /// The 99.73 % level of the chosen ticks with four digits.
 fn level_of(search: &Value) -> String {
-    significant(search["chosen"]["q9973_arcsec"].as_f64().unwrap(), 4)
+    significant(search["chosen"]["p99_73_arcsec"].as_f64().unwrap(), 4)
 }
 
 #[test]
@@ -145,17 +145,17 @@ fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
         &[found["fillers"][0]["shifted_rms_arcsec"].as_f64().unwrap()],
         1e-6,
     );
-    assert!(search["chosen"]["q9973_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{search:#}");
+    assert!(search["chosen"]["p99_73_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{search:#}");
     let answer = &found["answer"];
     assert_eq!(answer["status"]["is"], "met");
-    assert_eq!(answer["value"]["value"], search["chosen"]["q9973_arcsec"]);
+    assert_eq!(answer["value"]["value"], search["chosen"]["p99_73_arcsec"]);
     assert!(answer["headline"].as_str().unwrap().ends_with("at 99.73 % meets the 8″ limit"), "{answer:#}");
     let folder = "results/minimum-variance/filler";
     // The chart's numbers are in the table, and the headline has the error that the limit is held against.
     let trade = desk.table(&format!("{folder}/trade.csv"));
     let own = row(&trade, &[("before", &before.to_string()), ("after", &after.to_string())]);
     let level = level_of(search);
-    assert_eq!(significant(number(own, "q9973_arcsec"), 4), level);
+    assert_eq!(significant(number(own, "p99_73_arcsec"), 4), level);
     assert_eq!(trade.len(), search["candidates"].as_array().unwrap().len());
     let answer = found["answer"]["headline"].as_str().unwrap();
     assert_eq!(answer, format!("{before}+{after} ticks: {}″ at 99.73 % meets the 8″ limit", &level[..4]));
@@ -188,8 +188,8 @@ fn the_level_of_a_search_is_that_of_sampled_errors() {
         desk.write("sampled.toml", &study);
         desk.done("run sampled.toml --device cpu");
         let points = desk.table("results/sampled/points.csv");
-        let [low, high] = ["q9973_lo_arcsec", "q9973_hi_arcsec"].map(|end| number(&points[0], end));
-        let level = chosen["own_q9973_arcsec"].as_f64().unwrap();
+        let [low, high] = ["p99_73_lo_arcsec", "p99_73_hi_arcsec"].map(|end| number(&points[0], end));
+        let level = chosen["own_p99_73_arcsec"].as_f64().unwrap();
         // Half of the 95 % interval more, for one in 10,000.
         let room = 0.5 * (high - low);
         assert!((low - room..=high + room).contains(&level), "{band}: {level}, sampled {low} to {high}");

@@ -140,7 +140,7 @@ pub(crate) fn limit(found: &Design, duration_s: f64) -> Option<f64> {
     match (required.column, found.measure) {
         (column, measure) if column == measure.name() => Some(required.limit.value),
         // The same level as an angle.
-        ("q9973", Measure::DriftQ9973) | ("rms", Measure::DriftRms) => {
+        ("p99_73", Measure::DriftP9973) | ("rms", Measure::DriftRms) => {
             Some(required.limit.value / duration_s)
         }
         _ => None,

@@ -178,9 +178,9 @@ impl Found {
         let percent = |count: usize| significant(100.0 * count as f64 / self.records as f64, 3);
         let shown = percent(self.values.len());
         let verdict = match (self.values.len(), truth) {
-            (0, Some(truth)) if truth > 0.0 => "not identifiable from such a record".to_owned(),
+            (0, Some(truth)) if truth > 0.0 => "not estimable from such a record".to_owned(),
             (0, _) => "absent, and found in no record".to_owned(),
-            (_, Some(truth)) if truth > 0.0 => format!("identified in {shown} % of records"),
+            (_, Some(truth)) if truth > 0.0 => format!("detected in {shown} % of records"),
             _ => format!("absent, but found in {shown} % of records"),
         };
         match self.records - self.fitted {

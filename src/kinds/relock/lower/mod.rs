@@ -164,7 +164,7 @@ impl LoweredRelock {
             shown(inputs.1),
             shown(most)
         );
-        Err(Refusal::new("relock.miss", found, "this is a fault of the program: please report the study"))
+        Err(Refusal::new("relock.initial_detuning", found, "this is a fault of the program: please report the study"))
     }
 
     /// Lets histograms start at a quarter of the rms of the first trials.
@@ -250,7 +250,7 @@ mod tests {
             let mut relock = exact.clone();
             change(&mut relock);
             let refused = first(&point(relock, 0.005), Compensation::None);
-            assert_eq!(refused.map_err(|refusal| refusal.key), Err("relock.miss"), "{name}");
+            assert_eq!(refused.map_err(|refusal| refusal.key), Err("relock.initial_detuning"), "{name}");
         }
         let other_tick = first(&point(exact.clone(), 0.005_001), Compensation::Frequency);
         assert!(other_tick.is_err(), "another tick");
