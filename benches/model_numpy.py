@@ -21,7 +21,7 @@ from scipy import stats
 # Samples of a half at 1 Hz, and coefficients in deg/h and s: N, B, K. At 3277 s, a tenth of a half, all three show.
 HALF = 2**15
 WHITE, FLICKER, WALK = 1.0, 0.1, 3e-4
-AIMS = ["--bound", "--bound=repeat"]
+AIMS = ["--overbound", "--overbound=repeat"]
 # Columns of a file, which the program takes in one call.
 COLUMNS = 20
 

@@ -126,7 +126,6 @@ pub fn faults(count: usize) -> String {
 const OPTIONS: [&str; 34] = [
     "at",
     "binary",
-    "bound",
     "bootstrap",
     "by",
     "column",
@@ -142,6 +141,7 @@ const OPTIONS: [&str; 34] = [
     "force",
     "from",
     "out",
+    "overbound",
     "quantization",
     "rate",
     "remove_outliers",

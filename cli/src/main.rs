@@ -40,6 +40,7 @@ mod program;
 mod progress;
 mod psd;
 mod reading;
+mod renamed;
 mod report;
 mod results;
 mod run;

@@ -262,7 +262,7 @@ def psd(
     terms, bootstrap
         As for :func:`fit`, of the fit whose density is drawn beside.
     limits
-        As for :func:`fit`; ``in_run_stability`` and ``floor``, the N of the flat part of the density, can be limited too.
+        As for :func:`fit`; ``in_run_bias_stability`` and ``floor``, the N of the flat part of the density, can be limited too.
 
     Raises
     ------

@@ -63,7 +63,7 @@ def allan(
     intervals
         Noise that the intervals suppose: that of the record as a whole, or with ``stable32`` the power law of each averaging time.
     limits
-        Largest accepted in-run stability, which :attr:`Allan.decision` is held against: ``{"in_run_stability": "0.01 deg/h"}``.
+        Largest accepted in-run bias stability, which :attr:`Allan.decision` is held against: ``{"in_run_bias_stability": "0.01 deg/h"}``.
     detrend
         Removes a straight line from the rate.
     remove_outliers

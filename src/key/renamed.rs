@@ -1,6 +1,7 @@
 //! Names of earlier versions. Studies, charts and options take them with a note.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::mem::take;
 
 use toml::Spanned;
@@ -11,9 +12,10 @@ use crate::key::row::joined;
 /// The release in which the former names go.
 pub const GOES: &str = "0.4";
 
-/// Former names with the present ones. Those of keys and columns may also be a part of a name, between `.` and `_`.
-pub const RENAMED: [(&str, &str); 13] = [
+/// Former names with the present ones. Of keys and columns they may be a part between `.` and `_`.
+pub const RENAMED: [(&str, &str); 15] = [
     ("identified", "detected"),
+    ("in_run_stability", "in_run_bias_stability"),
     ("law", "reference"),
     ("laws", "references"),
     ("miss", "initial_detuning"),
@@ -25,6 +27,7 @@ pub const RENAMED: [(&str, &str); 13] = [
     ("quantisation", "quantization"),
     ("terms", "differences"),
     ("verdict", "status"),
+    ("--bound", "--overbound"),
     ("--laws", "--references"),
 ];
 
@@ -42,6 +45,9 @@ const OF_NAMES: [&str; 7] =
 /// ```
 pub fn present(name: &str) -> Option<String> {
     let of = |part: &str| RENAMED.iter().find(|(former, _)| *former == part).map(|(_, present)| *present);
+    if let Some(whole) = of(name) {
+        return Some(whole.to_owned());
+    }
     let parts = name.split_inclusive(['.', '_']).map(|part| {
         let bare = part.trim_end_matches(['.', '_']);
         format!("{}{}", of(bare).unwrap_or(bare), &part[bare.len()..])
@@ -56,6 +62,13 @@ pub fn note(former: &str, present: &str) -> String {
 
 /// Replaces the former names in a table called `name`, and returns a note on each. Places stay those of the text.
 pub(crate) fn replace(name: &str, table: &mut DeTable) -> Vec<String> {
+    let mut notes = of_entries(name, table);
+    let mut known = HashSet::new();
+    notes.retain(|note| known.insert(note.clone()));
+    notes
+}
+
+fn of_entries(name: &str, table: &mut DeTable) -> Vec<String> {
     let mut notes = vec![];
     let mut entries: Vec<_> = take(table).into_iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
@@ -68,18 +81,17 @@ pub(crate) fn replace(name: &str, table: &mut DeTable) -> Vec<String> {
             }
             None => key,
         };
-        notes.extend(replace_within(&joined(name, key.get_ref()), value.get_mut()));
+        notes.extend(of_value(&joined(name, key.get_ref()), value.get_mut()));
         table.insert(key, value);
     }
     notes
 }
 
-/// Replaces the former names in the value of a key.
-fn replace_within(key: &str, value: &mut DeValue) -> Vec<String> {
+fn of_value(key: &str, value: &mut DeValue) -> Vec<String> {
     match value {
-        DeValue::Table(table) => replace(key, table),
+        DeValue::Table(table) => of_entries(key, table),
         DeValue::Array(items) => {
-            items.iter_mut().flat_map(|item| replace_within(key, item.get_mut())).collect()
+            items.iter_mut().flat_map(|item| of_value(key, item.get_mut())).collect()
         }
         DeValue::String(text) if OF_NAMES.contains(&key) => {
             let Some(present) = present(text) else { return vec![] };

@@ -22,7 +22,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683 \
                  --intervals stable32";
     let ended = done(&desk, words);
-    for piece in ["1001 samples at 1 Hz", "0.10570", "68.3 % intervals", "time deviation", "in-run stability"]
+    for piece in ["1001 samples at 1 Hz", "0.10570", "68.3 % intervals", "time deviation", "in-run bias stability"]
     {
         assert!(
             ended.stdout.contains(piece.trim_end_matches('0')),
@@ -173,7 +173,7 @@ fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
     }
     let curve_rows = curve(&desk, "out");
     let least = curve_rows.iter().map(|row| row["value"].parse::<f64>().unwrap()).fold(f64::MAX, f64::min);
-    assert_eq!(number("in_run_stability", "value"), least);
+    assert_eq!(number("in_run_bias_stability", "value"), least);
 
     done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out given --fit N,B");
     assert_eq!(desk.read("given/coefficients.csv").lines().count(), 1 + 2 + 2);

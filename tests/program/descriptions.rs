@@ -87,7 +87,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
     desk.done("lot two.csv --data rate --column gx,gz --out lot");
-    desk.done(&format!("model {log} {read} --bound --out model"));
+    desk.done(&format!("model {log} {read} --overbound --out model"));
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
     desk.done(
         "filler minimum-variance --gap-ticks 1 --tick 5ms --band 20Hz --amplitude 1deg/s --noise 1arcsec --latency 5ms --out trade",

@@ -118,7 +118,7 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
         "compare without a fit",
     );
     desk.write("two.csv", &crate::logs::log());
-    for more in ["", "--fit none", "--limit in_run_stability=1deg/s"] {
+    for more in ["", "--fit none", "--limit in_run_bias_stability=1deg/s"] {
         let words = format!("lot two.csv --data rate --column gx,gz --json {more}");
         check(&schema("lot"), &desk.done(&words).stdout, &words);
     }
@@ -126,12 +126,12 @@ fn design_sensitivity_filler_allan_psd_compare_lot_and_model_print_what_their_sc
         check(&schema("psd"), &desk.done(&format!("psd {log} {read} {more}")).stdout, more);
     }
     let model = schema("model");
-    for more in ["--bound", "--bound=repeat --write all", "--bound --quantization white --states 1"] {
+    for more in ["--overbound", "--overbound=repeat --write all", "--overbound --quantization white --states 1"] {
         check(&model, &desk.done(&format!("model {log} {read} {more}")).stdout, more);
     }
     desk.write("noise.toml", "angle_random_walk = \"0.003 deg/sqrt(h)\"\n");
     check(&model, &desk.done("model noise.toml --from 1s --to 100s --json").stdout, "a noise.toml");
-    let two = desk.done("model two.csv --data rate --column gx,gz --bound --json");
+    let two = desk.done("model two.csv --data rate --column gx,gz --overbound --json");
     check(&model, &two.stdout, "two columns");
     schema("bench");
     check(&schema("devices"), &Desk::with("").done("devices --why --json").stdout, "devices");

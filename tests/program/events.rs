@@ -32,7 +32,7 @@ fn psd_model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
     for (command, folder, done) in [
         ("allan gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
         ("psd gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
-        ("model gyro.csv --bound", "gyro_model", "removed"),
+        ("model gyro.csv --overbound", "gyro_model", "removed"),
     ] {
         let words = format!("{command} {READ}");
         let text = desk.full(&words).stdout;

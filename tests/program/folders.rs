@@ -93,7 +93,7 @@ fn a_gallery_joins_the_results_of_every_command() {
     desk.done(&format!("psd log.csv {read} --out all/psd"));
     desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
     desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
-    desk.done("model log.csv --data rate --column gx,gz --bound --out all/model");
+    desk.done("model log.csv --data rate --column gx,gz --overbound --out all/model");
     let pages =
         ["allan", "compare", "filler", "lot", "model", "psd", "study", "study/design", "what_decides"];
     let said = desk.done("report all").stderr;

@@ -163,7 +163,7 @@ fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence
         ("model", "model.csv", "record"),
     ] {
         let of = |words: &str| {
-            let bound = if command == "model" { " --bound" } else { "" };
+            let bound = if command == "model" { " --overbound" } else { "" };
             let ended = desk.full(&format!("{command} {words} {READ}{bound} --out out"));
             (ended.stdout, desk.table(&format!("out/{table}")))
         };
@@ -192,11 +192,11 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
     for row in desk.table("out/compare.csv") {
         assert!(number(&row, "lower") < 1.0 && 1.0 < number(&row, "upper"), "{row:?}");
     }
-    // Both have the in-run stability of the lot, or neither shows one.
+    // Both have the in-run bias stability of the lot, or neither shows one.
     let words = format!("log.csv clean.csv {READ} {COMPENSATE} --out out");
     assert!(desk.full(&format!("lot {words}")).stdout.contains("temperature compensated"));
     let units = desk.table("out/units.csv");
-    for name in ["N", "in_run_stability"] {
+    for name in ["N", "in_run_bias_stability"] {
         let of = |label: &str| row(&units, &[("label", label), ("coefficient", name)]);
         let [log, clean] = ["log", "clean"].map(of);
         let ratio = number(log, "upper") / number(clean, "upper");
@@ -210,7 +210,7 @@ fn a_record_without_a_dependence_stays_as_it_is_and_every_command_says_so() {
     for (command, of_column) in [
         ("psd log.csv", ""),
         ("compare log.csv log.csv", "log"),
-        ("model log.csv --bound", ""),
+        ("model log.csv --overbound", ""),
         ("allan log.csv", ""),
     ] {
         let column = if of_column.is_empty() { "gx" } else { "gx,gy" };

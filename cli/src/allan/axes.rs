@@ -42,7 +42,7 @@ fn deviations(names: &[&str], curves: &[&Curve], unit: Unit) -> String {
         table.push(row("at τ", "s", &minima, tau));
     }
     let mut text = format!(
-        "\n{}: {}; the minimum is the in-run stability, and curve.csv has the intervals\n{}",
+        "\n{}: {}; the minimum is the in-run bias stability, and curve.csv has the intervals\n{}",
         names.join(", "),
         titled(deviation.title(), unit.symbol(*deviation)),
         aligned(&table)

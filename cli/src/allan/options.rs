@@ -38,7 +38,7 @@ Examples:
     --unit deg/s,deg/s,deg/s,g,g,g
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
-    --limit \"N=0.003 deg/sqrt(h)\" --limit \"in_run_stability=0.01 deg/h\"
+    --limit \"N=0.003 deg/sqrt(h)\" --limit \"in_run_bias_stability=0.01 deg/h\"
 
 Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
 header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
@@ -83,7 +83,7 @@ pub struct Options {
     #[arg(long, value_name = "DISTANCE", requires = "navigate", value_parser = distance)]
     pub position_limit: Option<Quantity>,
     /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
-    /// in_run_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
+    /// in_run_bias_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
     pub limit: Vec<Limit>,
     #[command(flatten)]

@@ -100,7 +100,7 @@ fn stability(curve: &Curve, unit: Unit) -> String {
     let found = format!("{value}{interval} {}", unit.symbol(curve.deviation));
     let end = if at_end { "; the curve ends there, and a longer record may show a lower one" } else { "" };
     format!(
-        "  in-run stability, the minimum: {} at τ = {} s{end}\n",
+        "  in-run bias stability, the minimum: {} at τ = {} s{end}\n",
         found.trim_end(),
         significant(point.tau_s, 7)
     )

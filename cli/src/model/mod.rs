@@ -29,19 +29,19 @@ const PER_DECADE: u32 = 10;
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --bound
-  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound
+  sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --overbound
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --overbound
   sagnac model log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz \\
-    --bound --to \"4 s\" --write kalibr,openvins
-  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound=repeat \\
+    --overbound --to \"4 s\" --write kalibr,openvins
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --overbound=repeat \\
     --filter-rate 50Hz --write all
-  sagnac model noise.toml --from \"1 s\" --to \"1000 s\" --bound --json
+  sagnac model noise.toml --from \"1 s\" --to \"1000 s\" --overbound --json
 
 FILE is a log, which is read as by `sagnac allan`, or a noise.toml, whose name ends in .toml: then the
 curve is that of its coefficients, with the intervals that `sagnac allan` wrote into it. The model is
-white noise, a random walk and the fewest Gauss-Markov states, at most 3. Without --bound its Allan
-deviation lies within the 95 % band of the record, with --bound nowhere below its upper end, and with
---bound=repeat nowhere below the band that 95 % of further records of the same gyro and length have.";
+white noise, a random walk and the fewest Gauss-Markov states, at most 3. Without --overbound its Allan
+deviation lies within the 95 % band of the record, with --overbound nowhere below its upper end, and with
+--overbound=repeat nowhere below the band that 95 % of further records of the same gyro and length have.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -61,7 +61,7 @@ pub struct Options {
     /// Lie nowhere below the upper end of the band, instead of within it: of this record (band, also without a value), or of 95 % of
     /// further records of the same gyro and length, at all averaging times together (repeat)
     #[arg(help_heading = "Model", long, value_name = "WHAT", num_args = 0..=1, require_equals = true, default_missing_value = "band", value_parser = aims())]
-    bound: Option<Aim>,
+    overbound: Option<Aim>,
     /// How far a bound may lie above, in percent, before a Markov state is added; also the band of a noise.toml without intervals
     #[arg(help_heading = "Model", long, value_name = "PERCENT", default_value = "20", value_parser = margin)]
     margin: f64,
@@ -115,7 +115,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     let asked = Asked {
         from_s: options.from,
         to_s: options.to,
-        aim: options.bound.unwrap_or(Aim::Describe),
+        aim: options.overbound.unwrap_or(Aim::Describe),
         margin: options.margin,
         states: options.states,
         quantization: options.quantization,

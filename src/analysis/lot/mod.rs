@@ -142,7 +142,7 @@ impl Found {
 }
 
 impl Coefficient {
-    /// Name for the user, such as `N` or `in run stability`.
+    /// Name for the user, such as `N` or `in-run bias stability`.
     pub fn title(&self) -> String {
         self.name.replace('_', " ")
     }

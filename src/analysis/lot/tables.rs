@@ -12,7 +12,7 @@ use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
 
 /// Meaning of the column that names coefficients.
-const COEFFICIENT: &str = "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_stability`, the \
+const COEFFICIENT: &str = "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_bias_stability`, the \
      minimum of the curve.";
 
 /// A row of `units.csv`.

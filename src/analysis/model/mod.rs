@@ -252,7 +252,7 @@ pub enum ModelError {
     /// No model lies within the band.
     #[error(
         "column {column}: no model with up to {most} Markov states lies within the band at all τ from {from_s} s to {to_s} s; the nearest \
-         leaves it at τ = {tau_s} s by {percent} %\nask for a bound with `bound = true`, or for a shorter range of τ"
+         leaves it at τ = {tau_s} s by {percent} %\nask for a bound with `overbound = true`, or for a shorter range of τ"
     )]
     NotWithin {
         /// Name of the column.
@@ -269,7 +269,7 @@ pub enum ModelError {
         percent: Box<str>,
     },
     /// Noise without a record has no repetition.
-    #[error("a noise.toml has no record whose repetition could be bounded: give the log, or `bound = true`")]
+    #[error("a noise.toml has no record whose repetition could be bounded: give the log, or `overbound = true`")]
     NoRecord,
 }
 

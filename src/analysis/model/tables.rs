@@ -38,7 +38,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("upper", Unit::NONE, "upper", |row| Cell::Number(row.point.upper))
             .is_of("record", Role::Upper, "Upper end of the band of `record`."),
         Of::new("bound", Unit::NONE, "bound", |row| row.bound.into())
-            .is(Role::Estimate, "What the model lies nowhere below, in `unit`: the upper end of the band, or that of another record; blank without `--bound`."),
+            .is(Role::Estimate, "What the model lies nowhere below, in `unit`: the upper end of the band, or that of another record; blank without `--overbound`."),
         Of::new("model", Unit::NONE, "model", |row| Cell::Number(row.model))
             .is(Role::Estimate, "Allan deviation of the model, quantization included, in `unit`."),
         Of::new("excess", Unit::NONE, "excess", |row| Cell::Number(row.model / row.point.value - 1.0))

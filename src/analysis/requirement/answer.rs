@@ -78,7 +78,7 @@ pub(crate) fn status(standings: &[Standing]) -> Status {
 
 /// The name of a row in headlines.
 fn name(row: &Row) -> &'static str {
-    if row.name == Limited::Stability.name() { "in-run stability" } else { row.name }
+    if row.name == Limited::Stability.name() { "in-run bias stability" } else { row.name }
 }
 
 /// What the record shows of a coefficient, in a word or two.
@@ -347,6 +347,6 @@ mod tests {
     fn coefficients_are_named_by_symbol_and_words() {
         assert_eq!(title("N", Unit::Angular), "N, angle random walk");
         assert_eq!(title("markov_time", Unit::Angular), "correlation time of the Markov noise");
-        assert_eq!(title("in_run_stability", Unit::Angular), "in run stability");
+        assert_eq!(title("in_run_bias_stability", Unit::Angular), "in-run bias stability");
     }
 }

@@ -15,7 +15,7 @@ use crate::theory::navigation::filter::Model;
 /// Most Markov states of a filter.
 const MOST_STATES: usize = 16;
 
-const HELP: &str = "accepted: a document with one gyro, as of `sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --bound --json`";
+const HELP: &str = "accepted: a document with one gyro, as of `sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --overbound --json`";
 
 /// The parts of the document that a filter needs.
 #[derive(serde::Deserialize)]

@@ -37,7 +37,7 @@ const DESIGNED: &str =
 fn a_filler_for_a_band_and_a_dither_keeps_a_limit_within_their_tolerances() {
     let [line, band] = NOMINAL;
     let desk = Desk::with(&study(line, band, "\"const\""));
-    let found = tables(&desk, "study.toml --limit 4arcsec");
+    let found = tables(&desk, "study.toml --limit residual=4arcsec");
     let search = &found["search"];
     assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &Value::Null));
     let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
@@ -126,7 +126,7 @@ fn the_limit_of_a_study_is_that_of_its_fillers_unless_another_one_is_asked_for()
     for (options, told, limit) in [
         ("", "mv: 4.5″ at 99.73 % misses the 4″ limit", None),
         ("--latency 4ms", "+0 ticks: 3.98″ at 99.73 % meets the 4″ limit", Some(4.0)),
-        ("--limit 5arcsec", "meets the 5″ limit", Some(5.0)),
+        ("--limit residual=5arcsec", "meets the 5″ limit", Some(5.0)),
     ] {
         let found = tables(&desk, &format!("study.toml {options}"));
         let headline = found["answer"]["headline"].as_str().unwrap();
