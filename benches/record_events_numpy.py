@@ -250,7 +250,7 @@ def main():
                     found += analysed(records, pathlib.Path(folder), course)
                 true = truth(name, with_flicker)
                 share = lambda test: 100 * sum(map(test, found)) / len(found)
-                is_found = lambda term: share(lambda rows: rows.get(term, {}).get("verdict") == "estimated")
+                is_found = lambda term: share(lambda rows: rows.get(term, {}).get("status") == "estimated")
                 false = " ".join("     " if term in true else f"{is_found(term):5.1f}" for term in "QBKR")
                 held = [
                     f"{term} {is_found(term):.1f} {share(lambda rows: holds(rows.get(term), value)):.1f}"

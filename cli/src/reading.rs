@@ -281,7 +281,7 @@ fn step(rate: &str) -> Result<f64, Failure> {
         ))
     };
     let quantity = parse_quantity(rate, &[Dimension::Frequency, Dimension::Time]);
-    let Quantity { value, dimension } = quantity.map_err(|error| wrong(error.to_string()))?;
+    let Quantity { value, dimension, .. } = quantity.map_err(|error| wrong(error.to_string()))?;
     match dimension {
         _ if value <= 0.0 => Err(wrong("the rate is not positive".to_owned())),
         Dimension::Time => Ok(value),

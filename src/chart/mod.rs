@@ -14,7 +14,7 @@ pub use crate::chart::file::Source;
 use crate::chart::law::Law;
 use crate::key::given::Given;
 use crate::key::scale::Scale;
-use crate::quantity::number::significant;
+use crate::quantity::number::{joined, significant};
 use crate::table::{Cell, Unit};
 
 /// The name of a column, with its place in the study for messages about an unknown one.
@@ -88,7 +88,7 @@ impl Limit {
     pub fn text(&self) -> String {
         match self.unit.symbol {
             "" => format!("{} %", significant(100.0 * self.value, 6)),
-            symbol => format!("{} {symbol}", significant(self.value, 6)),
+            symbol => joined(&significant(self.value, 6), symbol),
         }
     }
 }

@@ -47,7 +47,7 @@ impl LockIn {
             [gyro.threshold, gyro.dither_rate, gyro.amplitude()].map(|value| significant(value, 3));
         if gyro.threshold >= gyro.dither_rate {
             let message = format!(
-                "noise.lock_in.threshold = {} arcsec/s is not below the dither rate of {rate} arcsec/s",
+                "noise.lock_in.threshold = {} ″/s is not below the dither rate of {rate} arcsec/s",
                 significant(gyro.threshold, 6)
             );
             let help =

@@ -39,8 +39,8 @@ pub(crate) fn check_representation(
         return Ok(());
     }
     let found = format!(
-        "{what} is {} arcsec rms for the integers that would be sampled and {} arcsec rms for the inputs, more apart than \
-         the {} arcsec that rounding explains",
+        "{what} is {}″ rms for the integers that would be sampled and {}″ rms for the inputs, more apart than \
+         the {}″ that rounding explains",
         shown(words),
         shown(inputs),
         shown(most)

@@ -129,6 +129,7 @@ impl About {
             name: self.name.to_owned(),
             label: self.label.to_owned(),
             unit: self.unit,
+            written: None,
             role: self.role,
             of: self.of.to_owned(),
             meaning: self.meaning.to_owned(),

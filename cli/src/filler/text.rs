@@ -53,14 +53,14 @@ fn searched(trade: &Trade) -> String {
     let limit = trade.asked.limit_arcsec.map(|limit| significant(limit, 6));
     let which = match &limit {
         Some(limit) => {
-            format!("the fewest ticks before the gap within {limit} arcsec, else those of the least error")
+            format!("the fewest ticks before the gap within {limit}″, else those of the least error")
         }
         None => "the ticks before the gap of the least error".to_owned(),
     };
     let chosen = trade.chosen;
     format!(
         "\nsearch: {which}; residuals with noise, at worst with {}\n{}\
-         chosen: {} ticks before and {} after; at the frequencies as given {} arcsec rms and {} arcsec at 99.73 %\n",
+         chosen: {} ticks before and {} after; at the frequencies as given {}″ rms and {}″ at 99.73 %\n",
         deviation(trade.shift),
         aligned(&grid),
         chosen.before,
@@ -117,7 +117,7 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
     );
     if let (Some(amplitude), Some((rate, nu))) = (closed.amplitude, firmware.tone) {
         let (amplitude, rate, nu) = (number(amplitude), number(rate), number(nu));
-        text += &format!("    amplitude {amplitude} arcsec at {nu} Hz and {rate} arcsec/s");
+        text += &format!("    amplitude {amplitude}″ at {nu} Hz and {rate} arcsec/s");
         text +=
             &closed.rms.map_or_else(String::new, |rms| format!(", rms with noise {} arcsec", number(rms)));
         text += "\n";
@@ -133,7 +133,7 @@ fn missing(design: &Design, n: u32) -> String {
     let mut text = String::new();
     if let Some(rms) = design.exported_rms {
         text += &format!(
-            "  the C header, given whole pulses, leaves {} arcsec rms, because it rounds its result to whole pulses too; given pulses \
+            "  the C header, given whole pulses, leaves {}″ rms, because it rounds its result to whole pulses too; given pulses \
              times 16 it leaves nearly what the study says\n",
             significant(rms, 5)
         );

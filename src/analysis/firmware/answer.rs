@@ -162,12 +162,12 @@ impl Firmware {
         let number = |value: f64| significant(value, 5);
         let residual = match (design.judged.map(Judged::worst), design.errors[0].rms) {
             (Some(Size { rms, level }), _) => format!(
-                "; residual {} arcsec rms, {} arcsec at 99.73 %, with {}",
+                "; residual {}″ rms, {}″ at 99.73 %, with {}",
                 number(rms),
                 number(level),
                 deviation(self.shift)
             ),
-            (None, Some(rms)) if rms > 0.0 => format!("; residual {} arcsec rms", number(rms)),
+            (None, Some(rms)) if rms > 0.0 => format!("; residual {}″ rms", number(rms)),
             _ => String::new(),
         };
         format!("latency {ticks} tick{plural}{latency_ms}{residual}")

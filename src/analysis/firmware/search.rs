@@ -187,7 +187,7 @@ impl Trade {
             title: "Error and latency of a filler by the ticks that it reads".to_owned(),
             subtitle: Some(format!("worst case of {}", deviation(self.shift))),
             x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
-            y: Axis::new("99.73 % residual", "arcsec"),
+            y: Axis::new("99.73 % residual", "″"),
             colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
             series: each.enumerate().map(of).collect(),
             limit: limit

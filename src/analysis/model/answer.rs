@@ -186,7 +186,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         let [_, upper] = column.target.quantization?;
         let (angle, unit, factor) = match column.target.unit {
             Unit::Acceleration => ("velocity", "m/s", si(Unit::Acceleration)),
-            _ => ("angle", "arcsec", 1.0),
+            _ => ("angle", "″", 1.0),
         };
         Some(format!(
             "{}: the quantization, up to {} {unit}, is measurement noise R of the {angle} and no part of the rate; `quantization = white` covers \

@@ -107,7 +107,7 @@ pub fn figures(column: &Column) -> Vec<Figure> {
             figure("", "", size * model.white, "rad/s/√Hz"),
             figure(walk, "random_walk_deg_per_h_per_rt_h", 60.0 * model.walk, "°/h/√h"),
             figure("", "", size * model.walk, "rad/s²/√Hz"),
-            figure(quantization, "quantization_arcsec", model.quantization, "arcsec"),
+            figure(quantization, "quantization_arcsec", model.quantization, "″"),
         ],
     };
     all.into()

@@ -68,13 +68,13 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
         .over(gap_s)
         .into_iter()
         .chain(quantization)
-        .map(|(name, arcsec)| format!("{name} ({} arcsec)", significant(arcsec, 2)))
+        .map(|(name, arcsec)| format!("{name} ({}″)", significant(arcsec, 2)))
         .collect();
     let readout = longest(READOUT_LSB.name, inputs.readout_lsb);
     let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
     (!parts.is_empty()).then(|| {
         format!(
-            "of [noise], a gap of up to {} s includes angle random walk, {} arcsec in a tick{}; left out, with the angle \
+            "of [noise], a gap of up to {} s includes angle random walk, {}″ in a tick{}; left out, with the angle \
              accumulated over the gap: {}",
             significant(gap_s, 4),
             significant(sigma, 3),

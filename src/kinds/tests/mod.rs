@@ -88,7 +88,7 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
     assert_eq!(second.swept[0].0, "motion.frequency");
     assert_eq!(
         second.swept[1],
-        ("switching.gap_ticks", Swept::Quantity(Quantity { value: 2.0, dimension: Dimension::Count }))
+        ("switching.gap_ticks", Swept::Quantity(Quantity::new(2.0, Dimension::Count)))
     );
     assert_eq!(study.charts[0].limit.map(|limit| (limit.value, limit.unit)), Some((10.0, Unit::ARCSEC)));
     assert_eq!(&SHIPPED[study.charts[0].y.span.clone()], "\"p99_73\"");

@@ -18,7 +18,9 @@ impl Figure {
     /// a selected value; or a curve runs through rows that belong to several curves.
     pub fn from_table(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
         let Shown { table, estimate, series } = Shown::of(table, chart)?;
-        let table: &Table = &table;
+        let filter = chart.filter();
+        let (rows, chosen) = (table.rows_where(&filter)?, table.chosen(&filter)?);
+        let table: &Table = &table.read();
         let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
         let law = chart.references().first().map(|law| ("law", law.about().unit));
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
@@ -33,8 +35,6 @@ impl Figure {
             [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
             more => return Err(ChartError::TooManySeries { found: more.len() }),
         };
-        let filter = chart.filter();
-        let rows = table.rows_where(&filter)?;
         check_curves(table, chart, &series, &rows)?;
         let mut figure = Figure {
             title: chart.title.clone(),
@@ -49,7 +49,7 @@ impl Figure {
             bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
             limit: chart.limit.map(limit),
-            chosen: table.chosen(&filter)?,
+            chosen,
             ..Figure::default()
         };
         let mut notes = Notes::default();

@@ -76,7 +76,7 @@ impl Fixed {
             let has_room = |lsb: &f64| Fixed::at(model, *lsb, None).has_room(model);
             let unit_arcsec = coarser(libm::exp2(finest)).find(has_room).unwrap_or(f64::INFINITY);
             let found = format!(
-                "a pulse of {} arcsec is less than 16 units of {} arcsec of the 32-bit arithmetic that the angles of the record leave",
+                "a pulse of {}″ is less than 16 units of {}″ of the 32-bit arithmetic that the angles of the record leave",
                 shown(model.readout_lsb),
                 significant(unit_arcsec, 3)
             );

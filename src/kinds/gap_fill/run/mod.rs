@@ -77,7 +77,7 @@ impl Plan<'_> {
         let rows = if count == 1 { "row is" } else { "rows are" };
         Ok((count > 0).then(|| {
             format!(
-                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is theory_rms, or without a closed form less than that resolution",
+                "{count} {rows} below the resolution of the arithmetic, up to {}″, and blank: the error is theory_rms, or without a closed form less than that resolution",
                 significant(largest, 2)
             )
         }))

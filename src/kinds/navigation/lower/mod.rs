@@ -237,7 +237,7 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
         return Ok(());
     }
     let found = format!(
-        "the angle may change by {} arcsec within a sample, and its differences over the record leave room for {} arcsec",
+        "the angle may change by {}″ within a sample, and its differences over the record leave room for {} arcsec",
         shown(largest * fixed.lsb_arcsec),
         shown(LIMIT as f64 * fixed.lsb_arcsec)
     );

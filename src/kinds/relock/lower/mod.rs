@@ -155,8 +155,8 @@ impl LoweredRelock {
         }
         let tick = tick.map_or("all ticks".to_owned(), |tick| format!("tick {tick}"));
         let found = format!(
-            "the angle of {tick} with compensation = \"{}\" has a mean of {} arcsec and an rms of {} arcsec for the integers that \
-             would be sampled, and {} and {} arcsec for the inputs, which rounding to {} arcsec does not explain",
+            "the angle of {tick} with compensation = \"{}\" has a mean of {}″ and an rms of {}″ for the integers that \
+             would be sampled, and {} and {}″ for the inputs, which rounding to {}″ does not explain",
             compensation.name(),
             shown(words.0),
             shown(words.1),

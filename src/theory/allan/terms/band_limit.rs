@@ -11,7 +11,7 @@ pub(super) static ROW: Row = Row {
     symbol: "L",
     title: "band limit L",
     name: ["a ", "band limit"],
-    unit: (1.0, "arcsec", "arcsec"),
+    unit: (1.0, "arcsec", "″"),
     unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
     plain: ("s", "· s"),
     variance: |part, difference, t0, m| -(quantization::ROW.variance)(part, difference, t0, m),

@@ -9,7 +9,7 @@ pub(super) static ROW: Row = Row {
     symbol: "Q",
     title: "quantization noise Q",
     name: ["", "quantization"],
-    unit: (1.0, "arcsec", "arcsec"),
+    unit: (1.0, "arcsec", "″"),
     unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
     plain: ("s", "· s"),
     // Σc² of the coefficients of the angles.
