@@ -101,7 +101,7 @@ fn is_no_folder(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::AlreadyExists | ErrorKind::NotADirectory)
 }
 
-/// The missing shares.
+/// The missing shards.
 fn of_shares(absent: &[Share]) -> String {
     match absent {
         [] => String::new(),

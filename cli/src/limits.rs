@@ -1,4 +1,4 @@
-//! Limits on the noise of logs and of the units of a lot, as options.
+//! Limits on the noise of logs and of the units of a batch, as options.
 
 use sagnac::analysis::requirement::{Limit, LimitError, Limited, applies, check};
 use sagnac::key::renamed::note;

@@ -200,7 +200,7 @@ def compare(
     terms, kind, detrend, remove_outliers, unit_check, threads
         As for :func:`fit`.
     limits
-        Largest accepted ratios of coefficients, b over a, which the ``decision`` is held against: ``{"N": 1.1}``.
+        Largest accepted ratios of coefficients, b over a, which the ``decision`` is checked against: ``{"N": 1.1}``.
 
     Raises
     ------

@@ -63,7 +63,7 @@ def allan(
     intervals
         Noise that the intervals suppose: that of the record as a whole, or with ``stable32`` the power law of each averaging time.
     limits
-        Largest accepted in-run bias stability, which :attr:`Allan.decision` is held against: ``{"in_run_bias_stability": "0.01 deg/h"}``.
+        Largest accepted in-run bias stability, which :attr:`Allan.decision` is checked against: ``{"in_run_bias_stability": "0.01 deg/h"}``.
     detrend
         Removes a straight line from the rate.
     remove_outliers
@@ -164,7 +164,7 @@ def fit(
         Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
         in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
     limits
-        Largest accepted coefficients, which :attr:`Fit.decision` is held against: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
+        Largest accepted coefficients, which :attr:`Fit.decision` is checked against: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
         if the upper end of the 95 % interval, or the bound, is within it, and not met if the lower end is above it.
 
     Notes

@@ -294,7 +294,7 @@ def relock_ticks(
     curvature: ArrayLike,
     miss: ArrayLike,
 ) -> RelockTicks:
-    """The effect of the perimeter loop while it removes the detuning after a mode switch — Z(2), Z(10)–Z(12).
+    """The effect of the path-length control loop while it removes the detuning after a mode switch — Z(2), Z(10)–Z(12).
 
     Parameters
     ----------

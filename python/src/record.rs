@@ -72,7 +72,7 @@ impl Record {
         Events::of(&self.angles, if self.outliers_removed { &none } else { &self.outliers }, &[])
     }
 
-    /// The record as it is held against limits, without what it shows.
+    /// The record as it is checked against limits, without what it shows.
     fn subject(&self, step_s: f64) -> Subject<'_> {
         Subject {
             label: "record",

@@ -69,7 +69,7 @@ keys! {
     /// series has only one, which sets the dash. If absent, the curves are those of the fillers, the coefficients, or
     /// the swept keys.
     pub(crate) SERIES = "chart.series", "", Fixed, TEXTS, r#"series = ["filler", "gap_ticks"]"#;
-    /// Laws to draw with curves over a swept key or dt_nu, where y is an error in ″; each once.
+    /// Reference curves to draw over a swept key or dt_nu, where y is an error in ″; each once.
     pub(crate) LAWS = "chart.references", "", Fixed, Holds::List(&Holds::Word(Law::WORDS)), r#"references = ["taylor-extremum", "noise"]"#;
     /// Rows to show: each entry names a swept key, filler, error, coefficient or tau, and one of its values. Rows with
     /// error = "residual" are shown unless error is named here, in series or in of.

@@ -1,5 +1,5 @@
 """Compares tables of an earlier version with new ones: every cell is the same, and names of columns alone differ. The new
-tables may have more columns at the end.
+tables may have more columns.
 
 python3 tests/data/renamed_tables.py OLD NEW
 
@@ -36,12 +36,15 @@ def main(old, new):
         folder = Path(new) / renamed(before.parent.name.replace("randomisation", "randomization").replace("quantiser", "quantizer"))
         after = folder / before.name
         rows, found = (list(csv.reader(path.read_text().splitlines())) for path in (before, after))
-        expected = [[renamed(name) for name in rows[0]]] + [[worded(cell) for cell in row] for row in rows[1:]]
-        columns += sum(a != b for a, b in zip(rows[0], found[0]))
-        wrong = [(at, a, b) for at, (a, b) in enumerate(zip(expected, found, strict=True)) if a != b[: len(a)]]
-        for at, a, b in wrong[:1]:
-            different = [f"{name} {y}, not {x}" for name, x, y in zip(expected[0], a, b) if x != y]
-            print(f"{after}: {len(wrong)} rows differ, first row {at}: {'; '.join(different[:3])}")
+        names = [renamed(name) for name in rows[0]]
+        places = [found[0].index(name) for name in names]
+        columns += sum(a != b for a, b in zip(rows[0], names))
+        for at, (a, b) in enumerate(zip(rows[1:], found[1:], strict=True)):
+            own = [b[place] for place in places]
+            different = [f"{name} {y}, not {x}" for name, x, y in zip(names, map(worded, a), own) if x != y]
+            if different:
+                print(f"{after}, row {at}: {'; '.join(different[:3])}")
+                break
         files += 1
         cells += sum(len(row) for row in rows[1:])
     print(f"{files} tables, {cells} cells: the same but for {columns} renamed columns")

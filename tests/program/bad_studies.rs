@@ -261,7 +261,7 @@ fn laws_are_refused_where_they_cannot_be_drawn() {
     refused(
         &laws("x = \"max\"\ny = \"rms\""),
         "19:5",
-        &["laws cannot be drawn over `max`", "motion.frequency"],
+        &["reference curves cannot be drawn over `max`", "motion.frequency"],
     );
     refused(
         &laws("x = \"dt_nu\"\ny = \"z\""),

@@ -108,7 +108,7 @@ fn equal_noise_is_not_told_apart_and_the_length_that_would_is_named() {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let n = &desk.table("results/a_vs_b/coefficients.csv")[0];
-    assert_eq!(n["status"], "not told apart");
+    assert_eq!(n["status"], "consistent");
     assert!(number(n, "p") > 0.05 && number(n, "lower") < 0.0 && number(n, "upper") > 0.0, "{n:?}");
     let length =
         ["length_needed_s", "length_beyond_s"].into_iter().find_map(|name| n[name].parse::<f64>().ok());
@@ -287,7 +287,7 @@ fn a_filter_of_one_log_is_no_difference_and_hides_none_of_n() {
         assert_eq!(document["b"]["events"], serde_json::json!([]));
         let rows = document["coefficients"].as_array().unwrap();
         let n = rows.iter().find(|row| row["coefficient"] == "N").unwrap();
-        let expected = if is_equal { "not told apart" } else { "B higher" };
+        let expected = if is_equal { "consistent" } else { "B higher" };
         assert!(p < 1e-4 || is_equal, "seed {seed}: p = {p}");
         assert!((p > 0.05) == is_equal && n["status"] == expected, "seed {seed}: p = {p}, {n}");
     }

@@ -1,4 +1,4 @@
-//! The answers in which `sagnac allan`, `psd`, `compare` and `lot` end: limits are held against intervals, and every answer says
+//! The answers in which `sagnac allan`, `psd`, `compare` and `lot` end: limits are checked against intervals, and every answer says
 //! what the numbers say.
 
 use sagnac::quantity::number::significant;
@@ -276,7 +276,7 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
         .zip(names.into_iter().zip(sigmas))
         .map(|(seed, (name, sigma))| (name, white(4096, sigma, seed)))
         .collect();
-    let desk = desk_with("lot.csv", text(&columns));
+    let desk = desk_with("batch.csv", text(&columns));
     let lot = format!("lot lot.csv {READ} --column g1,g2,g3,g4,g5,g6");
     let found = document(&desk, &lot, &["N=0.12 deg/sqrt(h)"]);
     assert_eq!(found["decision"]["met"], json!(false));
@@ -284,7 +284,7 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
     assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 5, "of": 6 }));
     let facts = found["answer"]["facts"].as_array().unwrap();
     let next = facts.iter().find(|fact| fact["name"] == "Next unit, 95 %").unwrap();
-    // Without the odd unit the next one is expected below the limit.
+    // Without the outlier the next one is expected below the limit.
     let [low, high] = [0, 1].map(|end| next["value"]["interval"][end].as_f64().unwrap());
     assert!(0.08 < low && high < 0.12, "{next}");
     let wide = document(&desk, &lot, &["N=0.3 deg/sqrt(h)"]);

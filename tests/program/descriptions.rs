@@ -123,7 +123,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("compare", "compare.csv", "compare"),
         ("compare", "coefficients.csv", "compare"),
         ("lot", "units.csv", "lot"),
-        ("lot", "lot.csv", "lot"),
+        ("lot", "batch.csv", "lot"),
         ("model", "model.csv", "model"),
         ("filler", "weights.csv", "filler"),
         ("filler", "test_vectors.csv", "filler"),

@@ -29,7 +29,7 @@ fn a_chart_of_no_results_is_refused_with_what_there_is() {
     write(desk.path("compared/compare.csv"), "").unwrap();
     desk.fails("chart compared", 2, &["compared holds output of `sagnac compare`"]);
     create_dir_all(desk.path("pooled")).unwrap();
-    desk.write("pooled/lot.csv", "");
+    desk.write("pooled/batch.csv", "");
     desk.fails("chart pooled", 2, &["pooled holds output of `sagnac compare`"]);
     desk.fails("chart results/study --chart 2", 2, &["the study has no chart of its own"]);
     desk.fails(

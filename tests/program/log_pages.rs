@@ -57,7 +57,7 @@ fn the_page_of_a_log_holds_what_its_json_holds() {
         " Hz in gx, ",
         "a record of 5.5 min, 4 times as long, shows it",
         "--remove-outliers",
-        "told apart",
+        "significantly different",
         "events.csv",
         "noise_gx.toml",
     ] {

@@ -192,7 +192,7 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
     for row in desk.table("out/compare.csv") {
         assert!(number(&row, "lower") < 1.0 && 1.0 < number(&row, "upper"), "{row:?}");
     }
-    // Both have the in-run bias stability of the lot, or neither shows one.
+    // Both have the in-run bias stability of the batch, or neither shows one.
     let words = format!("log.csv clean.csv {READ} {COMPENSATE} --out out");
     assert!(desk.full(&format!("lot {words}")).stdout.contains("temperature compensated"));
     let units = desk.table("out/units.csv");

@@ -79,10 +79,10 @@ pub struct Options {
     /// and calibrated for 10 min at a latitude of 60°, then at rest. Writes navigation.toml, the study behind it
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub navigate: Option<f64>,
-    /// Largest accepted position error of these navigators, which the decision is held against, as in "0.5 nmi"
+    /// Largest accepted position error of these navigators, which the decision is checked against, as in "0.5 nmi"
     #[arg(long, value_name = "DISTANCE", requires = "navigate", value_parser = distance)]
     pub position_limit: Option<Quantity>,
-    /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
+    /// Largest accepted value, which the decision is checked against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
     /// in_run_bias_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
     pub limit: Vec<Limit>,

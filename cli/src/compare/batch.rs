@@ -63,7 +63,7 @@ fn analysis(options: &Options, limits: &[Limit]) -> Result<Lot, Failure> {
 /// Writes the tables and the charts.
 fn save(lot: &Lot, folder: &Folder) -> Result<(), Failure> {
     write_table(folder, "units.csv", &tables::units(lot))?;
-    write_table(folder, "lot.csv", &tables::lot(lot))?;
+    write_table(folder, "batch.csv", &tables::lot(lot))?;
     write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(lot)))?;
     let coefficients = figures::coefficients(lot).map(Picture::Curves);
     coefficients.iter().try_for_each(|figure| write_pictures(folder, "chart-2", figure))

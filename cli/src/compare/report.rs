@@ -86,7 +86,7 @@ fn coefficients(analysis: &Analysis) -> String {
     };
     format!(
         "\ncoefficients of both curves up to an eighth of each record, with 95 % intervals\n{}  \
-         length: of records that would show such values to differ in 9 of 10 cases\n",
+         length: of records that resolve such a difference with 90 % power\n",
         headed(heading, rows.iter().map(line))
     )
 }

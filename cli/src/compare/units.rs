@@ -10,7 +10,7 @@ use sagnac::table::titled;
 
 use crate::terminal::headed_by;
 
-/// The logs, the coefficients of all units and those of the lot.
+/// The logs, the coefficients of all units and those of the batch.
 pub fn report(lot: &Lot) -> String {
     let left_out = |log: &log::Analysis| format!("{}{}\n", heading(log), log.treatment.left_out());
     let logs: String = lot.logs.iter().map(left_out).collect();
@@ -47,7 +47,7 @@ fn cell(found: &Found) -> String {
     }
 }
 
-/// The values of the lot, a line for each coefficient.
+/// The values of the batch, a line for each coefficient.
 fn of_lot(shown: &[&Coefficient]) -> String {
     let heading = [
         "",

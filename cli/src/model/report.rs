@@ -62,7 +62,7 @@ fn curve(analysis: &Analysis, column: &Column) -> String {
     format!("{}: {title}\n{}{some}", target.name, headed(heading, shown.map(line)))
 }
 
-/// What the model is held against: the upper end of the band, or what is bounded.
+/// What the model is checked against: the upper end of the band, or what is bounded.
 fn ends<'a>(analysis: &Analysis, target: &'a Target, found: &'a Found) -> impl Fn(usize) -> f64 + 'a {
     let is_bound = analysis.asked.aim != Aim::Describe;
     move |i| if is_bound { found.bounds[i] } else { target.points[i].upper }

@@ -53,7 +53,7 @@ pub struct Options {
     /// Probability of the confidence intervals of densities and of the floor
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     confidence: f64,
-    /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine of
+    /// Largest accepted value, which the decision is checked against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine of
     /// the fit, in_run_bias_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be
     /// repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]

@@ -81,7 +81,7 @@ pub(crate) fn octave_columns<'a>() -> Vec<ColumnOf<OctaveRow<'a>>> {
         Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of `before` and `after`."),
         Of::new("visible", Unit::NONE, "visible", |row| Cell::Number(row.octave.visible))
-            .is(Role::Estimate, "Relative step of the deviation in the middle of the record that would have p < 5 % in 9 of 10 records."),
+            .is(Role::Estimate, "Relative step of the deviation in the middle of the record that is detected with 90 % power at p < 5 %."),
     ]
 }
 

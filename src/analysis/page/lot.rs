@@ -1,4 +1,4 @@
-//! The page of a lot.
+//! The page of a batch.
 
 use crate::analysis::lot::answer::notes;
 use crate::analysis::lot::{Lot, figures, tables};
@@ -7,7 +7,7 @@ use crate::analysis::requirement::Decision;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Page, Section};
 
-/// The page of a lot of units with the decision to which it leads.
+/// The page of a batch of units with the decision to which it leads.
 pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
     let section = |id, heading, stem, figure| Section {
         id,
@@ -23,6 +23,6 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
             section("coefficients", "Coefficients", "chart-2", figures::coefficients(lot)),
             section("deviations", "Deviations", "chart-1", Some(figures::curves(lot))),
         ],
-        tables: vec![("lot.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
+        tables: vec![("batch.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
     }
 }

@@ -36,7 +36,7 @@ impl Decision {
     }
 }
 
-/// The answer of some records, each called `what`: `column` of a log, or `unit` of a lot.
+/// The answer of some records, each called `what`: `column` of a log, or `unit` of a batch.
 pub fn decide(subjects: &[Subject], limits: &[Limit], what: &str) -> Decision {
     let judged: Vec<Judged> = subjects
         .iter()

@@ -30,7 +30,7 @@ impl Limited {
         all
     };
 
-    /// What a limit on the units of a lot can be on.
+    /// What a limit on the units of a batch can be on.
     pub const OF_LOT: &'static [Limited] = Limited::OF_LOG.split_at(Term::ALL.len() + 1).0;
 
     /// Name in limits and in tables.

@@ -25,7 +25,7 @@ pub(crate) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// A law of the chart, ″.
+    /// A reference curve of the chart, ″.
     pub(crate) fn law(&self, law: Law) -> Option<f64> {
         law.arcsec(&self.proven.point.inputs, self.filler, self.estimate.error, self.estimate.ticks.into())
     }

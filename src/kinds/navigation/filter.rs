@@ -24,7 +24,7 @@ struct Document {
     white_deg_per_rt_h: f64,
     #[serde(deserialize_with = "size")]
     random_walk_deg_per_h_per_rt_h: f64,
-    #[serde(default, deserialize_with = "size")]
+    #[serde(default, alias = "quantisation_arcsec", deserialize_with = "size")]
     quantization_arcsec: f64,
     markov: Vec<State>,
 }

@@ -1,4 +1,4 @@
-//! The perimeter loop after a mode switch: its inputs and their keys, for every kind of study that uses it.
+//! The path-length control loop after a mode switch: its inputs and their keys, for every kind of study that uses it.
 
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::MAX_TICKS;
@@ -126,7 +126,7 @@ const COUNTS: Holds = measure(&[Dimension::Ratio], 0.0, 1e6, "0 to 1e6 periods")
 keys! {
     /// The keys of the loop.
     pub(crate) static KEYS;
-    /// The perimeter loop after a mode switch: its initial detuning, and the measurements made while it settles.
+    /// The path-length control loop after a mode switch: its initial detuning, and the measurements made while it settles.
     /// Detunings are fractions of the wavelength, without unit; absent values are 0.
     pub(crate) RELOCK = "relock", "", Fixed, Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
     /// Detuning Δλ0 left by a switch: 0.05.

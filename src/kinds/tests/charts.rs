@@ -149,7 +149,7 @@ fn laws_are_read_once_each_and_follow_what_is_swept() {
     refused(&laws("dt_nu", "\"noise\", \"noise\""), &["a.toml:21:18", "chart.references lists \"noise\" twice"]);
     refused(
         &laws("max", "\"noise\""),
-        &["a.toml:19:5", "laws cannot be drawn over `max`", "neither swept nor dt_nu", "motion.frequency"],
+        &["a.toml:19:5", "reference curves cannot be drawn over `max`", "neither swept nor dt_nu", "motion.frequency"],
     );
 }
 

@@ -176,7 +176,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         ),
         (
             text("", LGV_1, "[chart]\nx = \"tau\"\ny = \"adev\"\nlaws = [\"noise\"]"),
-            &["is a law of gap fillers"],
+            &["is a reference curve of gap fillers"],
         ),
     ];
     for (text, pieces) in table {

@@ -151,7 +151,7 @@ fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
     assert_eq!(answer["value"]["value"], search["chosen"]["p99_73_arcsec"]);
     assert!(answer["headline"].as_str().unwrap().ends_with("at 99.73 % meets the 8″ limit"), "{answer:#}");
     let folder = "results/minimum-variance/filler";
-    // The chart's numbers are in the table, and the headline has the error that the limit is held against.
+    // The chart's numbers are in the table, and the headline has the error that the limit is checked against.
     let trade = desk.table(&format!("{folder}/trade.csv"));
     let own = row(&trade, &[("before", &before.to_string()), ("after", &after.to_string())]);
     let level = level_of(search);
