@@ -151,7 +151,7 @@ def coefficients(records):
             line += f" not described {100 * (1 - len(described) / records):.1f} %;"
             for coefficient, truth in (("N", 1.0), ("B", b)):
                 rows = [row for column in found for row in column["coefficients"] if row["coefficient"] == coefficient]
-                identified = [row for row in rows if row["verdict"] == "identified"]
+                identified = [row for row in rows if row["status"] == "estimated"]
                 bounded = [row for row in rows if row["upper"] is not None]
                 line += f" {coefficient} identified {100 * len(identified) / records:.1f} %"
                 for which in (identified, bounded):
@@ -164,7 +164,7 @@ def coefficients(records):
             others = {}
             for column in found:
                 for row in column["coefficients"]:
-                    if row["verdict"] == "identified" and row["coefficient"] not in "NB":
+                    if row["status"] == "estimated" and row["coefficient"] not in "NB":
                         others[row["coefficient"]] = others.get(row["coefficient"], 0) + 1
             print(line, others, flush=True)
 

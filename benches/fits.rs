@@ -17,7 +17,7 @@ fn main() {
 fn gyro() -> Curve {
     const SAMPLES: u64 = 32_400;
     let parts =
-        vec![Part::quantisation(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
+        vec![Part::quantization(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
     let process = Process { sample_s: 1.0, parts };
     let ms: Vec<u64> = (0..12).map(|octave| 1 << octave).collect();
     let at = |&m: &u64| {
@@ -29,7 +29,7 @@ fn gyro() -> Curve {
 
 fn terms(name: &str) -> Terms {
     match name {
-        "given" => Terms::Given(vec![Term::Quantisation, Term::AngleRandomWalk, Term::BiasInstability]),
+        "given" => Terms::Given(vec![Term::Quantization, Term::AngleRandomWalk, Term::BiasInstability]),
         _ => Terms::Auto(Term::MODEL.to_vec()),
     }
 }

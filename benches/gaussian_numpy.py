@@ -355,18 +355,18 @@ class Row:
         return self.found["rms_arcsec"] / self.right
 
     @property
-    def oracle(self):
-        closed = self.found.get("oracle_rms_arcsec")
+    def theory(self):
+        closed = self.found.get("theory_rms_arcsec")
         return None if closed is None else closed / self.right - 1
 
     def line(self):
-        study, oracle = self.study, self.oracle
+        study, theory = self.study, self.theory
         readout = f"{study.pulse:.3g}" if study.pulse else "–"
         return (
             f"| {self.index} | {study.motion.kind} | {study.gap_ticks} | {study.sigma:.3g} | {readout} | "
             f"{self.filler} ({self.ticks}) | {self.error} | {self.right:.6g} | {self.found['rms_arcsec']:.6g} | "
             f"{self.z:.2f} | {self.ratio:.4g} | "
-            + (f"{oracle:.2g} |" if oracle is not None else "– |")
+            + (f"{theory:.2g} |" if theory is not None else "– |")
         )
 
 
@@ -434,7 +434,7 @@ def summary(rows, designs, refusals, count, seconds):
     beyond = [row for row in rows if not abs(row.z) <= BEYOND]
     within = [row.z for row in rows if abs(row.z) <= BEYOND]
     far, high = max(rows, key=lambda row: abs(row.z)), max(rows, key=lambda row: max(row.ratio, 1 / row.ratio))
-    closed = [row for row in rows if row.oracle is not None]
+    closed = [row for row in rows if row.theory is not None]
     lines += [
         f"rms compared: {len(rows)}, of {len({row.index for row in rows})} studies",
         f"beyond {BEYOND} standard errors: {len(beyond)} of {len({row.index for row in beyond})} studies; rms of the others' "
@@ -444,8 +444,8 @@ def summary(rows, designs, refusals, count, seconds):
         f"without a closed form: {len(rows) - len(closed)}",
     ]
     if closed:
-        worst = max(closed, key=lambda row: abs(row.oracle))
-        lines.append(f"largest closed form/right − 1: {worst.oracle:.4g} ({of(worst)})")
+        worst = max(closed, key=lambda row: abs(row.theory))
+        lines.append(f"largest closed form/right − 1: {worst.theory:.4g} ({of(worst)})")
     stated = [row for row in rows if row.filler_rms is not None]
     if stated:
         worst = max(stated, key=lambda row: abs(row.filler_rms / row.right - 1))

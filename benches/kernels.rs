@@ -114,7 +114,7 @@ fn records(bencher: divan::Bencher, name: &str, overlap: u32) {
         flicker: vec![16 * 3000; 15],
         markov: None,
         sine: None,
-        quantisation: 0,
+        quantization: 0,
         pulse: Some(10),
         switching: None,
         drift: Arc::new([]),

@@ -21,7 +21,7 @@ from scipy import stats
 # Samples of a half at 1 Hz, and coefficients in deg/h and s: N, B, K. At 3277 s, a tenth of a half, all three show.
 HALF = 2**15
 WHITE, FLICKER, WALK = 1.0, 0.1, 3e-4
-AIMS = ["--bound", "--bound=repeat"]
+AIMS = ["--overbound", "--overbound=repeat"]
 # Columns of a file, which the program takes in one call.
 COLUMNS = 20
 
@@ -62,7 +62,7 @@ def bands(records, to, **reading):
 def deviation(found, tau):
     """Allan deviation of a model in deg/h, by the closed forms."""
     n, k = 60 * found["white_deg_per_rt_h"], found["random_walk_deg_per_h_per_rt_h"] / 60
-    square = n**2 / tau + k**2 * tau / 3 + 3 * found["quantisation_arcsec"] ** 2 / tau**2
+    square = n**2 / tau + k**2 * tau / 3 + 3 * found["quantization_arcsec"] ** 2 / tau**2
     for state in found["markov"]:
         sigma, time = state["sigma_deg_per_h"], state["correlation_time_s"]
         z = tau / time
@@ -126,7 +126,7 @@ TURN_ON = 10.0  # deg/h, of the constant part of the rate, which starts unknown
 
 
 def nees(records, systems):
-    """Normalised squared errors of the angle, of all records at once: the mean over the fixes, and that at the end of the free run."""
+    """Normalized squared errors of the angle, of all records at once: the mean over the fixes, and that at the end of the free run."""
     count, size = len(records), 1 + max(len(initial) for _, _, initial in systems)
     f, q, p = (np.zeros((count, size, size)) for _ in range(3))
     for k, (transition, added, initial) in enumerate(systems):

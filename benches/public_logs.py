@@ -4,7 +4,7 @@
     python3 benches/public_logs.py [FOLDER]
 
 The logs are fetched from the commits below into FOLDER (results/public_logs) and compared with their SHA-256. Data sets of R become .npz
-with the arrays gx, gy, gz (and ax, ay, az); `rdata` reads them, because an .rda file is a serialised and compressed object of R. Then each gyro
+with the arrays gx, gy, gz (and ax, ay, az); `rdata` reads them, because an .rda file is a serialized and compressed object of R. Then each gyro
 gets one line that is independent of sagnac: N = σ(τ) √τ at the τ next to 1 s, and B = σ / 0.664 at the minimum of the overlapping Allan
 deviation over octaves of τ up to a fifth of the record. docs/public_logs.md compares them with what sagnac finds.
 

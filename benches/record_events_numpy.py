@@ -174,7 +174,7 @@ TRUE_N = {"a rate in coarse units": N * np.sqrt(1 + 4 / 12)}
 Q, K, R = 0.3, 20.0, 30.0
 
 
-def quantised(rng, x):
+def quantized(rng, x):
     unit = Q * np.sqrt(12)
     angle = np.concatenate([[0], np.cumsum(x / RATE_HZ)]) + unit * rng.random()
     return np.diff(np.floor(angle / unit)) * unit * RATE_HZ
@@ -185,7 +185,7 @@ def walk(rng, x):
 
 
 MODELS = {
-    "Q": lambda rng, x: quantised(rng, 0.02 * x),
+    "Q": lambda rng, x: quantized(rng, 0.02 * x),
     "K": walk,
     "R": lambda rng, x: x + R * TIME / 3600,
     "K, R": lambda rng, x: walk(rng, x) + R * TIME / 3600,
@@ -250,7 +250,7 @@ def main():
                     found += analysed(records, pathlib.Path(folder), course)
                 true = truth(name, with_flicker)
                 share = lambda test: 100 * sum(map(test, found)) / len(found)
-                is_found = lambda term: share(lambda rows: rows.get(term, {}).get("verdict") == "identified")
+                is_found = lambda term: share(lambda rows: rows.get(term, {}).get("status") == "estimated")
                 false = " ".join("     " if term in true else f"{is_found(term):5.1f}" for term in "QBKR")
                 held = [
                     f"{term} {is_found(term):.1f} {share(lambda rows: holds(rows.get(term), value)):.1f}"

@@ -21,7 +21,7 @@ fn table(points: usize) -> Table {
     let error = |point: usize, filler: usize| Some(1.0 + filler as f64 + libm::sin(point as f64));
     let mut table = fillers::table(points, error);
     let z = cells(points, |point, filler| Some(libm::sin((point + filler) as f64)));
-    table.columns.push(column("oracle_rms", Unit::ARCSEC, cells(points, error)));
+    table.columns.push(column("theory_rms", Unit::ARCSEC, cells(points, error)));
     table.columns.push(column("z", Unit::NONE, z));
     table
 }

@@ -75,7 +75,7 @@ duration = "{duration} s"
         subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
         with open(Path(folder, "out", "points.csv")) as table:
             row = next(row for row in csv.DictReader(table) if row["angle"] == "end")
-    return [float(row[name]) for name in ("rms_arcsec", "rms_se_arcsec", "oracle_rms_arcsec")]
+    return [float(row[name]) for name in ("rms_arcsec", "rms_se_arcsec", "theory_rms_arcsec")]
 
 
 def main():

@@ -1,6 +1,6 @@
 """Sobol' indices of studies/what_decides.toml by SALib, from closed forms in NumPy, beside those of `sagnac sensitivity`.
 
-    sagnac sensitivity studies/what_decides.toml --by oracle_rms --out out
+    sagnac sensitivity studies/what_decides.toml --by theory_rms --out out
     pip install numpy scipy SALib
     python benches/sensitivity_numpy.py out/sensitivity.json
 

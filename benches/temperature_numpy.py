@@ -58,7 +58,7 @@ TRUTH = {"T": 0.1, "T2": 0.01, "dT": 0.5}
 
 
 def program(records, course, *options):
-    """The columns of the JSON object `temperature`, for records with the same quantised temperature."""
+    """The columns of the JSON object `temperature`, for records with the same quantized temperature."""
     measured = np.round(course / RESOLUTION) * RESOLUTION
     for first in range(0, len(records), COLUMNS):
         part = records[first : first + COLUMNS]

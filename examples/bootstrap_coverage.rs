@@ -1,6 +1,6 @@
 //! How often 95 % intervals of noise coefficients cover the true values, for several methods of deriving them from
 //! simulated records: `cargo run --release --example bootstrap_coverage -- 2000 1000 [gyro|small|short|walk|faint|ramp]
-//! [auto]`. The arguments are the number of records, the number of realisations for each, the truth, and whether the
+//! [auto]`. The arguments are the number of records, the number of realizations for each, the truth, and whether the
 //! fit chooses its terms. docs/numerics.md has the results.
 
 use std::thread;
@@ -13,14 +13,14 @@ use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Errors, Fitter};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::realisations::realisations;
+use sagnac::kinds::allan::realizations::realizations;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::terms::Term;
 
 const METHODS: [&str; 4] =
-    ["closed form", "percentiles", "inversion, realised covariance", "inversion, realised quantiles"];
+    ["closed form", "percentiles", "inversion, realized covariance", "inversion, realized quantiles"];
 
 /// Ends of the interval of each term.
 type Intervals = Vec<Option<[f64; 2]>>;
@@ -34,7 +34,7 @@ struct Study {
 
 impl Study {
     fn new(name: &str, chooses: bool) -> Study {
-        let (q, n) = (Part::quantisation(0.11), Part::angle_random_walk(0.0288));
+        let (q, n) = (Part::quantization(0.11), Part::angle_random_walk(0.0288));
         let b = |b: f64| Part::bias_instability(b, 24);
         let k = |k: f64| Part::rate_random_walk(k);
         let (samples, parts) = match name {
@@ -81,11 +81,11 @@ impl Study {
     fn intervals(&self, cpu: &Cpu, curve: &Curve, count: usize) -> Option<[Intervals; 4]> {
         let variances = curve.variances();
         let closed = self.fitter.fit_record(variances).ok()?;
-        let rows = realisations(cpu, curve, &closed, count, &|_| {}).ok()?;
+        let rows = realizations(cpu, curve, &closed, count, &|_| {}).ok()?;
         let model = Covariance::of_process(&closed.process, curve).ok()?;
-        let covariance = Covariance::of_realisations(&rows, &model).ok()?;
+        let covariance = Covariance::of_realizations(&rows, &model).ok()?;
         let inverted = self.fitter.fit(variances, &covariance, Errors::OfModel).ok()?;
-        let quantiles = self.fitter.fit_realised(variances, &closed, &rows).ok()?;
+        let quantiles = self.fitter.fit_realized(variances, &closed, &rows).ok()?;
         let of = |fit: &Fit| -> Intervals {
             self.truth.iter().map(|(term, _)| fit.coefficient(*term).unwrap().interval).collect()
         };
@@ -135,7 +135,7 @@ fn main() {
         let handles: Vec<_> = chunks.map(|chunk| scope.spawn(|| of_chunk(chunk))).collect();
         handles.into_iter().flat_map(|handle| handle.join().unwrap()).collect()
     });
-    println!("{} of {records} records, {count} realisations of each", found.len());
+    println!("{} of {records} records, {count} realizations of each", found.len());
     println!("{:34} {:8} covered  above  below   none  width", "", "");
     for (m, method) in METHODS.iter().enumerate() {
         for (t, (term, truth)) in study.truth.iter().enumerate() {

@@ -68,7 +68,7 @@ fn main() {
 fn comparisons(truth: Truth, samplings: [Sampling; 2], terms: &Terms) -> Vec<Comparison> {
     let [q, n, b, k] = truth;
     let parts = [
-        Part::quantisation(q),
+        Part::quantization(q),
         Part::angle_random_walk(n),
         Part::bias_instability(b, 24),
         Part::rate_random_walk(k),

@@ -62,8 +62,8 @@ fn chunk(first: u32) {
         //#if MARKOV_STEPS
         let markov = draw(address, FOR_MARKOV, at);
         //#end
-        //#if QUANTISATION_NOISE
-        let quantisation = draw(address, FOR_QUANTISATION, at);
+        //#if QUANTIZATION_NOISE
+        let quantization = draw(address, FOR_QUANTIZATION, at);
         //#end
         //#for k in 0..WORDS
         {
@@ -84,8 +84,8 @@ fn chunk(first: u32) {
             var angle = high_word(noise.angle);
             let step = add_wide(mul_wide(rate, p.rate_scale), mul_wide(normal(white[k]), p.white));
             noise.angle = add_wide(noise.angle, step);
-            //#if QUANTISATION_NOISE
-            angle += scaled(quantisation[k], p.quantisation);
+            //#if QUANTIZATION_NOISE
+            angle += scaled(quantization[k], p.quantization);
             //#end
             angles[i] = reading(first + i, angle);
         }

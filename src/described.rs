@@ -68,7 +68,7 @@ pub fn files() -> Vec<File> {
             command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
             command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
             command("units.csv", "sagnac lot", abouts(&lot::tables::unit_columns())),
-            command("lot.csv", "sagnac lot", abouts(&lot::tables::lot_columns())),
+            command("batch.csv", "sagnac lot", abouts(&lot::tables::lot_columns())),
             command("model.csv", "sagnac model", abouts(&model::tables::columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
             command("trade.csv", "sagnac filler", abouts(&firmware::search::columns())),

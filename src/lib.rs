@@ -40,8 +40,8 @@
 //! let number = |column: &str, row: usize| table.column(column).unwrap().cells[row].number().unwrap();
 //! assert_eq!(table.column("filler")?.cells[1].text(), "quadratic");
 //! // Z(14)–Z(18): 26.85 ″/√2 of motion and 3.81 σ of noise.
-//! assert!((number("oracle_rms", 1) - 19.09).abs() < 0.005);
-//! assert!((number("rms", 1) - number("oracle_rms", 1)).abs() < 5.0 * number("rms_se", 1));
+//! assert!((number("theory_rms", 1) - 19.09).abs() < 0.005);
+//! assert!((number("rms", 1) - number("theory_rms", 1)).abs() < 5.0 * number("rms_se", 1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

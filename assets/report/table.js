@@ -7,6 +7,11 @@ function kind(own, column) {
   return [own, column.aside ? "aside" : null].filter(Boolean).join(" ") || null;
 }
 
+/** A cell in the unit in which people read it, which may be another one than that of the file. */
+function read(column, cell) {
+  return typeof cell === "number" && column.factor !== 1 ? Number((cell * column.factor).toPrecision(12)) : cell;
+}
+
 class Listing {
   constructor(host, table) {
     this.table = table;
@@ -34,7 +39,7 @@ class Listing {
     for (const column of this.table.columns) {
       const values = [...new Set(column.cells)].filter((value) => value !== null);
       if (values.length < 2 || values.length > 40 || !column.tells) continue;
-      const options = values.map((value, at) => element("option", { value: at }, typeof value === "number" ? significant(value) : value));
+      const options = values.map((value, at) => element("option", { value: at }, typeof value === "number" ? significant(read(column, value)) : value));
       const select = element("select", {
         change: (event) => {
           const at = event.currentTarget.value;
@@ -72,7 +77,7 @@ class Listing {
     const shown = rows.slice(0, page);
     this.head.replaceChildren(...this.table.columns.map((column) => this.heading(column)));
     this.body.replaceChildren(...shown.map((row) => element("tr", {}, ...this.table.columns.map((column) => {
-      const cell = this.cell(column, row);
+      const cell = read(column, this.cell(column, row));
       if (typeof cell !== "number") return element("td", { class: kind("text", column) }, cell ?? "");
       const exact = Number.isInteger(cell) && Math.abs(cell) < 1e15;
       return element("td", { title: String(cell), class: kind(null, column) }, exact ? minus(String(cell)) : significant(cell));

@@ -14,6 +14,7 @@ use toml::{Table, Value};
 
 use crate::charts::{is_chart_stem, write_pictures};
 use crate::failure::Failure;
+use crate::limits::on;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
 use crate::results::summary::{crossings, summary};
@@ -90,15 +91,15 @@ struct Keys {
     /// Columns that distinguish the curves, the first by colour and the second by dash
     #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
     series: Vec<String>,
-    /// Laws drawn with the curves
-    #[arg(long, value_name = "LAW", value_delimiter = ',')]
-    laws: Vec<String>,
+    /// Reference curves drawn with the curves
+    #[arg(long, value_name = "CURVE", value_delimiter = ',')]
+    references: Vec<String>,
     /// Only rows with this value, as in filler=const or frequency="20 Hz"; may be repeated
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = row)]
     #[serde(skip)]
     rows: Vec<(String, String)>,
-    /// Allowed value, as in "5 arcsec"
-    #[arg(long, value_name = "LIMIT")]
+    /// Allowed value of the estimate, as in "rms=5 arcsec"
+    #[arg(long, value_name = "NAME=VALUE")]
     limit: Option<String>,
     /// Scale of the horizontal axis: log or linear
     #[arg(long, value_name = "SCALE")]
@@ -113,9 +114,9 @@ struct Keys {
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac report results/error_vs_dtnu --y rms --limit \"5 arcsec\"
+  sagnac report results/error_vs_dtnu --y rms --limit \"rms=5 arcsec\"
   sagnac report results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
-  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
+  sagnac report results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z p99_73 \\
     --where filler=quadratic
 
 The chart is written to DIR as an SVG and a PNG. The page report.html keeps the charts of the study; `sagnac report DIR` rebuilds it.";
@@ -222,7 +223,13 @@ fn changed(written: &Study, asked: &Redraw) -> Result<String, Failure> {
         chart.remove("limit");
         chart.remove("where");
     }
-    let asked = Table::try_from(keys).map_err(|error| Failure::Usage(error.to_string()))?;
+    let mut asked = Table::try_from(keys).map_err(|error| Failure::Usage(error.to_string()))?;
+    let estimate = ["z", "y"].into_iter().find_map(|key| asked.get(key).or_else(|| chart.get(key)));
+    let named = estimate.and_then(|column| column.as_str().or(column.as_array()?.first()?.as_str()));
+    if let Some(limit) = &keys.limit {
+        let value = if limit == NONE { limit } else { on(limit, &[named.unwrap_or("rms")])? };
+        asked.insert("limit".to_owned(), Value::String(value.to_owned()));
+    }
     for (key, value) in asked {
         let value = match value.as_array().map(Vec::as_slice) {
             Some([]) => continue,

@@ -35,8 +35,8 @@ pub struct Options {
     /// that suit the run. Other swept keys are choices too: each combination of their values is tried
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// Estimate to minimise
-    #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_q9973")]
+    /// Estimate to minimize
+    #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_p99_73")]
     by: Measure,
     /// Longest time from the end of the gap to the correction, such as "10 ms": fillers that read later ticks are left out
     #[arg(long, value_name = "TIME")]
@@ -56,7 +56,7 @@ pub struct Options {
     #[command(flatten)]
     device: DeviceArg,
     /// Output folder [default: design in results/<name of the study file>, or design_<estimate> for another --by than
-    /// drift_q9973]
+    /// drift_p99_73]
     #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, instead of the number in the study; rounded up to 32 times a power of two
@@ -101,7 +101,7 @@ fn measures() -> impl TypedValueParser<Value = Measure> {
 /// The folder of results; each measure has its own.
 fn folder(measure: Measure) -> String {
     match measure {
-        Measure::DriftQ9973 => "design".to_owned(),
+        Measure::DriftP9973 => "design".to_owned(),
         other => format!("design_{}", other.name()),
     }
 }

@@ -78,7 +78,7 @@ pub fn devices(options: &Options) -> Result<(), Failure> {
     }
     if adapters.is_empty() {
         say!(
-            "no GPU and no software rasteriser was found (Vulkan, Metal, DX12); `sagnac device list --why` explains"
+            "no GPU and no software rasterizer was found (Vulkan, Metal, DX12); `sagnac device list --why` explains"
         );
     }
     Ok(())

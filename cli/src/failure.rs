@@ -101,7 +101,7 @@ fn is_no_folder(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::AlreadyExists | ErrorKind::NotADirectory)
 }
 
-/// The missing shares.
+/// The missing shards.
 fn of_shares(absent: &[Share]) -> String {
     match absent {
         [] => String::new(),
@@ -126,7 +126,6 @@ pub fn faults(count: usize) -> String {
 const OPTIONS: [&str; 34] = [
     "at",
     "binary",
-    "bound",
     "bootstrap",
     "by",
     "column",
@@ -142,7 +141,8 @@ const OPTIONS: [&str; 34] = [
     "force",
     "from",
     "out",
-    "quantisation",
+    "overbound",
+    "quantization",
     "rate",
     "remove_outliers",
     "salvage",

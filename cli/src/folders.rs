@@ -15,7 +15,7 @@ const WRITTEN: [(&str, &str); 8] = [
     ("curve.csv", "allan"),
     ("psd.csv", "allan"),
     ("compare.csv", "compare"),
-    ("lot.csv", "compare"),
+    ("batch.csv", "compare"),
     ("model.csv", "model"),
     ("design.json", "design"),
     ("sensitivity.json", "sensitivity"),

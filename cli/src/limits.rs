@@ -1,6 +1,7 @@
-//! Limits on the noise of logs and of the units of a lot, as options.
+//! Limits on the noise of logs and of the units of a batch, as options.
 
 use sagnac::analysis::requirement::{Limit, LimitError, Limited, applies, check};
+use sagnac::key::renamed::note;
 use sagnac::record::log::channel::Log;
 
 use crate::failure::Failure;
@@ -9,6 +10,26 @@ use crate::reading::Reading;
 /// Reads a limit on a log.
 pub fn of_log(text: &str) -> Result<Limit, String> {
     Limit::parse(text, &Limited::OF_LOG).map_err(|error| error.to_string())
+}
+
+/// The value of a limit on what has these names, as in `residual=8 arcsec`; without a name, as before 0.3, it is on the
+/// first.
+///
+/// # Errors
+/// It is on something else.
+pub fn on<'t>(text: &'t str, names: &[&str]) -> Result<&'t str, Failure> {
+    match text.split_once('=') {
+        None => {
+            let named = format!("--limit {}={text}", names[0]);
+            note!("{}", note(&format!("--limit {text}"), &named));
+            Ok(text)
+        }
+        Some((name, value)) if names.contains(&name.trim()) => Ok(value.trim()),
+        Some((name, _)) => {
+            let message = format!("--limit: unknown limit `{}`\naccepted: {}", name.trim(), names.join(", "));
+            Err(Failure::Usage(message))
+        }
+    }
 }
 
 /// Reads limits on the units of a batch.

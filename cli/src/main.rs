@@ -40,6 +40,7 @@ mod planning;
 mod program;
 mod progress;
 mod reading;
+mod renamed;
 mod report;
 mod results;
 mod run;

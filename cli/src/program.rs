@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use sagnac::device::Device;
 use sagnac::device::select::Selection;
+use sagnac::key::renamed::note;
 use sagnac::quantity::visible::visible;
 use sagnac::verify::select;
 
@@ -106,12 +107,16 @@ commands! {
     Man(crate::shells::Man) = crate::shells::man;
 }
 
-/// Notes that a command has another name now, unless only errors are asked for.
+/// Notes that a command has another name now.
 fn renamed(old: &str, new: &str) {
-    if std::env::args_os().any(|argument| argument == "--quiet" || argument == "-q") {
-        return;
+    if !is_quiet() {
+        note!("{}", note(&format!("sagnac {old}"), &format!("sagnac {new}")));
     }
-    note!("`sagnac {old}` is `sagnac {new}` now; the old name goes in 0.4");
+}
+
+/// Whether only errors are asked for.
+fn is_quiet() -> bool {
+    std::env::args_os().any(|argument| argument == "--quiet" || argument == "-q")
 }
 
 /// The commands as help lists them.
@@ -136,9 +141,8 @@ fn grouped(command: &clap::Command) -> String {
 }
 
 /// The options that the short help of commands lists; `--help` has all.
-const BRIEF: [&str; 20] = [
+const BRIEF: [&str; 21] = [
     "at",
-    "bound",
     "by",
     "chart",
     "column",
@@ -148,8 +152,10 @@ const BRIEF: [&str; 20] = [
     "json",
     "latency",
     "limit",
+    "max_ratio",
     "navigate",
     "out",
+    "overbound",
     "quiet",
     "rate",
     "search",
@@ -288,7 +294,7 @@ fn joined(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
 /// Runs the program.
 pub fn main() -> ExitCode {
     crate::output::outlive_limits();
-    let arguments = joined(std::env::args_os());
+    let (arguments, former) = crate::renamed::replaced(joined(std::env::args_os()));
     let color = crate::look::of_arguments(&arguments);
     let matches = command().color(color).try_get_matches_from(arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
@@ -309,6 +315,7 @@ pub fn main() -> ExitCode {
         }
     };
     crate::look::follow(&cli.look);
+    former.iter().filter(|_| !is_quiet()).for_each(|former| note!("{former}"));
     match cli.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),

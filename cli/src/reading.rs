@@ -96,7 +96,7 @@ pub struct Reading {
     /// Longest averaging time of the fit [default: an eighth of the record]
     #[arg(help_heading = "Reading the log", long, value_name = "TIME", value_parser = seconds)]
     fit_to: Option<f64>,
-    /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *not described*
+    /// Take the coefficients of the best fit even where it does not describe the curve; their verdict stays *model rejected*
     #[arg(help_heading = "Reading the log", long)]
     force: bool,
     /// Column of a temperature, by name or number, on which the rate depends: `sagnac allan` reports the dependence, other commands
@@ -281,7 +281,7 @@ fn step(rate: &str) -> Result<f64, Failure> {
         ))
     };
     let quantity = parse_quantity(rate, &[Dimension::Frequency, Dimension::Time]);
-    let Quantity { value, dimension } = quantity.map_err(|error| wrong(error.to_string()))?;
+    let Quantity { value, dimension, .. } = quantity.map_err(|error| wrong(error.to_string()))?;
     match dimension {
         _ if value <= 0.0 => Err(wrong("the rate is not positive".to_owned())),
         Dimension::Time => Ok(value),

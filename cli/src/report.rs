@@ -49,7 +49,7 @@ Examples:
   sagnac report results/error_vs_dtnu
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results
-  sagnac report results/error_vs_dtnu --y rms --limit \"5 arcsec\"
+  sagnac report results/error_vs_dtnu --y rms --limit \"rms=5 arcsec\"
 
 Results are those of run, allan, psd, compare, lot, model, design, sensitivity and filler. Of the results of a study the
 page is made again; the other commands have written theirs, and its card for the gallery beside it.

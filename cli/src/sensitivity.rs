@@ -19,7 +19,7 @@ use crate::{chart, kind, whole};
 const EXAMPLES: &str = "\
 Examples:
   sagnac sensitivity studies/what_decides.toml
-  sagnac sensitivity studies/what_decides.toml --by oracle_rms --plot
+  sagnac sensitivity studies/what_decides.toml --by theory_rms --plot
   sagnac sensitivity studies/what_decides.toml --by rms --trials 10000";
 
 #[derive(Debug, Args)]
@@ -28,7 +28,7 @@ pub struct Options {
     /// Study with uncertain inputs, each a [[sensitivity]] with a range or a distribution
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// Column of points.csv whose value is the answer; one in closed form, such as oracle_rms, needs no sampling
+    /// Column of points.csv whose value is the answer; one in closed form, such as theory_rms, needs no sampling
     /// [default: the answer by which the study is judged]
     #[arg(long, value_name = "COLUMN")]
     by: Option<String>,

@@ -76,7 +76,7 @@ fn shader(recipe: &Recipe, tables: &[[u32; 4]], slots: usize, variant: Variant) 
             ("WALK_STEPS", recipe.walk > 0),
             ("MARKOV_STEPS", recipe.markov.is_some()),
             ("SINE_WAVE", recipe.sine.is_some()),
-            ("QUANTISATION_NOISE", recipe.quantisation > 0),
+            ("QUANTIZATION_NOISE", recipe.quantization > 0),
             ("PULSE", recipe.pulse.is_some()),
             ("DRIFT", !recipe.drift.is_empty()),
             ("THIRD_ORDER", recipe.order == 3),

@@ -120,8 +120,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         //#end
         let angle_before = add_wide(angle, sub_wide(sum_over_lanes_wide(turned), turned));
         angle = add_wide(angle, scanned_wide[LANES - 1u]);
-        //#if QUANTISATION_NOISE
-        let quantisation = draw(address, FOR_QUANTISATION, mine / 4u);
+        //#if QUANTIZATION_NOISE
+        let quantization = draw(address, FOR_QUANTIZATION, mine / 4u);
         //#end
         //#for k in 0..QUAD
         {
@@ -133,8 +133,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let cosine = sine(at_start.y + (mine + k) * p.sine_step + QUARTER_TURN);
             reading -= high_word(mul_wide(cosine, p.sine_amplitude));
             //#end
-            //#if QUANTISATION_NOISE
-            reading += scaled(quantisation[k], p.quantisation);
+            //#if QUANTIZATION_NOISE
+            reading += scaled(quantization[k], p.quantization);
             //#end
             //#if PULSE
             reading = (reading + (at_start.x & ((1u << p.pulse) - 1u))) & (0xffffffffu << p.pulse);

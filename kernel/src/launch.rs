@@ -54,7 +54,7 @@ impl fmt::Display for Misfit {
 
 impl Error for Misfit {}
 
-/// Sizes and options of a launch of a kernel of trials, for which its shader is specialised. Only kernels of this package
+/// Sizes and options of a launch of a kernel of trials, for which its shader is specialized. Only kernels of this package
 /// have one: shaders run without checks of their indices.
 pub trait Shape: Any + Debug + Send + Sync + Sealed {
     /// The kernel's own file.

@@ -238,7 +238,7 @@ mod tests {
             flicker: vec![],
             markov: None,
             sine: None,
-            quantisation: 0,
+            quantization: 0,
             pulse: None,
             switching: None,
             drift: Arc::new([]),

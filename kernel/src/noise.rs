@@ -18,7 +18,7 @@ constants!(STREAMS, FOUR_STREAMS, LONG_HOLDS);
 /// State carried from chunk to chunk.
 pub struct Noise<W: Word> {
     address: Address<W>,
-    /// The angle before quantisation and readout, 2^−32 LSB.
+    /// The angle before quantization and readout, 2^−32 LSB.
     angle: W::Wide,
     /// Sum of all holds.
     flicker: W,
@@ -89,8 +89,8 @@ impl<W: Word> Noise<W> {
             let white = self.address.draw(Purpose::White, at);
             let walk = (recipe.walk > 0).then(|| self.address.draw(Purpose::Walk, at));
             let markov = recipe.markov.map(|markov| (markov, self.address.draw(Purpose::Markov, at)));
-            let quantisation =
-                (recipe.quantisation > 0).then(|| self.address.draw(Purpose::Quantisation, at));
+            let quantization =
+                (recipe.quantization > 0).then(|| self.address.draw(Purpose::Quantization, at));
             for k in 0..WORDS {
                 let i = WORDS * block + k;
                 let place = &mut angles[i * W::LANES..];
@@ -108,8 +108,8 @@ impl<W: Word> Noise<W> {
                 let mut angle = self.angle.high_word();
                 let of_rate = rate.mul_wide(W::splat(recipe.rate_scale));
                 self.angle = self.angle + of_rate + normal(white[k]).mul_wide(W::splat(recipe.white));
-                if let Some(words) = quantisation {
-                    angle = angle + scaled(words[k], recipe.quantisation);
+                if let Some(words) = quantization {
+                    angle = angle + scaled(words[k], recipe.quantization);
                 }
                 self.reading(recipe, first + i, angle).store(place);
             }

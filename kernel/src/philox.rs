@@ -62,8 +62,8 @@ purposes! {
         Walk = 10,
         /// Steps of the Markov noise, sample by sample; four to a block.
         Markov = 11,
-        /// Quantisation noise of the angles 0, 1, …; four to a block.
-        Quantisation = 12,
+        /// Quantization noise of the angles 0, 1, …; four to a block.
+        Quantization = 12,
         /// A block for each octave of flicker noise: the positions of the grids of its four streams.
         FlickerGrid = 13,
         /// Once for a run: words 0 to 2 the deviations of its A, Ω_m0 and Ω_nm, word 3 its first mode.

@@ -59,8 +59,8 @@ pub struct Recipe {
     pub markov: Option<[u32; 3]>,
     /// Sine: phase per sample (2^−32 turns) and amplitude of the angle (2^−2 LSB).
     pub sine: Option<[u32; 2]>,
-    /// Standard deviation of quantisation noise, 2^−4 LSB.
-    pub quantisation: u32,
+    /// Standard deviation of quantization noise, 2^−4 LSB.
+    pub quantization: u32,
     /// log2 of the LSB per pulse, where whole pulses are read.
     pub pulse: Option<u32>,
     /// Fill residuals of a gyro that switches modes: samples between switches, amplitude of the part with a random

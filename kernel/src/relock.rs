@@ -22,7 +22,7 @@ pub const FORM: Form = Form::Moments;
 /// Fractional bits of a weight.
 pub const WEIGHT_BITS: u32 = 24;
 
-/// Options of a launch, for which its shader is specialised.
+/// Options of a launch, for which its shader is specialized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// The ticks and their compensation.

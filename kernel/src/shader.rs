@@ -1,4 +1,4 @@
-//! Shader sources: the files of `shaders/`, assembled and specialised as text.
+//! Shader sources: the files of `shaders/`, assembled and specialized as text.
 //!
 //! Override constants can give invalid modules (wgpu#7793), so shapes and variants are written into the text. Three
 //! directives do this, each on its own line and closed by `//#end`: `//#for k in 0..N` repeats its lines with the word

@@ -57,7 +57,7 @@ class RawCurve(TypedDict):
     unit: str
     m: Counts
     tau: Numbers
-    terms: Counts
+    differences: Counts
     value: Numbers
     lower: Numbers
     upper: Numbers

@@ -14,11 +14,11 @@ from . import _sagnac
 from ._raw import RawAnalysis
 from ._reading import Kind, limits_of, reading_of
 from .errors import UsageError
-from .records import LEAST_REALISATIONS
+from .records import LEAST_REALIZATIONS
 from .results import Charted, Table, answer_of
 from .studies import MOST_TRIALS, _source, _threads, _whole
 
-Measure = Literal["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"]
+Measure = Literal["drift_p99_73", "drift_rms", "largest_p99_73", "largest_rms"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Analysis(Charted):
 def design(
     study: str | os.PathLike[str] | Mapping[str, Any],
     *,
-    by: Measure = "drift_q9973",
+    by: Measure = "drift_p99_73",
     latency: str | None = None,
     memory: int | None = None,
     search: bool = False,
@@ -62,7 +62,7 @@ def design(
         As for :func:`run`; of ``kind = "switched-run"``. The candidates are its swept intervals, or intervals that suit the run.
         Other swept keys are choices too: each combination of their values is a variant, and the best one wins.
     by
-        Estimate to minimise.
+        Estimate to minimize.
     latency
         Longest time from the end of the gap to the correction, such as ``"10 ms"``; fillers that read later ticks are left out.
     memory
@@ -126,7 +126,7 @@ def sensitivity(
     study
         As for :func:`run`, with uncertain inputs in ``sensitivity``.
     by
-        Column of the points whose value is the answer; one in closed form, such as ``oracle_rms``, needs no sampling. By default
+        Column of the points whose value is the answer; one in closed form, such as ``theory_rms``, needs no sampling. By default
         the answer by which the study is judged.
     where
         Values of columns that choose one row of each point, such as ``{"filler": "const"}``.
@@ -155,7 +155,7 @@ def sensitivity(
     ...         {"key": "motion.frequency", "uniform": {"from": "4 Hz", "to": "6 Hz"}},
     ...     ],
     ... }
-    >>> found = sensitivity(gap, by="oracle_rms", samples=1024, device="cpu")
+    >>> found = sensitivity(gap, by="theory_rms", samples=1024, device="cpu")
     >>> found.data["inputs"][0]["input"], found.data["inputs"][0]["first"]["value"] > 0.9
     ('gyro.tick_noise.std', True)
     """
@@ -200,7 +200,7 @@ def compare(
     terms, kind, detrend, remove_outliers, unit_check, threads
         As for :func:`fit`.
     limits
-        Largest accepted ratios of coefficients, b over a, which the ``decision`` is held against: ``{"N": 1.1}``.
+        Largest accepted ratios of coefficients, b over a, which the ``decision`` is checked against: ``{"N": 1.1}``.
 
     Raises
     ------
@@ -212,7 +212,7 @@ def compare(
     >>> import numpy as np
     >>> draw = np.random.default_rng(1).normal
     >>> found = compare(draw(0.0, 1.0, 20_000), draw(0.0, 1.3, 20_000), 100.0, unit="deg/h", names=("before", "after"))
-    >>> [(row["coefficient"], row["verdict"]) for row in found.data["coefficients"]]
+    >>> [(row["coefficient"], row["status"]) for row in found.data["coefficients"]]
     [('N', 'B higher')]
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)
@@ -262,7 +262,7 @@ def psd(
     terms, bootstrap
         As for :func:`fit`, of the fit whose density is drawn beside.
     limits
-        As for :func:`fit`; ``in_run_stability`` and ``floor``, the N of the flat part of the density, can be limited too.
+        As for :func:`fit`; ``in_run_bias_stability`` and ``floor``, the N of the flat part of the density, can be limited too.
 
     Raises
     ------
@@ -284,7 +284,7 @@ def psd(
     if segment_detrend not in ("constant", "linear"):
         raise UsageError(f'segment_detrend="{segment_detrend}"\naccepted: "constant", "linear"')
     if bootstrap is not None and bootstrap != 0:
-        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
+        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
     is_linear = segment_detrend == "linear"
     return _analysis(
         _sagnac.psd(

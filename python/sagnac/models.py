@@ -44,7 +44,7 @@ def model(
     bound: Literal["band", "repeat"] | None = "band",
     margin: float = 0.2,
     states: int | None = None,
-    quantisation: Literal["measurement", "white"] = "measurement",
+    quantization: Literal["measurement", "white"] = "measurement",
     filter_rate: float | None = None,
     confidence: float = 0.95,
     write: Sequence[str] = (),
@@ -75,8 +75,8 @@ def model(
         How far a bound may lie above, as a part, before a state is added.
     states
         Number of Markov states, 0 to 3, instead of the fewest.
-    quantisation
-        Whether quantisation is measurement noise of the angle, or covered by white noise of the rate.
+    quantization
+        Whether quantization is measurement noise of the angle, or covered by white noise of the rate.
     filter_rate
         Rate of the filter, Hz, for the matrices; by default that of the record.
     confidence
@@ -98,8 +98,8 @@ def model(
     """
     if bound not in ("band", "repeat", None):
         raise UsageError(f'bound={bound!r}\naccepted: "band", "repeat", None')
-    if quantisation not in ("measurement", "white"):
-        raise UsageError(f'quantisation="{quantisation}"\naccepted: "measurement", "white"')
+    if quantization not in ("measurement", "white"):
+        raise UsageError(f'quantization="{quantization}"\naccepted: "measurement", "white"')
     if not 0.0 < confidence < 1.0:
         raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
     if not 0.0 < margin <= 10.0:
@@ -115,7 +115,7 @@ def model(
         bound,
         margin,
         states,
-        quantisation == "white",
+        quantization == "white",
         filter_rate,
         confidence,
         list(write),

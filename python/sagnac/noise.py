@@ -43,7 +43,7 @@ class Curve:
     """Averaging factors: τ in samples."""
     tau: Numbers
     """Averaging times, s."""
-    terms: Counts
+    differences: Counts
     """Number of averaged differences; those that touch a gap are omitted."""
     value: Numbers
     """Deviation; NaN where there is no term."""
@@ -51,7 +51,7 @@ class Curve:
     upper: Numbers
     """Ends of the interval; NaN where it is unknown."""
     alpha: Numbers
-    """The noise, S(f) ∝ f^α: 2 quantisation, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
+    """The noise, S(f) ∝ f^α: 2 quantization, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
     record is too short."""
     alpha_carried: NDArray[np.bool_]
     """Whether α was identified at a shorter τ, because there are too few groups at this one."""
@@ -63,7 +63,7 @@ class Curve:
         """The arrays as the columns of a pandas DataFrame; pandas has to be installed."""
         import pandas
 
-        names = ["m", "tau", "terms", "value", "lower", "upper", "alpha", "alpha_carried", "edf"]
+        names = ["m", "tau", "differences", "value", "lower", "upper", "alpha", "alpha_carried", "edf"]
         return pandas.DataFrame({name: getattr(self, name) for name in names})
 
 
@@ -126,13 +126,13 @@ class Coefficient:
     lower: float | None
     upper: float | None
     """Ends of the 95 % interval; without a value, ``upper`` is an upper bound."""
-    verdict: str
+    status: str
     """``identified``, or another statement."""
 
     @property
     def is_identified(self) -> bool:
         """Whether the interval of its square does not contain 0, and no other term fits equally well."""
-        return self.verdict == "identified"
+        return self.status == "estimated"
 
 
 @dataclass(frozen=True)

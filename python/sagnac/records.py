@@ -19,7 +19,7 @@ from .studies import _whole
 Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
 
 #: Least number of simulated records with usable 2.5 % quantiles.
-LEAST_REALISATIONS = 200
+LEAST_REALIZATIONS = 200
 
 
 def allan(
@@ -63,7 +63,7 @@ def allan(
     intervals
         Noise that the intervals suppose: that of the record as a whole, or with ``stable32`` the power law of each averaging time.
     limits
-        Largest accepted in-run stability, which :attr:`Allan.decision` is held against: ``{"in_run_stability": "0.01 deg/h"}``.
+        Largest accepted in-run bias stability, which :attr:`Allan.decision` is checked against: ``{"in_run_bias_stability": "0.01 deg/h"}``.
     detrend
         Removes a straight line from the rate.
     remove_outliers
@@ -108,7 +108,7 @@ def allan(
             unit=raw["unit"],
             m=raw["m"],
             tau=raw["tau"],
-            terms=raw["terms"],
+            differences=raw["differences"],
             value=raw["value"],
             lower=raw["lower"],
             upper=raw["upper"],
@@ -159,19 +159,19 @@ def fit(
         Shortest and longest averaging time of the fit, s. By default it starts at the shortest from which the terms describe the
         curve, and ends at an eighth of the record.
     force
-        Takes the coefficients of the best fit even where it does not describe the curve; their verdict stays ``not described``.
+        Takes the coefficients of the best fit even where it does not describe the curve; their verdict stays ``model rejected``.
     bootstrap
         Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
         in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
     limits
-        Largest accepted coefficients, which :attr:`Fit.decision` is held against: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
+        Largest accepted coefficients, which :attr:`Fit.decision` is checked against: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
         if the upper end of the 95 % interval, or the bound, is within it, and not met if the lower end is above it.
 
     Notes
     -----
     Least squares on the overlapping Allan variances at the octaves of τ up to an eighth of the record, with the
     covariance between them; each term is that of sampled noise. The fit takes the octaves that the terms describe; if they
-    describe none, all coefficients are ``not described`` and have no value. Otherwise a value is given if it is identified, else a
+    describe none, all coefficients are ``model rejected`` and have no value. Otherwise a value is given if it is identified, else a
     bound.
     Intervals are those of a record without gaps.
 
@@ -190,12 +190,12 @@ def fit(
     ['N']
     >>> found["N"].unit, found["N"].lower < 0.1 / 60 < found["N"].upper
     ('deg/sqrt(h)', True)
-    >>> found["B"].value is None, found["B"].verdict
-    (True, 'not identifiable, at most the upper end')
+    >>> found["B"].value is None, found["B"].status
+    (True, 'not estimable, at most the upper limit')
     """
     values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if bootstrap is not None and bootstrap != 0:
-        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
+        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
     if isinstance(terms, str) and terms != "auto":
         raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
     found = _sagnac.fit(

@@ -40,7 +40,7 @@ def run(
     Parameters
     ----------
     study
-        The path of a study file; its text, which is recognised by its line ends; or a dictionary of its keys, in which tables are
+        The path of a study file; its text, which is recognized by its line ends; or a dictionary of its keys, in which tables are
         dictionaries, and values are texts with units or numbers as in the file. Files named in a text or a dictionary are
         relative to the working directory.
     trials, seed
@@ -83,7 +83,7 @@ def run(
     ...     "motion": {"amplitude": "12000 arcsec/s", "frequency": "20 Hz"},
     ...     "switching": {"gap_ticks": 3, "fillers": ["const", "quadratic"], "errors": ["residual"]},
     ... })
-    >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["oracle_rms_arcsec"])]
+    >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["theory_rms_arcsec"])]
     ['const: 109', 'quadratic: 19.1']
     """
     path, text = _source(study)

@@ -224,7 +224,7 @@ def drift_optimum(
     initial_magnetic: ArrayLike = 0.0,
     non_magnetic: ArrayLike = 0.0,
 ) -> DriftOptimum:
-    """The interval between switches that minimises :func:`drift_bound`, and approximations of it — Z(8), Z(9).
+    """The interval between switches that minimizes :func:`drift_bound`, and approximations of it — Z(8), Z(9).
 
     >>> best = drift_optimum([600.0, 3600.0], magnetic=14.0, warm_up_time=3000.0, residual_max=10.0, non_magnetic=0.05)
     >>> best.interval.round(2), best.as_published.round(2)
@@ -294,7 +294,7 @@ def relock_ticks(
     curvature: ArrayLike,
     miss: ArrayLike,
 ) -> RelockTicks:
-    """The effect of the perimeter loop while it removes the detuning after a mode switch — Z(2), Z(10)–Z(12).
+    """The effect of the path-length control loop while it removes the detuning after a mode switch — Z(2), Z(10)–Z(12).
 
     Parameters
     ----------
@@ -355,7 +355,7 @@ class _Noise(NamedTuple):
 
 
 def _noise(
-    quantisation: float,
+    quantization: float,
     angle_random_walk: float,
     bias_instability: float,
     rate_random_walk: float,
@@ -365,14 +365,14 @@ def _noise(
 ) -> _Noise:
     """Converts from the units of data sheets to ″ and s."""
     return _Noise(
-        quantisation, 60.0 * angle_random_walk, bias_instability, rate_random_walk / 60.0, rate_ramp / 3600.0, markov, sine
+        quantization, 60.0 * angle_random_walk, bias_instability, rate_random_walk / 60.0, rate_ramp / 3600.0, markov, sine
     )
 
 
 def allan_deviation(
     tau: ArrayLike,
     *,
-    quantisation: float = 0.0,
+    quantization: float = 0.0,
     angle_random_walk: float = 0.0,
     bias_instability: float = 0.0,
     rate_random_walk: float = 0.0,
@@ -389,7 +389,7 @@ def allan_deviation(
     ----------
     tau
         Averaging times, s.
-    quantisation, angle_random_walk, bias_instability, rate_random_walk, rate_ramp
+    quantization, angle_random_walk, bias_instability, rate_random_walk, rate_ramp
         Q, ″ rms; N, °/√h; B, °/h; K, °/h/√h; R, °/h/h.
     markov
         rms rate, °/h, and correlation time, s.
@@ -399,11 +399,11 @@ def allan_deviation(
     Examples
     --------
     >>> import numpy as np
-    >>> lgv1 = {"quantisation": 0.11, "angle_random_walk": 0.00048, "bias_instability": 0.00164}
+    >>> lgv1 = {"quantization": 0.11, "angle_random_walk": 0.00048, "bias_instability": 0.00164}
     >>> np.round(allan_deviation([1.0, 100.0], **lgv1), 4)
     array([0.1927, 0.0036])
     """
-    noise = _noise(quantisation, angle_random_walk, bias_instability, rate_random_walk, rate_ramp, markov, sine)
+    noise = _noise(quantization, angle_random_walk, bias_instability, rate_random_walk, rate_ramp, markov, sine)
     arrays, shaped = _broadcast(tau)
     return shaped(np.sqrt(_sagnac.allan_variance(noise, arrays)))
 
@@ -414,7 +414,7 @@ def sampled_allan_deviation(
     sample: float,
     samples: int,
     estimator: Literal["overlapping", "non-overlapping", "hadamard"] = "overlapping",
-    quantisation: float = 0.0,
+    quantization: float = 0.0,
     angle_random_walk: float = 0.0,
     bias_instability: float = 0.0,
     rate_random_walk: float = 0.0,
@@ -432,7 +432,7 @@ def sampled_allan_deviation(
     """
     if not (np.isfinite(sample) and sample > 0.0):
         raise UsageError(f"sample={sample}\naccepted: the time between samples, s")
-    noise = _noise(quantisation, angle_random_walk, bias_instability, rate_random_walk, rate_ramp, markov, sine)
+    noise = _noise(quantization, angle_random_walk, bias_instability, rate_random_walk, rate_ramp, markov, sine)
     arrays, shaped = _broadcast(m)
     return shaped(np.sqrt(_sagnac.sampled_variance(noise, estimator, sample, _small(samples), arrays)))
 

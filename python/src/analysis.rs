@@ -16,7 +16,7 @@ use sagnac::analysis::log::{self, Asked};
 use sagnac::analysis::model::noise::{of_file, of_text};
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{named, texts};
-use sagnac::analysis::model::{self as modelled, Aim, Quantisation};
+use sagnac::analysis::model::{self as modelled, Aim, Quantization};
 use sagnac::analysis::requirement::Limited;
 use sagnac::analysis::sensitivity::{
     Request, SensitivityError, report as sensitivity_report, sensitivity as decide,
@@ -279,7 +279,7 @@ impl Wanted {
             },
             margin: self.margin,
             states: self.states,
-            quantisation: if self.is_white { Quantisation::White } else { Quantisation::Measurement },
+            quantization: if self.is_white { Quantization::White } else { Quantization::Measurement },
             filter_hz: self.filter_hz,
             confidence: self.confidence,
         }

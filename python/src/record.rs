@@ -72,7 +72,7 @@ impl Record {
         Events::of(&self.angles, if self.outliers_removed { &none } else { &self.outliers }, &[])
     }
 
-    /// The record as it is held against limits, without what it shows.
+    /// The record as it is checked against limits, without what it shows.
     fn subject(&self, step_s: f64) -> Subject<'_> {
         Subject {
             label: "record",
@@ -335,7 +335,7 @@ fn of_curve<'py>(
     document.set_item("unit", unit.in_files(deviation))?;
     document.set_item("m", counts(&|point| point.m as u64))?;
     document.set_item("tau", numbers(&|point| Some(point.tau_s)))?;
-    document.set_item("terms", counts(&|point| point.terms))?;
+    document.set_item("differences", counts(&|point| point.terms))?;
     document.set_item("value", numbers(&|point| point.value))?;
     document.set_item("lower", numbers(&|point| point.interval.map(|ends| ends.0)))?;
     document.set_item("upper", numbers(&|point| point.interval.map(|ends| ends.1)))?;

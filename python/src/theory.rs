@@ -221,7 +221,7 @@ impl Noise {
     fn parts(&self, octaves: usize) -> Vec<Part> {
         let Noise { q, n, b, k, r, markov, sine } = *self;
         let mut parts = vec![
-            Part::quantisation(q),
+            Part::quantization(q),
             Part::angle_random_walk(n),
             Part::bias_instability(b, octaves),
             Part::rate_random_walk(k),

@@ -1,4 +1,4 @@
-"""The program that the package is held against."""
+"""The program that the package is checked against."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> Non
         sagnac.design(study, latency="-1 ms")
     with pytest.raises(sagnac.UsageError, match="search"):
         sagnac.design(study, band="18 Hz,22 Hz")
-    with pytest.raises(sagnac.UsageError, match="accepted: drift_q9973"):
+    with pytest.raises(sagnac.UsageError, match="accepted: drift_p99_73"):
         sagnac.design(study, by="drift")  # type: ignore[arg-type]
     with pytest.raises(sagnac.StudyError, match="switched-run"):
         sagnac.design(studies / "smoke.toml")
@@ -53,9 +53,9 @@ def test_a_design_is_that_of_the_program(program: Program, studies: Path) -> Non
 
 def test_a_sensitivity_is_that_of_the_program(program: Program, studies: Path) -> None:
     study = studies / "what_decides.toml"
-    found = sagnac.sensitivity(study, by="oracle_rms", samples=32, device="cpu")
+    found = sagnac.sensitivity(study, by="theory_rms", samples=32, device="cpu")
     expected = program(
-        "sensitivity", study, "--by", "oracle_rms", "--samples", 32, "--device", "cpu", "--out", "out"
+        "sensitivity", study, "--by", "theory_rms", "--samples", 32, "--device", "cpu", "--out", "out"
     )  # fmt: skip
     assert found.data == expected
     assert found.report == (program.folder / "out/report.html").read_text(encoding="utf-8")

@@ -33,7 +33,7 @@ def test_a_study_is_refused_with_file_line_and_caret(studies: Path, tmp_path: Pa
 
 
 def test_what_shows_in_charts_only_is_found_before_anything_is_sampled(studies: Path, tmp_path: Path) -> None:
-    text = (studies / "smoke.toml").read_text(encoding="utf-8").replace('y = "q9973"', 'y = "q9937"')
+    text = (studies / "smoke.toml").read_text(encoding="utf-8").replace('y = "p99_73"', 'y = "q9937"')
     with pytest.raises(sagnac.StudyError, match="no column is called `q9937`"):
         sagnac.run(text, out=tmp_path / "out")
     assert not (tmp_path / "out").exists()

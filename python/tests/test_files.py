@@ -16,7 +16,7 @@ from program import Program
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9._]{0,62}")
 
 TEXTS = {
-    "filler", "error", "angle", "compensation", "tick", "coefficient", "unit", "column", "deviation", "verdict",
+    "filler", "error", "angle", "compensation", "tick", "coefficient", "unit", "column", "deviation", "status",
     "intervals", "alpha_from", "edf_from", "row", "treatment", "noise.file", "relock.compensation",
     "motion.suspension.gyro", "suspension.gyro", "gyro",
 }  # fmt: skip

@@ -29,7 +29,7 @@ def without_place(document: dict[str, Any]) -> dict[str, Any]:
 
 def test_a_model_of_noise_is_that_of_the_program(program: Program) -> None:
     (program.folder / "noise.toml").write_text(TEXT)
-    expected = program("model", "noise.toml", "--from", "1s", "--to", "1000s", "--bound", "--filter-rate", "10Hz")
+    expected = program("model", "noise.toml", "--from", "1s", "--to", "1000s", "--overbound", "--filter-rate", "10Hz")
     for noise in (NOISE, TEXT, program.folder / "noise.toml"):
         found = sagnac.model(noise=noise, from_s=1.0, to_s=1000.0, filter_rate=10.0)
         assert without_place(found.data) == without_place(expected)
@@ -42,7 +42,7 @@ def test_a_model_of_a_record_is_that_of_the_program(program: Program) -> None:
     rates = rng.standard_normal(5000) + 0.01 * np.cumsum(rng.standard_normal(5000))
     np.save(program.folder / "record.npy", rates)
     read = ["--data", "rate", "--unit", "deg/h", "--rate", "1Hz"]
-    for bound, option in (("band", ["--bound"]), ("repeat", ["--bound=repeat"]), (None, [])):
+    for bound, option in (("band", ["--overbound"]), ("repeat", ["--overbound=repeat"]), (None, [])):
         expected = program("model", "record.npy", *read, *option)
         found = sagnac.model(rates, 1.0, unit="deg/h", bound=bound)  # type: ignore[arg-type]
         for name in ("markov", "largest_excess", "points", "discrete", "white_deg_per_rt_h"):

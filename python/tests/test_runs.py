@@ -19,7 +19,7 @@ STUDIES = {
     "which_filler": 2000,
     "filler_map": 200,
     "recorded_profile": 100,
-    "readout_quantisation": 500,
+    "readout_quantization": 500,
     "my_gyro": 40,
     "lgk400_vs_lgv1": 40,
     "design_point": 200,
@@ -122,7 +122,7 @@ def test_columns_have_types_labels_and_units(studies: Path) -> None:
     assert points["rms_arcsec"].dtype == np.float64
     assert points["filler"].dtype == object and points["filler"][0] == "const"
     # 500 trials bound no 99.73 % level: blank, and not 0.
-    assert np.isnan(points["q9973_hi_arcsec"]).all()
+    assert np.isnan(points["p99_73_hi_arcsec"]).all()
     assert (points.units["rms_arcsec"], points.labels["rms_arcsec"]) == ("arcsec", "rms error")
     frame = points.to_pandas()
     assert list(frame.columns) == list(points) and len(frame) == points.rows

@@ -104,7 +104,7 @@ def test_allan_deviations_meet_the_reference(reference: Path) -> None:
     gyros = {"LGK-400": (0.24, 0.00067, 0.00192), "LGV-1": (0.11, 0.00048, 0.00164)}
     for gyro, (q, n, b) in gyros.items():
         at = rows["gyro"] == gyro
-        noise: dict[str, Any] = {"quantisation": q, "angle_random_walk": n, "bias_instability": b}
+        noise: dict[str, Any] = {"quantization": q, "angle_random_walk": n, "bias_instability": b}
         near(theory.allan_deviation(rows["tau_s"][at], **noise), rows["adev"][at])
 
 

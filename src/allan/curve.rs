@@ -84,11 +84,11 @@ impl Supposed {
 /// ```
 pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidence: f64) -> Vec<Point> {
     // The ratio of the mean square of a difference to the variance.
-    let normalisation = if deviation.differences() == 2 { 2.0 } else { 6.0 };
+    let normalization = if deviation.differences() == 2 { 2.0 } else { 6.0 };
     let sums = sums(angles, deviation, factors);
     let points = factors.par_iter().zip(sums).map(|(&m, sum)| {
         let tau_s = m as f64 * angles.step_s;
-        let variance = sum.squares / (normalisation * sum.terms as f64 * tau_s * tau_s);
+        let variance = sum.squares / (normalization * sum.terms as f64 * tau_s * tau_s);
         let scale = if deviation.is_of_angle() { tau_s / libm::sqrt(3.0) } else { 1.0 };
         // Less than 0 where what missing samples add is nearly all that there is.
         let value = (sum.terms > 0 && variance >= 0.0).then(|| libm::sqrt(variance) * scale);

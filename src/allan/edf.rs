@@ -121,7 +121,7 @@ impl Shape {
     }
 }
 
-/// Eq. (7): generalised autocovariance of the integrated phase.
+/// Eq. (7): generalized autocovariance of the integrated phase.
 fn s_w(t: f64, alpha: i32) -> f64 {
     let t = libm::fabs(t);
     let log = |power: f64| if t == 0.0 { 0.0 } else { libm::pow(t, power) * libm::log(t) };

@@ -1,7 +1,7 @@
 //! Deviations of a record: Allan, modified Allan, time and Hadamard, with intervals.
 //!
 //! ```text
-//! rates, increments or angles ─▶ Angles ─ Taus::factors ─▶ curve ─▶ Points ─ minimum ─▶ in-run stability
+//! rates, increments or angles ─▶ Angles ─ Taus::factors ─▶ curve ─▶ Points ─ minimum ─▶ in-run bias stability
 //! ```
 //!
 //! 1 ″/s is 1 °/h, so a curve of angles in ″ is in °/h. Sums are in a fixed order and functions are libm's, so values

@@ -32,7 +32,7 @@ impl Noise {
         let is_acceleration = unit == Unit::Acceleration;
         let of = |rotation, acceleration| if is_acceleration { acceleration } else { rotation };
         match self.alpha {
-            2.. => "quantisation",
+            2.. => "quantization",
             1 => of("flicker of the angle", "flicker of the velocity"),
             0 => of("angle random walk", "velocity random walk"),
             -1 => "bias instability",

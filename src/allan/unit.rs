@@ -32,6 +32,7 @@ impl Unit {
     pub fn symbol(self, deviation: Deviation) -> &'static str {
         match self.in_files(deviation) {
             "deg/h" => "°/h",
+            "arcsec" => "″",
             "ug" => "µg",
             "ug*s" => "µg·s",
             other => other,

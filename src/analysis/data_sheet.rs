@@ -7,10 +7,10 @@ use crate::device::cpu::Cpu;
 use crate::events::{Event, Events};
 use crate::fit::{Coefficient, Described, Fit, Fitting, Quantity, Verdict};
 use crate::kernel::width::Width;
-use crate::kinds::allan::realisations::realisations;
+use crate::kinds::allan::realizations::realizations;
 
 /// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
-pub const USUAL_REALISATIONS: usize = 1000;
+pub const USUAL_REALIZATIONS: usize = 1000;
 /// Number of samples of a record above which simulating it so often takes more than a few seconds.
 pub const MOST_SIMULATED: usize = 2_000_000;
 
@@ -55,7 +55,7 @@ pub struct DataSheet {
     pub intervals: Intervals,
     /// What the fit and the spectrum show besides the events of the record.
     pub events: Vec<Event>,
-    /// Whether the curve falls as that of quantisation noise, but the spectrum contradicts it.
+    /// Whether the curve falls as that of quantization noise, but the spectrum contradicts it.
     pub is_hump: bool,
 }
 
@@ -76,11 +76,11 @@ impl Intervals {
         let is_long = asked.is_none() && samples > MOST_SIMULATED;
         let why = || {
             format!(
-                "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: `bootstrap = {USUAL_REALISATIONS}` \
+                "simulating {USUAL_REALIZATIONS} records of {samples} samples takes long: `bootstrap = {USUAL_REALIZATIONS}` \
                  asks for it"
             )
         };
-        let records = if is_long { 0 } else { asked.unwrap_or(USUAL_REALISATIONS) };
+        let records = if is_long { 0 } else { asked.unwrap_or(USUAL_REALIZATIONS) };
         Intervals { records, without: is_long.then(why) }
     }
 
@@ -104,7 +104,7 @@ impl Intervals {
 impl DataSheet {
     /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
     /// octaves of τ that they [describe](crate::fit::range), with the intervals of
-    /// [`Fitter::fit_realised`](crate::fit::Fitter::fit_realised) where records are simulated. The same record gives the same
+    /// [`Fitter::fit_realized`](crate::fit::Fitter::fit_realized) where records are simulated. The same record gives the same
     /// bits for any number of threads.
     ///
     /// # Errors
@@ -123,7 +123,7 @@ impl DataSheet {
     /// let closed = Intervals { records: 0, without: None };
     /// let events = Events::of(&angles, &Outliers::default(), &[]);
     /// let sheet = DataSheet::of(&events, &Terms::of_model(Trend::None).into(), Unit::Angular, closed)?;
-    /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
+    /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "estimated"));
     /// # Ok::<(), String>(())
     /// ```
     pub fn of(
@@ -134,11 +134,11 @@ impl DataSheet {
     ) -> Result<DataSheet, String> {
         let mut noise = Noise::of(events, asked).map_err(|error| error.to_string())?;
         let described = &noise.described;
-        let realised = match intervals.records {
+        let realized = match intervals.records {
             0 => Ok(described.fit.clone()),
-            records => realised(described, records),
+            records => realized(described, records),
         };
-        let (fit, intervals) = realised.map(|fit| (fit, intervals)).unwrap_or_else(|why| {
+        let (fit, intervals) = realized.map(|fit| (fit, intervals)).unwrap_or_else(|why| {
             let without = Some(format!("the fit cannot be simulated: {why}"));
             (described.fit.clone(), Intervals { records: 0, without })
         });
@@ -149,10 +149,10 @@ impl DataSheet {
 }
 
 /// Repeats the fit with intervals from simulated records of the first fit.
-fn realised(Described { fitter, fit, .. }: &Described, count: usize) -> Result<Fit, String> {
+fn realized(Described { fitter, fit, .. }: &Described, count: usize) -> Result<Fit, String> {
     let (cpu, curve) = (Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?, fitter.curve());
-    let rows = realisations(&cpu, curve, fit, count, &|_| {}).map_err(|error| error.to_string())?;
-    fitter.fit_realised(curve.variances(), fit, &rows).map_err(|error| error.to_string())
+    let rows = realizations(&cpu, curve, fit, count, &|_| {}).map_err(|error| error.to_string())?;
+    fitter.fit_realized(curve.variances(), fit, &rows).map_err(|error| error.to_string())
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
@@ -183,10 +183,10 @@ fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
 
 fn verdict(coefficient: &Coefficient) -> &'static str {
     match coefficient.verdict {
-        Verdict::Identified => "identified",
-        Verdict::AtBoundary { .. } => "none found, at most the upper end",
-        Verdict::NotIdentifiable { below: Some(_) } => "not identifiable, at most the upper end",
-        Verdict::NotIdentifiable { below: None } => "not identifiable",
-        Verdict::NotDescribed => "not described",
+        Verdict::Identified => "estimated",
+        Verdict::AtBoundary { .. } => "not detected, at most the upper limit",
+        Verdict::NotIdentifiable { below: Some(_) } => "not estimable, at most the upper limit",
+        Verdict::NotIdentifiable { below: None } => "not estimable",
+        Verdict::NotDescribed => "model rejected",
     }
 }

@@ -1,8 +1,8 @@
-//! Whether the spectrum of a record has the quantisation noise that a fit to its Allan curve finds.
+//! Whether the spectrum of a record has the quantization noise that a fit to its Allan curve finds.
 //!
-//! At the octaves of τ, a line, a hump or its alias makes a curve fall as 1/τ, as quantisation noise does. Quantisation noise
+//! At the octaves of τ, a line, a hump or its alias makes a curve fall as 1/τ, as quantization noise does. Quantization noise
 //! has its highest density at half the sampling rate, and there a line or hump at lower frequencies adds nothing. Only pulses
-//! that are larger than the noise of a sample have quantisation errors that depend on each other from sample to sample; their
+//! that are larger than the noise of a sample have quantization errors that depend on each other from sample to sample; their
 //! density is another one, and Q is not tested.
 
 use crate::allan::Angles;
@@ -11,11 +11,11 @@ use crate::fit::Fit;
 use crate::spectrum::{Density, Floor, Welch, lines};
 use crate::theory::allan::{Part, Process, Term};
 
-/// Part of the density of the quantisation noise that the spectrum must have.
+/// Part of the density of the quantization noise that the spectrum must have.
 const PART: f64 = 0.5;
 
 /// Whether the density of a record above a third of its sampling rate is, with its 95 % interval, below half of that of the
-/// quantisation noise of a fit, beside the other noise. If the fit leaves out the shortest τ, where a filter may lower the other
+/// quantization noise of a fit, beside the other noise. If the fit leaves out the shortest τ, where a filter may lower the other
 /// noise, that counts as none. The density is a median, which lines do not change.
 pub(crate) fn is_hump(events: &Events, fit: &Fit) -> bool {
     let angles: &Angles = &events.without;
@@ -30,9 +30,9 @@ pub(crate) fn is_hump(events: &Events, fit: &Fit) -> bool {
             densities.sum::<f64>() / points.len() as f64
         };
         let is_whole = fit.tau_range[0] <= 1.01 * angles.step_s;
-        let other = if is_whole { expected(|part| part.term != Term::Quantisation) } else { 0.0 };
+        let other = if is_whole { expected(|part| part.term != Term::Quantization) } else { 0.0 };
         let found = Floor::over(&density, &lines(&density), places)?;
-        Some(found.interval.1 < other + PART * expected(|part| part.term == Term::Quantisation))
+        Some(found.interval.1 < other + PART * expected(|part| part.term == Term::Quantization))
     };
     !events.is_coarse && lacks().unwrap_or(false)
 }

@@ -1,7 +1,7 @@
 //! The noise of a record by its Allan curve and its spectrum, whose shape has to be that of the noise that the fit finds.
 //!
 //! At the octaves of τ an Allan curve hardly tells what a filter, its alias or a hump does to the highest frequencies: it takes that
-//! for quantisation noise or for a part of N. The spectrum shows it.
+//! for quantization noise or for a part of N. The spectrum shows it.
 
 use crate::analysis::hump;
 use crate::events::{Event, Events, What};
@@ -29,7 +29,7 @@ pub(crate) struct Noise<'a> {
     pub described: Described,
     /// What the fit and the spectrum show besides the events of the record.
     pub shown: Vec<Event>,
-    /// Whether the curve falls as that of quantisation noise, but the spectrum contradicts it.
+    /// Whether the curve falls as that of quantization noise, but the spectrum contradicts it.
     pub is_hump: bool,
     /// The interval of N beside noise with a correlation time, where the curve leaves room for it.
     white: Option<[f64; 2]>,
@@ -102,7 +102,7 @@ impl Noise<'_> {
             if self.explains(term) {
                 let below = found.interval.map(|ends| ends[1]);
                 *found = found.without_value(Verdict::NotIdentifiable { below });
-                self.is_hump |= term == Term::Quantisation;
+                self.is_hump |= term == Term::Quantization;
                 let other = self.other(term).filter(|_| !self.events.explains.is_telegraph);
                 let event = other.map(|other| Event { instead_of: Some(term), ..other.clone() });
                 self.shown.extend(event);
@@ -118,7 +118,7 @@ impl Noise<'_> {
         let fit = &self.described.fit;
         let is_found = fit.process.parts.iter().any(|part| part.term == term);
         match term {
-            Term::Quantisation => shows(What::Filter) || is_found && hump::is_hump(self.events, fit),
+            Term::Quantization => shows(What::Filter) || is_found && hump::is_hump(self.events, fit),
             Term::BiasInstability => is_telegraph || shows(What::Correlated),
             Term::RateRandomWalk => is_telegraph || self.other(term).is_some(),
             _ => self.other(term).is_some(),
@@ -142,10 +142,10 @@ fn contradicts(density: &Density, fit: &Fit) -> bool {
 }
 
 /// Whether it differs from those terms of a fit that describe the shortest τ of its range, up to the frequencies of that τ.
-/// Quantisation noise and band limit are what filters leave there of the higher frequencies, and no part of that shape.
+/// Quantization noise and band limit are what filters leave there of the higher frequencies, and no part of that shape.
 fn contradicts_range(density: &Density, fit: &Fit) -> bool {
     differs(density, fit, 0.5 / fit.tau_range[0], |term| {
-        !matches!(term, Term::Quantisation | Term::BandLimit)
+        !matches!(term, Term::Quantization | Term::BandLimit)
     })
 }
 

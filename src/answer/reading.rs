@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+pub(crate) use crate::quantity::number::joined;
 use crate::quantity::number::{significant, with_ends};
-use crate::table::{Cell, Column, Unit};
+use crate::table::{Cell, Column, Unit, Written};
 
 /// Significant digits of a value.
 const DIGITS: usize = 3;
@@ -28,14 +29,13 @@ pub struct Reading {
 impl Reading {
     /// A value of a column with its interval, in the unit of the column.
     pub fn new(column: &Column, value: f64, interval: Option<(f64, f64)>) -> Reading {
-        let (factor, unit) = scale(column.unit, column.is_relative(), value);
+        let (factor, unit) = scale(column, value);
         let interval = interval.map(|(low, high)| [low * factor, high * factor]);
         Reading { quantity: column.header(), value: value * factor, unit: unit.to_owned(), interval }
     }
 
-    /// A value in a unit in which it is shown; arc seconds get their sign.
+    /// A value in a unit in which it is shown.
     pub fn in_unit(quantity: &str, value: f64, unit: &str, interval: Option<[f64; 2]>) -> Reading {
-        let unit = if unit == Unit::ARCSEC.symbol { "″" } else { unit };
         Reading { quantity: quantity.to_owned(), value, unit: unit.to_owned(), interval }
     }
 
@@ -73,18 +73,15 @@ impl Reading {
     }
 }
 
-/// The factor and the sign of the unit in which a value of a column is shown: times by their size, angle random walks in °/√h,
-/// relative errors in percent.
-fn scale(unit: Unit, is_relative: bool, value: f64) -> (f64, &'static str) {
-    match unit {
-        Unit::ARCSEC => (1.0, "″"),
-        Unit::ARCSEC_PER_S => (1.0, "″/s"),
-        Unit::ARCSEC_PER_S2 => (1.0, "″/s²"),
-        Unit::ARCSEC_PER_RT_S => (1.0 / 60.0, "°/√h"),
-        Unit::ARCSEC_PER_PULSE => (1.0, "″/pulse"),
-        Unit::S => of_time(value.abs()),
-        Unit::NONE if is_relative => (100.0, "%"),
-        unit => (1.0, unit.symbol),
+/// The factor and the symbol of the unit in which a value of a column is shown: as it is written, times by their size, angle
+/// random walks in °/√h, relative errors in percent.
+fn scale(column: &Column, value: f64) -> (f64, &'static str) {
+    match (column.written, column.unit) {
+        (Some(Written { factor, symbol }), _) => (factor, symbol),
+        (_, Unit::ARCSEC_PER_RT_S) => (1.0 / 60.0, "°/√h"),
+        (_, Unit::S) => of_time(value.abs()),
+        _ if column.is_relative() => (100.0, "%"),
+        (_, unit) => (1.0, unit.symbol),
     }
 }
 
@@ -109,14 +106,6 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
-/// A number with its unit.
-pub(crate) fn joined(number: &str, unit: &str) -> String {
-    match unit {
-        "" | "″" | "°" => format!("{number}{unit}"),
-        unit => format!("{number} {unit}"),
-    }
-}
-
 /// Two numbers as the ends of a range.
 pub(crate) fn range(low: &str, high: &str) -> String {
     match low.starts_with(['-', '−']) || high.starts_with(['-', '−']) {
@@ -128,7 +117,7 @@ pub(crate) fn range(low: &str, high: &str) -> String {
 /// The values of a column from one to another, with one unit.
 pub(crate) fn span(column: &Column, from: f64, to: f64) -> String {
     // In the unit of the smaller end, unless that is 0.
-    let (factor, unit) = scale(column.unit, column.is_relative(), if from > 0.0 { from } else { to });
+    let (factor, unit) = scale(column, if from > 0.0 { from } else { to });
     joined(&range(&number(from * factor), &number(to * factor)), unit)
 }
 

@@ -62,15 +62,15 @@ keys! {
     /// "mean_drift"], each drawn in its own colour; for a map it is another swept key or dt_nu.
     pub(crate) Y = "chart.y", "", Fixed, Holds::Either(&[Holds::Text, TEXTS]), r#"y = "rms""#;
     /// Column that a map shows; in a winner map the least value wins.
-    pub(crate) Z = "chart.z", "", Fixed, Holds::Text, r#"z = "q9973""#;
+    pub(crate) Z = "chart.z", "", Fixed, Holds::Text, r#"z = "p99_73""#;
     /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
     pub(crate) OF = "chart.of", "", Fixed, Holds::Text, r#"of = "filler""#;
     /// Columns whose values make the curves: the first sets the colour, the second the dash. If y has several columns,
     /// series has only one, which sets the dash. If absent, the curves are those of the fillers, the coefficients, or
     /// the swept keys.
     pub(crate) SERIES = "chart.series", "", Fixed, TEXTS, r#"series = ["filler", "gap_ticks"]"#;
-    /// Laws to draw with curves over a swept key or dt_nu, where y is an error in ″; each once.
-    pub(crate) LAWS = "chart.laws", "", Fixed, Holds::List(&Holds::Word(Law::WORDS)), r#"laws = ["taylor-extremum", "noise"]"#;
+    /// Reference curves to draw over a swept key or dt_nu, where y is an error in ″; each once.
+    pub(crate) LAWS = "chart.references", "", Fixed, Holds::List(&Holds::Word(Law::WORDS)), r#"references = ["taylor-extremum", "noise"]"#;
     /// Rows to show: each entry names a swept key, filler, error, coefficient or tau, and one of its values. Rows with
     /// error = "residual" are shown unless error is named here, in series or in of.
     pub(crate) WHERE = "chart.where", "", Fixed, Holds::Free, r#"where = { error = "residual" }"#;

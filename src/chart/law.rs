@@ -51,51 +51,51 @@ impl Law {
         };
         let (name, label, meaning) = match self {
             Law::TaylorExtremum => (
-                "law_taylor_extremum",
+                "reference_taylor_extremum",
                 "Taylor term of one tick at an extremum, as published, Z(20)",
-                "A law of the chart, ″: the first Taylor term that the filler drops at an extremum of the rate, of a single tick as \
+                "A reference curve of the chart, ″: the first Taylor term that the filler drops at an extremum of the rate, of a single tick as \
                  published in Z(20).",
             ),
             Law::TaylorZeroCrossing => (
-                "law_taylor_zero_crossing",
+                "reference_taylor_zero_crossing",
                 "Taylor term of one tick at a zero crossing, as published, Z(20)",
-                "A law of the chart, ″: the first Taylor term that the filler drops near a zero crossing of the rate, of a single \
+                "A reference curve of the chart, ″: the first Taylor term that the filler drops near a zero crossing of the rate, of a single \
                  tick as published in Z(20).",
             ),
             Law::NoiseAsPublished => (
-                "law_noise_as_published",
+                "reference_noise_as_published",
                 "3σ noise of const as published, growing as √n",
-                "A law of the chart, ″: 3 σ of the constant filler as published, which grows as √n with the lost ticks.",
+                "A reference curve of the chart, ″: 3 σ of the constant filler as published, which grows as √n with the lost ticks.",
             ),
             Law::Noise => (
-                "law_noise",
+                "reference_noise",
                 "3σ noise of const by Z(18), growing as n",
-                "A law of the chart, ″: 3 σ of the constant filler by Z(18), which grows as n with the lost ticks.",
+                "A reference curve of the chart, ″: 3 σ of the constant filler by Z(18), which grows as n with the lost ticks.",
             ),
             Law::ZeemanTables => (
-                "law_zeeman_tables",
+                "reference_zeeman_tables",
                 "the paper's tables 1 and 2",
-                "A law of the chart, ″: tables 1 and 2 of the paper, measured and compensated.",
+                "A reference curve of the chart, ″: tables 1 and 2 of the paper, measured and compensated.",
             ),
             Law::StrategicGrade => (
-                "law_strategic_grade",
+                "reference_strategic_grade",
                 "strategic grade, 0.02 nmi/h",
-                "A law of the chart, nmi: 0.02 nmi for each hour, the class of strategic navigators.",
+                "A reference curve of the chart, nmi: 0.02 nmi for each hour, the class of strategic navigators.",
             ),
             Law::NavigationGrade => (
-                "law_navigation_grade",
+                "reference_navigation_grade",
                 "navigation grade, 1 nmi/h",
-                "A law of the chart, nmi: 1 nmi for each hour, the class of navigators of aircraft.",
+                "A reference curve of the chart, nmi: 1 nmi for each hour, the class of navigators of aircraft.",
             ),
             Law::TacticalGrade => (
-                "law_tactical_grade",
+                "reference_tactical_grade",
                 "tactical grade, 10 nmi/h",
-                "A law of the chart, nmi: 10 nmi for each hour, the class of tactical navigators.",
+                "A reference curve of the chart, nmi: 10 nmi for each hour, the class of tactical navigators.",
             ),
             Law::ConsistentFilter => (
-                "law_consistent_filter",
+                "reference_consistent_filter",
                 "a consistent filter, 1",
-                "A law of the chart: 1, the mean squared error over the claimed variance of a consistent filter.",
+                "A reference curve of the chart: 1, the mean squared error over the claimed variance of a consistent filter.",
             ),
         };
         About { unit, label, role: Role::Law, meaning, ..About::named(name) }

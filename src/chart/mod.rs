@@ -14,13 +14,13 @@ pub use crate::chart::file::Source;
 use crate::chart::law::Law;
 use crate::key::given::Given;
 use crate::key::scale::Scale;
-use crate::quantity::number::significant;
+use crate::quantity::number::{joined, significant};
 use crate::table::{Cell, Unit};
 
 /// The name of a column, with its place in the study for messages about an unknown one.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Named {
-    /// Name as written, such as `q9973` or `motion.frequency`.
+    /// Name as written, such as `p99_73` or `motion.frequency`.
     pub name: String,
     /// Bytes in the text; empty at 0 for a default that is not written.
     pub span: Range<usize>,
@@ -88,7 +88,7 @@ impl Limit {
     pub fn text(&self) -> String {
         match self.unit.symbol {
             "" => format!("{} %", significant(100.0 * self.value, 6)),
-            symbol => format!("{} {symbol}", significant(self.value, 6)),
+            symbol => joined(&significant(self.value, 6), symbol),
         }
     }
 }
@@ -171,7 +171,7 @@ impl Chart {
     }
 
     /// The laws drawn with curves.
-    pub fn laws(&self) -> &[Law] {
+    pub fn references(&self) -> &[Law] {
         match &self.shows {
             Shows::Curves { laws, .. } => laws,
             Shows::HeatMap { .. } | Shows::WinnerMap { .. } => &[],

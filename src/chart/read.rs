@@ -145,7 +145,7 @@ fn shows(table: &Table, x: &Named, y: &Named, beside: &[Named], known: Known) ->
     }
     let Some(z) = table.get(&Z).map(Named::from) else {
         let message = format!("a chart of kind = \"{}\" needs z, the column that it shows", kind.name());
-        return Err(Fault::new(kind_span(), message, "a map of what?", "add it as in\nz = \"q9973\""));
+        return Err(Fault::new(kind_span(), message, "a map of what?", "add it as in\nz = \"p99_73\""));
     };
     for (name, axis) in [("x", x), ("y", y)] {
         known.coordinate(axis, &format!("a map cannot have as its {name}"))?;
@@ -197,7 +197,7 @@ fn check_beside(table: &Table, laws: &[Law]) -> Result<(), Fault> {
     }
     match table.get(&LAWS).filter(|_| !laws.is_empty()) {
         Some(written) => {
-            let message = "chart.laws conflict with several columns y";
+            let message = "chart.references conflict with several columns y";
             Err(written.fault(message, "of one column", "leave them out, or name one column y"))
         }
         None => Ok(()),
@@ -234,17 +234,17 @@ fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
     for item in &written {
         let law = Law::of(Some(*item));
         if laws.contains(&law) {
-            let message = format!("chart.laws lists \"{}\" twice", law.name());
+            let message = format!("chart.references lists \"{}\" twice", law.name());
             return Err(item.fault(message, "listed before", "leave it out here"));
         }
         laws.push(law);
     }
     if let Some((item, law)) = written.iter().zip(&laws).find(|(_, law)| !known.ground.laws.contains(law)) {
-        let message = format!("chart.laws: \"{}\" is a law of {}", law.name(), law.subject());
+        let message = format!("chart.references: \"{}\" is a reference curve of {}", law.name(), law.subject());
         return Err(item.fault(message, "not of this kind of study", "leave it out"));
     }
     if !laws.is_empty() {
-        known.coordinate(x, "laws cannot be drawn over")?;
+        known.coordinate(x, "reference curves cannot be drawn over")?;
     }
     Ok(laws)
 }

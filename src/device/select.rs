@@ -163,7 +163,7 @@ impl Machine {
         let real = self.real();
         if real.is_empty() {
             let reason = unused_card(&[]).unwrap_or_else(|| match self.adapters.first() {
-                Some(software) => format!("the only adapter, {}, is a software rasteriser", software.name()),
+                Some(software) => format!("the only adapter, {}, is a software rasterizer", software.name()),
                 None => "no GPU was found".to_owned(),
             });
             return selection(self.cpu()?, &reason);
@@ -193,7 +193,7 @@ impl Machine {
         Ok(Selection { device: self.cpu()?, reason: failures.remove(0), left_out: failures })
     }
 
-    /// Places of the adapters that are no software rasterisers, cards first.
+    /// Places of the adapters that are no software rasterizers, cards first.
     fn real(&self) -> Vec<usize> {
         let adapters = &*self.adapters;
         let mut real: Vec<usize> = (0..adapters.len()).filter(|&at| !adapters[at].is_software()).collect();
@@ -206,7 +206,7 @@ impl Machine {
         for (at, adapter) in self.adapters.iter().enumerate() {
             if adapter.is_software() {
                 left_out.push(format!(
-                    "{} is left out: it is a software rasteriser, which shares the cores of the CPU",
+                    "{} is left out: it is a software rasterizer, which shares the cores of the CPU",
                     adapter.name()
                 ));
             } else if !used.iter().any(|used| used.is_device_of(adapter)) {

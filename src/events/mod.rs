@@ -54,7 +54,7 @@ pub enum What {
     Correlated,
     /// A line of the spectrum.
     Line,
-    /// A density at high frequencies that is neither white nor that of quantisation: a filter, its alias, or a hump.
+    /// A density at high frequencies that is neither white nor that of quantization: a filter, its alias, or a hump.
     Filter,
     /// Samples that are whole multiples of a unit.
     Units,

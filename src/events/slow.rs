@@ -35,7 +35,7 @@ const TELEGRAPH: usize = 4;
 const LEAST_QUARTERS: usize = 2;
 /// Times of a warm-up.
 const TIMES: usize = 12;
-/// Increase of minus twice the logarithm of the likelihood by a straight line instead of a temperature up to which they are not told apart.
+/// Increase of minus twice the logarithm of the likelihood by a straight line instead of a temperature up to which they are consistent.
 const OF_LINE: f64 = 6.0;
 /// Decrease of minus twice the logarithm of the likelihood by two events instead of a random walk, less the price of the walk, from which
 /// on they are as good.

@@ -27,7 +27,7 @@ pub(crate) struct Judge<'a> {
     /// Terms that others could replace almost equally well.
     replaceable: &'a [Term],
     /// Simulated curves of the fit, one per row; without them, estimates are taken as nearly normal.
-    realisations: &'a [Vec<f64>],
+    realizations: &'a [Vec<f64>],
 }
 
 impl<'a> Judge<'a> {
@@ -36,11 +36,11 @@ impl<'a> Judge<'a> {
         fitted: &[Fitted],
         growth: Option<&'a Growth>,
         replaceable: &'a [Term],
-        realisations: &'a [Vec<f64>],
+        realizations: &'a [Vec<f64>],
     ) -> Judge<'a> {
         let used: Vec<Fitted> = fitted.iter().copied().filter(|fitted| fitted.square > 0.0).collect();
         let residual = system.residual(&used);
-        Judge { system, used, residual, growth, replaceable, realisations }
+        Judge { system, used, residual, growth, replaceable, realizations }
     }
 
     /// The fit, with a coefficient for each of `terms`.
@@ -105,7 +105,7 @@ impl<'a> Judge<'a> {
         let [gaussian, common] = self.variances(term, estimate, error(column), &weights);
         let variance = gaussian.plus(&common);
         let error_of_square = libm::sqrt(error(column) * error(column) + common.at(estimate));
-        let outcomes = self.realisations.iter().map(|row| dot(&weights, row)).collect();
+        let outcomes = self.realizations.iter().map(|row| dot(&weights, row)).collect();
         let (low, high) = variance.interval(estimate, variance.corrections(outcomes));
         let below = high.map(libm::sqrt);
         let is_sure = low > 0.0 && !self.replaceable.contains(&term);

@@ -23,14 +23,14 @@ pub const PENALTY_OF_SHAPE: f64 = 10.0;
 /// leaves room for one: every sensor has a filter, and one that does not show may be worth a standard error of N.
 pub const PENALTY_OF_LIMIT: f64 = LIKELY;
 
-/// Increase of the penalised χ² without a term that is required for the term to be identified.
+/// Increase of the penalized χ² without a term that is required for the term to be identified.
 ///
 /// Below it, another term would fit almost equally well, such as a ramp instead of a rate random walk, and the choice
 /// between them is a guess. From a random walk that a record barely shows, B would be identified in 11 % of the records
 /// without this rule, and is in 5 % with it.
 pub const RIVAL: f64 = 2.0;
 
-/// Largest excess of the penalised χ² over the least for a choice of terms to count as likely too. The interval of a
+/// Largest excess of the penalized χ² over the least for a choice of terms to count as likely too. The interval of a
 /// coefficient covers its intervals in all likely choices.
 ///
 /// A bias instability that is present but does not show makes N come out larger. Without this rule, intervals of N
@@ -92,7 +92,7 @@ impl Terms {
 
 /// The outcome of a choice of terms.
 pub(crate) struct Choice {
-    /// The subset with the least penalised χ².
+    /// The subset with the least penalized χ².
     pub best: Solution,
     /// Terms of that subset that others could replace.
     pub replaceable: Vec<Term>,
@@ -136,7 +136,7 @@ impl Choice {
     }
 }
 
-/// All subsets with their penalised χ².
+/// All subsets with their penalized χ².
 fn scored(system: &System, candidates: &[Term]) -> Vec<(f64, Solution)> {
     let (shaped, plain): (Vec<Term>, Vec<Term>) = candidates.iter().partition(|term| term.has_shape());
     let mut scored = Vec::new();
@@ -158,12 +158,12 @@ fn used(solution: &Solution) -> Vec<Term> {
     solution.terms.iter().filter(|fitted| fitted.square > 0.0).map(|fitted| fitted.term).collect()
 }
 
-/// χ² with the penalties of the terms in use. Where the shortest τ are left out, quantisation noise is also what the alias of a filter
+/// χ² with the penalties of the terms in use. Where the shortest τ are left out, quantization noise is also what the alias of a filter
 /// leaves of the highest frequencies, and as cheap as a band limit.
 fn score(solution: &Solution, is_cut: bool) -> f64 {
     let penalty = |term: Term| match term {
         Term::BandLimit => PENALTY_OF_LIMIT,
-        Term::Quantisation if is_cut => PENALTY_OF_LIMIT,
+        Term::Quantization if is_cut => PENALTY_OF_LIMIT,
         _ if term.has_shape() => PENALTY_OF_SHAPE,
         _ => PENALTY,
     };

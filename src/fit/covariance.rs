@@ -72,17 +72,17 @@ impl Covariance {
     /// The covariance of simulated curves, one per row, shrunk towards `model`, the covariance of the same process in
     /// closed form.
     ///
-    /// A covariance from few realisations is singular or nearly so, and its inverse useless. It is replaced by
+    /// A covariance from few realizations is singular or nearly so, and its inverse useless. It is replaced by
     /// (1 − λ)S + λT, where λ, by Ledoit and Wolf (2004), is the fraction of the squared distance between sample S and model T
-    /// that is scatter of S, both measured in units of T. Many realisations, or a model that is far off, give S; few
-    /// realisations, or a model that fits, give T.
+    /// that is scatter of S, both measured in units of T. Many realizations, or a model that is far off, give S; few
+    /// realizations, or a model that fits, give T.
     ///
     /// # Errors
     /// There are fewer than two rows, rows differ in length from the model, or the result is not positive definite.
-    pub fn of_realisations(rows: &[Vec<f64>], model: &Covariance) -> Result<Covariance, FitError> {
+    pub fn of_realizations(rows: &[Vec<f64>], model: &Covariance) -> Result<Covariance, FitError> {
         let points = model.rows.len();
         if rows.len() < 2 || rows.iter().any(|row| row.len() != points) {
-            return Err(FitError::Realisations(rows.len()));
+            return Err(FitError::Realizations(rows.len()));
         }
         let count = rows.len() as f64;
         let mean: Vec<f64> =

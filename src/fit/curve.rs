@@ -70,13 +70,13 @@ pub enum FitError {
     NotDefinite,
     /// The terms describe no range of τ of the curve.
     #[error(
-        "not described: the fitted terms describe the curve over no range of τ\nfit other terms, or set the range, \
+        "model rejected: the fitted terms describe the curve over no range of τ\nfit other terms, or set the range, \
          as in `fit_from = 1s`"
     )]
     NotDescribed,
     /// This number of simulated records gives no covariance.
-    #[error("{0} realisations give no covariance: at least two with one estimate for every averaging factor")]
-    Realisations(usize),
+    #[error("{0} realizations give no covariance: at least two with one estimate for every averaging factor")]
+    Realizations(usize),
 }
 
 impl Curve {

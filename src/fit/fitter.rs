@@ -42,7 +42,7 @@ pub fn fit(curve: &Curve, covariance: &Covariance, terms: &Terms, errors: Errors
 ///
 /// The first weights are those of independent points with relative variances 2m/N. The best fit of all terms gives a
 /// covariance in closed form, with that a better fit, and that fit gives the final covariance. To continue with
-/// simulated realisations of `Fit::process`, use [`Covariance::of_realisations`] and [`fit`].
+/// simulated realizations of `Fit::process`, use [`Covariance::of_realizations`] and [`fit`].
 ///
 /// # Errors
 /// It fails where [`fit`] does, and where the curve is explained best without any noise.
@@ -116,29 +116,29 @@ impl Fitter {
         self.fit_with(&self.geometry.with(variances)?, covariance, errors, None, &[])
     }
 
-    /// Fits like [`fit_record`], with simulated curves of `first`, a fit of the same variances; see [`realisations`].
+    /// Fits like [`fit_record`], with simulated curves of `first`, a fit of the same variances; see [`realizations`].
     ///
-    /// The simulated curves give the weights by [`Covariance::of_realisations`]. They also give the quantiles of the
+    /// The simulated curves give the weights by [`Covariance::of_realizations`]. They also give the quantiles of the
     /// outcomes for the intervals, in standard deviations of the outcomes, which grow with the coefficient according to
     /// the closed form.
     ///
     /// # Errors
-    /// It fails where [`fit`] does, and where the variances are invalid, there are fewer than two realisations, or some
+    /// It fails where [`fit`] does, and where the variances are invalid, there are fewer than two realizations, or some
     /// have another geometry.
     ///
-    /// [`realisations`]: fn@crate::kinds::allan::realisations::realisations
-    pub fn fit_realised(
+    /// [`realizations`]: fn@crate::kinds::allan::realizations::realizations
+    pub fn fit_realized(
         &self,
         variances: &[f64],
         first: &Fit,
-        realisations: &[Vec<f64>],
+        realizations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let curve = self.geometry.with(variances)?;
         let (growth, model) = self.model(&self.complete(&found(first)), None)?;
-        let realisations = with_costs(realisations, &curve);
-        let covariance = Covariance::of_realisations(&realisations, &model)?;
-        let realisations = with_spread(&realisations, &curve);
-        self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), &realisations)
+        let realizations = with_costs(realizations, &curve);
+        let covariance = Covariance::of_realizations(&realizations, &model)?;
+        let realizations = with_spread(&realizations, &curve);
+        self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), &realizations)
     }
 
     /// Fits the curve with these variances, (″/s)², like [`fit_record`].
@@ -173,7 +173,7 @@ impl Fitter {
         covariance: &Covariance,
         errors: Errors,
         growth: Option<Arc<Growth>>,
-        realisations: &[Vec<f64>],
+        realizations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let system = System::new(curve, covariance, &self.basis);
         let Choice { best, replaceable, others } = match self.terms {
@@ -182,7 +182,7 @@ impl Fitter {
         };
         let growth = (errors == Errors::OfModel).then(|| self.growth(&self.complete(&best.terms), growth));
         let judge = |solution: &Solution| {
-            Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable, realisations)
+            Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable, realizations)
         };
         let mut fit = judge(&best).fit(&self.candidates)?;
         for other in &others {

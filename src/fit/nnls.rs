@@ -8,7 +8,7 @@ const ROUNDING: f64 = 1e-12;
 /// Steps per column after which only rounding keeps the method going.
 const STEPS: usize = 8;
 
-/// The x ≥ 0 that minimises |Ax − b|², where `columns` are those of A.
+/// The x ≥ 0 that minimizes |Ax − b|², where `columns` are those of A.
 ///
 /// The method is the active-set method of Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23) on normal
 /// equations with columns scaled to length 1. Coefficients are accurate to rounding times the squared condition number

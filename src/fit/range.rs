@@ -149,7 +149,7 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
 }
 
 /// Fits chosen terms over the longest range of `curve` that leaves out the shortest τ and whose fit is likely and `agrees` with what
-/// else is known, if any does. Quantisation noise and band limit are what is left there of the frequencies above.
+/// else is known, if any does. Quantization noise and band limit are what is left there of the frequencies above.
 pub(crate) fn describe_without_shortest(
     curve: &Curve,
     asked: &Fitting,
@@ -206,7 +206,7 @@ pub(crate) fn white_beside_correlation(fitter: &Fitter) -> Option<[f64; 2]> {
 
 /// Whether a term falls with τ at least as fast as white noise.
 pub(crate) fn is_fast(term: Term) -> bool {
-    matches!(term, Term::Quantisation | Term::AngleRandomWalk | Term::BandLimit)
+    matches!(term, Term::Quantization | Term::AngleRandomWalk | Term::BandLimit)
 }
 
 /// The likeliest fit of chosen terms with a sine or Markov noise to the whole curve, if any describes it.

@@ -181,8 +181,9 @@ impl<'a> Given<'a> {
 
     /// Reads a number, or a text in percent.
     fn ratio(&self) -> Result<Quantity, Fault> {
-        match self.number().or_else(|| Some(self.percentage()? / 100.0)) {
-            Some(value) if value.is_finite() => Ok(Quantity::new(value, Dimension::Ratio)),
+        let number = self.number().map(|value| Quantity::new(value, Dimension::Ratio));
+        match number.or_else(|| self.percentage().map(Quantity::percent)) {
+            Some(ratio) if ratio.value.is_finite() => Ok(ratio),
             _ => {
                 let message = format!("{}: {self} is not a ratio", self.key.name);
                 Err(self.fault(message, self.form(), units::accepted(&[Dimension::Ratio])))

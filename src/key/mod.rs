@@ -8,6 +8,7 @@ pub(crate) mod places;
 pub mod precision;
 pub(crate) mod reading;
 pub mod refusal;
+pub mod renamed;
 pub(crate) mod row;
 pub mod scale;
 pub(crate) mod schema;

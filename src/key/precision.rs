@@ -17,7 +17,7 @@ keys! {
     /// Precision of the rms: "0.5 %".
     PRECISION_RMS = "precision.rms", "", Fixed, Holds::Percent, r#"rms = "0.5 %""#;
     /// Precision of the 99.73 % level: "2 %".
-    PRECISION_Q9973 = "precision.q9973", "", Fixed, Holds::Percent, r#"q9973 = "2 %""#;
+    PRECISION_P99_73 = "precision.p99_73", "", Fixed, Holds::Percent, r#"p99_73 = "2 %""#;
 }
 
 /// Half the 95 % interval of each estimate, relative to the estimate, at which sampling may stop. A filler at a point
@@ -27,10 +27,10 @@ pub struct Precision {
     /// Precision of the rms.
     pub rms: Option<f64>,
     /// Precision of the 99.73 % level, whose interval ends at edges of histogram bins.
-    pub q9973: Option<f64>,
+    pub p99_73: Option<f64>,
 }
 
-const HELP: &str = "accepted: a percentage such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both; or \"none\"";
+const HELP: &str = "accepted: a percentage such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", p99_73 = \"2 %\" }, one or both; or \"none\"";
 
 /// The word for no precision, with which all trials are sampled.
 pub(crate) const NONE: &str = "none";
@@ -42,12 +42,12 @@ pub(crate) fn read(study: &Table) -> Result<Option<Precision>, Fault> {
         return Ok(None);
     }
     if written.table().is_none() {
-        return Ok(Some(Precision { rms: Some(written.percent(HELP)?), q9973: None }));
+        return Ok(Some(Precision { rms: Some(written.percent(HELP)?), p99_73: None }));
     }
     let part = |key| study.get(key).map(|part| part.percent(HELP)).transpose();
-    match (part(&PRECISION_RMS)?, part(&PRECISION_Q9973)?) {
+    match (part(&PRECISION_RMS)?, part(&PRECISION_P99_73)?) {
         (None, None) => Err(written.fault("precision names no estimate", "empty", HELP)),
-        (rms, q9973) => Ok(Some(Precision { rms, q9973 })),
+        (rms, p99_73) => Ok(Some(Precision { rms, p99_73 })),
     }
 }
 
@@ -57,7 +57,7 @@ const BIN: f64 = 1.0 / (1 << BIN_BITS) as f64;
 /// A note that a level may not reach its precision with any number of trials, because its interval has at least one
 /// bin, and two where it lies close to an edge.
 pub(crate) fn finer_than_bins(precision: &Precision) -> Option<String> {
-    let part = precision.q9973.filter(|part| *part < BIN)?;
+    let part = precision.p99_73.filter(|part| *part < BIN)?;
     let how = if part < 0.25 * BIN { "none reaches" } else { "some may not reach" };
     Some(format!(
         "99.73 % levels are only known to a bin of their histogram, ±0.2 to ±0.8 %: {how} the {} % requested, and take all trials",

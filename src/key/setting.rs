@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::key::row::Key;
 use crate::key::sweep::Sweep;
+use crate::quantity::unit::Written;
 use crate::quantity::units::Quantity;
 use crate::source::diagnose::Fault;
 use crate::table::{Cell, Unit};
@@ -73,6 +74,11 @@ impl Swept {
             Swept::Quantity(quantity) => (*quantity).into(),
             Swept::Name(name) => Cell::Text(name.clone()),
         }
+    }
+
+    /// The unit in which it is written.
+    pub(crate) fn written(&self) -> Option<Written> {
+        self.quantity()?.written
     }
 
     /// The unit in which tables show it.

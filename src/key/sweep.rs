@@ -328,7 +328,7 @@ impl Written<'_> {
                 _ if is_log => libm::exp(libm::log(a) + (libm::log(b) - libm::log(a)) * share),
                 _ => a + (b - a) * share,
             };
-            Quantity::new(value, first.dimension)
+            last.with(value)
         };
         let values: Vec<Quantity> = (0..count).map(value_at).collect();
         if let Some(part) = values.iter().find(|value| self.key.is_whole() && value.value.fract() != 0.0) {

@@ -122,7 +122,7 @@ mod tests {
         let phase = explain_key("motion.phase").unwrap();
         let words: Vec<&str> = phase.choices.iter().map(|(word, _)| *word).collect();
         assert_eq!(words, ["uniform", "zero-crossing", "extremum"]);
-        assert_eq!(explain_key("relock.miss").unwrap().kinds, ["switched-run", "relock"]);
+        assert_eq!(explain_key("relock.initial_detuning").unwrap().kinds, ["switched-run", "relock"]);
         assert_eq!(explain_key("title").unwrap().kinds.len(), KINDS.len());
         assert_eq!(explain_key("motion.amplitud"), None);
     }

@@ -21,6 +21,7 @@ use crate::key::common::{KIND, LIMIT, QUESTION, SEED, STREAMS, Streams, TITLE, T
 use crate::key::places::Places;
 use crate::key::precision::PRECISION;
 use crate::key::reading::Reading;
+use crate::key::renamed;
 use crate::key::row::Key;
 use crate::key::sensitivity;
 use crate::key::sweep::{Sweep, read_all as read_sweeps};
@@ -69,7 +70,8 @@ impl Study {
             let message = "the study is not text in UTF-8: it contains a zero byte, as UTF-16 does";
             return Err(Fault::new(at..at + 1, message, "here", "save it as UTF-8").into());
         }
-        let root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
+        let mut root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
+        let notes = renamed::replace("", root.get_mut());
         let table = Table::root("", &root);
         let (kind, keys) = checked(&table)?;
         let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
@@ -86,7 +88,7 @@ impl Study {
         };
         let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
         let places = Places::of(&sweeps);
-        let (notes, precision) = (vec![], None);
+        let precision = None;
         let mut reading =
             Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes, precision };
         reading.note(&[&KIND, &TRIALS, &PRECISION]);

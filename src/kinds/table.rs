@@ -73,6 +73,7 @@ pub(crate) fn column_of(sweep: &Sweep) -> Column {
         name: sweep.key.name.to_owned(),
         label: sweep.key.label.to_owned(),
         unit: sweep.values.first().map(Swept::unit).unwrap_or_default(),
+        written: sweep.values.last().and_then(Swept::written),
         role: Role::Key,
         meaning: sweep.key.label.to_owned(),
         ..Column::default()

@@ -104,7 +104,7 @@ pub enum Gaussian {
 }
 
 /// Caches of Gaussian motion of unit size: its rows by tick, gap and ticks on either side, for sampling, and its
-/// structure by tick and number of lags, for oracles. The two come from quadratures of their own, so that the oracle
+/// structure by tick and number of lags, for theoretical values. The two come from quadratures of their own, so that the theory
 /// checks the rows.
 static ROWS: Memo<(Gaussian, f64, u32, usize), Arc<TickRows>> = Memo::new(64);
 static STRUCTURES: Memo<(Gaussian, f64, usize), Arc<[Double]>> = Memo::new(128);

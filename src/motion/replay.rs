@@ -29,7 +29,7 @@ pub(crate) struct WindowMeans {
     pub(crate) products: Vec<Vec<Double>>,
 }
 
-/// A record, recognised by its place in memory without being kept, with the tick, and how it is made of the samples.
+/// A record, recognized by its place in memory without being kept, with the tick, and how it is made of the samples.
 struct Cut {
     record: Weak<Record>,
     tick_s: f64,

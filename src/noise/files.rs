@@ -13,12 +13,13 @@ use crate::source::diagnose::Wrong;
 /// # Errors
 /// A file cannot be read, or is no noise.
 pub(crate) fn swept_files(
-    reading: &Reading,
+    reading: &mut Reading,
     written: &[(&'static Setting<Noise>, Quantity)],
 ) -> Result<Vec<Noise>, Wrong> {
     let mut files = Vec::new();
     for file in reading.sweep(&FILE).into_iter().flat_map(|sweep| &sweep.files) {
-        let mut noise = read_file(file.get_ref(), file.span(), reading.files)?;
+        let (mut noise, notes) = read_file(file.get_ref(), file.span(), reading.files)?;
+        reading.notes.extend(notes);
         written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
         files.push(noise);
     }

@@ -32,13 +32,13 @@ keys! {
     pub(crate) NOISE = "noise", "", Fixed, Holds::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
     /// Path of a noise.toml, relative to the folder of the study; keys in the study replace those in the file.
     pub(crate) FILE = "noise.file", "noise file", Choice, Holds::File, r#"file = "noise.toml""#;
-    /// Quantisation noise Q, rms error of the angle: "0.11 arcsec".
-    QUANTISATION = "noise.quantisation", "quantisation noise Q", Condition, ANGLES, r#"quantisation = "0.11 arcsec""#;
+    /// Quantization noise Q, rms error of the angle: "0.11 arcsec".
+    QUANTIZATION = "noise.quantization", "quantization noise Q", Condition, ANGLES, r#"quantization = "0.11 arcsec""#;
     /// Angle of a pulse, if the gyro counts whole pulses: "0.38 arcsec".
     pub(crate) READOUT_LSB = "noise.readout_lsb", "pulse weight", Condition, ANGLES, r#"readout_lsb = "0.38 arcsec""#;
     /// Angle random walk N: "0.00048 deg/sqrt(h)".
     ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", Condition, N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
-    /// Lock-in of a ring laser gyro with a randomised dither, which adds N = Ω_L √(q/(2πΩ_D)) to angle_random_walk in
+    /// Lock-in of a ring laser gyro with a randomized dither, which adds N = Ω_L √(q/(2πΩ_D)) to angle_random_walk in
     /// quadrature: Ω_L the threshold, q the scale factor, Ω_D the amplitude of the dither's rate.
     pub(crate) LOCK_IN = "noise.lock_in", "", Fixed, Holds::Table, r#"lock_in = { threshold = "180 arcsec/s", scale_factor = "2 arcsec/pulse", dither_amplitude = "100 deg/s", dither_frequency = "400 Hz" }"#;
     /// Lock-in threshold Ω_L, the input rate up to which the gyro is locked without dither: "180 arcsec/s".
@@ -103,7 +103,7 @@ macro_rules! of_term {
 
 /// The settings of the coefficients; the first key of an absent part creates it.
 pub(crate) static SETTINGS: [Setting<Noise>; 22] = [
-    of_term!(QUANTISATION, Quantisation, 0),
+    of_term!(QUANTIZATION, Quantization, 0),
     Setting::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),
     of_term!(ANGLE_RANDOM_WALK, AngleRandomWalk, 0),
     Setting::of(&LOCK_IN_THRESHOLD, locks_in, |noise, rate| of_lock_in(noise).threshold = rate.value),

@@ -11,7 +11,7 @@ const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
 /// Least amplitude of the dither, in radians of the beat phase, for which the closed form is taken at all.
 const LEAST_AMPLITUDE: f64 = 1.0;
 
-/// A gyro whose lock-in becomes angle random walk, as its dither is randomised.
+/// A gyro whose lock-in becomes angle random walk, as its dither is randomized.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LockIn {
     /// Lock-in threshold Ω_L, ″/s.
@@ -47,7 +47,7 @@ impl LockIn {
             [gyro.threshold, gyro.dither_rate, gyro.amplitude()].map(|value| significant(value, 3));
         if gyro.threshold >= gyro.dither_rate {
             let message = format!(
-                "noise.lock_in.threshold = {} arcsec/s is not below the dither rate of {rate} arcsec/s",
+                "noise.lock_in.threshold = {} ″/s is not below the dither rate of {rate} arcsec/s",
                 significant(gyro.threshold, 6)
             );
             let help =
@@ -74,7 +74,7 @@ pub(crate) fn note(gyros: impl Iterator<Item = (LockIn, f64)>) -> Option<String>
         let gyro = lock_in.gyro();
         walks.push(DEG_PER_SQRT_H * gyro.angle_random_walk());
         spreads.push(100.0 * LEAST_SPREAD / gyro.amplitude());
-        // The studies do not say how their dither is randomised: the note states what is presumed.
+        // The studies do not say how their dither is randomized: the note states what is presumed.
         for premise in gyro.failing_premises(f64::INFINITY, rate) {
             if !failing.contains(&premise) {
                 failing.push(premise);
@@ -89,7 +89,7 @@ pub(crate) fn note(gyros: impl Iterator<Item = (LockIn, f64)>) -> Option<String>
     let limits: String =
         failing.iter().map(|premise| format!("; it is inaccurate here: {}", premise.failure())).collect();
     Some(format!(
-        "noise.lock_in adds an angle random walk of {walk} °/√h in quadrature, by the closed form for a randomised dither, \
+        "noise.lock_in adds an angle random walk of {walk} °/√h in quadrature, by the closed form for a randomized dither, \
          whose amplitude varies by at least {spread} % from half-cycle to half-cycle{limits}"
     ))
 }

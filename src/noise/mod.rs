@@ -147,7 +147,11 @@ impl Noise {
     /// The inputs that determine the draws, key by key in base units; absent parts have no line.
     pub(crate) fn canonical(&self) -> String {
         let terms = Term::EVERY.into_iter().filter(|term| self.of(*term)[0] != 0.0).flat_map(|term| {
-            let key = term.row().key.trim_start_matches("noise.");
+            // Identities keep the first name of a key, so that earlier results stay.
+            let key = match term {
+                Term::Quantization => "quantisation",
+                _ => term.row().key.trim_start_matches("noise."),
+            };
             let [size, of_shape] = self.of(term);
             match term.shape() {
                 None => vec![(key.to_owned(), size)],

@@ -8,6 +8,7 @@ use miette::NamedSource;
 use toml::de::DeTable;
 
 use crate::key::reading::Reading;
+use crate::key::renamed;
 use crate::key::setting::Setting;
 use crate::key::table::{Table, check};
 use crate::noise::Noise;
@@ -25,7 +26,11 @@ pub(crate) struct WrittenNoise {
 /// Reads the noise, including that of a file, and records the place of each key.
 pub(crate) fn read(reading: &mut Reading) -> Result<WrittenNoise, Wrong> {
     let mut noise = match reading.get(&FILE) {
-        Some(file) => read_file(file.text(), file.span(), reading.files)?,
+        Some(file) => {
+            let (noise, notes) = read_file(file.text(), file.span(), reading.files)?;
+            reading.notes.extend(notes);
+            noise
+        }
         None => Noise::default(),
     };
     // The table comes before its keys, so that an error about the whole points at it.
@@ -35,7 +40,11 @@ pub(crate) fn read(reading: &mut Reading) -> Result<WrittenNoise, Wrong> {
 }
 
 /// Reads the noise file of this name, which is a `[noise]` table by itself; the name is at `span` of the study.
-pub(crate) fn read_file(name: &str, span: Range<usize>, files: &Files) -> Result<Noise, Wrong> {
+pub(crate) fn read_file(
+    name: &str,
+    span: Range<usize>,
+    files: &Files,
+) -> Result<(Noise, Vec<String>), Wrong> {
     let path = files.path(name);
     let text = files.text(name, MOST_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());
@@ -65,12 +74,14 @@ impl Noise {
     /// The text is no noise.
     pub(crate) fn parse(name: &str, text: &str) -> Result<Noise, StudyError> {
         let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-        parse(text.inner()).map_err(|fault| fault.within(&text))
+        parse(text.inner()).map(|(noise, _)| noise).map_err(|fault| fault.within(&text))
     }
 }
 
-fn parse(text: &str) -> Result<Noise, Fault> {
-    let root = DeTable::parse(text).map_err(|error| Fault::from_syntax("the noise", &error))?;
+/// The noise of a text, with notes on former names.
+fn parse(text: &str) -> Result<(Noise, Vec<String>), Fault> {
+    let mut root = DeTable::parse(text).map_err(|error| Fault::from_syntax("the noise", &error))?;
+    let notes = renamed::replace(NOISE.name, root.get_mut());
     let table = Table::root(NOISE.name, &root);
     check(&table, KEYS, &|_, _| None)?;
     if let Some(file) = table.get(&FILE) {
@@ -82,5 +93,5 @@ fn parse(text: &str) -> Result<Noise, Fault> {
             (setting.set)(&mut noise, given.quantity()?);
         }
     }
-    Ok(noise)
+    Ok((noise, notes))
 }

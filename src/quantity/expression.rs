@@ -7,6 +7,7 @@
 //! ```
 
 use std::fmt;
+use std::sync::LazyLock;
 
 use crate::quantity::error::UnitError;
 
@@ -96,6 +97,38 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 29] = [
     (&["uGal", "µGal", "μGal"], METRE * 1e-8, [0, 0, 2, 0]),
     (&["pulse", "pulses"], 1.0, [0, 0, 0, 2]),
 ];
+
+/// Units in which quantities are shown as they are written, each with its symbol.
+const SHOWN: [(&str, &str); 20] = [
+    ("arcsec", "″"),
+    ("arcmin", "′"),
+    ("deg", "°"),
+    ("mdeg", "m°"),
+    ("rad", "rad"),
+    ("mrad", "mrad"),
+    ("µrad", "µrad"),
+    ("arcsec/s", "″/s"),
+    ("deg/s", "°/s"),
+    ("deg/h", "°/h"),
+    ("rad/s", "rad/s"),
+    ("deg/s^2", "°/s²"),
+    ("Hz", "Hz"),
+    ("kHz", "kHz"),
+    ("g", "g"),
+    ("mg", "mg"),
+    ("m/s^2", "m/s²"),
+    ("km/h", "km/h"),
+    ("kn", "kn"),
+    ("km", "km"),
+];
+
+/// The symbol of a unit of this size; `None` for one that is not shown as it is written.
+pub(crate) fn symbol(size: Size) -> Option<&'static str> {
+    static SIZES: LazyLock<Vec<(Size, &str)>> = LazyLock::new(|| {
+        SHOWN.iter().filter_map(|(text, symbol)| Some((parse(text).ok()?, *symbol))).collect()
+    });
+    SIZES.iter().find(|(known, _)| *known == size).map(|(_, symbol)| *symbol)
+}
 
 /// Reads a whole unit expression.
 ///

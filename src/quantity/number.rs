@@ -134,6 +134,14 @@ pub(crate) fn rounded_to(side: Side, x: f64, digits: usize) -> String {
     significant(if side == Side::Up { found + last } else { found - last }, digits)
 }
 
+/// A number with its unit.
+pub(crate) fn joined(number: &str, unit: &str) -> String {
+    match unit {
+        "" | "″" | "°" => format!("{number}{unit}"),
+        unit => format!("{number} {unit}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

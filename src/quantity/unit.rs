@@ -5,7 +5,16 @@
 pub struct Unit {
     /// Suffix of a column's name in files, such as `arcsec` or `hz`; empty for a pure number.
     pub suffix: &'static str,
-    /// Symbol on an axis and in sentences, such as `arcsec` or `Hz`.
+    /// Symbol on an axis and in sentences, such as `″` or `Hz`.
+    pub symbol: &'static str,
+}
+
+/// The unit in which a quantity is written, and in which people read it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Written {
+    /// Its number in one unit of tables.
+    pub factor: f64,
+    /// Symbol, such as `°/s`.
     pub symbol: &'static str,
 }
 
@@ -13,17 +22,17 @@ impl Unit {
     /// The unit of counts, ratios and names.
     pub const NONE: Unit = Unit { suffix: "", symbol: "" };
     /// Angles.
-    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "arcsec" };
+    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
     /// Rates.
-    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "arcsec/s" };
+    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
     /// Angular accelerations; rate ramps.
-    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "arcsec/s²" };
+    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
     /// Angle random walk N.
     pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
     /// Angle random walk in the units of short records.
-    pub const ARCSEC_PER_RT_S: Unit = Unit { suffix: "arcsec_per_rt_s", symbol: "arcsec/√s" };
+    pub const ARCSEC_PER_RT_S: Unit = Unit { suffix: "arcsec_per_rt_s", symbol: "″/√s" };
     /// Scale factors.
-    pub const ARCSEC_PER_PULSE: Unit = Unit { suffix: "arcsec_per_pulse", symbol: "arcsec/pulse" };
+    pub const ARCSEC_PER_PULSE: Unit = Unit { suffix: "arcsec_per_pulse", symbol: "″/pulse" };
     /// Rate random walk K.
     pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
     /// The same number as in ″/s, for drift rates.
@@ -32,9 +41,9 @@ impl Unit {
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
     /// Densities of rate, one-sided.
     pub const ARCSEC2_PER_S2_PER_HZ: Unit =
-        Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(arcsec/s)²/Hz" };
+        Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
     /// Response of a suspension.
-    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "arcsec/s/g" };
+    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
     /// Accelerations.
     pub const G: Unit = Unit { suffix: "g", symbol: "g" };
     /// Velocities, as the integral of an acceleration.
@@ -57,11 +66,6 @@ impl Unit {
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     /// Times.
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
-
-    /// The symbol in tables, whose columns are narrow: `″` for `arcsec`.
-    pub fn sign(&self) -> String {
-        self.symbol.replace("arcsec", "″")
-    }
 
     /// All units in which a header may end.
     pub const ALL: [Unit; 20] = [

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use crate::quantity::error::UnitError;
-use crate::quantity::expression::{self, Exponents, NAUTICAL_MILE, STANDARD_GRAVITY};
-use crate::quantity::number::significant;
-use crate::quantity::unit::Unit;
+use crate::quantity::expression::{self, Exponents, NAUTICAL_MILE, STANDARD_GRAVITY, Size};
+use crate::quantity::number::{joined, significant};
+use crate::quantity::unit::{Unit, Written};
 
 /// The properties of a dimension.
 struct Row {
@@ -138,17 +138,42 @@ pub(crate) fn accepted(dimensions: &[Dimension]) -> String {
 }
 
 /// A value in base units: ″, s, their combinations, or a plain count.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Quantity {
     /// The value, rounded to 12 significant digits, so that values that share an identity have the same bits.
     pub value: f64,
     /// The dimension, which determines the base unit.
     pub dimension: Dimension,
+    /// The unit in which it is written; `None` for that of tables.
+    pub written: Option<Written>,
+}
+
+impl PartialEq for Quantity {
+    /// Whether the values are equal, in whichever units they are written.
+    fn eq(&self, other: &Quantity) -> bool {
+        (self.value, self.dimension) == (other.value, other.dimension)
+    }
 }
 
 impl Quantity {
     pub(crate) fn new(value: f64, dimension: Dimension) -> Quantity {
-        Quantity { value: round_12(value), dimension }
+        Quantity { value: round_12(value), dimension, written: None }
+    }
+
+    /// A ratio written in percent.
+    pub(crate) fn percent(percent: f64) -> Quantity {
+        let written = Some(Written { factor: 100.0, symbol: "%" });
+        Quantity { written, ..Quantity::new(percent / 100.0, Dimension::Ratio) }
+    }
+
+    /// Another value in the same units.
+    pub(crate) fn with(self, value: f64) -> Quantity {
+        Quantity { value: round_12(value), ..self }
+    }
+
+    /// The value in the unit in which people read it.
+    pub fn read(self) -> f64 {
+        round_12(self.shown() * self.written.map_or(1.0, |written| written.factor))
     }
 
     /// The value in the unit of tables.
@@ -160,9 +185,8 @@ impl Quantity {
 impl fmt::Display for Quantity {
     /// Writes the value with its unit, such as `20 Hz`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let symbol = self.dimension.unit().symbol;
-        let space = if symbol.is_empty() { "" } else { " " };
-        write!(f, "{}{space}{symbol}", significant(self.shown(), 12))
+        let symbol = self.written.map_or(self.dimension.unit().symbol, |written| written.symbol);
+        f.write_str(&joined(&significant(self.read(), 12), symbol))
     }
 }
 
@@ -191,7 +215,11 @@ pub(crate) fn round_12(x: f64) -> f64 {
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let (number, unit) = number_and_unit(text)?;
     let (factor, dimension) = unit_of(unit, text.trim(), wanted)?;
-    Ok(Quantity::new(finite(number * factor, text)?, dimension))
+    let symbol = expression::symbol(Size { factor, exponents: dimension.row().exponents });
+    // Angle random walks are read in °/√h, times by their size.
+    let written =
+        symbol.map(|symbol| Written { factor: 1.0 / (factor * dimension.base_shown()), symbol });
+    Ok(Quantity { written, ..Quantity::new(finite(number * factor, text)?, dimension) })
 }
 
 /// Reads `"<number> <unit>"` as a multiple of the first of some `units` that measures the same; returns it with the place

@@ -24,7 +24,7 @@ pub(crate) fn is_imu(schema: &str) -> bool {
     schema == "sensor_msgs/msg/Imu" || schema == "sensor_msgs/Imu"
 }
 
-/// The serialisation of messages.
+/// The serialization of messages.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
     Ros1,
@@ -209,7 +209,7 @@ mod tests {
             bytes[at] = byte;
             sample(&bytes, Encoding::Cdr)
         };
-        // Another serialisation, 4.3e9 ns, and a name of 4 GB.
+        // Another serialization, 4.3e9 ns, and a name of 4 GB.
         assert_eq!([with(1, 2), with(11, 255), with(15, 255)], [None; 3]);
         assert_eq!(sample(&[&whole[..], &[0; 4]].concat(), Encoding::Cdr), None);
     }

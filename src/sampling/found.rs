@@ -10,12 +10,12 @@ use crate::tally::stats::{Estimates, NORMAL_95, Quantile, z_score};
 pub(crate) const RMS_SE: &str =
     "Standard error (1 σ) of `rms`; 0 where every trial has the same error. The 95 % band is ±1.96 of these.";
 pub(crate) const LEVEL_LOWER: &str =
-    "Lower end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
+    "Lower end of the 95 % interval of `p99_73`; blank where the trials cannot bound it.";
 pub(crate) const LEVEL_UPPER: &str =
-    "Upper end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
-pub(crate) const Z: &str = "Deviation of `rms` from `oracle_rms` in standard errors; beyond ±5 something is wrong. Blank without a closed form.";
+    "Upper end of the 95 % interval of `p99_73`; blank where the trials cannot bound it.";
+pub(crate) const Z: &str = "Deviation of `rms` from `theory_rms` in standard errors; beyond ±5 something is wrong. Blank without a closed form.";
 
-pub(crate) const REPRESENTATION: &str = "Relative difference of `oracle_rms`, that of the integers that are sampled, from the closed form of the inputs, \
+pub(crate) const REPRESENTATION: &str = "Relative difference of `theory_rms`, that of the integers that are sampled, from the closed form of the inputs, \
      which shares no computed number with them. What exceeds the proven bound of rounding is refused. Blank without a closed form, and where rounding explains the whole value.";
 
 /// The relative difference of two closed forms: of what is sampled, and of the inputs; `None` for values that rounding
@@ -39,8 +39,8 @@ pub(crate) fn check_representation(
         return Ok(());
     }
     let found = format!(
-        "{what} is {} arcsec rms for the integers that would be sampled and {} arcsec rms for the inputs, more apart than \
-         the {} arcsec that rounding explains",
+        "{what} is {}″ rms for the integers that would be sampled and {}″ rms for the inputs, more apart than \
+         the {}″ that rounding explains",
         shown(words),
         shown(inputs),
         shown(most)
@@ -75,7 +75,7 @@ impl Found {
 
     /// The 99.73 % level.
     pub(crate) fn level(&self, of: fn(&Quantile) -> Option<f64>) -> Option<f64> {
-        of(&self.estimates?.q9973?)
+        of(&self.estimates?.p99_73?)
     }
 
     pub(crate) fn rms_band(&self) -> Band {
@@ -88,7 +88,7 @@ impl Found {
     }
 
     /// The deviation of the rms from its closed form in standard errors.
-    pub(crate) fn z(&self, oracle: Option<f64>, rounding: f64) -> Option<f64> {
-        z_score(self.estimates?.rms, oracle?, self.rms_se()?, rounding)
+    pub(crate) fn z(&self, theory: Option<f64>, rounding: f64) -> Option<f64> {
+        z_score(self.estimates?.rms, theory?, self.rms_se()?, rounding)
     }
 }

@@ -129,7 +129,7 @@ impl Study {
     /// The laws drawn by any chart, each once.
     pub fn laws(&self) -> Vec<Law> {
         let mut laws: Vec<Law> = Vec::new();
-        for law in self.charts.iter().flat_map(Chart::laws) {
+        for law in self.charts.iter().flat_map(Chart::references) {
             if !laws.contains(law) {
                 laws.push(*law);
             }

@@ -31,7 +31,7 @@ pub enum Role {
     /// Standard error (1 σ) of an estimate.
     StandardError,
     /// Closed form of an estimate.
-    Oracle,
+    Theory,
     /// Deviation of an estimate from its closed form, in standard errors: the check of sampling.
     Z,
     /// Relative difference of the closed form of the sampled integers from that of the inputs: the check of their
@@ -129,6 +129,7 @@ impl About {
             name: self.name.to_owned(),
             label: self.label.to_owned(),
             unit: self.unit,
+            written: None,
             role: self.role,
             of: self.of.to_owned(),
             meaning: self.meaning.to_owned(),

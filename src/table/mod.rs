@@ -6,10 +6,13 @@ pub(crate) mod column;
 pub(crate) mod file;
 pub mod text;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::Hash;
 
-pub use crate::quantity::unit::Unit;
+use crate::quantity::number::{joined, significant};
+pub use crate::quantity::unit::{Unit, Written};
+use crate::quantity::units::round_12;
 pub use crate::table::cell::Cell;
 pub use crate::table::cells::Cells;
 pub use crate::table::column::{About, ColumnOf, Role, Usual};
@@ -23,6 +26,8 @@ pub struct Column {
     pub label: String,
     /// Unit of all cells.
     pub unit: Unit,
+    /// The unit in which its values are written in the study, and in which people read them, if it is another one.
+    pub written: Option<Written>,
     /// Role in the table.
     pub role: Role,
     /// The name of the column to which the role refers; empty for none.
@@ -64,14 +69,24 @@ impl Column {
         }
     }
 
-    /// The label with the unit, as in the title of an axis: `rms error, arcsec`.
+    /// The label with the unit, as in the title of an axis or the heading of a table: `rms error, ″`.
     pub fn title(&self) -> String {
         titled(&self.label, self.unit.symbol)
     }
 
-    /// The label with the short sign of the unit, as in the heading of a table: `rms error, ″`.
-    pub fn heading(&self) -> String {
-        titled(&self.label, &self.unit.sign())
+    /// The column in the unit in which people read it.
+    pub fn read(&self) -> Column {
+        let Some(Written { factor, symbol }) = self.written else { return self.clone() };
+        let read = |cell: &Cell| match cell.number() {
+            Some(number) if factor != 1.0 => Cell::Number(round_12(number * factor)),
+            _ => cell.clone(),
+        };
+        Column {
+            unit: Unit { symbol, ..self.unit },
+            written: None,
+            cells: self.cells.iter().map(read).collect(),
+            ..self.clone()
+        }
     }
 
     /// The value of a cell; NaN where it is not a number.
@@ -109,13 +124,20 @@ impl Column {
 
     /// A value of the column as in a sentence: `vibration frequency 20 Hz`, `lost ticks n = 3`.
     pub fn valued(&self, value: &str) -> String {
+        let unread = (value, self.unit.symbol);
+        let (value, symbol) = match self.written.zip(value.parse::<f64>().ok()) {
+            Some((written, number)) => {
+                (&*significant(round_12(number * written.factor), 12), written.symbol)
+            }
+            None => unread,
+        };
         let value = match value.strip_prefix('-') {
             Some(size) => format!("−{size}"),
             None => value.to_owned(),
         };
-        match self.unit.symbol {
+        match symbol {
             "" => format!("{} = {value}", self.label),
-            symbol => format!("{} {value} {symbol}", self.label),
+            symbol => format!("{} {}", self.label, joined(&value, symbol)),
         }
     }
 }
@@ -172,6 +194,14 @@ pub struct Table {
 }
 
 impl Table {
+    /// The table with each column in the unit in which people read it.
+    pub fn read(&self) -> Cow<'_, Table> {
+        match self.columns.iter().any(|column| column.written.is_some()) {
+            true => Cow::Owned(Table { columns: self.columns.iter().map(Column::read).collect() }),
+            false => Cow::Borrowed(self),
+        }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.cells.len())

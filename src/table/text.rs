@@ -28,10 +28,11 @@ pub fn pivot(
     filter: &[(String, String)],
     limit: Option<usize>,
 ) -> Result<String, ColumnError> {
+    let rows = table.rows_where(filter)?;
+    let table: &Table = &table.read();
     let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
     let (sweeps, y, mut series) = (columns(sweeps)?, table.column(y)?, columns(series)?);
     series.retain(|column| sweeps.first().is_none_or(|first| column.name != first.name));
-    let rows = table.rows_where(filter)?;
     let unnamed = |column: &&Column| series.iter().all(|named| named.name != column.name);
     let texts: Vec<&Column> = columns(texts)?
         .into_iter()
@@ -52,14 +53,14 @@ pub fn pivot(
     let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
     let mut grid = vec![vec![String::new(); across.len() + columns.len()]; lines.len() + 1];
     for (place, names) in across.iter().enumerate() {
-        grid[0][place] = names.column.heading();
+        grid[0][place] = names.column.title();
         for (line, &at) in lines.iter().enumerate() {
             grid[line + 1][place] = names.at(at).to_owned();
         }
     }
     for (place, &at) in columns.iter().enumerate() {
         let words: Vec<&str> = curves.iter().map(|names| names.at(at)).collect();
-        grid[0][across.len() + place] = if words.is_empty() { y.heading() } else { words.join(" ") };
+        grid[0][across.len() + place] = if words.is_empty() { y.title() } else { words.join(" ") };
     }
     for (at, &row) in rows.iter().enumerate() {
         grid[line_of[at] + 1][across.len() + curve_of[at]] = y.cells[row].rounded(*DIGITS.start());
@@ -86,9 +87,9 @@ pub fn pivot(
         (true, true) => format!(" (one line in {step})"),
         (true, false) => format!(" (one line in {step}, and those with the least of a column)"),
     };
-    let names: Vec<String> = curves.iter().map(|names| names.column.heading()).collect();
+    let names: Vec<String> = curves.iter().map(|names| names.column.title()).collect();
     let by = if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) };
-    Ok(format!("{}{by}{note}\n{}", y.heading(), fitted(&shown, across.len(), limit)))
+    Ok(format!("{}{by}{note}\n{}", y.title(), fitted(&shown, across.len(), limit)))
 }
 
 /// The different values of a column in the shown rows.

@@ -22,7 +22,7 @@ pub struct Estimates {
     /// Largest |error| seen.
     pub max: f64,
     /// The level below which 99.73 % of |error| stay.
-    pub q9973: Option<Quantile>,
+    pub p99_73: Option<Quantile>,
 }
 
 /// A quantile of |error| and its 95 % interval from order statistics, widened to the edges of bins.
@@ -60,7 +60,7 @@ impl Estimates {
             rms: rms * scale,
             rms_se: rms_se.map(|se| se * scale),
             max: max * scale,
-            q9973: quantile(tally.count, &filled, edges).map(|q| Quantile {
+            p99_73: quantile(tally.count, &filled, edges).map(|q| Quantile {
                 value: q.value * scale,
                 low: q.low.map(|x| x * scale),
                 high: q.high.map(|x| x * scale),
@@ -229,9 +229,9 @@ fn bins_of_ranks<const N: usize>(filled: &[Filled], ranks: [f64; N]) -> [Option<
 /// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
 /// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
 /// ```
-pub fn z_score(value: f64, oracle: f64, se: f64, proven: f64) -> Option<f64> {
+pub fn z_score(value: f64, theory: f64, se: f64, proven: f64) -> Option<f64> {
     let sigma = libm::hypot(se, proven);
-    (sigma > 0.0 && (proven <= se || proven <= 0.05 * oracle)).then(|| (value - oracle) / sigma)
+    (sigma > 0.0 && (proven <= se || proven <= 0.05 * theory)).then(|| (value - theory) / sigma)
 }
 
 #[cfg(test)]
@@ -268,7 +268,7 @@ mod tests {
         assert_eq!(estimates.max, 5e5);
     }
 
-    /// Errors with the quantiles of a standardised distribution at `mean` and with standard deviation `sd`.
+    /// Errors with the quantiles of a standardized distribution at `mean` and with standard deviation `sd`.
     fn spread(mean: f64, sd: f64, quantile: impl Fn(f64) -> f64) -> Moments {
         const TRIALS: i32 = 100_000;
         let base = level(libm::floor(0.25 * libm::hypot(mean, sd)) as u32);
@@ -283,7 +283,7 @@ mod tests {
         // Standard deviations from far below a bin to as wide as the mean; at 0.2 the even distribution has one sign,
         // at 1 both.
         for relative in [1e-6, 1e-5, 1e-3, 0.0077, 0.0079, 0.02, 0.1, 0.2, 1.0] {
-            // With their third and fourth standardised moments.
+            // With their third and fourth standardized moments.
             let cases: [(&str, Moments, f64, f64); 3] = [
                 ("even", spread(1e8, 1e8 * relative, even), 0.0, 1.8),
                 ("exponential", spread(1e8, 1e8 * relative * 0.3, exponential), 2.0, 9.0),
@@ -327,7 +327,7 @@ mod tests {
     fn the_quantile_of_an_even_spread_is_found_within_its_bounds() {
         let n = 200_000;
         let base = level(n as u32 / 8);
-        let q = Estimates::of(&tally_of(1..=n, base), base, 1.0).unwrap().q9973.unwrap();
+        let q = Estimates::of(&tally_of(1..=n, base), base, 1.0).unwrap().p99_73.unwrap();
         let exact = LEVEL * f64::from(n);
         assert!((q.value / exact - 1.0).abs() < 1e-3, "{q:?}");
         let (low, high) = (q.low.unwrap(), q.high.unwrap());
@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn a_quantile_that_few_trials_cannot_bound_has_no_upper_end() {
         let base = level(12);
-        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().q9973.unwrap();
+        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().p99_73.unwrap();
         assert_eq!(q.high, None);
         assert!(q.low.is_some());
     }
@@ -347,7 +347,7 @@ mod tests {
         // Bins end at 32, and one error in a hundred lies far beyond.
         let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
         let found = Estimates::of(&tally, level(1), 1.0).unwrap();
-        assert_eq!((found.q9973, found.rms_se), (None, None));
+        assert_eq!((found.p99_73, found.rms_se), (None, None));
         assert_eq!(found.max, 5000.0);
     }
 

@@ -69,12 +69,12 @@ impl LockIn {
         f64::from(k) * self.dither_frequency * self.scale_factor
     }
 
-    /// Ω_L |J_k(Θ)|: half width of dynamic lock-in zone `k` where the dither is not randomised, ″/s.
+    /// Ω_L |J_k(Θ)|: half width of dynamic lock-in zone `k` where the dither is not randomized, ″/s.
     pub fn zone_half_width(&self, k: i32) -> f64 {
         self.threshold * libm::jn(k, self.amplitude()).abs()
     }
 
-    /// N = Ω_L √(q/(2πΩ_D)), ″/√s: angle random walk where the dither is randomised.
+    /// N = Ω_L √(q/(2πΩ_D)), ″/√s: angle random walk where the dither is randomized.
     ///
     /// The rate passes through 0 with the acceleration ω_d Ω_D at 2 f_d reversals a second. By stationary phase, each turns
     /// the angle by Ω_L √(2π/α) sin(ψ ± π/4) with α = K ω_d Ω_D, and ψ is uniform.

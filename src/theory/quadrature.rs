@@ -34,7 +34,7 @@ pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([
 /// How many points an integral over a spectrum takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// Sixteen points in each turn, from a table: for oracles.
+    /// Sixteen points in each turn, from a table: for theoretical values.
     Panels,
     /// Two points in each turn and some more, computed: for what is sampled, whose work grows with the number of points.
     Sparse,

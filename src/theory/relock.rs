@@ -1,4 +1,4 @@
-//! The closing of the perimeter loop after a mode switch, and the apparent rotation that it causes: Z(1), Z(2),
+//! The closing of the path-length control loop after a mode switch, and the apparent rotation that it causes: Z(1), Z(2),
 //! Z(10)–Z(13).
 //!
 //! Detunings Δλ are fractions of the wavelength. Rates are in the unit of f0, which is ″/s where that is Hz × pulse

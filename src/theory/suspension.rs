@@ -83,7 +83,7 @@ impl Suspension {
     /// A suspension of [`NAMES`].
     ///
     /// The frequencies are those of A. **All Q factors and responses are assumed**: A gives neither damping nor scale,
-    /// and its figure is normalised. The useful mode is the same in both, so that they differ only in their
+    /// and its figure is normalized. The useful mode is the same in both, so that they differ only in their
     /// frequencies; where A says "2000 Hz and above", 2000 and 2600 Hz are used.
     pub fn named(name: &str) -> Option<Suspension> {
         let modes: &[Mode] = match name {
@@ -112,7 +112,7 @@ impl Suspension {
         sum
     }
 
-    /// The amplitude at the useful mode, ″/s per g, by which the figure in A is normalised.
+    /// The amplitude at the useful mode, ″/s per g, by which the figure in A is normalized.
     pub fn useful(&self) -> f64 {
         self.modes.first().map_or(0.0, |mode| self.response(mode.frequency_hz).amplitude())
     }

@@ -25,8 +25,8 @@ gap_ticks = 3
 fillers = ["const", "quadratic"]
 "#;
 
-pub const HEADER: &str = "dt_nu,amplitude_noise,filler,error,trials,mean_arcsec,rms_arcsec,rms_se_arcsec,max_arcsec,q9973_arcsec,\
-                      q9973_lo_arcsec,q9973_hi_arcsec,oracle_rms_arcsec,oracle_max_arcsec,z,representation";
+pub const HEADER: &str = "dt_nu,amplitude_noise,filler,error,trials,mean_arcsec,rms_arcsec,rms_se_arcsec,max_arcsec,p99_73_arcsec,\
+                      p99_73_lo_arcsec,p99_73_hi_arcsec,theory_rms_arcsec,theory_max_arcsec,z,representation";
 
 /// STUDY with `old` replaced.
 pub fn replaced(old: &str, new: &str) -> String {

@@ -4,7 +4,7 @@ use sagnac::fit::coefficient::{Fit, Verdict};
 use sagnac::theory::allan::terms::Term;
 
 /// The terms of the paper's gyros.
-pub const QNB: [Term; 3] = [Term::Quantisation, Term::AngleRandomWalk, Term::BiasInstability];
+pub const QNB: [Term; 3] = [Term::Quantization, Term::AngleRandomWalk, Term::BiasInstability];
 
 /// How often something is so.
 pub fn share(fits: &[Fit], is_so: impl Fn(&Fit) -> bool) -> f64 {

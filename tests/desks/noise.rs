@@ -35,7 +35,7 @@ pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64>
     };
     let Part { term, size, shape, octaves } = part;
     match term {
-        Term::Quantisation => (0..=samples).map(|_| size * normal(rng)).collect(),
+        Term::Quantization => (0..=samples).map(|_| size * normal(rng)).collect(),
         Term::AngleRandomWalk => held(&mut |_| size / t0.sqrt() * normal(rng)),
         Term::BiasInstability => {
             let level = 2.0 * LN_2 / PI * size * size;

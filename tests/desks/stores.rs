@@ -40,7 +40,7 @@ trials = 150
 sample = "1 s"
 length = "600 s"
 [noise]
-quantisation = "0.11 arcsec"
+quantization = "0.11 arcsec"
 angle_random_walk = "0.00048 deg/sqrt(h)"
 bias_instability = "0.00164 deg/h"
 [[sweep]]

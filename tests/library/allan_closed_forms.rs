@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use sagnac::theory::allan::estimator::{Difference, Estimator, Stride};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
-use sagnac::theory::allan::quantiser;
+use sagnac::theory::allan::quantizer;
 
 /// Standard errors within which a mean has to lie.
 const SIGMAS: f64 = 5.0;
@@ -74,7 +74,7 @@ fn compare(
 fn each_part_sampled_has_the_expected_variances() {
     let t0 = 0.25;
     let parts = [
-        Part::quantisation(0.11),
+        Part::quantization(0.11),
         Part::angle_random_walk(0.03),
         Part::bias_instability(0.002, 24),
         Part::rate_random_walk(1e-3),
@@ -103,7 +103,7 @@ fn a_readout_of_whole_pulses_adds_the_variance_of_its_closed_form() {
         Part::angle_random_walk(0.05),
         Part::markov(3e-3, 10.0),
         Part::sine(0.3, 0.31),
-        Part::quantisation(0.01),
+        Part::quantization(0.01),
     ];
     for (name, parts) in [("noise", &parts[..1]), ("all", &parts[..])] {
         let process = Process { sample_s: t0, parts: parts.to_vec() };
@@ -116,9 +116,9 @@ fn a_readout_of_whole_pulses_adds_the_variance_of_its_closed_form() {
         };
         let readout = |estimator: Estimator, m: u64| {
             let difference = estimator.difference;
-            let mean_square = quantiser::mean_square(q, rate, &process, difference, m).unwrap();
+            let mean_square = quantizer::mean_square(q, rate, &process, difference, m).unwrap();
             let white = q * q / 12.0 * difference.coefficients().iter().map(|c| c * c).sum::<f64>();
-            let bound = quantiser::white_error(q, &process, difference, m);
+            let bound = quantizer::white_error(q, &process, difference, m);
             assert!(
                 (mean_square - white).abs() <= bound + 1e-15,
                 "m = {m}: {mean_square}, {white} ± {bound}"

@@ -38,7 +38,7 @@ fn process(parts: &[Part]) -> Process {
 
 /// LGV-1 of the paper's table 2.
 fn lgv1() -> [Part; 3] {
-    [Part::quantisation(0.11), Part::angle_random_walk(0.00048 * 60.0), Part::bias_instability(0.00164, 24)]
+    [Part::quantization(0.11), Part::angle_random_walk(0.00048 * 60.0), Part::bias_instability(0.00164, 24)]
 }
 
 fn near(found: Option<f64>, expected: f64, tolerance: f64, what: &str) {
@@ -67,7 +67,7 @@ fn draws(mean: &Curve, covariance: &Covariance, count: usize, seed: u64) -> Vec<
 #[test]
 fn curves_without_noise_are_recovered() {
     let parts = [
-        (Term::Quantisation, Part::quantisation(0.11), 0.11),
+        (Term::Quantization, Part::quantization(0.11), 0.11),
         (Term::AngleRandomWalk, Part::angle_random_walk(0.0288), 0.0288),
         (Term::BiasInstability, Part::bias_instability(0.00164, 24), 0.00164),
         (Term::RateRandomWalk, Part::rate_random_walk(2e-5), 2e-5),
@@ -156,7 +156,7 @@ fn intervals_of_markov_noise_cover_its_time_too() {
     let truth = process(&[lgv1()[0], lgv1()[1], markov]);
     let mean = mean_curve(&truth, 324_000, 0);
     let covariance = Covariance::of_process(&truth, &mean).unwrap();
-    let terms = Terms::Given(vec![Term::Quantisation, Term::AngleRandomWalk, Term::Markov]);
+    let terms = Terms::Given(vec![Term::Quantization, Term::AngleRandomWalk, Term::Markov]);
     let fits: Vec<Fit> = draws(&mean, &covariance, 1000, 52)
         .iter()
         .map(|curve| fit(curve, &covariance, &terms, Errors::Known).unwrap())
@@ -181,7 +181,7 @@ fn what_is_not_there_is_bounded_and_not_invented() {
         .iter()
         .map(|curve| fit(curve, &covariance, &terms, Errors::Known).unwrap())
         .collect();
-    for term in [Term::Quantisation, Term::BiasInstability, Term::RateRandomWalk, Term::RateRamp] {
+    for term in [Term::Quantization, Term::BiasInstability, Term::RateRandomWalk, Term::RateRamp] {
         let invented = share(&fits, |fit| is_identified(fit, term));
         println!("{}: identified in {invented}", term.symbol());
         assert!(invented < 0.04, "{term:?}: {invented}");
@@ -217,7 +217,7 @@ fn what_is_not_there_is_bounded_and_not_invented() {
 }
 
 #[test]
-fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
+fn a_covariance_of_few_realizations_is_drawn_to_the_model() {
     let truth = process(&lgv1());
     let mean = mean_curve(&truth, 32_400, 0);
     let model = Covariance::of_process(&truth, &mean).unwrap();
@@ -233,14 +233,14 @@ fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
         (0..points * points).map(|cell| deviation(cell / points, cell % points)).fold(0.0, f64::max)
     };
     // Five rows of twelve points: singular without the model.
-    let few = Covariance::of_realisations(&rows(5, 57), &model).unwrap();
+    let few = Covariance::of_realizations(&rows(5, 57), &model).unwrap();
     assert!(distance(&few, &model) < 0.7, "{}", distance(&few, &model));
     let fit_of_few = fit(&mean, &few, &Terms::Given(QNB.to_vec()), Errors::Known).unwrap();
     near(value(&fit_of_few, Term::BiasInstability), 0.00164, 1e-7, "B");
     // A model that is far off gives way to many rows.
     let wrong = Covariance::of_process(&process(&[Part::angle_random_walk(0.1)]), &mean).unwrap();
-    let many = Covariance::of_realisations(&rows(4000, 58), &wrong).unwrap();
+    let many = Covariance::of_realizations(&rows(4000, 58), &wrong).unwrap();
     println!("few from the model by {}, many by {}", distance(&few, &model), distance(&many, &model));
     assert!(distance(&many, &model) < 0.1, "{}", distance(&many, &model));
-    assert!(Covariance::of_realisations(&rows(1, 59), &model).is_err());
+    assert!(Covariance::of_realizations(&rows(1, 59), &model).is_err());
 }

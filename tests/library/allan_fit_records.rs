@@ -44,7 +44,7 @@ fn fits(curves: &[Curve], terms: &Terms) -> Vec<Fit> {
 
 #[test]
 fn one_fitter_gives_many_curves_the_bits_of_fits_of_their_own() {
-    let parts = [Part::quantisation(3.0), Part::angle_random_walk(1.0)];
+    let parts = [Part::quantization(3.0), Part::angle_random_walk(1.0)];
     let curves = &curves(&parts, 4096, 10, 62)[..12];
     let covariance =
         Covariance::of_process(&Process { sample_s: 1.0, parts: parts.to_vec() }, &curves[0]).unwrap();
@@ -119,8 +119,8 @@ fn markov_noise_beside_a_strong_sine_has_its_time() {
 #[test]
 fn terms_that_a_record_shows_are_found() {
     let (q, n, k) = (3.0, 1.0, 0.01);
-    let truths = [(Term::Quantisation, q), (Term::AngleRandomWalk, n), (Term::RateRandomWalk, k)];
-    let parts = [Part::quantisation(q), Part::angle_random_walk(n), Part::rate_random_walk(k)];
+    let truths = [(Term::Quantization, q), (Term::AngleRandomWalk, n), (Term::RateRandomWalk, k)];
+    let parts = [Part::quantization(q), Part::angle_random_walk(n), Part::rate_random_walk(k)];
     // Up to an eighth of the record.
     let fits = fits(&curves(&parts, 16_384, 12, 56), &Terms::Auto(Term::MODEL.to_vec()));
     for (term, truth) in truths {
@@ -141,7 +141,7 @@ fn terms_that_a_record_shows_are_found() {
 fn intervals_of_a_gyros_records_cover_the_truth() {
     // LGV-1 of the paper's table 2, 9 h.
     let (q, n, b) = (0.11, 0.0288, 0.00164);
-    let parts = [Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
+    let parts = [Part::quantization(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
     let curves = curves(&parts, 32_400, 14, 60);
     let given = fits(&curves, &Terms::Given(QNB.to_vec()));
     let auto = fits(&curves, &Terms::Auto(Term::MODEL.to_vec()));
@@ -164,10 +164,10 @@ fn intervals_of_a_gyros_records_cover_the_truth() {
 #[test]
 fn intervals_of_n_cover_the_truth_where_a_bias_instability_does_not_show() {
     let (q, n) = (0.11, 0.0288);
-    let parts = [Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(0.005, 24)];
+    let parts = [Part::quantization(q), Part::angle_random_walk(n), Part::bias_instability(0.005, 24)];
     let fits = fits(&curves(&parts, 4096, 10, 64), &Terms::Auto(Term::MODEL.to_vec()));
     let found = share(&fits, |fit| is_identified(fit, Term::BiasInstability));
-    for (term, truth) in [(Term::Quantisation, q), (Term::AngleRandomWalk, n)] {
+    for (term, truth) in [(Term::Quantization, q), (Term::AngleRandomWalk, n)] {
         let coverage = share(&fits, |fit| covers(fit, term, truth));
         println!("B found in {found}, {} covered {coverage}", term.symbol());
         assert!((coverage - 0.95).abs() < 0.02 + THREE_ERRORS, "{term:?}: {coverage}");

@@ -41,7 +41,7 @@ fn text(top: &str, noise: &str, bottom: &str) -> String {
     )
 }
 
-const LGV_1: &str = "quantisation = \"0.11 arcsec\"\nangle_random_walk = \"0.00048 deg/sqrt(h)\"\n\
+const LGV_1: &str = "quantization = \"0.11 arcsec\"\nangle_random_walk = \"0.00048 deg/sqrt(h)\"\n\
                      bias_instability = \"0.00164 deg/h\"";
 
 #[test]

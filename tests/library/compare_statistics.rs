@@ -22,13 +22,13 @@ const TOLERANCE: f64 = 0.025;
 const FEWER: u64 = 100;
 const THREE_ERRORS: f64 = 0.09;
 
-const QNB: [Term; 3] = [Term::Quantisation, Term::AngleRandomWalk, Term::BiasInstability];
+const QNB: [Term; 3] = [Term::Quantization, Term::AngleRandomWalk, Term::BiasInstability];
 
 /// The gyro of these tests: every term shows in 4096 samples.
 const GYRO: [f64; 3] = [3.0, 1.0, 0.3];
 
 fn process([q, n, b]: [f64; 3], sample_s: f64) -> Process {
-    let parts = vec![Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
+    let parts = vec![Part::quantization(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
     Process { sample_s, parts }
 }
 
@@ -100,7 +100,7 @@ fn equal_coefficients_differ_in_one_of_twenty_comparisons_and_others_in_most() {
 
 #[test]
 fn the_same_noise_at_two_sampling_rates_and_lengths_is_the_same() {
-    // Steps of which none is a multiple of the other: τ that differ by up to 2 %, and another discretisation.
+    // Steps of which none is a multiple of the other: τ that differ by up to 2 %, and another discretization.
     let [a, b] = [1.0, 1.37].map(|sample_s| process(GYRO, sample_s));
     let all = comparisons([(&a, 4096), (&b, 1500)], PAIRS, 3, &Terms::Given(QNB.to_vec()));
     let common = &all[0].common;

@@ -115,12 +115,12 @@ fn telegraph_noise_is_told_from_flicker_by_its_levels() {
 }
 
 #[test]
-fn a_line_is_subtracted_and_an_alias_is_no_quantisation() {
+fn a_line_is_subtracted_and_an_alias_is_no_quantization() {
     for event in named(What::Line, |i| 0.3 * (1.1 * i as f64).sin()) {
         assert!(is_near(event.size, 0.3, 0.1), "{event:?}");
         assert!(is_near(event.frequency_hz, 1.1 / core::f64::consts::TAU, 1e-3), "{event:?}");
     }
-    // Half of the noise is repeated with the opposite sign one sample later: neither white nor that of quantisation, and of N = 1 at
+    // Half of the noise is repeated with the opposite sign one sample later: neither white nor that of quantization, and of N = 1 at
     // long τ.
     let x = white(7);
     let rates: Vec<f64> = x.windows(3).map(|x| 1.4 * x[2] - 0.7 * x[1] + 0.3 * x[0]).collect();

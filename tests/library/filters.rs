@@ -16,7 +16,7 @@ use sagnac::theory::navigation::{Task, weights};
 const TIMES: Times = Times { sample_s: 1.0, alignment: 300, duration: 500, calibrates: false };
 
 fn everything() -> Model {
-    Model { white: 0.04, walk: 2e-5, markov: vec![[2e-3, 40.0], [1e-3, 700.0]], quantisation: 0.24 }
+    Model { white: 0.04, walk: 2e-5, markov: vec![[2e-3, 40.0], [1e-3, 700.0]], quantization: 0.24 }
 }
 
 type Matrix = Vec<Vec<f64>>;
@@ -42,7 +42,7 @@ impl Kalman {
         q[0][0] = model.white * model.white * step;
         let mut at = 2;
         // Angle, covariance and rate after the first step, without the bias.
-        let mut before = vec![model.quantisation * model.quantisation + q[0][0]];
+        let mut before = vec![model.quantization * model.quantization + q[0][0]];
         before.resize(rates, 0.0);
         if model.walk > 0.0 {
             let k = model.walk * model.walk;
@@ -66,7 +66,7 @@ impl Kalman {
             p[at][at] = square;
             at += 1;
         }
-        let reading = model.quantisation * model.quantisation;
+        let reading = model.quantization * model.quantization;
         p[0][0] = reading;
         p[0][1] = reading / step;
         p[1][0] = p[0][1];
@@ -108,7 +108,7 @@ fn weights_are_those_of_a_kalman_filter_that_runs_step_by_step() {
         white.clone(),
         Model { walk: 2e-4, ..white.clone() },
         Model { markov: vec![[2e-3, 40.0]], ..white.clone() },
-        Model { quantisation: 0.24, ..white },
+        Model { quantization: 0.24, ..white },
         everything(),
     ];
     let mut word = 1_u64;
@@ -185,8 +185,8 @@ fn kept(filter: Model, noise: Noise, duration_s: f64) -> (Lowered, f64) {
 fn a_filter_that_knows_the_noise_is_consistent_and_one_that_does_not_is_too_sure() {
     const TRIALS: usize = 4000;
     let truth =
-        noise_of(&[(Term::AngleRandomWalk, 0.04), (Term::Quantisation, 0.24), (Term::RateRandomWalk, 1e-4)]);
-    let model = Model { white: 0.04, walk: 1e-4, markov: vec![], quantisation: 0.24 };
+        noise_of(&[(Term::AngleRandomWalk, 0.04), (Term::Quantization, 0.24), (Term::RateRandomWalk, 1e-4)]);
+    let model = Model { white: 0.04, walk: 1e-4, markov: vec![], quantization: 0.24 };
     let white = Model { white: 0.04, ..Model::default() };
     let cpu = Cpu::new(Width::widest(), 0).unwrap();
     for duration_s in [60.0, 900.0] {

@@ -74,24 +74,24 @@ fn intervals_contain_changes_of_the_size_of_the_noise() {
 }
 
 #[test]
-fn a_line_is_no_quantisation_noise() {
+fn a_line_is_no_quantization_noise() {
     // At a third of the sampling rate a sine adds the same to τ²σ² at every octave.
     let sine = |i: usize| 0.7 * libm::sin(core::f64::consts::TAU / 3.0 * i as f64);
     let with_line: Vec<f64> = white(1).iter().enumerate().map(|(i, x)| x + sine(i)).collect();
     let found = sheet(&with_line);
-    let verdict = found.fit.coefficient(Term::Quantisation).unwrap().verdict;
+    let verdict = found.fit.coefficient(Term::Quantization).unwrap().verdict;
     assert!(verdict != Verdict::Identified && covers(&found.fit, Term::AngleRandomWalk, 1.0), "{found:?}");
 
     let errors = white(2);
-    let quantised = white(3).into_iter().zip(&errors).zip(&errors[1..]);
-    let quantised: Vec<f64> = quantised.map(|((x, before), after)| x + after - before).collect();
-    let found = sheet(&quantised);
-    assert!(!found.is_hump && covers(&found.fit, Term::Quantisation, 1.0), "{found:?}");
+    let quantized = white(3).into_iter().zip(&errors).zip(&errors[1..]);
+    let quantized: Vec<f64> = quantized.map(|((x, before), after)| x + after - before).collect();
+    let found = sheet(&quantized);
+    assert!(!found.is_hump && covers(&found.fit, Term::Quantization, 1.0), "{found:?}");
 }
 
 /// A laser gyro counts pulses, which may be larger than its noise: their errors are no white noise, yet Q is that of a pulse.
 #[test]
-fn coarse_pulses_have_their_quantisation_noise() {
+fn coarse_pulses_have_their_quantization_noise() {
     let mut angle = 0.0;
     let pulses: Vec<f64> = white(5)
         .iter()
@@ -102,7 +102,7 @@ fn coarse_pulses_have_their_quantisation_noise() {
         })
         .collect();
     let found = sheet(&pulses);
-    assert!(!found.is_hump && covers(&found.fit, Term::Quantisation, 1.0 / libm::sqrt(12.0)), "{found:?}");
+    assert!(!found.is_hump && covers(&found.fit, Term::Quantization, 1.0 / libm::sqrt(12.0)), "{found:?}");
 }
 
 /// Means of few samples that are known have the noise of as many fewer.

@@ -151,7 +151,7 @@ fn rate_of(inputs: &Inputs) -> f64 {
 }
 
 #[test]
-fn randomised_dither_leaves_the_angle_random_walk_of_the_closed_form() {
+fn randomized_dither_leaves_the_angle_random_walk_of_the_closed_form() {
     let with = |threshold: f64, rate: f64, dither_rate: f64, frequency_hz: f64, amplitude_noise: f64| {
         let dither = Dither { frequency_hz, rate: dither_rate, amplitude_noise, ..Dither::default() };
         Inputs { threshold, rate, dither: Some(dither), ..checked() }

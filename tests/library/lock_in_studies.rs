@@ -196,7 +196,7 @@ fn a_strong_lock_in_holds_the_output_in_zones_that_an_integrator_finds() {
             assert_eq!(centre, zone, "{rate}, {dither}");
             locked_elsewhere += usize::from((rate / 200.0).round() * 200.0 != zone);
         }
-        if let Some(closed) = row.maybe("oracle_mean_rate") {
+        if let Some(closed) = row.maybe("theory_mean_rate") {
             assert!((closed - exact).abs() < 0.05, "{rate}, {dither}: {closed} for {exact}");
             in_closed_form += 1;
         }

@@ -229,7 +229,7 @@ fn no_gap_is_too_long_for_motion_without_noise() {
 fn a_vibration_of_whole_turns_in_a_tick_leaves_no_motion() {
     let changes = [&papers_point("1")[..], &[("20 Hz\"]", "200 Hz\", \"600 Hz\"]")]].concat();
     for row in rows(&run_afresh(&study(&changes))) {
-        assert_eq!(row.number("oracle_max"), 0.0, "{}", row.place());
+        assert_eq!(row.number("theory_max"), 0.0, "{}", row.place());
     }
 }
 

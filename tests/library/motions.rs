@@ -65,7 +65,7 @@ struct Sampled<'a> {
     weights: Vec<(usize, Vec<f64>)>,
     largest_of_many: bool,
     /// The interval of the 99.73 % level, a little widened: errors of whole pulses are at its very edges.
-    q9973: [f64; 2],
+    p99_73: [f64; 2],
     sum: f64,
     second: f64,
     fourth: f64,
@@ -86,9 +86,9 @@ impl<'a> Sampled<'a> {
             ticks: if residual { filler.fit_ticks.clone() } else { filler.extrapolation_ticks.clone() },
             weights: lengths.map(weights).collect(),
             largest_of_many: error == "in-gap",
-            q9973: [
-                row.number("q9973_lo") - LEVEL_ROUNDING * row.number("rms"),
-                row.number("q9973_hi") + LEVEL_ROUNDING * row.number("rms"),
+            p99_73: [
+                row.number("p99_73_lo") - LEVEL_ROUNDING * row.number("rms"),
+                row.number("p99_73_hi") + LEVEL_ROUNDING * row.number("rms"),
             ],
             row,
             sum: 0.0,
@@ -108,7 +108,7 @@ impl<'a> Sampled<'a> {
         self.sum += error;
         self.second += error * error;
         self.fourth += error.powi(4);
-        for (beyond, level) in self.beyond.iter_mut().zip(self.q9973) {
+        for (beyond, level) in self.beyond.iter_mut().zip(self.p99_73) {
             *beyond += f64::from(u8::from(error.abs() > level));
         }
     }
@@ -127,10 +127,10 @@ impl<'a> Sampled<'a> {
         let deviations = [
             ("rms", row.number("rms"), rms, se.hypot(row.number("rms_se"))),
             ("mean", row.number("mean"), mean, mean_se),
-            ("part beyond q9973_lo", 0.0027, above_low.min(0.0027), beyond_se),
-            ("part beyond q9973_hi", 0.0027, above_high.max(0.0027), beyond_se),
+            ("part beyond p99_73_lo", 0.0027, above_low.min(0.0027), beyond_se),
+            ("part beyond p99_73_hi", 0.0027, above_high.max(0.0027), beyond_se),
         ];
-        assert!(self.q9973[1] < 1.1 * self.q9973[0], "{name}: a level known to 10 %: {}", row.place());
+        assert!(self.p99_73[1] < 1.1 * self.p99_73[0], "{name}: a level known to 10 %: {}", row.place());
         let mut largest: f64 = 0.0;
         for (what, found, expected, se) in deviations {
             let z = (found - expected) / se;

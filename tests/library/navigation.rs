@@ -239,7 +239,7 @@ fn sampled_errors_have_the_means_and_the_rms_of_their_closed_forms() {
     switched.switching = Some(switching);
     let table: Vec<(&str, Noise)> = vec![
         ("white", noise_of(&white)),
-        ("quantisation", noise_of(&[(Term::Quantisation, 0.24)])),
+        ("quantization", noise_of(&[(Term::Quantization, 0.24)])),
         ("flicker", noise_of(&[(Term::BiasInstability, 0.00164)])),
         ("walk", noise_of(&[(Term::RateRandomWalk, 2e-5)])),
         ("Markov", shaped(Term::Markov, 0.002, 300.0)),

@@ -34,10 +34,10 @@ fn check(text: &str, printed: &[(&str, f64, f64)]) {
     let found: HashMap<String, _> = rows(&table).map(|row| (row.text("filler"), row)).collect();
     for &(filler, expected, last_digit) in printed {
         let row = &found[filler];
-        let (rms, se, oracle) = (row.number("rms"), row.number("rms_se"), row.number("oracle_rms"));
+        let (rms, se, theory) = (row.number("rms"), row.number("rms_se"), row.number("theory_rms"));
         // Rounding of the printed number, and of weights and angles in fixed point.
         let rounding = 0.51 * last_digit + 2e-4 * expected;
-        assert!((oracle - expected).abs() < rounding, "{oracle}, not {expected}: {}", row.place());
+        assert!((theory - expected).abs() < rounding, "{theory}, not {expected}: {}", row.place());
         assert!(
             (rms - expected).abs() < rounding + 5.0 * se,
             "{rms} ± {se}, not {expected}: {}",
@@ -47,7 +47,7 @@ fn check(text: &str, printed: &[(&str, f64, f64)]) {
 }
 
 #[test]
-fn fillers_of_least_variance_have_the_errors_of_the_theorys_table() {
+fn fillers_of_least_variance_have_the_errors_of_the_theories_table() {
     let motions = [
         ("\"20 Hz\"", 1, [18.41, 1.14, 0.54, 0.33]),
         ("\"20 Hz\"", 3, [109.26, 19.09, 2.40, 1.13]),
@@ -98,7 +98,7 @@ fn stopping(trials: &str, precision: &str) -> String {
 #[test]
 fn sampling_stops_at_the_same_trial_wherever_it_is_begun() {
     let study = parsed("study.toml", &stopping("1_000_000", "\"0.5 %\""));
-    assert_eq!(study.precision, Some(Precision { rms: Some(0.005), q9973: None }));
+    assert_eq!(study.precision, Some(Precision { rms: Some(0.005), p99_73: None }));
     let at_once = run_afresh(&study);
     let trials: Vec<f64> = rows(&at_once).map(|row| row.number("trials")).collect();
     assert!(trials[0] < 1e6 && trials.iter().all(|&other| other == trials[0]), "{trials:?}");
@@ -159,7 +159,7 @@ fn with_a_precision_the_total_is_that_of_the_round() {
 #[test]
 fn the_cap_ends_what_is_not_precise_enough() {
     let table =
-        run_afresh(&parsed("study.toml", &stopping("5_000", "{ rms = \"0.01 %\", q9973 = \"1 %\" }")));
+        run_afresh(&parsed("study.toml", &stopping("5_000", "{ rms = \"0.01 %\", p99_73 = \"1 %\" }")));
     assert!(rows(&table).all(|row| row.number("trials") == 5000.0));
 }
 
@@ -181,8 +181,8 @@ fn a_record_with_room_for_few_places_is_replayed_at_those_and_nowhere_else() {
             .replace("trials = 1_000_000", "trials = 1000");
         let table = run_afresh(&parsed(&folder.path().join("study.toml").display().to_string(), &still));
         for row in rows(&table) {
-            let (rms, oracle) = (row.number("rms"), row.number("oracle_rms"));
-            assert!((rms - oracle).abs() < 1e-3, "{places} places: {rms}, not {oracle}: {}", row.place());
+            let (rms, theory) = (row.number("rms"), row.number("theory_rms"));
+            assert!((rms - theory).abs() < 1e-3, "{places} places: {rms}, not {theory}: {}", row.place());
             assert_eq!(row.number("trials") as usize % places as usize, 0);
         }
     }

@@ -1,4 +1,4 @@
-//! Noise models in physical units, lowered to records: their curves against the laws and the oracles of the lowered words.
+//! Noise models in physical units, lowered to records: their curves against the laws and the theory of the lowered words.
 
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::recipe::Recipe;
@@ -78,19 +78,19 @@ fn mean(values: &[f64]) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-/// Compares the mean of each estimate with its oracle; the largest |z|.
+/// Compares the mean of each estimate with its theory; the largest |z|.
 fn compare(name: &str, records: &Records, sampled: &[Vec<f64>]) -> f64 {
     let mut largest: f64 = 0.0;
     for (at, &m) in records.ms().iter().enumerate() {
         let (mean, se) = mean(&sampled[at]);
-        let oracle = records.oracle(at);
-        let Some(value) = oracle.value else {
-            panic!("{name}, m = {m}: no oracle beside {mean}: {oracle:?}")
+        let theory = records.theory(at);
+        let Some(value) = theory.value else {
+            panic!("{name}, m = {m}: no theory beside {mean}: {theory:?}")
         };
-        let z = (mean - value) / se.hypot(oracle.rounding);
-        assert!(z.abs() < 5.0, "{name}, m = {m}: {mean} ± {se}, not {value} ± {}, z = {z}", oracle.rounding);
+        let z = (mean - value) / se.hypot(theory.rounding);
+        assert!(z.abs() < 5.0, "{name}, m = {m}: {mean} ± {se}, not {value} ± {}, z = {z}", theory.rounding);
         assert!(se < 0.04 * value, "{name}, m = {m}: {mean} ± {se} says nothing");
-        assert!(oracle.rounding < 0.005 * value, "{name}, m = {m}: {oracle:?} says nothing");
+        assert!(theory.rounding < 0.005 * value, "{name}, m = {m}: {theory:?} says nothing");
         largest = largest.max(z.abs());
     }
     largest
@@ -116,25 +116,25 @@ fn slope(records: &Records, sampled: &[Vec<f64>], from: u64, to: u64) -> (f64, f
     (slope, mean(&scatter).1)
 }
 
-/// Largest relative difference of the oracles from the model in physical units.
+/// Largest relative difference of the theory from the model in physical units.
 fn off_the_model(model: &Model, records: &Records) -> f64 {
     let off = |(at, &m): (usize, &u64)| {
         let expected = model.process.expected(model.estimator, model.samples, m).unwrap();
-        (records.oracle(at).value.unwrap() / expected - 1.0).abs()
+        (records.theory(at).value.unwrap() / expected - 1.0).abs()
     };
     model.ms.iter().enumerate().map(off).fold(0.0, f64::max)
 }
 
 #[test]
-fn every_noise_has_its_slope_and_its_oracle() {
+fn every_noise_has_its_slope_and_its_theory() {
     // Up to where a curve of so many records says something, and from where the sampled law is the continuous one.
-    let laws = [
-        ("quantisation", Part::quantisation(0.24), -1.0, [1, 1024]),
+    let references = [
+        ("quantization", Part::quantization(0.24), -1.0, [1, 1024]),
         ("angle random walk", Part::angle_random_walk(0.04), -0.5, [1, 1024]),
         ("bias instability", Part::bias_instability(0.002, 24), 0.0, [1, 1024]),
         ("rate random walk", Part::rate_random_walk(1e-4), 0.5, [16, 1024]),
     ];
-    for (name, part, law, [from, to]) in laws {
+    for (name, part, law, [from, to]) in references {
         let model = Model { ms: octaves(2048, 2), ..Model::of(&[part]) };
         let records = model.lowered();
         let sampled = sampled(&records, 4096);
@@ -159,12 +159,12 @@ fn what_is_the_same_in_all_records_is_exact() {
             let model = Model { estimator, ..Model::of(&parts) };
             let records = model.lowered();
             for (at, found) in sampled(&records, 2).into_iter().enumerate() {
-                let (m, oracle) = (model.ms[at], records.oracle(at));
-                let value = oracle.value.unwrap();
+                let (m, theory) = (model.ms[at], records.theory(at));
+                let value = theory.value.unwrap();
                 assert_eq!(found[0], found[1], "{parts:?}, m = {m}");
                 assert!(
-                    (found[0] - value).abs() <= oracle.rounding,
-                    "{parts:?}, m = {m}: {found:?}, {oracle:?}"
+                    (found[0] - value).abs() <= theory.rounding,
+                    "{parts:?}, m = {m}: {found:?}, {theory:?}"
                 );
                 // Every angle is rounded by half an LSB: a difference by two.
                 let expected = model.process.expected(estimator, model.samples, m).unwrap();
@@ -180,7 +180,7 @@ fn what_is_the_same_in_all_records_is_exact() {
 }
 
 #[test]
-fn markov_noise_sines_and_readouts_have_their_oracles() {
+fn markov_noise_sines_and_readouts_have_their_theories() {
     let n = Part::angle_random_walk(0.04);
     let markov = |time_s| Part::markov(0.01, time_s);
     let sine = |frequency_hz| Part::sine(0.3, frequency_hz);
@@ -198,7 +198,7 @@ fn markov_noise_sines_and_readouts_have_their_oracles() {
         ("sine beyond half the rate", vec![n, sine(61.0)], quiet, 0.0),
         ("pulses of the earth's rate", vec![], 0.38, 15.041),
         ("pulses and white noise", vec![n], 0.38, 15.041),
-        ("pulses, noises and a sine", vec![n, markov(0.5), sine(1.7), Part::quantisation(0.05)], 0.1, 3.3),
+        ("pulses, noises and a sine", vec![n, markov(0.5), sine(1.7), Part::quantization(0.05)], 0.1, 3.3),
         ("pulses and flicker", vec![Part::angle_random_walk(0.9), flicker], 0.02, 15.041),
         ("pulses on a ramp", vec![Part::angle_random_walk(0.9), ramp, warm_up], 0.02, 15.041),
         ("ramp and noise", vec![n, ramp, warm_up], quiet, 0.0),
@@ -224,7 +224,7 @@ fn markov_noise_sines_and_readouts_have_their_oracles() {
 /// The gyros of the Allan paper's table 2: Q in ″, N in °/√h, B in °/h.
 fn gyros() -> [(&'static str, Vec<Part>); 2] {
     let parts = |q: f64, n: f64, b: f64| {
-        vec![Part::quantisation(q), Part::angle_random_walk(n * 60.0), Part::bias_instability(b, 24)]
+        vec![Part::quantization(q), Part::angle_random_walk(n * 60.0), Part::bias_instability(b, 24)]
     };
     [("LGK-400", parts(0.24, 0.00067, 0.00192)), ("LGV-1", parts(0.11, 0.00048, 0.00164))]
 }
@@ -236,7 +236,7 @@ fn nine_hours(parts: &[Part]) -> Model {
 }
 
 #[test]
-fn the_papers_gyros_have_their_oracles_at_all_octaves() {
+fn the_papers_gyros_have_their_theories_at_all_octaves() {
     for (name, parts) in gyros() {
         let model = nine_hours(&parts);
         let records = model.lowered();
@@ -253,7 +253,7 @@ fn flicker_is_flat_to_half_a_percent_for_all_octaves_of_a_record() {
     let parts = [Part::bias_instability(b, 24)];
     let ms: Vec<u64> = (0..=80).map(|eighth| (f64::from(eighth) / 4.0).exp2().round() as u64).collect();
     let records = Model { samples: 1 << 21, ms: ms.clone(), ..Model::of(&parts) }.lowered();
-    let off = |at: usize| records.oracle(at).value.unwrap() / (FLAT_LEVEL * b * b) - 1.0;
+    let off = |at: usize| records.theory(at).value.unwrap() / (FLAT_LEVEL * b * b) - 1.0;
     let offs: Vec<f64> = (0..ms.len()).map(off).collect();
     for (m, off) in ms.iter().zip(&offs) {
         assert!(off.abs() < 0.005, "m = {m}: {off}");
@@ -264,7 +264,7 @@ fn flicker_is_flat_to_half_a_percent_for_all_octaves_of_a_record() {
 /// Models that differ in all that lowering distinguishes.
 fn models() -> Vec<Model> {
     let everything = [
-        Part::quantisation(0.24),
+        Part::quantization(0.24),
         Part::angle_random_walk(0.04),
         Part::bias_instability(0.002, 24),
         Part::rate_random_walk(1e-4),
@@ -335,16 +335,16 @@ fn the_words_of_a_model_are_the_same_on_every_machine() {
 }
 
 #[test]
-fn where_rounding_hides_the_angle_the_oracle_is_blank() {
+fn where_rounding_hides_the_angle_the_theory_is_blank() {
     // The rate walks so far in 2^21 samples that from one sample to the next it is lost in the unit of angle.
     let parts = [Part::rate_random_walk(1.0)];
     let records = Model { samples: 1 << 21, ms: octaves(1 << 21, 2), ..Model::of(&parts) }.lowered();
-    let known: Vec<bool> = (0..records.ms().len()).map(|at| records.oracle(at).value.is_some()).collect();
+    let known: Vec<bool> = (0..records.ms().len()).map(|at| records.theory(at).value.is_some()).collect();
     let first = known.iter().position(|&known| known).unwrap();
     assert!((1..=10).contains(&first) && known[first..].iter().all(|&known| known), "{known:?}");
     // Pulses that the angle stays in for many samples, of an angle without a closed form.
     let parts = [Part::angle_random_walk(0.04), Part::bias_instability(0.01, 24)];
     let records = Model { readout_lsb: 0.38, ..Model::of(&parts) }.lowered();
-    assert_eq!(records.oracle(0).value, None, "{:?}", records.oracle(0));
-    assert!(records.oracle(11).value.is_some());
+    assert_eq!(records.theory(0).value, None, "{:?}", records.theory(0));
+    assert!(records.theory(11).value.is_some());
 }

@@ -1,4 +1,4 @@
-//! Records of a gyro that switches modes: against their oracle, the sawtooth itself and an independent sampler.
+//! Records of a gyro that switches modes: against their theory, the sawtooth itself and an independent sampler.
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -127,7 +127,7 @@ fn the_sawtooth_is_that_of_the_turning_drift() {
         for estimator in ESTIMATORS {
             let records = Model { estimator, ..Model::of(switching) }.lower().unwrap();
             for (at, found) in sampled(&records, 2).into_iter().enumerate() {
-                let (m, oracle) = (records.ms()[at], records.oracle(at));
+                let (m, theory) = (records.ms()[at], records.theory(at));
                 assert_eq!(found[0], found[1], "M = {interval}, m = {m}");
                 // Every angle is rounded by half an LSB.
                 let per_tau = records.lsb_arcsec() / (SAMPLE_S * m as f64);
@@ -137,8 +137,8 @@ fn the_sawtooth_is_that_of_the_turning_drift() {
                 let is_near =
                     (found[0].sqrt() - expected.sqrt()).abs() <= 1.01 * off + 1e-9 * expected.sqrt();
                 assert!(is_near, "M = {interval}, m = {m}: {}, not {expected} ± {off}", found[0]);
-                if let Some(value) = oracle.value {
-                    assert!((found[0] - value).abs() <= oracle.rounding, "m = {m}: {found:?}, {oracle:?}");
+                if let Some(value) = theory.value {
+                    assert!((found[0] - value).abs() <= theory.rounding, "m = {m}: {found:?}, {theory:?}");
                 }
             }
         }
@@ -146,7 +146,7 @@ fn the_sawtooth_is_that_of_the_turning_drift() {
 }
 
 #[test]
-fn fill_residuals_have_their_oracle_at_all_averaging_times() {
+fn fill_residuals_have_their_theory_at_all_averaging_times() {
     let white = Part::angle_random_walk(0.03);
     let flicker = Part::bias_instability(0.01, 24);
     let magnetic = Magnetic { amplitude: 0.2, time_s: 200.0, initial: 0.01 };
@@ -173,11 +173,11 @@ fn fill_residuals_have_their_oracle_at_all_averaging_times() {
                 Model { parts: parts.clone(), switching, readout_lsb, estimator, ..Model::of(switching) };
             let records = model.lower().unwrap_or_else(|error| panic!("{name}: {error}"));
             for (at, found) in sampled(&records, 2048).iter().enumerate() {
-                let (m, (mean, se), oracle) = (records.ms()[at], mean(found), records.oracle(at));
-                let Some(value) = oracle.value else { panic!("{name}, m = {m}: no oracle, {oracle:?}") };
-                let z = (mean - value) / se.hypot(oracle.rounding);
+                let (m, (mean, se), theory) = (records.ms()[at], mean(found), records.theory(at));
+                let Some(value) = theory.value else { panic!("{name}, m = {m}: no theory, {theory:?}") };
+                let z = (mean - value) / se.hypot(theory.rounding);
                 assert!(z.abs() < 5.0, "{name}, {estimator:?}, m = {m}: {mean} ± {se}, not {value}, z = {z}");
-                assert!(se < 0.05 * value && oracle.rounding < 0.005 * value, "{name}, m = {m} says nothing");
+                assert!(se < 0.05 * value && theory.rounding < 0.005 * value, "{name}, m = {m} says nothing");
                 largest = largest.max(z.abs());
                 if switching.drifts() || readout_lsb > 0.0 {
                     continue;

@@ -178,8 +178,8 @@ fn uncompensated_ticks_have_the_moments_of_the_miss() {
         for (estimate, found) in sampled(&lowered) {
             let compensated = estimate.compensation == Compensation::Detuning
                 || estimate.compensation == Compensation::Frequency && estimate.tick != Some(1);
-            assert_eq!(estimate.oracle.is_none(), compensated);
-            let Some((mean, rms)) = estimate.oracle else { continue };
+            assert_eq!(estimate.theory.is_none(), compensated);
+            let Some((mean, rms)) = estimate.theory else { continue };
             let mean_se = (found.rms * found.rms - found.mean * found.mean).sqrt() / (TRIALS as f64).sqrt();
             let z = [
                 (found.mean - mean) / mean_se.hypot(estimate.rounding),
@@ -199,9 +199,9 @@ fn words_have_the_closed_forms_of_the_inputs() {
     for (name, inputs) in named.chain([("exact measurements", exact)]) {
         let lowered = lowered(&inputs);
         for estimate in &lowered.estimates {
-            assert_eq!(estimate.representation.is_some(), estimate.oracle.is_some(), "{name}: {estimate:?}");
-            let (Some(found), Some((_, rms))) = (estimate.representation, estimate.oracle) else { continue };
-            // Half a unit of the miss is below 2^-20 of it and half a unit of f0's error below 2^-35, and a tick's word is
+            assert_eq!(estimate.representation.is_some(), estimate.theory.is_some(), "{name}: {estimate:?}");
+            let (Some(found), Some((_, rms))) = (estimate.representation, estimate.theory) else { continue };
+            // Half a unit of the initial detuning is below 2^-20 of it and half a unit of f0's error below 2^-35, and a tick's word is
             // within an eighth of an LSB.
             let ticks = if estimate.tick.is_some() { 1.0 } else { f64::from(inputs.relock.ticks) };
             let most = MOST_REPRESENTATION * rms + ticks * lowered.fixed.lsb_arcsec / 8.0;
@@ -249,7 +249,7 @@ fn a_wrong_f0_leaves_its_part_of_the_angle() {
         if estimate.compensation != Compensation::Detuning {
             continue;
         }
-        let (mean, rms) = estimate.oracle.unwrap();
+        let (mean, rms) = estimate.theory.unwrap();
         let z = (found.rms - rms) / found.rms_se.unwrap().hypot(estimate.rounding);
         assert!(mean == 0.0 && z.abs() < 5.0, "{estimate:?}: {found:?}, z = {z}");
     }
@@ -287,7 +287,7 @@ fn relocks_that_make_no_sense_are_refused_by_name() {
         ("relock.adc_noise", error(&|relock| relock.adc_noise = 1e-11)),
         ("relock.half_wave_error", error(&|relock| relock.half_wave_error = 1e-11)),
         (
-            "relock.miss",
+            "relock.initial_detuning",
             error(&|relock| {
                 (relock.miss, relock.half_wave_error, relock.dac_step, relock.hysteresis) =
                     (0.0, 0.0, 0.0, 0.0);

@@ -154,7 +154,7 @@ fn the_density_of_each_noise_is_its_closed_form() {
     // From a place where the window does not smear a steep density, to one where the holds still have that of flicker.
     let table = [
         (Part::angle_random_walk(0.3), 2..500, 0.0),
-        (Part::quantisation(0.3), 8..500, 0.0),
+        (Part::quantization(0.3), 8..500, 0.0),
         (Part::rate_random_walk(0.3), 40..500, 0.0),
         (Part::markov(0.3, 0.2), 8..500, 0.0),
         (Part::bias_instability(0.3, 24), 8..100, 0.07),
@@ -253,7 +253,7 @@ fn a_dither_whose_phase_walks_is_one_line_with_its_power() {
 #[test]
 fn noise_alone_shows_a_line_in_at_most_one_of_a_hundred_records() {
     let white = vec![Part::angle_random_walk(1.0)];
-    let red = vec![Part::angle_random_walk(1.0), Part::rate_random_walk(30.0), Part::quantisation(0.1)];
+    let red = vec![Part::angle_random_walk(1.0), Part::rate_random_walk(30.0), Part::quantization(0.1)];
     for parts in [white, red] {
         let shows = |seed: u64| {
             let found = Density::of(&record(&parts, 8192, 1000 + seed), &Welch::default()).unwrap();
@@ -293,7 +293,7 @@ fn n_of_the_floor_is_within_the_interval_of_the_fit_and_its_own_contains_the_tru
 
 #[test]
 fn the_floor_is_where_the_density_is_flat() {
-    let parts = [Part::angle_random_walk(0.1), Part::rate_random_walk(0.5), Part::quantisation(0.0173)];
+    let parts = [Part::angle_random_walk(0.1), Part::rate_random_walk(0.5), Part::quantization(0.0173)];
     let found = Density::of(&record(&parts, 1 << 18, 5), &Welch::default()).unwrap();
     let floor = Floor::of(&found, &lines(&found)).unwrap();
     let [from, to] = floor.range_hz;

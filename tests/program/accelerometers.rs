@@ -105,7 +105,7 @@ fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
     let found = desk.table("results/acc/coefficients.csv");
     let n = row(&found, &[("coefficient", "N")]);
     let expected = 100e-6 * G * 60.0;
-    assert_eq!((n["unit"].as_str(), n["verdict"].as_str()), ("m/s/sqrt(h)", "identified"));
+    assert_eq!((n["unit"].as_str(), n["status"].as_str()), ("m/s/sqrt(h)", "estimated"));
     assert!(number(n, "lower") < expected && expected < number(n, "upper"), "{expected}: {n:?}");
     assert!((number(n, "value") / expected - 1.0).abs() < 0.02, "{expected}: {n:?}");
     let units: Vec<&str> = found.iter().map(|row| row["unit"].as_str()).collect();

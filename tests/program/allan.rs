@@ -22,7 +22,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683 \
                  --intervals stable32";
     let ended = done(&desk, words);
-    for piece in ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "In-run stability"]
+    for piece in ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "in-run bias stability"]
     {
         assert!(
             ended.stdout.contains(piece),
@@ -32,7 +32,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     }
     let curve_rows = curve(&desk, "results/PHASE");
     let row = curve_rows.iter().find(|row| row["deviation"] == "oadev" && row["m"] == "8").unwrap();
-    assert_eq!((row["terms"].as_str(), row["alpha"].as_str(), row["tau_s"].as_str()), ("985", "0", "8"));
+    assert_eq!((row["differences"].as_str(), row["alpha"].as_str(), row["tau_s"].as_str()), ("985", "0", "8"));
     for (name, expected) in [("lower", 0.10038), ("value", 0.10570), ("upper", 0.11198)] {
         let found: f64 = row[name].parse().unwrap();
         assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found}, not {expected}");
@@ -44,7 +44,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     }
     let document: Value = serde_json::from_str(&done(&desk, &format!("{words} --json")).stdout).unwrap();
     let point = &document["columns"][0]["curves"][0]["points"][3];
-    assert_eq!((point["m"].as_u64(), point["terms"].as_u64()), (Some(8), Some(985)));
+    assert_eq!((point["m"].as_u64(), point["differences"].as_u64()), (Some(8), Some(985)));
     // Without a time deviation its chart of before would be a lie.
     done(&desk, "PHASE.DAT --data angle --unit none --rate 1Hz --quiet");
     assert!(!desk.path("results/PHASE/chart-tdev.png").exists());
@@ -104,7 +104,7 @@ fn pulses_rates_and_angles_of_the_same_motion_give_the_same_curve() {
     });
     for (i, row) in curves[0].iter().enumerate() {
         for other in &curves[1..] {
-            assert_eq!((&row["m"], &row["terms"]), (&other[i]["m"], &other[i]["terms"]));
+            assert_eq!((&row["m"], &row["differences"]), (&other[i]["m"], &other[i]["differences"]));
             let [a, b] = [row, &other[i]].map(|row| row["value"].parse::<f64>().unwrap());
             assert!((a / b - 1.0).abs() < 1e-8, "{} at m = {}: {a} and {b}", row["deviation"], row["m"]);
         }
@@ -165,15 +165,15 @@ fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
     let number = |name: &str, column: &str| crate::desk::number(row(name), column);
     // 1/√3 °/h of white rate in samples of 1 s.
     let n = 1.0 / 3.0_f64.sqrt() / 60.0;
-    assert_eq!((row("N")["unit"].as_str(), row("N")["verdict"].as_str()), ("deg/sqrt(h)", "identified"));
+    assert_eq!((row("N")["unit"].as_str(), row("N")["status"].as_str()), ("deg/sqrt(h)", "estimated"));
     assert!(number("N", "lower") < n && n < number("N", "upper"), "{rows:?}");
     assert!((number("N", "value") / n - 1.0).abs() < 0.03, "{rows:?}");
     for other in ["Q", "B", "K", "R"] {
-        assert!(row(other)["value"].is_empty() && row(other)["verdict"] != "identified", "{rows:?}");
+        assert!(row(other)["value"].is_empty() && row(other)["status"] != "estimated", "{rows:?}");
     }
     let curve_rows = curve(&desk, "out");
     let least = curve_rows.iter().map(|row| row["value"].parse::<f64>().unwrap()).fold(f64::MAX, f64::min);
-    assert_eq!(number("in_run_stability", "value"), least);
+    assert_eq!(number("in_run_bias_stability", "value"), least);
 
     done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out given --fit N,B");
     assert_eq!(desk.read("given/coefficients.csv").lines().count(), 1 + 2 + 2);

@@ -10,14 +10,14 @@ use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Fitter, fit_record};
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
-use sagnac::kinds::allan::realisations::realisations;
+use sagnac::kinds::allan::realizations::realizations;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
 
 const SAMPLES: u64 = 4096;
 const RECORDS: usize = 300;
-const REALISATIONS: usize = 200;
+const REALIZATIONS: usize = 200;
 
 /// A gyro whose record of 4096 s shows Q and N well, and of B that it is there.
 const TRUTH: [f64; 3] = [0.11, 0.0288, 0.005];
@@ -29,7 +29,7 @@ fn cpu() -> Cpu {
 /// Curves of records of that gyro.
 fn curves() -> Vec<Curve> {
     let [q, n, b] = TRUTH;
-    let parts = vec![Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
+    let parts = vec![Part::quantization(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
     let process = Process { sample_s: 1.0, parts };
     let ms: Vec<u64> = (0..10).map(|octave| 1 << octave).collect();
     let records = Records::new(&Asked {
@@ -55,8 +55,8 @@ fn intervals_from_simulated_records_cover_the_truth() {
     let fitter = Fitter::new(&curves[0], &Terms::Given(QNB.to_vec())).unwrap();
     let fit = |curve: &Curve| {
         let first = fitter.fit_record(curve.variances()).unwrap();
-        let rows = realisations(&cpu, curve, &first, REALISATIONS, &|_| {}).unwrap();
-        fitter.fit_realised(curve.variances(), &first, &rows).unwrap()
+        let rows = realizations(&cpu, curve, &first, REALIZATIONS, &|_| {}).unwrap();
+        fitter.fit_realized(curve.variances(), &first, &rows).unwrap()
     };
     let fits: Vec<Fit> = curves.iter().map(fit).collect();
     for (term, truth) in QNB.into_iter().zip(TRUTH) {
@@ -73,10 +73,10 @@ fn intervals_from_simulated_records_cover_the_truth() {
 }
 
 #[test]
-fn realisations_follow_from_the_record_and_more_of_them_go_on_from_the_first() {
+fn realizations_follow_from_the_record_and_more_of_them_go_on_from_the_first() {
     let curve = &curves()[0];
     let first = fit_record(curve, &Terms::Given(QNB.to_vec())).unwrap();
-    let rows = |curve: &Curve, count| realisations(&cpu(), curve, &first, count, &|_| {}).unwrap();
+    let rows = |curve: &Curve, count| realizations(&cpu(), curve, &first, count, &|_| {}).unwrap();
     let few = rows(curve, 3);
     assert_eq!(few, rows(curve, 5)[..3]);
     let mut variances = curve.variances().to_vec();

@@ -11,7 +11,7 @@ use sagnac::theory::allan::process::Process;
 use toml::{Table, Value};
 
 const GYRO: [Part; 3] =
-    [Part::quantisation(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
+    [Part::quantization(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
 
 /// N = 0.02 ″/√s and K = 0.002 ″/s^1.5, in °/√h and °/h/√h.
 const WALK: [Part; 2] = [Part::angle_random_walk(0.02), Part::rate_random_walk(0.002)];
@@ -57,7 +57,7 @@ fn coefficients(desk: &Desk) -> BTreeMap<(String, String), (String, String, Stri
 fn verdict(desk: &Desk, name: &str) -> (String, String) {
     let rows = desk.table("out/coefficients.csv");
     let row = row(&rows, &[("coefficient", name)]);
-    (row["value"].clone(), row["verdict"].clone())
+    (row["value"].clone(), row["status"].clone())
 }
 
 /// The number in front of a unit.
@@ -123,8 +123,8 @@ fn noise_toml_has_the_identified_coefficients_and_says_the_rest() {
     let desk = gyro();
     allan(&desk, "gyro.csv");
     let (found, noise) = (coefficients(&desk), noise_of(&desk, "noise.toml"));
-    assert_eq!(names(&noise), ["angle_random_walk", "bias_instability", "quantisation"]);
-    for (key, name) in [("quantisation", "Q"), ("angle_random_walk", "N"), ("bias_instability", "B")] {
+    assert_eq!(names(&noise), ["angle_random_walk", "bias_instability", "quantization"]);
+    for (key, name) in [("quantization", "Q"), ("angle_random_walk", "N"), ("bias_instability", "B")] {
         let (value, _, unit) = &found[&("gz".to_owned(), name.to_owned())];
         let (written, value) = (number(&noise[key], unit), value.parse::<f64>().unwrap());
         assert!((written / value - 1.0).abs() < 1e-5, "{key}: {written}, not {value} {unit}");
@@ -288,7 +288,7 @@ fn a_curve_that_is_not_described_gives_no_coefficient_to_any_output_unless_force
     assert!(ended.stdout.contains("\nNo noise model fits; curve minimum "), "{}", ended.stdout);
     assert_eq!(ended.stdout.matches("model rejected").count(), 5, "{}", ended.stdout);
     for name in ["Q", "N", "B", "K", "R"] {
-        assert_eq!(verdict(&desk, name), (String::new(), "not described".to_owned()), "{name}");
+        assert_eq!(verdict(&desk, name), (String::new(), "model rejected".to_owned()), "{name}");
     }
     assert!(!desk.path("out/noise.toml").exists());
     let json: serde_json::Value =
@@ -297,27 +297,27 @@ fn a_curve_that_is_not_described_gives_no_coefficient_to_any_output_unless_force
     assert_eq!(column["fit"]["described"], false);
     for row in column["coefficients"].as_array().unwrap() {
         assert!(row["value"].is_null() && row["upper"].is_null(), "{row}");
-        assert_eq!(row["verdict"], "not described");
+        assert_eq!(row["status"], "model rejected");
     }
     desk.fails(
         "allan gyro.csv --data rate --rate 1Hz --bootstrap 0 --kalibr imu.yaml",
         3,
-        &["gz: not described", "--fit-from 1s", "--force"],
+        &["gz: model rejected", "--fit-from 1s", "--force"],
     );
     assert!(!desk.path("imu.yaml").exists());
     desk.write("other.csv", &log("gz [deg/h]", &[undescribed().iter().map(|x| 2.0 * x).collect()]));
     let compared = desk.done("compare gyro.csv other.csv --data rate --rate 1Hz");
-    assert!(compared.stderr.contains("no coefficients: not described"), "{}", compared.stderr);
+    assert!(compared.stderr.contains("no coefficients: model rejected"), "{}", compared.stderr);
 
     allan(&desk, "gyro.csv --bootstrap 0 --kalibr imu.yaml --force");
-    assert!(desk.read("imu.yaml").contains(": not described"), "{}", desk.read("imu.yaml"));
+    assert!(desk.read("imu.yaml").contains(": model rejected"), "{}", desk.read("imu.yaml"));
     assert!(desk.read("out/noise.toml").contains("# Not described"), "{}", desk.read("out/noise.toml"));
     let forced = verdict(&desk, "N");
-    assert!(!forced.0.is_empty() && forced.1 == "not described", "{forced:?}");
+    assert!(!forced.0.is_empty() && forced.1 == "model rejected", "{forced:?}");
 
     let ended = allan(&desk, "gyro.csv --bootstrap 0 --fit-to 8s");
     assert!(ended.stdout.contains("τ 1–8 s, χ²"), "{}", ended.stdout);
-    assert_eq!(verdict(&desk, "N").1, "identified");
+    assert_eq!(verdict(&desk, "N").1, "estimated");
 }
 
 #[test]
@@ -328,10 +328,10 @@ fn the_filter_of_a_sensor_is_said_and_stays_out_of_noise_toml() {
     let ended = allan(&desk, "gyro.csv");
     let said = crate::desk::unwrapped(&ended.stderr);
     assert!(said.contains("the sensor filters its rate") && said.contains("from 2 s on"), "{said}");
-    assert_eq!((verdict(&desk, "L").1.as_str(), verdict(&desk, "B").0.as_str()), ("identified", ""));
+    assert_eq!((verdict(&desk, "L").1.as_str(), verdict(&desk, "B").0.as_str()), ("estimated", ""));
     // 0.6 ″/√s in °/√h.
     let (n, found) = verdict(&desk, "N");
-    assert!(found == "identified" && (n.parse::<f64>().unwrap() / 0.01 - 1.0).abs() < 0.05, "{n}: {found}");
+    assert!(found == "estimated" && (n.parse::<f64>().unwrap() / 0.01 - 1.0).abs() < 0.05, "{n}: {found}");
     let table: Table = desk.read("out/noise.toml").parse().unwrap();
     assert_eq!(table.keys().collect::<Vec<_>>(), ["angle_random_walk"]);
 }

@@ -56,7 +56,7 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     // The study that was written gives the same value.
     desk.done("run out/navigation.toml --device cpu --out study");
     let row = desk.table("study/points.csv").remove(0);
-    let value: f64 = row["position_q95_nmi"].parse().unwrap();
+    let value: f64 = row["position_p95_nmi"].parse().unwrap();
     assert!((value - within(&document)).abs() < 1e-8, "{value} against {navigation}");
     // A longer time is worse; the oscillation of 84 min leaves less than the power 3/2 of white noise.
     let longer = json(&desk, "4h");

@@ -60,13 +60,13 @@ fn chart(lines: &str) -> String {
 fn a_chosen_interval_is_answered_by_the_best_one_and_by_what_costs_as_much() {
     let sweep =
         "[[sweep]]\nkey = \"switching.interval\"\nlist = [\"5 s\", \"10 s\", \"20 s\", \"30 s\", \"60 s\"]\n";
-    let over = chart("x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"filler\"]");
+    let over = chart("x = \"interval\"\ny = \"drift_p99_73\"\nseries = [\"filler\"]");
     let said = headline(&format!("{RUNS}{sweep}{over}"));
     assert!(said.starts_with("Best switching interval: ") && said.contains("(quadratic)"), "{said}");
     // The length of a run is given, so that each has a best interval, and the one that costs most is told.
     let lengths = "[[sweep]]\nkey = \"run.duration\"\nlist = [\"10 min\", \"20 min\"]\n";
     let by_length = chart(
-        "x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"duration\"]\nwhere = { filler = \"const\" }",
+        "x = \"interval\"\ny = \"drift_p99_73\"\nseries = [\"duration\"]\nwhere = { filler = \"const\" }",
     );
     let found = answer(&format!("{RUNS}{lengths}{sweep}{by_length}"));
     assert_eq!(found["kind"], "optimum");
@@ -82,7 +82,7 @@ fn a_chosen_interval_is_answered_by_the_best_one_and_by_what_costs_as_much() {
     assert_eq!((&found["kind"], &found["limit"]["value"]), (&json!("threshold"), &json!(1.0)));
     // Names side by side are judged each for itself.
     let beside =
-        chart("x = \"filler\"\ny = \"drift_q9973\"\nwhere = { interval = \"20 s\" }\nlimit = \"0.3 deg/h\"");
+        chart("x = \"filler\"\ny = \"drift_p99_73\"\nwhere = { interval = \"20 s\" }\nlimit = \"0.3 deg/h\"");
     let found = answer(&format!("{RUNS}{sweep}{beside}"));
     assert_eq!([0, 1].map(|at| row(&found, at)[0]), ["quadratic", "const"]);
     assert_eq!([0, 1].map(|at| *row(&found, at).last().unwrap()), ["met", "not met"]);
@@ -106,7 +106,7 @@ fn names_side_by_side_are_answered_by_what_their_chart_shows() {
 
 #[test]
 fn a_limit_is_answered_by_where_each_curve_crosses_it_with_the_interval_of_that_place() {
-    let over = chart("x = \"frequency\"\ny = \"q9973\"\nseries = [\"filler\"]\nlimit = \"20 arcsec\"");
+    let over = chart("x = \"frequency\"\ny = \"p99_73\"\nseries = [\"filler\"]\nlimit = \"20 arcsec\"");
     let found = answer(&with(&format!("{FREQUENCIES}{over}")));
     assert_eq!((&found["kind"], &found["status"]["is"]), (&json!("threshold"), &json!("partly_met")));
     let value = &found["value"];

@@ -212,11 +212,11 @@ fn readouts_and_relocks_that_make_no_sense_are_refused() {
 #[test]
 fn precisions_that_make_no_sense_are_refused() {
     let precision = |value: &str| format!("precision = {value}\n{STUDY}");
-    refused(&precision("\"fine\""), "1:13", &["\"fine\" is not a percentage", "q9973 = \"2 %\""]);
+    refused(&precision("\"fine\""), "1:13", &["\"fine\" is not a percentage", "p99_73 = \"2 %\""]);
     refused(&precision("\"0 %\""), "1:13", &["precision = 0 % is out of range", "0.0001 % … 50 %"]);
     refused(&precision("0.5"), "1:13", &["0.5 is not a percentage"]);
     let level = |part: &str| {
-        let desk = Desk::with(&precision(&format!("{{ q9973 = \"{part} %\" }}")));
+        let desk = Desk::with(&precision(&format!("{{ p99_73 = \"{part} %\" }}")));
         crate::desk::unwrapped(&desk.done("run study.toml --device cpu --trials 1000").stderr)
     };
     assert!(level("0.7").contains("some may not reach the 0.7 % requested, and take all trials"));

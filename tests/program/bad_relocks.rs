@@ -7,7 +7,7 @@ kind = "relock"
 [gyro]
 tick = "5 ms"
 [relock]
-miss = 0.05
+initial_detuning = 0.05
 half_wave_error = 0.002
 loop_time = "12 ms"
 bias_frequency = "80 kHz"
@@ -29,8 +29,8 @@ fn spreads_below_0_and_values_out_of_range_are_refused() {
         &["relock.half_wave_error = -0.002", "negative", "accepted: 0 to 1"],
     );
     refused(&replaced("adc_noise = 0.0002", "adc_noise = -1"), "12:13", &["relock.adc_noise", "negative"]);
-    refused(&replaced("0.05", "1.5"), "6:8", &["relock.miss = 1.5", "too large", "-1 to 1"]);
-    refused(&replaced("0.05", "\"5 ms\""), "6:8", &["is not a ratio", "0.05 or \"5 %\""]);
+    refused(&replaced("0.05", "1.5"), "6:20", &["relock.initial_detuning = 1.5", "too large", "-1 to 1"]);
+    refused(&replaced("0.05", "\"5 ms\""), "6:20", &["is not a ratio", "0.05 or \"5 %\""]);
     refused(&replaced("\"12 ms\"", "12"), "8:13", &["a bare number", "accepted: a time"]);
     refused(&format!("{STUDY}ticks = 9\n"), "13:9", &["relock.ticks = 9", "1 … 8"]);
     refused(&format!("{STUDY}temperature_error = \"7 %\"\n"), "13:21", &["out of range", "0 % to 5 %"]);
@@ -50,7 +50,7 @@ fn loops_and_biases_that_make_no_sense_are_refused() {
     refused(&replaced("80 kHz", "900000 kHz"), "9:18", &["too many"]);
     refused(&replaced("curvature = 40", "curvature = 400"), "11:13", &["leaves no bias", "χ·Δλ² = "]);
     refused(&replaced("adc_noise = 0.0002", "adc_noise = 1e-11"), "12:13", &["is lost beside", "or 0"]);
-    refused(&replaced("0.05\nhalf_wave_error = 0.002", "0"), "6:8", &["nothing to relock", "give a miss"]);
+    refused(&replaced("0.05\nhalf_wave_error = 0.002", "0"), "6:20", &["nothing to relock", "give an initial detuning"]);
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn what_belongs_to_other_kinds_is_refused() {
         &["relock.ticks holds for the whole study", "relock.adc_noise"],
     );
     let chart = |more: &str| format!("{STUDY}[chart]\nx = \"tick_number\"\ny = \"rms\"\n{more}");
-    refused(&chart("laws = [\"noise\"]"), "16:9", &["\"noise\" is a law of gap fillers"]);
+    refused(&chart("references = [\"noise\"]"), "16:9", &["\"noise\" is a reference curve of gap fillers"]);
     refused(&chart("where = { tick = \"5\" }"), "16:18", &["no row has tick = \"5\"", "all"]);
     refused(&chart("where = { compensation = \"both\" }"), "16:26", &["no row has compensation", "detuning"]);
 }

@@ -36,7 +36,7 @@ duration = "10 min"
 
 /// Relock after each switch.
 const RELOCK: &str = r#"[relock]
-miss = 0.05
+initial_detuning = 0.05
 loop_time = "12 ms"
 bias_frequency = "80 kHz"
 pulse_weight = "2.6 arcsec"
@@ -248,7 +248,7 @@ fn trajectories_out_of_range_and_charts_of_none_are_refused() {
         "16:17",
         &["no row has run = \"3\"", "accepted: 1, 2"],
     );
-    refused(&chart(&with("2"), "laws = [\"noise\"]"), "16:9", &["is a law of gap fillers", "leave it out"]);
+    refused(&chart(&with("2"), "references = [\"noise\"]"), "16:9", &["is a reference curve of gap fillers", "leave it out"]);
     refused(
         &replaced(&chart(&with("2"), ""), "\"error\"", "\"drift_rms\""),
         "15:5",

@@ -215,7 +215,7 @@ fn charts_with_keys_of_another_kind_are_refused() {
         "19:8",
         &["unknown value \"pie\"", "curves, heat-map, winner-map"],
     );
-    refused(&swept_chart(map), "19:8", &["needs z", "z = \"q9973\""]);
+    refused(&swept_chart(map), "19:8", &["needs z", "z = \"p99_73\""]);
     refused(
         &swept_chart("x = \"dt_nu\"\ny = \"rms\"\nz = \"rms\""),
         "21:5",
@@ -261,7 +261,7 @@ fn laws_are_refused_where_they_cannot_be_drawn() {
     refused(
         &laws("x = \"max\"\ny = \"rms\""),
         "19:5",
-        &["laws cannot be drawn over `max`", "motion.frequency"],
+        &["reference curves cannot be drawn over `max`", "motion.frequency"],
     );
     refused(
         &laws("x = \"dt_nu\"\ny = \"z\""),

@@ -139,7 +139,7 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     .map(str::to_owned);
     assert_eq!(desk.names("results/study"), [charts.concat(), files.into()].concat());
     let table = desk.read("results/study/points.csv");
-    let laws = "law_taylor_extremum_arcsec,law_taylor_zero_crossing_arcsec";
+    let laws = "reference_taylor_extremum_arcsec,reference_taylor_zero_crossing_arcsec";
     let header = format!("motion.frequency_hz,switching.gap_ticks,{HEADER},{laws}");
     assert_eq!(table.lines().next(), Some(header.as_str()));
     assert_eq!(desk.points("results/study").len(), 24 * 3 * 3 * 2);

@@ -52,11 +52,11 @@ fn half_the_noise_is_found_in_table_csv_json_answer_and_pictures() {
         ("8", "8", "8")
     );
     assert!(number(&ratios[0], "lower") < 0.5 && number(&ratios[0], "upper") > 0.5, "{:?}", ratios[0]);
-    assert_eq!((ratios[0]["unit"].as_str(), ratios[0]["verdict"].as_str()), ("deg/h", "B lower"));
+    assert_eq!((ratios[0]["unit"].as_str(), ratios[0]["status"].as_str()), ("deg/h", "B lower"));
     let coefficients = desk.table("results/a_vs_b/coefficients.csv");
     let n = &coefficients[0];
     assert_eq!(
-        (n["coefficient"].as_str(), n["unit"].as_str(), n["verdict"].as_str()),
+        (n["coefficient"].as_str(), n["unit"].as_str(), n["status"].as_str()),
         ("N", "deg/sqrt(h)", "B lower")
     );
     // 6 °/h in samples of 1 s are 0.1 °/√h.
@@ -108,7 +108,7 @@ fn equal_noise_is_not_told_apart_and_the_length_that_would_is_named() {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let n = &desk.table("results/a_vs_b/coefficients.csv")[0];
-    assert_eq!(n["verdict"], "not told apart");
+    assert_eq!(n["status"], "consistent");
     assert!(number(n, "p") > 0.05 && number(n, "lower") < 0.0 && number(n, "upper") > 0.0, "{n:?}");
     let length =
         ["length_needed_s", "length_beyond_s"].into_iter().find_map(|name| n[name].parse::<f64>().ok());
@@ -124,7 +124,7 @@ fn one_record_twice_is_said_to_be_one() {
         assert_eq!((row["ratio"].as_str(), row["p"].as_str()), ("1", "1"), "{row:?}");
     }
     let n = &desk.table("results/a_vs_a/coefficients.csv")[0];
-    assert_eq!((n["p"].as_str(), n["difference"].as_str(), n["verdict"].as_str()), ("1", "0", "equal"));
+    assert_eq!((n["p"].as_str(), n["difference"].as_str(), n["status"].as_str()), ("1", "0", "equal"));
     assert!(n["length_needed_s"].is_empty() && n["length_beyond_s"].is_empty(), "{n:?}");
 }
 
@@ -194,7 +194,7 @@ fn gaps_and_outliers_are_said_and_no_fit_leaves_the_curves() {
     std::fs::write(desk.path("a.csv"), lines(&white(2000, 1.0, 3))).unwrap();
     done(&desk, &format!("a.csv b.csv {RATE} --fit N,K"));
     let rows = desk.table("results/a_vs_b/coefficients.csv");
-    assert_eq!((rows[1]["coefficient"].as_str(), rows[1]["verdict"].as_str()), ("K", "in neither record"));
+    assert_eq!((rows[1]["coefficient"].as_str(), rows[1]["status"].as_str()), ("K", "in neither record"));
     assert!(
         rows[1]["a"].is_empty() && rows[1]["p"].is_empty() && number(&rows[1], "a_at_most") > 0.0,
         "{rows:?}"
@@ -219,7 +219,7 @@ fn noise_that_only_one_record_shows_has_a_p_and_no_value_of_the_other() {
     let rows = desk.table("results/a_vs_b/coefficients.csv");
     let k = rows.iter().find(|row| row["coefficient"] == "K").unwrap();
     assert!(k["b"].is_empty() && k["difference"].is_empty() && number(k, "upper") < 0.0, "{k:?}");
-    assert!(number(k, "p") < 0.05 && k["verdict"] == "B lower", "{k:?}");
+    assert!(number(k, "p") < 0.05 && k["status"] == "B lower", "{k:?}");
     assert!((number(k, "a") / (60.0 * 0.03) - 1.0).abs() < 0.5, "{k:?}");
 }
 
@@ -287,9 +287,9 @@ fn a_filter_of_one_log_is_no_difference_and_hides_none_of_n() {
         assert_eq!(document["b"]["events"], serde_json::json!([]));
         let rows = document["coefficients"].as_array().unwrap();
         let n = rows.iter().find(|row| row["coefficient"] == "N").unwrap();
-        let expected = if is_equal { "not told apart" } else { "B higher" };
+        let expected = if is_equal { "consistent" } else { "B higher" };
         assert!(p < 1e-4 || is_equal, "seed {seed}: p = {p}");
-        assert!((p > 0.05) == is_equal && n["verdict"] == expected, "seed {seed}: p = {p}, {n}");
+        assert!((p > 0.05) == is_equal && n["status"] == expected, "seed {seed}: p = {p}, {n}");
     }
 }
 

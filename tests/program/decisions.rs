@@ -1,4 +1,4 @@
-//! The answers in which `sagnac allan`, `compare` and `lot` end: limits are held against intervals, and every answer says
+//! The answers in which `sagnac allan`, `compare` and `lot` end: limits are checked against intervals, and every answer says
 //! what the numbers say.
 
 use sagnac::quantity::number::significant;
@@ -119,7 +119,7 @@ fn several_limits_are_judged_together_and_the_worst_one_says_what_limits() {
     let found = allan(
         &desk,
         "",
-        &["angle_random_walk=0.05 deg/sqrt(h)", "B=100 deg/h", "in_run_stability=100 deg/h"],
+        &["angle_random_walk=0.05 deg/sqrt(h)", "B=100 deg/h", "in_run_bias_stability=100 deg/h"],
     );
     assert_eq!(found["decision"]["met"], json!(false));
     let names: Vec<&str> = found["decision"]["limits"]
@@ -128,7 +128,7 @@ fn several_limits_are_judged_together_and_the_worst_one_says_what_limits() {
         .iter()
         .map(|one| one["coefficient"].as_str().unwrap())
         .collect();
-    assert_eq!(names, ["N", "B", "in_run_stability"]);
+    assert_eq!(names, ["N", "B", "in_run_bias_stability"]);
     assert!(headline(&found).starts_with("N 0.1"), "{found:#}");
     assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 2, "of": 3 }));
     assert_eq!(found["answer"]["limit"]["value"], json!(0.05));
@@ -276,7 +276,7 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
         .zip(names.into_iter().zip(sigmas))
         .map(|(seed, (name, sigma))| (name, white(4096, sigma, seed)))
         .collect();
-    let desk = desk_with("lot.csv", text(&columns));
+    let desk = desk_with("batch.csv", text(&columns));
     let lot = format!("lot lot.csv {READ} --column g1,g2,g3,g4,g5,g6");
     let found = document(&desk, &lot, &["N=0.12 deg/sqrt(h)"]);
     assert_eq!(found["decision"]["met"], json!(false));
@@ -284,7 +284,7 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
     assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 5, "of": 6 }));
     let facts = found["answer"]["facts"].as_array().unwrap();
     let next = facts.iter().find(|fact| fact["name"] == "Next unit, 95 %").unwrap();
-    // Without the odd unit the next one is expected below the limit.
+    // Without the outlier the next one is expected below the limit.
     let [low, high] = [0, 1].map(|end| next["value"]["interval"][end].as_f64().unwrap());
     assert!(0.08 < low && high < 0.12, "{next}");
     let wide = document(&desk, &lot, &["N=0.3 deg/sqrt(h)"]);
@@ -292,7 +292,7 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
     let free = document(&desk, &lot, &[]);
     assert!(headline(&free).starts_with("g4 is an outlier: N 1.98 × the median (p = "), "{free:#}");
     assert_eq!((rows(&free)[0][0], rows(&free)[0][4]), ("g4", "outlier"));
-    desk.fails(&format!("{lot} --limit floor=1deg/sqrt(h)"), 2, &["`floor` is nothing that can be limited"]);
+    desk.fails(&format!("{lot} --limit floor=1deg/sqrt(h)"), 2, &["unknown limit `floor`"]);
 }
 
 #[test]
@@ -300,7 +300,7 @@ fn limits_that_make_no_sense_are_refused_before_anything_is_written() {
     let desk = gyro();
     for (limit, pieces) in [
         ("--limit N", ["has no `=`", "N=0.003 deg/sqrt(h)"]),
-        ("--limit M=1", ["`M` is nothing that can be limited", "accepted: Q, N, B, K, R"]),
+        ("--limit M=1", ["unknown limit `M`", "accepted: Q, N, B, K, R"]),
         ("--limit N=1deg/h", ["is an angular rate", "deg/sqrt(h) for gyros"]),
         ("--limit N=0deg/sqrt(h)", ["0 is not a positive number", "deg/sqrt(h)"]),
         ("--limit N=1", ["is for plain numbers, which no column has", "in deg/sqrt(h)"]),

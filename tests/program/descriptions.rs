@@ -86,12 +86,12 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
     desk.done("lot two.csv --data rate --column gx,gz --out lot");
-    desk.done(&format!("model {log} {read} --bound --out model"));
+    desk.done(&format!("model {log} {read} --overbound --out model"));
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
     desk.done(
         "filler minimum-variance --gap-ticks 1 --tick 5ms --band 20Hz --amplitude 1deg/s --noise 1arcsec --latency 5ms --out trade",
     );
-    let by = ["drift_q9973", "drift_rms", "largest_q9973", "largest_rms"];
+    let by = ["drift_p99_73", "drift_rms", "largest_p99_73", "largest_rms"];
     for by in by {
         desk.done(&format!(
             "design {studies}/design_point.toml --trials 64 --device cpu --by {by} --out {by}"
@@ -101,7 +101,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         "design {studies}/design_point.toml --trials 64 --device cpu --latency 10ms --out pareto"
     ));
     desk.done(&format!(
-        "sensitivity {studies}/what_decides.toml --by oracle_rms --samples 32 --out sensitivity"
+        "sensitivity {studies}/what_decides.toml --by theory_rms --samples 32 --out sensitivity"
     ));
     let all = files();
     let command = |command: &str, name: &str| {
@@ -122,7 +122,7 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("compare", "compare.csv", "compare"),
         ("compare", "coefficients.csv", "compare"),
         ("lot", "units.csv", "lot"),
-        ("lot", "lot.csv", "lot"),
+        ("lot", "batch.csv", "lot"),
         ("model", "model.csv", "model"),
         ("filler", "weights.csv", "filler"),
         ("filler", "test_vectors.csv", "filler"),
@@ -166,7 +166,7 @@ fn every_role_refers_to_a_column_of_its_file() {
                 Role::Lower
                 | Role::Upper
                 | Role::StandardError
-                | Role::Oracle
+                | Role::Theory
                 | Role::Z
                 | Role::Representation
                 | Role::Least => found,

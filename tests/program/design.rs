@@ -167,7 +167,7 @@ fn the_recommendation_has_the_documented_keys_and_files() {
     ] {
         assert!(number(&found, key) >= 0.0, "{key}");
     }
-    assert_eq!([&found["estimate"], &found["unit"]], ["drift_q9973", "deg/h"]);
+    assert_eq!([&found["estimate"], &found["unit"]], ["drift_p99_73", "deg/h"]);
     assert_eq!(found["filler"], "quadratic");
     let fillers = found["fillers"].as_array().unwrap();
     assert_eq!(fillers.iter().map(|filler| &filler["filler"]).collect::<Vec<_>>(), ["const", "quadratic"]);
@@ -278,7 +278,7 @@ fn other_kinds_and_gyros_without_drift_are_refused() {
 #[test]
 fn options_that_make_no_sense_end_with_2() {
     let desk = Desk::with(PAPER);
-    desk.fails("design study.toml --by best", 2, &["drift_q9973, drift_rms, largest_q9973, largest_rms"]);
+    desk.fails("design study.toml --by best", 2, &["drift_p99_73, drift_rms, largest_p99_73, largest_rms"]);
     desk.fails("design study.toml --trials 0", 2, &["--trials"]);
     desk.fails("design study.toml --device abacus", 2, &["no device is called `abacus`"]);
     desk.fails("design none.toml", 3, &["cannot read the study none.toml"]);

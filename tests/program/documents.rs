@@ -80,7 +80,7 @@ fn design_sensitivity_filler_allan_compare_lot_and_model_print_what_their_schema
     check(&schema("design"), &desk.done(&design).stdout, "design");
     let search = format!("{design} --search --latency 20ms");
     check(&schema("design"), &desk.done(&search).stdout, "design with a search");
-    for more in ["--by oracle_rms --samples 32", "--samples 32 --trials 64"] {
+    for more in ["--by theory_rms --samples 32", "--samples 32 --trials 64"] {
         let decides = shipped("studies/what_decides.toml");
         let words = format!("sensitivity {decides} --device cpu --json --out s {more}");
         check(&schema("sensitivity"), &desk.done(&words).stdout, more);
@@ -119,17 +119,17 @@ fn design_sensitivity_filler_allan_compare_lot_and_model_print_what_their_schema
         "compare without a fit",
     );
     desk.write("two.csv", &crate::logs::log());
-    for more in ["", "--fit none", "--limit in_run_stability=1deg/s"] {
+    for more in ["", "--fit none", "--limit in_run_bias_stability=1deg/s"] {
         let words = format!("lot two.csv --data rate --column gx,gz --json {more}");
         check(&schema("lot"), &desk.done(&words).stdout, &words);
     }
     let model = schema("model");
-    for more in ["--bound", "--bound=repeat --write all", "--bound --quantisation white --states 1"] {
+    for more in ["--overbound", "--overbound=repeat --write all", "--overbound --quantization white --states 1"] {
         check(&model, &desk.done(&format!("model {log} {read} {more}")).stdout, more);
     }
     desk.write("noise.toml", "angle_random_walk = \"0.003 deg/sqrt(h)\"\n");
     check(&model, &desk.done("model noise.toml --from 1s --to 100s --json").stdout, "a noise.toml");
-    let two = desk.done("model two.csv --data rate --column gx,gz --bound --json");
+    let two = desk.done("model two.csv --data rate --column gx,gz --overbound --json");
     check(&model, &two.stdout, "two columns");
     schema("bench");
     check(&schema("devices"), &Desk::with("").done("devices --why --json").stdout, "devices");

@@ -31,7 +31,7 @@ fn model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
     let desk = desk_with("gyro.csv", with_line());
     for (command, folder, done) in [
         ("allan gyro.csv --bootstrap 0", "gyro", "subtracted for the fit"),
-        ("model gyro.csv --bound", "gyro_model", "removed"),
+        ("model gyro.csv --overbound", "gyro_model", "removed"),
     ] {
         let words = format!("{command} {READ}");
         let text = desk.full(&words).stdout;

@@ -177,7 +177,7 @@ fn a_suspension_responds_at_its_useful_mode_as_it_says() {
         "{SUSPENSION}[[sweep]]\nkey = \"suspension.gyro\"\nlist = [\"LGV-1\", \"LGK-400\"]\n"
     ));
     let found: Vec<(String, f64)> =
-        rows(&table).map(|row| (row.text("suspension.gyro"), row.number("normalised"))).collect();
+        rows(&table).map(|row| (row.text("suspension.gyro"), row.number("normalized"))).collect();
     assert_eq!(found[1], ("LGK-400".to_owned(), 1.0));
     assert!(found[0].1 < 0.1, "{found:?}");
 }

@@ -29,7 +29,7 @@ fn a_chart_of_no_results_is_refused_with_what_there_is() {
     write(desk.path("compared/compare.csv"), "").unwrap();
     desk.fails("chart compared", 2, &["compared holds output of `sagnac compare`"]);
     create_dir_all(desk.path("pooled")).unwrap();
-    desk.write("pooled/lot.csv", "");
+    desk.write("pooled/batch.csv", "");
     desk.fails("chart pooled", 2, &["pooled holds output of `sagnac compare`"]);
     desk.fails("chart results/study --chart 2", 2, &["the study has no chart of its own"]);
     desk.fails(
@@ -87,12 +87,12 @@ fn a_gallery_joins_the_results_of_every_command() {
     desk.done("filler quadratic --gap-ticks 3 --out all/filler");
     let decides = format!("{}/studies/what_decides.toml", crate::ROOT);
     desk.done(&format!(
-        "sensitivity {decides} --by oracle_rms --samples 32 --device cpu --out all/what_decides"
+        "sensitivity {decides} --by theory_rms --samples 32 --device cpu --out all/what_decides"
     ));
     desk.done(&format!("allan log.csv {read} --out all/allan"));
     desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
     desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
-    desk.done("model log.csv --data rate --column gx,gz --bound --out all/model");
+    desk.done("model log.csv --data rate --column gx,gz --overbound --out all/model");
     let pages = ["allan", "compare", "filler", "lot", "model", "study", "study/design", "what_decides"];
     let said = desk.done("report all").stderr;
     for page in pages {
@@ -180,7 +180,7 @@ fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
     assert!(headline(&desk).starts_with("own band: 99.73 % error "), "{}", headline(&desk));
     assert!(!desk.read("results/study/report.html").contains(caveat));
     // A limit, and a name that begins as the other does.
-    let chart = format!("{SWEEP}[chart]\nx = \"frequency\"\ny = \"q9973\"\nlimit = \"40 arcsec\"\n");
+    let chart = format!("{SWEEP}[chart]\nx = \"frequency\"\ny = \"p99_73\"\nlimit = \"40 arcsec\"\n");
     let desk = Desk::with(&format!("{}{chart}", fillers(&format!("{own}, {banded}"))));
     assert!(headline(&desk).starts_with("own band "), "{}", headline(&desk));
     assert!(desk.read("results/study/report.html").contains(&format!("<dd>own: {caveat}</dd>")));

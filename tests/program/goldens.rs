@@ -45,16 +45,16 @@ const COMMANDS: [(&str, &str); 12] = [
         "compare units.csv --rate 1Hz --column g1,g2,g3,g4,g5 --limit N=0.1deg/sqrt(h)",
         "Which units of this batch meet the limit?",
     ),
-    ("model data/gyro_at_rest.csv --rate 1Hz --bound", "What do I write into my filter?"),
+    ("model data/gyro_at_rest.csv --rate 1Hz --overbound", "What do I write into my filter?"),
     ("design design_point.toml --trials 512", "How often should the gyro switch?"),
     (
-        "sensitivity what_decides.toml --by oracle_rms --samples 512",
+        "sensitivity what_decides.toml --by theory_rms --samples 512",
         "Which uncertain input drives the error?",
     ),
     ("filler which_filler.toml", "Which filler belongs in the firmware?"),
     (
         "filler minimum-variance --gap-ticks 3 --tick 5ms --band 18Hz,22Hz --amplitude 12000arcsec/s --noise 0.5arcsec \
-         --limit 8arcsec --latency 20ms",
+         --limit residual=8arcsec --latency 20ms",
         "How many ticks must a filler read?",
     ),
     ("filler quadratic --gap-ticks 3", "What does a quadratic filler do to the noise?"),

@@ -46,14 +46,14 @@ fn a_run_on_several_devices_continues_on_one_and_the_reverse() {
 }
 
 #[test]
-fn all_takes_the_cpu_and_leaves_out_a_software_rasteriser() {
+fn all_takes_the_cpu_and_leaves_out_a_software_rasterizer() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --trials 20000 --device cpu --out cpu");
     let said = desk.done("run study.toml --trials 20000 --device all --out all").stderr;
     assert!(said.starts_with("device: CPU ("), "{said}");
     for line in desk.done("devices").stdout.lines().filter(|line| line.contains("llvmpipe (")) {
         let (_, name) = line.split_once(": ").unwrap();
-        assert!(said.contains(&format!("note: {name} is left out: it is a software rasteriser")), "{said}");
+        assert!(said.contains(&format!("note: {name} is left out: it is a software rasterizer")), "{said}");
     }
     assert_eq!(desk.read("all/points.csv"), desk.read("cpu/points.csv"));
 }

@@ -22,7 +22,7 @@ fn a_report_has_a_row_for_each_device_and_grows_below_one_header() {
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     let variants = |report: &str| rows(report).into_iter().map(|row| row[3].clone()).collect::<Vec<_>>();
     assert_eq!(variants(&desk.read("report.md")), widths);
-    // All adapters of this machine, one of which a software rasteriser is at least.
+    // All adapters of this machine, one of which a software rasterizer is at least.
     desk.done("device verify --trials 64 --report report.md");
     let all = rows(&desk.read("report.md"));
     let gpus: Vec<_> = all.iter().filter(|row| row[0] != "CPU").collect();

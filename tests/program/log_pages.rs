@@ -55,7 +55,7 @@ fn the_page_of_a_log_holds_what_its_json_holds() {
         "one of 0.7 s, 70 samples, at 10 s",
         "one at 30 s",
         "5.5 min (4 × as long), if it is ",
-        "told apart",
+        "significantly different",
         "events.csv",
         "noise_gx.toml",
     ] {

@@ -43,9 +43,9 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     assert_eq!((odd["odd"].as_str(), odd["unit"].as_str()), ("higher", "deg/sqrt(h)"));
     assert!(number(odd, "p") < 0.01, "{odd:?}");
     assert_eq!(units.iter().filter(|row| !row["odd"].is_empty()).count(), 1);
-    let lot = desk.table("results/lot/lot.csv");
+    let lot = desk.table("results/lot/batch.csv");
     let all = row(&lot, &[("coefficient", "N"), ("of", "all")]);
-    let rest = row(&lot, &[("coefficient", "N"), ("of", "without odd")]);
+    let rest = row(&lot, &[("coefficient", "N"), ("of", "without outliers")]);
     assert_eq!((all["units"].as_str(), rest["units"].as_str()), ("6", "5"));
     // 6 °/h in samples of 1 s are 0.1 °/√h.
     assert!((number(rest, "value") / 0.1 - 1.0).abs() < 0.05, "{rest:?}");
@@ -73,7 +73,7 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
     }
     let ended = desk.done(&format!("lot a.csv b.csv c.csv {RATE} --out even"));
     assert!(ended.stdout.contains("No outlier in 3 units: median N 0.1"), "{}", ended.stdout);
-    let n = desk.table("even/lot.csv");
+    let n = desk.table("even/batch.csv");
     let n = row(&n, &[("coefficient", "N")]);
     assert!(number(n, "p_equal") > 0.01 && number(n, "spread_lower") == 0.0, "{n:?}");
     // The errors of the records allow some spread, whatever was found.
@@ -104,7 +104,7 @@ fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_le
     {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let k = desk.table("results/lot/lot.csv");
+    let k = desk.table("results/lot/batch.csv");
     let k = row(&k, &[("coefficient", "K"), ("of", "those that show it")]);
     assert_eq!((k["units"].as_str(), k["bounded"].as_str(), k["value"].as_str()), ("1", "2", ""));
 }

@@ -12,7 +12,7 @@ fn deviation(model: &Value, tau: f64) -> f64 {
     let get = |value: &Value, key: &str| value[key].as_f64().unwrap_or_else(|| panic!("{key} in {value}"));
     let n = 60.0 * get(model, "white_deg_per_rt_h");
     let k = get(model, "random_walk_deg_per_h_per_rt_h") / 60.0;
-    let q = get(model, "quantisation_arcsec");
+    let q = get(model, "quantization_arcsec");
     let markov = model["markov"].as_array().unwrap().iter().map(|state| {
         let (sigma, z) = (get(state, "sigma_deg_per_h"), tau / get(state, "correlation_time_s"));
         // The bracket loses digits below, where the state is a random walk of density 2σ²/T.
@@ -50,7 +50,7 @@ const READ: &str = "--data rate --unit deg/h --rate 1Hz";
 #[test]
 fn the_bound_of_a_noise_file_is_nowhere_below_its_curve_and_says_how_far_above_it_lies() {
     let desk = desk_with("noise.toml", NOISE);
-    let model = json(&desk, "model noise.toml --from 1s --to 10000s --bound");
+    let model = json(&desk, "model noise.toml --from 1s --to 10000s --overbound");
     let ratios = (0..=800).map(|i| {
         let tau = 10_f64.powf(f64::from(i) / 200.0);
         deviation(&model, tau) / curve(tau)
@@ -64,7 +64,7 @@ fn the_bound_of_a_noise_file_is_nowhere_below_its_curve_and_says_how_far_above_i
     assert!(excess < 0.2, "{excess} is above the margin");
     // A larger margin needs fewer states, and a single bound without states is far above.
     let states = |more: &str| {
-        let model = json(&desk, &format!("model noise.toml --from 1s --to 10000s --bound {more}"));
+        let model = json(&desk, &format!("model noise.toml --from 1s --to 10000s --overbound {more}"));
         (model["markov"].as_array().unwrap().len(), model["largest_excess"].as_f64().unwrap())
     };
     let usual = model["markov"].as_array().unwrap().len();
@@ -74,12 +74,12 @@ fn the_bound_of_a_noise_file_is_nowhere_below_its_curve_and_says_how_far_above_i
 }
 
 #[test]
-fn quantisation_is_measurement_noise_or_covered_by_white_noise() {
-    let desk = desk_with("noise.toml", format!("{NOISE}quantisation = \"0.5 arcsec\"\n"));
+fn quantization_is_measurement_noise_or_covered_by_white_noise() {
+    let desk = desk_with("noise.toml", format!("{NOISE}quantization = \"0.5 arcsec\"\n"));
     let with = |more: &str| {
-        json(&desk, &format!("model noise.toml --from 1s --to 1000s --bound --filter-rate 10Hz {more}"))
+        json(&desk, &format!("model noise.toml --from 1s --to 1000s --overbound --filter-rate 10Hz {more}"))
     };
-    let (apart, white) = (with(""), with("--quantisation white"));
+    let (apart, white) = (with(""), with("--quantization white"));
     let total = |tau: f64| (curve(tau).powi(2) + 0.75 / (tau * tau)).sqrt();
     for i in 0..=60 {
         let tau = 10_f64.powf(f64::from(i) / 20.0);
@@ -105,9 +105,9 @@ fn intervals_of_a_noise_file_are_bounded_too() {
         "# 95 % interval of N: 0.0002 to 0.0005 deg/sqrt(h)\n# Not identified: Q at most 1 arcsec; R.\n{NOISE}"
     );
     let desk = desk_with("noise.toml", with);
-    let ended = desk.done("model noise.toml --from 1s --to 1000s --bound");
+    let ended = desk.done("model noise.toml --from 1s --to 1000s --overbound");
     assert!(ended.stderr.contains("did not identify Q and R"), "{}", ended.stderr);
-    let model = json(&desk, "model noise.toml --from 1s --to 1000s --bound");
+    let model = json(&desk, "model noise.toml --from 1s --to 1000s --overbound");
     let upper = |tau: f64| {
         // The variance of N alone is uncertain.
         (curve(tau).powi(2) + 3600.0 * (0.0005_f64.powi(2) - 0.0003_f64.powi(2)) / tau).sqrt()
@@ -128,12 +128,12 @@ fn a_log_is_described_within_its_band_and_bounded_above_it() {
         let [lower, model, upper] = ["lower", "model", "upper"].map(|name| number(&row, name));
         assert!(lower * (1.0 - 1e-6) <= model && model <= upper * (1.0 + 1e-6), "{row:?}");
     }
-    let bound = points("--bound");
+    let bound = points("--overbound");
     assert!(bound.len() > 25 && number(bound.last().unwrap(), "tau_s") > 1900.0, "{} rows", bound.len());
     for row in &bound {
         assert!(number(row, "model") >= number(row, "upper") * (1.0 - 1e-6), "{row:?}");
     }
-    let repeat = points("--bound=repeat");
+    let repeat = points("--overbound=repeat");
     for (row, before) in repeat.iter().zip(&bound) {
         assert!(number(row, "bound") > 1.0 * number(before, "upper"), "{row:?}");
         assert!(number(row, "model") >= number(row, "bound") * (1.0 - 1e-6), "{row:?}");
@@ -152,12 +152,12 @@ fn a_log_is_described_within_its_band_and_bounded_above_it() {
 #[test]
 fn the_answer_names_the_parts_of_the_model_and_how_near_it_comes() {
     let desk = desk_with("gyro.csv", rates(20_000));
-    let ended = desk.done(&format!("model gyro.csv {READ} --bound"));
+    let ended = desk.done(&format!("model gyro.csv {READ} --overbound"));
     let pieces = [" the record to ", "white noise N", "°/√h", "Excess", "above the 95 % band", "Band"];
     for piece in pieces {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let model = json(&desk, &format!("model gyro.csv {READ} --bound --filter-rate 4Hz"));
+    let model = json(&desk, &format!("model gyro.csv {READ} --overbound --filter-rate 4Hz"));
     let discrete = &model["discrete"];
     let states = discrete["states"].as_array().unwrap().len();
     assert_eq!(discrete["F"].as_array().unwrap().len(), states);
@@ -177,30 +177,30 @@ fn what_cannot_be_modelled_is_refused_with_what_to_do() {
     desk.write("gyro.csv", &rates(2000));
     desk.write("still.csv", &"1.5\n".repeat(2000));
     desk.write("broken.toml", "angle_random_wlak = \"1 deg/sqrt(h)\"\n");
-    desk.fails("model noise.toml --bound", 2, &["no averaging times of its own", "--from 1s"]);
-    desk.fails("model noise.toml --from 100s --to 1s --bound", 2, &["has to be the shorter one"]);
-    desk.fails("model noise.toml --from 1s --to 100s --bound=repeat", 2, &["give the log"]);
-    desk.fails("model broken.toml --from 1s --to 100s --bound", 3, &["angle_random_wlak", "did you mean"]);
-    desk.fails("model absent.toml --from 1s --to 100s --bound", 3, &["cannot read the noise absent.toml"]);
-    desk.fails(&format!("model gyro.csv {READ} --bound --to 5000s"), 3, &["reaches from τ = 1 s", "--to"]);
-    desk.fails(&format!("model gyro.csv {READ} --bound --from 0.1s"), 3, &["reaches from τ = 1 s"]);
-    desk.fails(&format!("model still.csv {READ} --bound"), 3, &["constant"]);
+    desk.fails("model noise.toml --overbound", 2, &["no averaging times of its own", "--from 1s"]);
+    desk.fails("model noise.toml --from 100s --to 1s --overbound", 2, &["has to be the shorter one"]);
+    desk.fails("model noise.toml --from 1s --to 100s --overbound=repeat", 2, &["give the log"]);
+    desk.fails("model broken.toml --from 1s --to 100s --overbound", 3, &["angle_random_wlak", "did you mean"]);
+    desk.fails("model absent.toml --from 1s --to 100s --overbound", 3, &["cannot read the noise absent.toml"]);
+    desk.fails(&format!("model gyro.csv {READ} --overbound --to 5000s"), 3, &["reaches from τ = 1 s", "--to"]);
+    desk.fails(&format!("model gyro.csv {READ} --overbound --from 0.1s"), 3, &["reaches from τ = 1 s"]);
+    desk.fails(&format!("model still.csv {READ} --overbound"), 3, &["constant"]);
     desk.fails(
-        "model gyro.csv --data rate --unit none --rate 1Hz --bound",
+        "model gyro.csv --data rate --unit none --rate 1Hz --overbound",
         2,
         &["plain numbers", "give their unit"],
     );
     desk.fails(
-        &format!("model gyro.csv {READ} --bound --write kalibre"),
+        &format!("model gyro.csv {READ} --overbound --write kalibre"),
         2,
         &["`kalibre` is not known", "kf_gins"],
     );
-    desk.fails(&format!("model gyro.csv {READ} --bound --states 4"), 2, &["0 to 3"]);
-    desk.fails(&format!("model gyro.csv {READ} --bound=both"), 2, &["band", "repeat"]);
+    desk.fails(&format!("model gyro.csv {READ} --overbound --states 4"), 2, &["0 to 3"]);
+    desk.fails(&format!("model gyro.csv {READ} --overbound=both"), 2, &["band", "repeat"]);
     // A curve that no sum of these parts has: a sine much above the rest.
     desk.write("sine.toml", "sine = { amplitude = \"1 deg/h\", frequency = \"0.1 Hz\" }\n");
     let words = "model sine.toml --from 1s --to 1000s --margin 1";
-    desk.fails(words, 3, &["no model with up to 3 Markov states lies within the band", "--bound"]);
-    let bound = json(&desk, "model sine.toml --from 1s --to 1000s --bound");
+    desk.fails(words, 3, &["no model with up to 3 Markov states lies within the band", "--overbound"]);
+    let bound = json(&desk, "model sine.toml --from 1s --to 1000s --overbound");
     assert!(bound["largest_excess"].as_f64().unwrap() > 0.0);
 }

@@ -121,18 +121,18 @@ fn read_by_c(desk: &Desk, folder: &str) -> Option<Read> {
     Some(Read { white: numbers[0], walk: numbers[1], markov })
 }
 
-/// Gyros of different make: with flicker over a white noise, with much flicker, and with quantisation and a walk.
+/// Gyros of different make: with flicker over a white noise, with much flicker, and with quantization and a walk.
 const GYROS: [&str; 3] = [
     "angle_random_walk = \"0.0003 deg/sqrt(h)\"\nbias_instability = \"0.009 deg/h\"\nrate_random_walk = \"0.0108 deg/h/sqrt(h)\"\n",
     "angle_random_walk = \"0.2 deg/sqrt(h)\"\nbias_instability = \"6 deg/h\"\n",
-    "quantisation = \"0.3 arcsec\"\nangle_random_walk = \"0.0005 deg/sqrt(h)\"\nrate_random_walk = \"0.02 deg/h/sqrt(h)\"\n",
+    "quantization = \"0.3 arcsec\"\nangle_random_walk = \"0.0005 deg/sqrt(h)\"\nrate_random_walk = \"0.02 deg/h/sqrt(h)\"\n",
 ];
 
 #[test]
 fn every_file_has_the_deviation_of_the_model_at_1_s_and_bounds_it_elsewhere() {
     for gyro in GYROS {
         let desk = desk_with("noise.toml", gyro);
-        desk.done("model noise.toml --from 1s --to 10000s --bound --filter-rate 100Hz --write all --out m");
+        desk.done("model noise.toml --from 1s --to 10000s --overbound --filter-rate 100Hz --write all --out m");
         let whole = read("json", &desk.read("m/model.json"));
         for writer in WRITERS {
             let text = desk.read(&format!("m/{}", writer.file));
@@ -168,7 +168,7 @@ fn axes_and_accelerometers_of_an_imu_have_their_places() {
     let desk = Desk::with("");
     let log = format!("{}/tests/data/imu/log.csv", crate::ROOT);
     let units = "--unit deg/s,deg/s,deg/s,g,g,g --column gx,gy,gz,ax,ay,az";
-    desk.done(&format!("model {log} --data rate --time time {units} --bound --write all --out m"));
+    desk.done(&format!("model {log} --data rate --time time {units} --overbound --write all --out m"));
     let document: Value = serde_json::from_str(&desk.read("m/model.json")).unwrap();
     let columns = document["columns"].as_array().unwrap();
     assert_eq!(columns.len(), 6);
@@ -189,7 +189,7 @@ fn axes_and_accelerometers_of_an_imu_have_their_places() {
         assert!(kf.contains(key), "{key} is missing in\n{kf}");
     }
     // Another run without writers removes their files.
-    desk.done(&format!("model {log} --data rate --time time {units} --bound --out m"));
+    desk.done(&format!("model {log} --data rate --time time {units} --overbound --out m"));
     assert!(!desk.path("m/kalibr.yaml").exists() && desk.path("m/model.csv").exists());
 }
 
@@ -205,7 +205,7 @@ const OCTAVE: &str = "1;\n\
 #[test]
 fn octave_runs_the_files_for_matlab() {
     let desk = desk_with("noise.toml", GYROS[0]);
-    desk.done("model noise.toml --from 1s --to 10000s --bound --filter-rate 100Hz --write matlab,navego,psins --out m");
+    desk.done("model noise.toml --from 1s --to 10000s --overbound --filter-rate 100Hz --write matlab,navego,psins --out m");
     desk.write("read.m", OCTAVE);
     let Ok(ended) = Command::new("octave-cli").args(["--norc", "read.m"]).current_dir(desk.path("")).output()
     else {

@@ -25,7 +25,7 @@ fn density_line_and_floor_of_a_log_are_in_files_text_chart_and_json() {
         "16384 samples at 100 Hz",
         "one-sided, Hann window, 15 segments of 20.48 s",
         "20.0",
-        "not told apart",
+        "consistent",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }

@@ -143,11 +143,11 @@ fn an_adapter_gives_the_same_table() {
     let devices = desk.done("devices").stdout;
     let adapters: Vec<&str> =
         devices.lines().filter_map(|line| Some(line.strip_prefix("gpu:")?.split_once(": ")?.1)).collect();
-    // The software rasteriser where it is: the same program on every machine.
+    // The software rasterizer where it is: the same program on every machine.
     let software = adapters.iter().find(|name| name.contains("llvmpipe"));
     let adapter = software.or(adapters.first()).unwrap_or_else(|| {
         panic!(
-            "no adapter to compare with the CPU: run ./test, which installs a Vulkan software rasteriser (llvmpipe), \
+            "no adapter to compare with the CPU: run ./test, which installs a Vulkan software rasterizer (llvmpipe), \
              then this test again"
         )
     });

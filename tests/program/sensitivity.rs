@@ -50,7 +50,7 @@ fn refused(end: &str, pieces: &[&str]) {
 fn of_a_steady_motion_the_noise_alone_decides_and_its_ends_are_the_closed_form() {
     let still = study(NOISE).replace("amplitude = \"12000 arcsec/s\"", "amplitude = \"0 arcsec/s\"");
     let desk = Desk::with(&still);
-    let found = found(&desk, "--by oracle_rms --samples 1024");
+    let found = found(&desk, "--by theory_rms --samples 1024");
     let noise = of(&found, "gyro.tick_noise.std");
     assert!(contains(&noise["first"], 1.0) && contains(&noise["total"], 1.0), "{found:#}");
     // The rms is the gain of the quadratic, 3.808, times σ; 5 % and 95 % of a normal distribution are 1.645 σ away.
@@ -67,7 +67,7 @@ fn a_sampled_answer_decides_as_its_closed_form_does() {
     // So narrow a band that the noise matters too.
     let narrow = FREQUENCY.replace("19 Hz", "19.9 Hz").replace("21 Hz", "20.1 Hz");
     let desk = Desk::with(&study(&format!("{NOISE}{narrow}")));
-    let exact = found(&desk, "--by oracle_rms --samples 1024");
+    let exact = found(&desk, "--by theory_rms --samples 1024");
     let sampled = found(&desk, "--by rms --samples 256 --trials 65536");
     assert_eq!(sampled["trials"], 65536);
     for key in ["gyro.tick_noise.std", "motion.frequency"] {
@@ -136,7 +136,7 @@ fn whole_numbers_and_truncated_distributions_are_inputs_too() {
     let wide = NOISE.replace("sd = \"0.1", "sd = \"0.6").replace("1 arcsec\", sd", "2 arcsec\", sd");
     let gap = "[[sensitivity]]\nkey = \"switching.gap_ticks\"\nuniform = { from = 1, to = 3 }\n";
     let desk = Desk::with(&study(&format!("{wide}{gap}")));
-    let ended = desk.done("sensitivity study.toml --device cpu --by oracle_rms --samples 256 --out out");
+    let ended = desk.done("sensitivity study.toml --device cpu --by theory_rms --samples 256 --out out");
     let note = "% of the distribution of gyro.tick_noise.std lies outside its limits";
     assert!(ended.stderr.contains(note), "{}", ended.stderr);
     assert!(ended.stdout.contains("\nlost ticks n drives "), "{}", ended.stdout);
@@ -213,6 +213,6 @@ fn answers_that_are_none_say_what_to_do() {
         "[[sensitivity]]\nkey = \"gyro.readout_lsb\"\nlog = { from = \"1e-6 arcsec\", to = \"1 arcsec\" }\n";
     desk.write("study.toml", &study(coarse));
     let lost = ["gyro.readout_lsb = ", "arcsec is less than a unit"];
-    desk.fails("sensitivity study.toml --device cpu --by oracle_rms --samples 256", 3, &lost[1..]);
+    desk.fails("sensitivity study.toml --device cpu --by theory_rms --samples 256", 3, &lost[1..]);
     desk.fails("sensitivity study.toml --samples 0", 2, &["--samples"]);
 }

@@ -243,7 +243,7 @@ fn what_does_not_belong_together_is_not_merged() {
     );
     assert_eq!(desk.names("."), ["a", "b", "empty", "study.toml"], "a refused merge left something behind");
     // Studies that differ in what they show alone can be merged under one of them.
-    desk.write("more.toml", &with("[chart]\nx = \"dt_nu\"\ny = \"q9973\""));
+    desk.write("more.toml", &with("[chart]\nx = \"dt_nu\"\ny = \"p99_73\""));
     desk.done("run more.toml --device cpu --trials 1000 --out d");
     desk.done("merge a d --out e --study more.toml --trials 1000");
     assert_eq!(desk.read("e/points.csv"), desk.read("d/points.csv"));

@@ -72,7 +72,7 @@ fn pipes_devices_and_folders_in_the_place_of_inputs_are_refused_at_once() {
         refused(&desk, &format!("allan {input} {READ}"), &[3], &[WHAT]);
         refused(&desk, &format!("allan {input} {READ}"), &[3], &[WHAT]);
         refused(&desk, &format!("compare {input} {input} {READ}"), &[3], &[WHAT]);
-        refused(&desk, &format!("sensitivity {input} --by oracle_rms"), &[3], &[WHAT]);
+        refused(&desk, &format!("sensitivity {input} --by theory_rms"), &[3], &[WHAT]);
         refused(&desk, &format!("filler {input} --at gap_ticks=3"), &[3], &[WHAT]);
         refused(&desk, &format!("design {input}"), &[3], &[WHAT]);
     }

@@ -44,10 +44,10 @@ fn what_is_not_known_is_blank_and_not_zero() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 1");
     for row in desk.points("results/study") {
-        for blank in ["rms_se_arcsec", "q9973_hi_arcsec", "z"] {
+        for blank in ["rms_se_arcsec", "p99_73_hi_arcsec", "z"] {
             assert_eq!(row[blank], "", "{blank} of {row:?}");
         }
-        for known in ["trials", "dt_nu", "mean_arcsec", "rms_arcsec", "max_arcsec", "oracle_rms_arcsec"] {
+        for known in ["trials", "dt_nu", "mean_arcsec", "rms_arcsec", "max_arcsec", "theory_rms_arcsec"] {
             let value: f64 = row[known].parse().unwrap_or_else(|_| panic!("{known} of {row:?}"));
             assert!(value.is_finite(), "{known} of {row:?}");
         }
@@ -78,7 +78,7 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
 
 #[test]
 fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
-    let axes = "x = \"frequency\"\ny = \"amplitude\"\nz = \"q9973\"\nlimit = \"20 arcsec\"\n";
+    let axes = "x = \"frequency\"\ny = \"amplitude\"\nz = \"p99_73\"\nlimit = \"20 arcsec\"\n";
     let heat = format!("kind = \"heat-map\"\n{axes}where = {{ filler = \"const\" }}\n");
     let winners = format!("kind = \"winner-map\"\n{axes}");
     let text =
@@ -110,16 +110,16 @@ fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
 
 #[test]
 fn a_law_is_a_column_of_the_table_and_a_line_of_the_chart_that_asks_for_it() {
-    let chart = "[chart]\nx = \"frequency\"\ny = \"q9973\"\nlaws = [\"taylor-extremum\", \"noise\"]\n";
+    let chart = "[chart]\nx = \"frequency\"\ny = \"p99_73\"\nlaws = [\"taylor-extremum\", \"noise\"]\n";
     let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n";
     let desk = Desk::with(&with(&format!("{sweep}{chart}")));
     desk.done("run study.toml --device cpu --trials 1000");
-    let header = format!("motion.frequency_hz,{HEADER},law_taylor_extremum_arcsec,law_noise_arcsec");
+    let header = format!("motion.frequency_hz,{HEADER},reference_taylor_extremum_arcsec,reference_noise_arcsec");
     assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(header.as_str()));
     let rows = desk.points("results/study");
     let shown = |at: usize| {
         let number = |name: &str| rows[at][name].parse().map_or(String::new(), |x: f64| format!("{x:.2}"));
-        (rows[at]["filler"].as_str(), number("law_taylor_extremum_arcsec"), number("law_noise_arcsec"))
+        (rows[at]["filler"].as_str(), number("reference_taylor_extremum_arcsec"), number("reference_noise_arcsec"))
     };
     // Of the second frequency, Δt·ν = 0.2, σ = 1 ″ and n = 3.
     assert_eq!(shown(4), ("const", "47.37".to_owned(), "4.50".to_owned()));

@@ -31,7 +31,7 @@ fn coefficients_and_compensation_are_in_files_charts_report_and_json() {
     let rows = desk.table("out/temperature.csv");
     let of = |column: &str, name: &str| row(&rows, &[("column", column), ("coefficient", name)]);
     let c1 = of("gx", "T");
-    assert_eq!((c1["verdict"].as_str(), c1["unit"].as_str()), ("identified", "deg/h/K"));
+    assert_eq!((c1["status"].as_str(), c1["unit"].as_str()), ("estimated", "deg/h/K"));
     assert!(number(c1, "lower") < 0.5 && 0.5 < number(c1, "upper"), "{c1:?}");
     assert!((number(c1, "value") - 0.5).abs() < 0.05, "{c1:?}");
     assert!(number(of("gy", "T"), "lower") < 0.0, "{:?}", of("gy", "T"));
@@ -163,7 +163,7 @@ fn compensated_spectra_and_models_are_those_of_the_record_without_the_dependence
         ("model", "model.csv", "record"),
     ] {
         let of = |words: &str| {
-            let bound = if command == "model" { " --bound" } else { "" };
+            let bound = if command == "model" { " --overbound" } else { "" };
             let ended = desk.full(&format!("{command} {words} {READ}{bound} --out out"));
             (ended.stdout, desk.table(&format!("out/{table}")))
         };
@@ -192,11 +192,11 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
     for row in desk.table("out/compare.csv") {
         assert!(number(&row, "lower") < 1.0 && 1.0 < number(&row, "upper"), "{row:?}");
     }
-    // Both have the in-run stability of the lot, or neither shows one.
+    // Both have the in-run bias stability of the batch, or neither shows one.
     let words = format!("log.csv clean.csv {READ} {COMPENSATE} --out out");
     assert!(desk.full(&format!("lot {words}")).stdout.contains("temperature compensated"));
     let units = desk.table("out/units.csv");
-    for name in ["N", "in_run_stability"] {
+    for name in ["N", "in_run_bias_stability"] {
         let of = |label: &str| row(&units, &[("label", label), ("coefficient", name)]);
         let [log, clean] = ["log", "clean"].map(of);
         let ratio = number(log, "upper") / number(clean, "upper");
@@ -208,12 +208,12 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
 fn a_record_without_a_dependence_stays_as_it_is_and_every_command_says_so() {
     let desk = log("time_s,gx,gy,temp [degC]", |_| 20.0);
     for (command, of_column) in
-        [("allan log.csv", ""), ("compare log.csv log.csv", "log"), ("model log.csv --bound", "")]
+        [("allan log.csv", ""), ("compare log.csv log.csv", "log"), ("model log.csv --overbound", "")]
     {
         let column = if of_column.is_empty() { "gx" } else { "gx,gy" };
         let read = READ.replace("gx", column);
         let ended = desk.full(&format!("{command} {read} {COMPENSATE} --out out"));
-        let note = "gx: no temperature coefficients, and no compensation: not identifiable";
+        let note = "gx: no temperature coefficients, and no compensation: not estimable";
         assert!(ended.stderr.contains(note), "{command}:\n{}", ended.stderr);
         assert!(!ended.stdout.contains("temperature compensated"), "{command}:\n{}", ended.stdout);
     }

@@ -142,7 +142,7 @@ fn keys_columns_and_exit_codes_are_explained_and_near_names_are_offered() {
     );
     says("motion.phase", &["\"zero-crossing\"", "gap-fill, switched-run"]);
     says("readout_lsb", &["gyro.readout_lsb", "noise.readout_lsb"]);
-    says("q9973_arcsec", &["99.73 % of errors stay below", "points.csv of kind = \"gap-fill\""]);
+    says("p99_73_arcsec", &["99.73 % of errors stay below", "points.csv of kind = \"gap-fill\""]);
     says("tau_s", &["Averaging time", "curve.csv of `sagnac allan`"]);
     says("motion.frequency_hz", &["vibration frequency"]);
     for kind in KINDS.map(|kind| kind.name) {
@@ -156,7 +156,7 @@ fn keys_columns_and_exit_codes_are_explained_and_near_names_are_offered() {
         "Gyro.Tick-Noise",
         &["gyro.tick_noise (key of a study file)", "As a table it has the keys std, three_sigma"],
     );
-    says("q9973-hi", &["Upper end of the 95 % interval"]);
+    says("p99_73-hi", &["Upper end of the 95 % interval"]);
     for code in ["0", "1", "2", "3", "4", "5", "6", "130", "143"] {
         says(code, &[&format!("exit code {code}: ")]);
     }

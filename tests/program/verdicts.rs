@@ -28,9 +28,9 @@ fn under<'s>(said: &'s str, heading: &str) -> Vec<&'s str> {
 fn each_verdict_names_its_chart_its_error_and_its_rows_and_equal_ones_are_printed_once() {
     let open = "where = { error = \"extrapolation\" }";
     let charts = [
-        chart("q9973", ""),
-        chart("q9973", open),
-        chart("q9973", "title = \"The same\"\ny_scale = \"linear\""),
+        chart("p99_73", ""),
+        chart("p99_73", open),
+        chart("p99_73", "title = \"The same\"\ny_scale = \"linear\""),
         chart("rms", "where = { filler = \"const\" }"),
     ];
     let (text, json) = said(&format!("{AMPLITUDES}{}", charts.concat()));
@@ -50,7 +50,7 @@ fn each_verdict_names_its_chart_its_error_and_its_rows_and_equal_ones_are_printe
     assert_eq!(verdicts[1]["where"], serde_json::json!({ "error": "extrapolation" }));
     assert_eq!(
         (verdicts[1]["of"].as_str(), verdicts[1]["limit_arcsec"].as_f64()),
-        (Some("q9973_arcsec"), Some(10.0))
+        (Some("p99_73_arcsec"), Some(10.0))
     );
     assert_eq!(verdicts[2]["of"].as_str(), Some("rms_arcsec"));
     assert_eq!(verdicts[2]["series"].as_array().unwrap().len(), 1, "of const alone");
@@ -58,7 +58,7 @@ fn each_verdict_names_its_chart_its_error_and_its_rows_and_equal_ones_are_printe
 
 #[test]
 fn the_verdict_is_about_what_the_chart_draws() {
-    let (text, json) = said(&format!("{AMPLITUDES}{}{}", chart("q9973", ""), chart("oracle_max", "")));
+    let (text, json) = said(&format!("{AMPLITUDES}{}{}", chart("p99_73", ""), chart("theory_max", "")));
     let at = |verdict: usize| json["verdicts"][verdict]["series"][0]["at"][0][1].as_f64().unwrap();
     // Without noise the largest error of const is 156 ″ at 12000 ″/s, and grows with the amplitude.
     assert!((at(1) / (12000.0 * 10.0 / 154.6) - 1.0).abs() < 0.02, "{}\n{text}", at(1));
@@ -67,7 +67,7 @@ fn the_verdict_is_about_what_the_chart_draws() {
 
 #[test]
 fn sentences_have_labels_units_and_numbers_without_exponents() {
-    let chart = chart("q9973", "").replace("10 arcsec", "200 arcsec");
+    let chart = chart("p99_73", "").replace("10 arcsec", "200 arcsec");
     let (text, _) = said(&format!("{AMPLITUDES}{chart}"));
     let lines = under(&text, "chart: 99.73 % error");
     assert!(lines[0].starts_with("const: rises above 200 arcsec at vibration amplitude 15"), "{text}");
@@ -81,7 +81,7 @@ fn sentences_have_labels_units_and_numbers_without_exponents() {
 fn a_count_is_told_as_the_last_one_within() {
     let quiet = replaced("12000 arcsec/s", "1000 arcsec/s");
     let desk = Desk::with(&format!(
-        "{quiet}{GAPS}[chart]\nx = \"gap_ticks\"\ny = \"q9973\"\nlimit = \"10 arcsec\"\n"
+        "{quiet}{GAPS}[chart]\nx = \"gap_ticks\"\ny = \"p99_73\"\nlimit = \"10 arcsec\"\n"
     ));
     let text = desk.done("run study.toml --device cpu --trials 5000 --verbose").stdout;
     let lines = under(&text, "chart: 99.73 % error");
@@ -99,7 +99,7 @@ fn a_curve_through_rows_that_belong_on_several_is_refused_with_what_tells_them_a
         ],
     );
     refused(
-        &swept_chart("x = \"dt_nu\"\ny = \"q9973\"\nseries = [\"amplitude\"]\nlimit = \"10 arcsec\""),
+        &swept_chart("x = \"dt_nu\"\ny = \"p99_73\"\nseries = [\"amplitude\"]\nlimit = \"10 arcsec\""),
         "21:11",
         &["differ in filler (const, quadratic)", "where = { filler = \"const\" }"],
     );

@@ -31,9 +31,9 @@ const COMMANDS: [&str; 13] = [
     "allan log.csv --data rate --column gz --navigate 1min --bootstrap 0 --out",
     "compare log.csv log.csv --data rate --column gz,gx --out",
     "lot log.csv --data rate --column gz,gx --out",
-    "model noise.toml --from 1s --to 1000s --bound --filter-rate 100Hz --write all --out",
+    "model noise.toml --from 1s --to 1000s --overbound --filter-rate 100Hz --write all --out",
     "filler study.toml --test-vectors 4 --out",
-    "filler study.toml --limit 400arcsec --out",
+    "filler study.toml --limit residual=400arcsec --out",
     "design run.toml --trials 32 --device cpu --out",
     "sensitivity uncertain.toml --samples 8 --where filler=const --device cpu --out",
     "shaders",
@@ -43,7 +43,7 @@ const COMMANDS: [&str; 13] = [
 fn desk() -> Desk {
     let desk = Desk::with(STUDY);
     let swept = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n\
-                 [[chart]]\nx = \"frequency\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"q9973\"\n";
+                 [[chart]]\nx = \"frequency\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"p99_73\"\n";
     let profile = "profile = { file = \"base.csv\" }";
     let recorded = STUDY.replace("amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"", profile);
     desk.write("swept.toml", &format!("{STUDY}{swept}"));
@@ -377,7 +377,7 @@ fn a_run_that_is_refused_for_a_table_keeps_its_study_as_it_was() {
 #[test]
 fn results_of_a_study_that_was_replaced_are_unfinished_until_they_are_written() {
     let desk = desk();
-    let charted = desk.read("swept.toml").replace("\"q9973\"", "\"max\"");
+    let charted = desk.read("swept.toml").replace("\"p99_73\"", "\"max\"");
     desk.write("other.toml", &charted);
     desk.done("run swept.toml --trials 64 --device cpu --out out");
     // Room for the study, and not for the page.
@@ -405,7 +405,7 @@ fn results_of_a_study_that_was_replaced_are_unfinished_until_they_are_written() 
 #[test]
 fn what_is_no_longer_drawn_is_never_missing() {
     let desk = desk();
-    let one = desk.read("swept.toml").replace("[[chart]]\nx = \"frequency\"\ny = \"q9973\"\n", "");
+    let one = desk.read("swept.toml").replace("[[chart]]\nx = \"frequency\"\ny = \"p99_73\"\n", "");
     desk.write("one.toml", &one);
     let [two, one] =
         ["swept", "one"].map(|study| format!("run {study}.toml --trials 64 --device cpu --out out"));

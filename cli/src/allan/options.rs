@@ -10,7 +10,7 @@ use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{Asked, Suppose};
 use sagnac::analysis::requirement::Limit;
-use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
+use sagnac::kinds::allan::realizations::LEAST_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;
@@ -40,7 +40,7 @@ Examples:
     --unit deg/s,deg/s,deg/s,g,g,g
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz \\
-    --limit \"N=0.003 deg/sqrt(h)\" --limit \"in_run_stability=0.01 deg/h\"
+    --limit \"N=0.003 deg/sqrt(h)\" --limit \"in_run_bias_stability=0.01 deg/h\"
 
 Files are text (CSV, TSV, semicolons or blanks between columns, decimal points or commas, a
 header or none, comments behind # % ;), Stable32 .DAT, NumPy .npy and .npz, MATLAB .mat, HDF5,
@@ -81,11 +81,11 @@ pub struct Options {
     /// and calibrated for 10 min at a latitude of 60°, then at rest. Writes navigation.toml, the study behind it
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub navigate: Option<f64>,
-    /// Largest accepted position error of these navigators, which the decision is held against, as in "0.5 nmi"
+    /// Largest accepted position error of these navigators, which the decision is checked against, as in "0.5 nmi"
     #[arg(long, value_name = "DISTANCE", requires = "navigate", value_parser = distance)]
     pub position_limit: Option<Quantity>,
-    /// Largest accepted value, which the decision is held against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
-    /// in_run_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
+    /// Largest accepted value, which the decision is checked against, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
+    /// in_run_bias_stability, or of floor, the N of the spectrum; in the unit of gyros or of accelerometers; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = limits::of_log)]
     pub limit: Vec<Limit>,
     #[command(flatten)]
@@ -202,13 +202,13 @@ pub(crate) fn probability(text: &str) -> Result<f64, String> {
 }
 
 /// Most simulated records.
-const MOST_REALISATIONS: usize = 100_000;
+const MOST_REALIZATIONS: usize = 100_000;
 
 pub(crate) fn simulated(text: &str) -> Result<usize, String> {
-    let is_accepted = |count: &usize| *count == 0 || (LEAST_REALISATIONS..=MOST_REALISATIONS).contains(count);
+    let is_accepted = |count: &usize| *count == 0 || (LEAST_REALIZATIONS..=MOST_REALIZATIONS).contains(count);
     text.parse().ok().filter(is_accepted).ok_or_else(|| {
         format!(
-            "give 0, or {LEAST_REALISATIONS} to {MOST_REALISATIONS}: fewer do not resolve the 2.5 % quantiles, and more change no \
+            "give 0, or {LEAST_REALIZATIONS} to {MOST_REALIZATIONS}: fewer do not resolve the 2.5 % quantiles, and more change no \
              digit of them"
         )
     })

@@ -29,7 +29,7 @@ pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
     let heading = format!("{} units of {logs}", lot.labels.len());
     let outcome = Outcome::new(heading, of_lot(&lot, &decision));
     let results = Folder::open(&folder)?.reading(options.files.iter().map(PathBuf::as_path));
-    outcome.save(&results, &["units.csv", "lot.csv", "chart-1", "chart-2"])?;
+    outcome.save(&results, &["units.csv", "batch.csv", "chart-1", "chart-2"])?;
     if options.output.json {
         return print_json(&tables::document(&lot, &decision));
     }

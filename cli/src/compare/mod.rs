@@ -10,6 +10,7 @@ use sagnac::analysis::compare::logs::Analysis;
 use sagnac::analysis::compare::tables;
 use sagnac::analysis::page::of_comparison;
 use sagnac::analysis::requirement::LimitError;
+use sagnac::key::renamed::note;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
@@ -23,7 +24,7 @@ const EXAMPLES: &str = "\
 Examples:
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
-  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz --limit N=1.1
+  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz --max-ratio N=1.1
   sagnac compare gyro1.csv gyro2.csv gyro3.csv --unit deg/h --rate 100Hz --column gz \\
     --limit \"N=0.003 deg/sqrt(h)\"
   sagnac compare bench.csv --data rate --unit deg/h --rate 1Hz --column g01,g02,g03,g04
@@ -42,8 +43,11 @@ pub struct Options {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
-    /// Largest accepted value: of two logs the ratio of a coefficient, B over A, as in N=1.1; of a batch each unit, as in
-    /// "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine, in_run_stability; may be repeated
+    /// Largest accepted ratio of a coefficient of two logs, B over A, as in N=1.1; may be repeated
+    #[arg(long, value_name = "NAME=RATIO")]
+    pub max_ratio: Vec<String>,
+    /// Largest accepted value of each unit of a batch, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
+    /// in_run_bias_stability; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub limit: Vec<String>,
     #[command(flatten)]
@@ -54,15 +58,21 @@ pub struct Options {
 pub fn compare(options: &Options) -> Result<(), Failure> {
     match &options.files[..] {
         [a, b] => pair(options, [a, b]),
-        _ => batch::batch(options, "batch"),
+        _ if options.max_ratio.is_empty() => batch::batch(options, "batch"),
+        _ => Err(Failure::Usage("--max-ratio is for two logs\nlimit the units of a batch by --limit".to_owned())),
     }
 }
 
 /// Compares two logs.
 fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
     let [first, second] = files;
-    let failure = |error: LimitError| Failure::Usage(format!("--limit: {error}"));
-    let limits = options.limit.iter().map(|text| RatioLimit::parse(text));
+    let failure = |error: LimitError| Failure::Usage(format!("--max-ratio: {error}"));
+    // Before 0.3, a limit of two logs was a ratio.
+    let is_ratio = |text: &&String| text.split_once('=').is_some_and(|(_, value)| value.trim().parse::<f64>().is_ok());
+    for former in options.limit.iter().filter(is_ratio) {
+        note!("{}", note(&format!("--limit {former}"), &format!("--max-ratio {former}")));
+    }
+    let limits = options.max_ratio.iter().chain(&options.limit).map(|text| RatioLimit::parse(text));
     let limits = limits.collect::<Result<Vec<RatioLimit>, _>>().map_err(failure)?;
     let fitting = options.reading.fitting();
     let terms = fitting.as_ref().map(|fitting| fitting.terms.all());

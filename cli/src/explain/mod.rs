@@ -16,7 +16,7 @@ use crate::output::print;
 const EXAMPLES: &str = "\
 Examples:
   sagnac explain motion.amplitude
-  sagnac explain q9973_arcsec
+  sagnac explain p99_73_arcsec
   sagnac explain gap-fill
   sagnac explain minimum-variance
   sagnac explain N

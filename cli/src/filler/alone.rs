@@ -8,6 +8,7 @@ use sagnac::quantity::units::{Dimension, parse};
 use sagnac::source::diagnose::StudyError;
 
 use crate::failure::Failure;
+use crate::limits::on;
 
 /// Keys of the resulting study with the corresponding options; longer keys first.
 const NAMES: [(&str, &str); 9] = [
@@ -47,9 +48,9 @@ pub struct Given {
     #[arg(long, value_name = "ANGLE")]
     noise: Option<String>,
     /// Search the fit ticks of minimum-variance: the first after the gap, and then the fewest, with which 99.73 % of
-    /// residuals are at most this angle, also if the frequencies are 5 % lower or higher; of a study for its motion, which may
+    /// residuals are at most this angle, as in "residual=8 arcsec", also if the frequencies are 5 % lower or higher; of a study for its motion, which may
     /// be recorded, and by default its own limit
-    #[arg(long, value_name = "ANGLE", conflicts_with = "fit_ticks")]
+    #[arg(long, value_name = "NAME=VALUE", conflicts_with = "fit_ticks")]
     limit: Option<String>,
     /// Search the fit ticks of minimum-variance among those that come at most this time after the gap, such as "20 ms"; also
     /// of a study [default: 16 ticks]
@@ -93,7 +94,8 @@ impl Given {
         let value = |name: &str, text: &Option<String>, dimension| {
             text.as_ref().map(|text| at_least_0(name, text, dimension)).transpose()
         };
-        let limit_arcsec = value("--limit", &self.limit, Dimension::Angle)?;
+        let limit = self.limit.as_deref().map(|text| on(text, &["residual", "p99_73"])).transpose()?;
+        let limit_arcsec = value("--limit", &limit.map(str::to_owned), Dimension::Angle)?;
         let latency_s = value("--latency", &self.latency, Dimension::Time)?;
         let is_asked = limit_arcsec.or(latency_s).is_some();
         Ok(is_asked.then_some(Asked { limit_arcsec, latency_s }))

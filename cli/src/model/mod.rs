@@ -10,7 +10,7 @@ use sagnac::analysis::model::noise::of_file;
 use sagnac::analysis::model::search::MOST_STATES;
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
-use sagnac::analysis::model::{Aim, Analysis, Asked, Quantisation, tables};
+use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization, tables};
 use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::store::folder::Folder;
@@ -27,19 +27,19 @@ const PER_DECADE: u32 = 10;
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --bound
-  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound
+  sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --overbound
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --overbound
   sagnac model log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz \\
-    --bound --to \"4 s\" --write kalibr,openvins
-  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --bound=repeat \\
+    --overbound --to \"4 s\" --write kalibr,openvins
+  sagnac model gyro.csv --data rate --unit deg/h --rate 100Hz --column gz --overbound=repeat \\
     --filter-rate 50Hz --write all
-  sagnac model noise.toml --from \"1 s\" --to \"1000 s\" --bound --json
+  sagnac model noise.toml --from \"1 s\" --to \"1000 s\" --overbound --json
 
 FILE is a log, which is read as by `sagnac allan`, or a noise.toml, whose name ends in .toml: then the
 curve is that of its coefficients, with the intervals that `sagnac allan` wrote into it. The model is
-white noise, a random walk and the fewest Gauss-Markov states, at most 3. Without --bound its Allan
-deviation lies within the 95 % band of the record, with --bound nowhere below its upper end, and with
---bound=repeat nowhere below the band that 95 % of further records of the same gyro and length have.";
+white noise, a random walk and the fewest Gauss-Markov states, at most 3. Without --overbound its Allan
+deviation lies within the 95 % band of the record, with --overbound nowhere below its upper end, and with
+--overbound=repeat nowhere below the band that 95 % of further records of the same gyro and length have.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -59,16 +59,16 @@ pub struct Options {
     /// Lie nowhere below the upper end of the band, instead of within it: of this record (band, also without a value), or of 95 % of
     /// further records of the same gyro and length, at all averaging times together (repeat)
     #[arg(help_heading = "Model", long, value_name = "WHAT", num_args = 0..=1, require_equals = true, default_missing_value = "band", value_parser = aims())]
-    bound: Option<Aim>,
+    overbound: Option<Aim>,
     /// How far a bound may lie above, in percent, before a Markov state is added; also the band of a noise.toml without intervals
     #[arg(help_heading = "Model", long, value_name = "PERCENT", default_value = "20", value_parser = margin)]
     margin: f64,
     /// Number of Markov states, 0 to 3 [default: the fewest]
     #[arg(help_heading = "Model", long, value_name = "N", value_parser = states)]
     states: Option<usize>,
-    /// What quantisation is to the filter: measurement noise of the angle, or white noise of the rate
-    #[arg(help_heading = "Model", long, value_name = "AS", default_value = "measurement", value_parser = quantisation())]
-    quantisation: Quantisation,
+    /// What quantization is to the filter: measurement noise of the angle, or white noise of the rate
+    #[arg(help_heading = "Model", long, value_name = "AS", default_value = "measurement", value_parser = quantization())]
+    quantization: Quantization,
     /// Rate of the filter, for F, Q and R [default: that of the log]
     #[arg(help_heading = "Model", long, value_name = "RATE", value_parser = rate)]
     filter_rate: Option<f64>,
@@ -87,8 +87,8 @@ fn aims() -> impl TypedValueParser<Value = Aim> {
     one_of([("band", Aim::Bound), ("repeat", Aim::BoundRepeat)])
 }
 
-fn quantisation() -> impl TypedValueParser<Value = Quantisation> {
-    one_of([("measurement", Quantisation::Measurement), ("white", Quantisation::White)])
+fn quantization() -> impl TypedValueParser<Value = Quantization> {
+    one_of([("measurement", Quantization::Measurement), ("white", Quantization::White)])
 }
 
 fn margin(text: &str) -> Result<f64, String> {
@@ -113,10 +113,10 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     let asked = Asked {
         from_s: options.from,
         to_s: options.to,
-        aim: options.bound.unwrap_or(Aim::Describe),
+        aim: options.overbound.unwrap_or(Aim::Describe),
         margin: options.margin,
         states: options.states,
-        quantisation: options.quantisation,
+        quantization: options.quantization,
         filter_hz: options.filter_rate,
         confidence: options.confidence,
     };
@@ -158,7 +158,7 @@ fn of_log(options: &Options) -> Result<(Source, Vec<Target>), Failure> {
         taus: Taus::Decade(PER_DECADE),
         confidence: options.confidence,
         fitting: options.reading.fitting(),
-        // Only the quantisation of the fit is needed.
+        // Only the quantization of the fit is needed.
         simulated: Some(0),
         ..OfLog::default()
     };

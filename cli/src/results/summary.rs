@@ -50,9 +50,10 @@ pub(crate) fn crossings(verdicts: &[Verdict]) -> String {
 
 /// Each column of a table on its own line, with its values.
 fn columns(table: &Table) -> String {
+    let table = table.read();
     let line = |column: &Column| {
         let cells = column.cells.iter().map(|cell| cell.rounded(6));
-        std::iter::once(column.heading()).chain(cells).collect::<Vec<String>>()
+        std::iter::once(column.title()).chain(cells).collect::<Vec<String>>()
     };
     aligned(&table.columns.iter().map(line).collect::<Vec<_>>(), look::columns())
 }
@@ -102,7 +103,7 @@ fn of_chart(study: &Study, points: &Table, shown: &Curves, chart: &Chart) -> Res
 /// Some columns, with a line for each of their rows.
 fn listed(columns: &[&Column]) -> String {
     let line = |row: usize| columns.iter().map(|column| column.cells[row].rounded(4)).collect();
-    let heading: Vec<String> = columns.iter().map(|column| column.heading()).collect();
+    let heading: Vec<String> = columns.iter().map(|column| column.title()).collect();
     let rows = columns.first().map_or(0, |column| column.cells.len());
     aligned(&std::iter::once(heading).chain((0..rows).map(line)).collect::<Vec<_>>(), look::columns())
 }
@@ -115,11 +116,11 @@ fn coefficients_found(study: &Study, table: &Table) -> String {
     if table.rows() > MOST_COEFFICIENTS {
         return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));
     }
-    let swept = study.sweeps.len();
+    let (table, swept) = (table.read(), study.sweeps.len());
     let (keys, own) = table.columns.split_at(swept);
     let columns: Vec<&Column> = keys.iter().chain(own.iter().filter(|column| column.brief)).collect();
     let heading = |(at, column): (usize, &&Column)| {
-        if at < swept { column.heading() } else { column.name.clone() }
+        if at < swept { column.title() } else { column.name.clone() }
     };
     let line = |row: usize| {
         let cell = |column: &&Column| match &column.cells[row] {

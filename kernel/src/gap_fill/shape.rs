@@ -20,7 +20,7 @@ pub const MAX_TONES: usize = 8;
 /// filler moves no trial to another place.
 pub const MARGIN: usize = MAX_SIDE;
 
-/// Sizes and options of a launch, for which its shader is specialised.
+/// Sizes and options of a launch, for which its shader is specialized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// Ticks sampled before the gap: the larger of the next two.

@@ -145,7 +145,7 @@ fn recipe() -> Recipe {
         flicker: vec![100; 8],
         markov: Some([1 << 20, 40, 50]),
         sine: Some([1 << 24, 400]),
-        quantisation: 16,
+        quantization: 16,
         pulse: Some(2),
         switching: Some([50, 40, 30]),
         drift: vec![7; 201].into(),

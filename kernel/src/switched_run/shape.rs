@@ -19,7 +19,7 @@ pub const END_BITS: u32 = 6;
 /// Number of equally likely ends of a run whose end is drawn.
 pub const ENDS: usize = 1 << END_BITS;
 
-/// Sizes and options of a launch, for which its shader is specialised.
+/// Sizes and options of a launch, for which its shader is specialized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// Whether the angle at the end and the largest one are estimated; they are the first two estimates.

@@ -114,9 +114,9 @@ fn short(axis: &Axis) -> &str {
 
 /// A value of an axis, after its label where it has no unit.
 fn valued(axis: &Axis, value: f64) -> String {
-    let unit = axis.unit.replace("arcsec", "″");
+    let unit = &axis.unit;
     match unit.is_empty() {
         true => format!("{} = {}", short(axis), number(value)),
-        false => joined(&number(value), &unit),
+        false => joined(&number(value), unit),
     }
 }

@@ -25,7 +25,7 @@ use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worde
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::{Drawn, refused};
-use crate::view::report::agreement::{Agreement, agreements, capitalised};
+use crate::view::report::agreement::{Agreement, agreements, capitalized};
 use crate::view::report::bandless::Bandless;
 use crate::view::report::role::{apart, is_given, less_is_better};
 use crate::view::results::Results;
@@ -165,14 +165,14 @@ impl Outline {
         };
         let rows: Vec<Vec<AnswerCell>> = charts.iter().filter_map(row).collect();
         if let [first, _, ..] = &rows[..] {
-            self.headline = headline(&first[0].text, &uncapitalised(&self.headline));
+            self.headline = headline(&first[0].text, &uncapitalized(&self.headline));
             self.table.rows = rows;
         }
     }
 }
 
 /// A headline as what follows a name.
-fn uncapitalised(text: &str) -> String {
+fn uncapitalized(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
@@ -426,7 +426,7 @@ pub(super) fn headline(name: &str, result: &str) -> String {
 pub(super) fn begun(text: &str) -> String {
     let first = text.split([' ', ':', ',']).next().unwrap_or_default();
     if first.len() > 3 && first.chars().all(|letter| letter.is_alphabetic() || letter == '-') {
-        capitalised(text)
+        capitalized(text)
     } else {
         text.to_owned()
     }

@@ -57,7 +57,7 @@ pub(crate) struct Fits {
 
 impl Fits {
     /// The fits of two records without their events. With [`Terms::Auto`] the terms are those used by the best fit of either record. A
-    /// band limit that either needs is fitted to both. Where a spectrum shows a filter and no fit has a band limit, quantisation noise
+    /// band limit that either needs is fitted to both. Where a spectrum shows a filter and no fit has a band limit, quantization noise
     /// takes up what is left of the filter, whether or not a fit has chosen it, so that N does not.
     ///
     /// # Errors
@@ -71,8 +71,8 @@ impl Fits {
         let chosen = noise.each_mut().map(|one| one.judged(one.described.fit.clone(), asked.is_forced));
         let is_found =
             |term: Term| chosen.iter().flat_map(|fit| &fit.process.parts).any(|part| part.term == term);
-        let has_filter = noise.iter().any(|one| one.explains(Term::Quantisation));
-        let is_rest = |term: Term| term == Term::Quantisation && has_filter && !is_found(Term::BandLimit);
+        let has_filter = noise.iter().any(|one| one.explains(Term::Quantization));
+        let is_rest = |term: Term| term == Term::Quantization && has_filter && !is_found(Term::BandLimit);
         let is_used = |term: &Term| is_found(*term) || is_rest(*term);
         let shows = |term: &Term| {
             chosen.iter().any(|fit| fit.coefficient(*term).is_some_and(|found| found.value.is_some()))

@@ -120,7 +120,7 @@ impl<'a> Judged<'a> {
     /// How many times as long records decide the limit, if the ratio stays; `None` where it is decided, or does not follow from these
     /// records.
     pub(super) fn factor(&self, most: f64) -> Option<f64> {
-        let is_white = matches!(self.limit.term, Term::AngleRandomWalk | Term::Quantisation);
+        let is_white = matches!(self.limit.term, Term::AngleRandomWalk | Term::Quantization);
         let (Standing::Open, Some(ratio), [Some(low), Some(high)], true) =
             (self.standing, self.ratio, self.ends, is_white)
         else {

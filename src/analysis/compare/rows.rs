@@ -43,7 +43,7 @@ impl Verdict {
         match self {
             Verdict::Higher => "B higher",
             Verdict::Lower => "B lower",
-            Verdict::NotToldApart => "not told apart",
+            Verdict::NotToldApart => "consistent",
             Verdict::Equal => "equal",
             Verdict::Neither => "in neither record",
             Verdict::Explained => "not compared",

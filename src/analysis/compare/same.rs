@@ -32,7 +32,7 @@ pub struct Same {
 ///
 /// The deviations beyond those of Gaussian noise that the estimates of a record have in common are added to it.
 ///
-/// What a filter leaves in either record, 1/τ² of quantisation noise or of a band limit, is that of its own fit. Because it is
+/// What a filter leaves in either record, 1/τ² of quantization noise or of a band limit, is that of its own fit. Because it is
 /// fitted, a difference of that shape is taken out of the χ², which has a degree of freedom less.
 ///
 /// `left` is the fraction of the differences of each record that remain despite gaps, for each ratio.
@@ -52,7 +52,7 @@ pub(crate) fn by_fits(
         ratios.iter().zip(left).filter(|(ratio, _)| is_used(ratio)).unzip();
     let Some(last) = used.last() else { return Ok(None) };
     let is_of_filter =
-        |term: &Term| *term == Term::BandLimit || *term == Term::Quantisation && fits.is_explained(*term);
+        |term: &Term| *term == Term::BandLimit || *term == Term::Quantization && fits.is_explained(*term);
     let (of_filter, of_noise): (Vec<Term>, Vec<Term>) =
         fits.terms.iter().partition(|term| is_of_filter(term));
     let common: Vec<(Term, f64, f64)> =

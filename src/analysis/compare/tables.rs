@@ -43,8 +43,8 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<RatioRow<'a>>> {
             .is(Role::Note, "Unit of `a` and `b`."),
         Of::new("p", Unit::NONE, "p", |row| row.ratio.p.into())
             .is(Role::Estimate, "Probability that a ratio is at least as far from 1 by chance if both have the same noise."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| text(verdict(row.ratio)))
-            .is(Role::Note, "`B higher`, `B lower` or `not told apart`, at 95 %."),
+        Of::new("status", Unit::NONE, "status", |row| text(verdict(row.ratio)))
+            .is(Role::Note, "`B higher`, `B lower` or `consistent`, at 95 %."),
     ]
 }
 
@@ -78,9 +78,9 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
         Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
             .is(Role::Estimate, "Probability that a difference is at least as large by chance if both have the same coefficient."),
         Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.length).into())
-            .is(Role::Estimate, "Length of records, s, that distinguishes such values in 9 of 10 cases."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.verdict().name()))
-            .is(Role::Note, "`B higher`, `B lower`, `not told apart`, `equal`, `in neither record`, or `not compared` if an event of a record explains it as well."),
+            .is(Role::Estimate, "Length of records, s, that resolves such a difference with 90 % power."),
+        Of::new("status", Unit::NONE, "status", |row| text(row.verdict().name()))
+            .is(Role::Note, "`B higher`, `B lower`, `consistent`, `equal`, `in neither record`, or `not compared` if an event of a record explains it as well."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.found.ratio.into())
             .is(Role::Estimate, "Value of B divided by that of A."),
         Of::new("ratio_lower", Unit::NONE, "ratio_lower", |row| row.found.ratio_interval[0].into())
@@ -108,7 +108,7 @@ fn verdict(ratio: &Ratio) -> &'static str {
     match ratio.is_above() {
         Some(true) => "B higher",
         Some(false) => "B lower",
-        None if ratio.interval.is_some() => "not told apart",
+        None if ratio.interval.is_some() => "consistent",
         None => "",
     }
 }
@@ -180,7 +180,7 @@ fn of_point(point: &Point) -> Value {
     json!({
         "m": point.m,
         "tau_s": point.tau_s,
-        "terms": point.terms,
+        "differences": point.terms,
         "edf": point.edf,
         "lower": point.interval.map(|ends| ends.0),
         "value": point.value,
@@ -202,7 +202,7 @@ fn of_ratio(ratio: &Ratio) -> Value {
         "lower": ratio.interval.map(|ends| ends[0]),
         "upper": ratio.interval.map(|ends| ends[1]),
         "p": ratio.p,
-        "verdict": verdict(ratio),
+        "status": verdict(ratio),
     })
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn mean_square<'t>(table: &'t Table, judged: &'t Column) -> &'t Colum
         table.referred(judged).filter(|column| judged.role == Role::Error && column.role == Role::Error);
     let fits = |column: &&Column| {
         let is_alike = column.role == Role::Error && column.unit == judged.unit;
-        is_alike && table.beside(column, Role::Oracle).is_some()
+        is_alike && table.beside(column, Role::Theory).is_some()
     };
     referred.or_else(|| table.columns.iter().find(fits)).unwrap_or(judged)
 }

@@ -177,7 +177,7 @@ impl Evaluator<'_> {
 /// The closed form of a column in the row of every point, from a table without trials: the column itself, or one beside it.
 fn closed(table: &Table, points: usize, row: usize, column: &str) -> Option<Vec<Value>> {
     let column = table.column(column).ok()?;
-    let all = [Some(column), table.beside(column, Role::Oracle)];
+    let all = [Some(column), table.beside(column, Role::Theory)];
     let values = all.into_iter().flatten().find_map(|column| of_rows(table, points, row, column))?;
     Some(values.into_iter().map(|value| Value { value, parts: vec![] }).collect())
 }

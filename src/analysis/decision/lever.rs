@@ -162,7 +162,7 @@ const DIGITS: usize = 4;
 
 /// A quantity with the sign of arc seconds.
 fn shown(quantity: Quantity) -> String {
-    let text = short(quantity, DIGITS).replace("arcsec", "″");
+    let text = short(quantity, DIGITS);
     text.strip_suffix(" ″").map_or(text.clone(), |number| format!("{number}″"))
 }
 

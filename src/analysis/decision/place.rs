@@ -282,7 +282,7 @@ fn ends_exactly(study: &Study, point: usize) -> bool {
     runs.and_then(|points| points.get(point)).is_some_and(|point| point.schedule.end == End::Exact)
 }
 
-/// Whether a point is of a dither without randomisation, whose zones of lock-in are sharp.
+/// Whether a point is of a dither without randomization, whose zones of lock-in are sharp.
 fn has_zones(study: &Study, point: usize) -> bool {
     let points = study.asked::<LockInStudy>().map(|study| &study.points);
     let inputs = points.and_then(|points| points.get(point)).map(|point| &point.inputs);
@@ -300,17 +300,17 @@ pub(super) fn changed(input: &Input, factor: f64) -> Quantity {
 
 /// The value of an input multiplied by a factor.
 fn scaled(input: &Input, factor: f64) -> Quantity {
-    Quantity::new(input.value.value * factor, input.value.dimension)
+    input.value.with(input.value.value * factor)
 }
 
-/// The next value with three digits in the unit of tables, or the next whole number, that an input has when it changes
+/// The next value with three digits in the unit in which it is read, or the next whole number, that an input has when it changes
 /// at least by a factor. It is never the present one.
 fn beyond(input: &Input, factor: f64) -> Quantity {
     let exact = scaled(input, factor);
-    let size = exact.shown().abs();
+    let size = exact.read().abs();
     let last = if input.key.is_whole() { 1.0 } else { libm::pow(10.0, libm::floor(libm::log10(size)) - 2.0) };
     let steps = if factor < 1.0 { libm::floor(size / last) } else { libm::ceil(size / last) };
-    Quantity::new(exact.value * (steps * last / size), exact.dimension)
+    exact.with(exact.value * (steps * last / size))
 }
 
 #[cfg(test)]

@@ -234,7 +234,7 @@ fn parts_that_are_swept_or_drawn_are_in_the_error_budget() {
     assert!(share(&alone, "angle random walk") > 0.99, "{:?}", alone.budget);
 }
 
-/// A dither without randomisation, whose zones lie at multiples of 800 ″/s.
+/// A dither without randomization, whose zones lie at multiples of 800 ″/s.
 const ZONES: &str = r#"
 title = "Zones"
 kind = "lock-in"

@@ -5,8 +5,8 @@ use crate::quantity::units::{Dimension, Quantity};
 
 /// A quantity with this many digits; a time below a tenth of a second in milliseconds.
 pub(crate) fn short(quantity: Quantity, digits: usize) -> String {
-    // In the unit of tables, which is shown.
-    let shown = quantity.shown();
+    // In the unit that is shown.
+    let shown = quantity.read();
     let part = significant(shown, digits).parse().map_or(1.0, |rounded: f64| rounded / shown);
     let value = if shown == 0.0 { 0.0 } else { quantity.value * part };
     match quantity.dimension {

@@ -106,7 +106,7 @@ impl Variant {
 pub struct Design {
     /// The study, with all fillers that were tried.
     pub study: Study,
-    /// Minimised quantity.
+    /// Minimized quantity.
     pub measure: Measure,
     /// What fillers had to meet.
     pub constraints: Constraints,

@@ -1,16 +1,16 @@
-//! The quantity that a design minimises.
+//! The quantity that a design minimizes.
 
 use crate::key::holds::names;
 
 names! {
-    /// The quantity to minimise, as listed by `--by`.
+    /// The quantity to minimize, as listed by `--by`.
     pub enum Measure {
         /// The drift that 99.73 % of runs do not exceed.
-        DriftQ9973 = "drift_q9973",
+        DriftP9973 = "drift_p99_73",
         /// The rms drift.
         DriftRms = "drift_rms",
         /// The largest angle of a run, divided by the run time, that 99.73 % of runs do not exceed.
-        LargestQ9973 = "largest_q9973",
+        LargestP9973 = "largest_p99_73",
         /// The rms of the largest angle of a run, divided by the run time.
         LargestRms = "largest_rms",
     }
@@ -25,15 +25,15 @@ impl Measure {
     /// Label for axes and sentences.
     pub fn label(self) -> &'static str {
         match self {
-            Measure::DriftQ9973 => "99.73 % drift",
+            Measure::DriftP9973 => "99.73 % drift",
             Measure::DriftRms => "rms drift",
-            Measure::LargestQ9973 => "99.73 % largest angle over the run time",
+            Measure::LargestP9973 => "99.73 % largest angle over the run time",
             Measure::LargestRms => "rms largest angle over the run time",
         }
     }
 
     /// Whether it refers to the largest angle of a run instead of that at its end.
     pub(crate) fn is_largest(self) -> bool {
-        matches!(self, Measure::LargestQ9973 | Measure::LargestRms)
+        matches!(self, Measure::LargestP9973 | Measure::LargestRms)
     }
 }

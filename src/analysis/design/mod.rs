@@ -88,7 +88,7 @@ const MANY: u64 = 20_000_000_000;
 /// What a design is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
-    /// Quantity to minimise.
+    /// Quantity to minimize.
     pub measure: Measure,
     /// What fillers must meet.
     pub constraints: Constraints,
@@ -97,7 +97,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// The interval and the filler of the study that minimise this quantity.
+    /// The interval and the filler of the study that minimize this quantity.
     pub fn of(measure: Measure) -> Request {
         Request { measure, constraints: Constraints::default(), search: None }
     }

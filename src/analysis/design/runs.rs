@@ -102,8 +102,8 @@ impl Runner<'_> {
             Some(filled) => level(filled)?,
             None => (drift, halves.clone()),
         };
-        let oracle = filled.estimates[usize::from(measure.is_largest())].oracle;
-        let closed_form = oracle.map(|oracle| oracle.rms() / duration_s);
+        let theory = filled.estimates[usize::from(measure.is_largest())].theory;
+        let closed_form = theory.map(|theory| theory.rms() / duration_s);
         let (interval_s, switches) = (*interval_s, *switches);
         Ok(Tried { interval_s, switches, drift, closed_form, halves, switched, switched_halves })
     }
@@ -134,8 +134,8 @@ fn of_parts(
                 let around = |se: f64| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se);
                 Some(Found { value: found.rms, interval: found.rms_se.map(around) })
             }
-            Measure::DriftQ9973 | Measure::LargestQ9973 => {
-                let q = found.q9973?;
+            Measure::DriftP9973 | Measure::LargestP9973 => {
+                let q = found.p99_73?;
                 Some(Found { value: q.value, interval: q.low.zip(q.high) })
             }
         }

@@ -30,7 +30,7 @@ pub(crate) fn point_columns<'a>() -> Vec<ColumnOf<PointRow<'a>>> {
             .is(Role::Coordinate, "End of the window, from the start of the file, s."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("terms", Unit::NONE, "terms", |row| Cell::Integer(row.point.terms as i64))
+        Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
             .is(Role::Count, "Number of differences behind the value."),
         Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
             .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
@@ -81,7 +81,7 @@ pub(crate) fn octave_columns<'a>() -> Vec<ColumnOf<OctaveRow<'a>>> {
         Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(Deviation::Oadev)))
             .is(Role::Note, "Unit of `before` and `after`."),
         Of::new("visible", Unit::NONE, "visible", |row| Cell::Number(row.octave.visible))
-            .is(Role::Estimate, "Relative step of the deviation in the middle of the record that would have p < 5 % in 9 of 10 records."),
+            .is(Role::Estimate, "Relative step of the deviation in the middle of the record that is detected with 90 % power at p < 5 %."),
     ]
 }
 

@@ -31,7 +31,7 @@ pub fn sentence(column: &Column) -> String {
         None => format!("σ({} s)", significant(finest.tau_s, 4)),
     };
     format!(
-        "no change seen ({counted}): a step of {of} by {} % in the middle of the record would have been seen in 9 of 10 cases",
+        "no change seen ({counted}): a step of {of} by {} % in the middle of the record would have been detected with 90 % power",
         significant(100.0 * finest.visible, 2)
     )
 }

@@ -103,8 +103,8 @@ impl Firmware {
                 (None, None) => Status::NoLimit,
             },
             headline,
-            value: level.or(size).map(|value| arcsec(if level.is_some() { "q9973" } else { "rms" }, value)),
-            limit: limit.map(|limit| arcsec("q9973", limit)),
+            value: level.or(size).map(|value| arcsec(if level.is_some() { "p99_73" } else { "rms" }, value)),
+            limit: limit.map(|limit| arcsec("p99_73", limit)),
             table: self.table(&known),
             facts,
             checks: vec![],
@@ -172,12 +172,12 @@ impl Firmware {
         let number = |value: f64| significant(value, 5);
         let residual = match (design.judged.map(Judged::worst), design.errors[0].rms) {
             (Some(Size { rms, level }), _) => format!(
-                "; residual {} arcsec rms, {} arcsec at 99.73 %, with {}",
+                "; residual {}″ rms, {}″ at 99.73 %, with {}",
                 number(rms),
                 number(level),
                 deviation(self.shift)
             ),
-            (None, Some(rms)) if rms > 0.0 => format!("; residual {} arcsec rms", number(rms)),
+            (None, Some(rms)) if rms > 0.0 => format!("; residual {}″ rms", number(rms)),
             _ => String::new(),
         };
         format!("latency {ticks} tick{plural}{latency_ms}{residual}")
@@ -209,8 +209,8 @@ impl Trade {
             kind: Kind::Choice,
             status: status(chosen.level, limit),
             headline: headline(&name(chosen), chosen.level, limit),
-            value: Some(arcsec("q9973", chosen.level)),
-            limit: limit.map(|limit| arcsec("q9973", limit)),
+            value: Some(arcsec("p99_73", chosen.level)),
+            limit: limit.map(|limit| arcsec("p99_73", limit)),
             table: self.options(),
             facts,
             checks: vec![],
@@ -229,7 +229,7 @@ impl Trade {
                 Reading::in_unit("latency", 1e3 * self.latency_s(one), "ms", None).into(),
                 arcsec("own_rms", one.own_rms).into(),
                 arcsec("rms", one.rms).into(),
-                arcsec("q9973", one.level).into(),
+                arcsec("p99_73", one.level).into(),
                 status.unwrap_or_default().into(),
             ]
         };

@@ -121,7 +121,7 @@ impl Firmware {
             let rms = |i: usize| match lowered.as_ref().ok()? {
                 Some(lowered) => {
                     let estimates = lowered.fillers.get(place)?;
-                    estimates.iter().find(|estimate| estimate.error == ERRORS[i])?.oracle.rms
+                    estimates.iter().find(|estimate| estimate.error == ERRORS[i])?.theory.rms
                 }
                 None => Some(specified_rms(inputs, both[i]?)),
             };
@@ -269,7 +269,7 @@ fn method(filler: &Filler, inputs: &Inputs) -> String {
         lsb => format!(", read in pulses of {} arcsec", significant(lsb, 6)),
     };
     format!(
-        "minimum variance for {rate} arcsec/s rms{spread} and {noise} arcsec rms of noise per tick{pulses}"
+        "minimum variance for {rate} ″/s rms{spread} and {noise}″ rms of noise per tick{pulses}"
     )
 }
 

@@ -94,9 +94,9 @@ impl Firmware {
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
         let (frequency_unit, error_unit) = if self.tick_s.is_some() {
-            ("Hz", "arcsec per arcsec/s")
+            ("Hz", "″ per ″/s")
         } else {
-            ("cycles per tick", "arcsec per arcsec a tick")
+            ("cycles per tick", "″ per ″ a tick")
         };
         let mut figure = Figure {
             title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),

@@ -80,9 +80,9 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms", Unit::ARCSEC, "rms residual", |(one, _)| Cell::Number(one.rms))
             .is(Role::Error, "The largest root mean square residual on the motion as given and with all frequencies 5 % lower or higher, or with \
                 those of a specification within their tolerances, ″."),
-        Of::new("own_q9973", Unit::ARCSEC, "99.73 % residual as given", |(one, _)| Cell::Number(one.own_level))
+        Of::new("own_p99_73", Unit::ARCSEC, "99.73 % residual as given", |(one, _)| Cell::Number(one.own_level))
             .is(Role::Estimate, "Level below which 99.73 % of residuals stay on the motion as given, with noise, ″."),
-        Of::new("q9973", Unit::ARCSEC, "99.73 % residual", |(one, _)| Cell::Number(one.level))
+        Of::new("p99_73", Unit::ARCSEC, "99.73 % residual", |(one, _)| Cell::Number(one.level))
             .is(Role::Error, "The largest such level on the motion as given and with all frequencies 5 % lower or higher, or with those of a \
                 specification within their tolerances, by which the ticks are chosen, ″."),
     ]
@@ -187,7 +187,7 @@ impl Trade {
             title: "Error and latency of a filler by the ticks that it reads".to_owned(),
             subtitle: Some(format!("worst case of {}", deviation(self.shift))),
             x: Axis { whole: true, scale: Scale::Linear, ..Axis::new("ticks before the gap", "") },
-            y: Axis::new("99.73 % residual", "arcsec"),
+            y: Axis::new("99.73 % residual", "″"),
             colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
             series: each.enumerate().map(of).collect(),
             limit: limit
@@ -216,8 +216,8 @@ impl Trade {
                 "latency_s": self.latency_s(*one),
                 "own_rms_arcsec": one.own_rms,
                 "rms_arcsec": one.rms,
-                "own_q9973_arcsec": one.own_level,
-                "q9973_arcsec": one.level,
+                "own_p99_73_arcsec": one.own_level,
+                "p99_73_arcsec": one.level,
             })
         };
         json!({

@@ -72,7 +72,7 @@ impl Firmware {
                 "errors": errors,
                 "latency_ticks": design.latency_ticks,
                 "shifted_rms_arcsec": design.judged.map(|judged| judged.shifted.rms),
-                "shifted_q9973_arcsec": design.judged.map(|judged| judged.shifted.level),
+                "shifted_p99_73_arcsec": design.judged.map(|judged| judged.shifted.level),
             })
         };
         let at: serde_json::Map<String, Value> =

@@ -58,7 +58,7 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
     let [deviation, others @ ..] = &deviations[..] else { return None };
     let names: Vec<String> = deviations.iter().map(|deviation| deviation.name().to_owned()).collect();
     let title = match others {
-        [] => capitalised(deviation.title()),
+        [] => capitalized(deviation.title()),
         _ => format!("Deviations {}", names.join(", ")),
     };
     let several = all.len() > 1;
@@ -181,7 +181,7 @@ fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
 }
 
-pub(crate) fn capitalised(text: &str) -> String {
+pub(crate) fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -81,7 +81,7 @@ pub enum KalibrError {
     },
     /// The coefficients of a column do not describe its curve.
     #[error(
-        "there is nothing to write: {0}: not described: the terms of the fit describe the curve over no range of τ\n\
+        "there is nothing to write: {0}: model rejected: the terms of the fit describe the curve over no range of τ\n\
          give the range of the fit, as in `fit_from = 1s`, or `force = true` to write the best fit all the same"
     )]
     NotDescribed(String),
@@ -178,7 +178,7 @@ fn found<'a>(sensor: &Sensor, term: Term, columns: &[&'a Column]) -> Result<Foun
     Ok(match largest {
         Some((value, column)) => Found::Value {
             value,
-            verdict: if fit(column)?.is_described() { "identified" } else { "not described" },
+            verdict: if fit(column)?.is_described() { "estimated" } else { "model rejected" },
             column: &column.name,
             others: most.filter(|most| *most > value),
         },

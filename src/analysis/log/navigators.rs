@@ -248,7 +248,7 @@ pub fn answer(found: &[Result<Navigators, String>]) -> Option<Answer> {
     all.sort_by(|a, b| b.within.value.total_cmp(&a.within.value));
     let worst = all.first()?;
     let reading = |one: &Navigators, value: f64, interval: Option<(f64, f64)>| {
-        Reading::in_unit("position_q95", value, one.unit, interval.map(|(low, high)| [low, high]))
+        Reading::in_unit("position_p95", value, one.unit, interval.map(|(low, high)| [low, high]))
     };
     let within = |one: &Navigators| reading(one, one.within.value, one.within.interval);
     let after = spoken(worst.duration_s);

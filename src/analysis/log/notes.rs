@@ -48,7 +48,7 @@ fn of_column(column: &Column, analysis: &Analysis) -> [Option<String>; 9] {
         limit,
         said(
             noise.is_some_and(|noise| noise.is_hump),
-            "what falls as 1/τ at short τ is no quantisation noise, which would show at the highest frequencies too: see the spectrum for a \
+            "what falls as 1/τ at short τ is no quantization noise, which would show at the highest frequencies too: see the spectrum for a \
              line or a hump",
         ),
         has_gaps.then(|| missing(column.missing, analysis.samples)),

@@ -33,13 +33,13 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
             .is(Role::Count, "Averaging time in samples."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("terms", Unit::NONE, "terms", |row| Cell::Integer(row.point.terms as i64))
+        Of::new("differences", Unit::NONE, "differences", |row| Cell::Integer(row.point.terms as i64))
             .is(Role::Count, "Number of differences behind the value."),
         Of::new("alpha", Unit::NONE, "alpha", |row| {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
         })
             .is(Role::Estimate, "α of the noise that the lag-1 autocorrelation shows, from a spectral density of the rate as f^α: 2 \
-                quantisation, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
+                quantization, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
                 walk."),
         Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
             .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
@@ -110,7 +110,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
         key(|line| text(line.column)),
         Of::new("coefficient", Unit::NONE, "coefficient", |line| text(line.row.name))
             .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and \
-                `in_run_stability`, the minimum of the curve, with its `in_run_stability_tau`."),
+                `in_run_bias_stability`, the minimum of the curve, with its `in_run_bias_stability_tau`."),
         Of::new("value", Unit::NONE, "value", |line| line.row.value.into())
             .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),
         Of::new("lower", Unit::NONE, "lower", |line| line.row.interval.map(|ends| ends[0]).into())
@@ -119,7 +119,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
             .is_of("value", Role::Upper, "Upper end of the 95 % interval; if `value` is blank, an upper bound on the coefficient."),
         Of::new("unit", Unit::NONE, "unit", |line| text(line.row.unit))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
-        Of::new("verdict", Unit::NONE, "verdict", |line| text(line.row.verdict))
+        Of::new("status", Unit::NONE, "status", |line| text(line.row.verdict))
             .is(Role::Note, "Whether the record identifies the coefficient, in words."),
         Of::new("intervals", Unit::NONE, "intervals", |line| text(&line.intervals))
             .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; for the minimum, those of the curve."),
@@ -138,13 +138,13 @@ pub fn coefficients(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&coefficient_columns(), &lines) }
 }
 
-/// The minimum of the first curve that has one, as a separate row: the in-run stability of data sheets, not B.
+/// The minimum of the first curve that has one, as a separate row: the in-run bias stability of data sheets, not B.
 fn stability(column: &log::Column) -> Vec<Row> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
     let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
-    let row = in_run_stability(column.unit, curve.deviation, &minimum);
+    let row = in_run_bias_stability(column.unit, curve.deviation, &minimum);
     let tau = Row {
-        name: "in_run_stability_tau",
+        name: "in_run_bias_stability_tau",
         unit: "s",
         symbol: "s",
         value: Some(minimum.point.tau_s),
@@ -156,9 +156,9 @@ fn stability(column: &log::Column) -> Vec<Row> {
 }
 
 /// The minimum of a curve as a row.
-pub(crate) fn in_run_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
+pub(crate) fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum: &Minimum) -> Row {
     Row {
-        name: "in_run_stability",
+        name: "in_run_bias_stability",
         unit: unit.in_files(deviation),
         symbol: unit.symbol(deviation),
         value: minimum.point.value,
@@ -173,7 +173,7 @@ pub(crate) fn in_run_stability(unit: Curves, deviation: Deviation, minimum: &Min
 pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samples: usize) -> Option<Row> {
     let known = points.partition_point(|point| SHORTEST_RECORD * point.m <= samples);
     let minimum = minimum(&points[..known])?;
-    let row = in_run_stability(unit, deviation, &minimum);
+    let row = in_run_bias_stability(unit, deviation, &minimum);
     Some(match minimum.at_end {
         true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },
         false => row,
@@ -188,7 +188,7 @@ pub(crate) fn document_of(row: &Row) -> Value {
         "lower": row.interval.map(|ends| ends[0]),
         "upper": row.interval.map(|ends| ends[1]),
         "unit": row.unit,
-        "verdict": row.verdict,
+        "status": row.verdict,
         "fitted": row.fitted,
     })
 }
@@ -197,7 +197,7 @@ pub(crate) fn document_of(row: &Row) -> Value {
 fn alpha_from(point: &Point) -> &'static str {
     match point.noise {
         Some(noise) if noise.carried => "carried",
-        Some(_) => "identified",
+        Some(_) => "estimated",
         None => "",
     }
 }
@@ -272,7 +272,7 @@ fn of_curve(column: &log::Column, curve: &Curve) -> Value {
         "deviation": curve.deviation.name(),
         "unit": column.unit.in_files(curve.deviation),
         "points": points,
-        "in_run_stability": minimum,
+        "in_run_bias_stability": minimum,
     })
 }
 
@@ -280,7 +280,7 @@ fn of_point(point: &Point) -> Value {
     json!({
         "m": point.m,
         "tau_s": point.tau_s,
-        "terms": point.terms,
+        "differences": point.terms,
         "alpha": point.noise.map(|noise| noise.alpha),
         "alpha_carried": point.noise.map(|noise| noise.carried),
         "edf": point.edf,

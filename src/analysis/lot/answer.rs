@@ -1,4 +1,4 @@
-//! The answer of a lot: its outliers, or whether its units meet limits.
+//! The answer of a batch: its outliers, or whether its units meet limits.
 
 use std::cmp::Ordering;
 
@@ -15,7 +15,7 @@ use crate::quantity::number::significant;
 const MAX_NAMED: usize = 3;
 
 impl Lot {
-    /// The answer of the lot: with limits whether its units meet them, else which unit is an outlier.
+    /// The answer of the batch: with limits whether its units meet them, else which unit is an outlier.
     pub fn decision(&self, limits: &[Limit]) -> Decision {
         let units = self.units().zip(&self.labels);
         let subjects: Vec<Subject> = units

@@ -13,7 +13,7 @@ use crate::analysis::lot::{Coefficient, Found, Lot};
 const APART: f64 = 0.12;
 const WIDEST: f64 = 0.7;
 
-/// The chart of the curves of all units, with the odd ones in colours of their own.
+/// The chart of the curves of all units, with the outliers in colours of their own.
 pub fn curves(lot: &Lot) -> Figure {
     let odd = lot.odd();
     let colour = |unit: usize| odd.iter().position(|other| *other == unit).map_or(0, |place| place + 1);
@@ -48,7 +48,7 @@ pub fn curves(lot: &Lot) -> Figure {
     }
 }
 
-/// The chart of all coefficients of all units as parts of the values of the lot without odd units; `None` where nothing is pooled.
+/// The chart of all coefficients of all units as parts of the values of the batch without outliers; `None` where nothing is pooled.
 pub fn coefficients(lot: &Lot) -> Option<Figure> {
     let shown: Vec<(&Coefficient, f64, [f64; 2])> = lot
         .coefficients
@@ -105,7 +105,7 @@ pub(crate) fn subtitle(lot: &Lot) -> String {
     format!("records of {}{of}; {treatment}", duration(shortest))
 }
 
-/// The odd units in a few words.
+/// The outliers in a few words.
 fn found(lot: &Lot) -> String {
     let of = |one: &Coefficient| {
         let odd = one.odd().map(|(unit, found, odd)| {
@@ -115,5 +115,5 @@ fn found(lot: &Lot) -> String {
         odd.collect::<Vec<_>>()
     };
     let odd: Vec<String> = lot.coefficients.iter().flat_map(of).collect();
-    if odd.is_empty() { "no unit is odd".to_owned() } else { odd.join("; ") }
+    if odd.is_empty() { "no unit is an outlier".to_owned() } else { odd.join("; ") }
 }

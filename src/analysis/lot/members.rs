@@ -1,11 +1,11 @@
-//! The units of a lot: their labels, and records that are given twice.
+//! The units of a batch: their labels, and records that are given twice.
 
 use std::collections::HashSet;
 use std::path::Path;
 
 use crate::analysis::log::{self, Column};
 
-/// A unit of a lot: a column of a log.
+/// A unit of a batch: a column of a log.
 pub(super) type Member<'a> = (&'a log::Analysis, &'a Column);
 
 /// The units of some logs, in their order.

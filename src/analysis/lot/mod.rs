@@ -1,4 +1,4 @@
-//! Several units of a production lot: the coefficients of each, the values of the lot, and the odd unit.
+//! Several units of a production lot: the coefficients of each, the values of the batch, and the outlier.
 //!
 //! ```text
 //! Logs ─ log::Analysis ─▶ units ─▶ Estimates ─┬─ pool ─▶ Pooled: median, spread, next unit
@@ -8,10 +8,10 @@
 //! Each unit has the coefficients of its own [analysis](crate::analysis::log), with intervals in closed form. What the units
 //! show of a coefficient is [pooled](pool::pool) in logarithms. A unit is odd if its estimate is improbable for a lot
 //! like the others ([`pool::place`]), with p multiplied by the number of such tests in the lot (Bonferroni), so that equal or
-//! log-normal lots show an odd unit in at most 5 % of cases. Two odd units of equal size hide each other in this test.
+//! log-normal lots show an outlier in at most 5 % of cases. Two outliers of equal size hide each other in this test.
 //!
 //! A record that does not show a coefficient gives an upper bound or nothing. Such units are not pooled: the median is then that
-//! of the units that show the coefficient, which is too high for the lot, and the spread is too low. Where fewer than three
+//! of the units that show the coefficient, which is too high for the batch, and the spread is too low. Where fewer than three
 //! units show a coefficient, no spread tells whether one is odd. A unit then stands apart if its interval lies
 //! above the bounds of all others.
 
@@ -29,7 +29,7 @@ use crate::analysis::log::{self, Column, Curve, Treatment};
 use crate::analysis::lot::members::{Member, labels, twice, units, whole};
 use crate::analysis::lot::pool::{Estimate, Pooled};
 
-/// Probability of an odd unit in a lot without one.
+/// Probability of an outlier in a lot without one.
 pub const FALSE_ALARM: f64 = 0.05;
 
 /// Fewest units of which one can be odd.
@@ -88,9 +88,9 @@ pub struct Coefficient {
     pub symbol: &'static str,
     /// What each unit shows; absent where its fit does not include the term.
     pub found: Vec<Option<Found>>,
-    /// The lot of the units that show it; absent where fewer than two do.
+    /// The batch of the units that show it; absent where fewer than two do.
     pub pooled: Option<Pooled>,
-    /// The lot without the odd units; absent without any, and where fewer than two remain.
+    /// The batch without the outliers; absent without any, and where fewer than two remain.
     pub without_odd: Option<Pooled>,
 }
 
@@ -142,7 +142,7 @@ impl Found {
 }
 
 impl Coefficient {
-    /// Name for the user, such as `N` or `in run stability`.
+    /// Name for the user, such as `N` or `in-run bias stability`.
     pub fn title(&self) -> String {
         self.name.replace('_', " ")
     }
@@ -169,7 +169,7 @@ impl Coefficient {
         (0..self.found.len()).filter(is_silent)
     }
 
-    /// The odd units.
+    /// The outliers.
     pub fn odd(&self) -> impl Iterator<Item = (usize, &Found, Odd)> {
         self.shown().filter_map(|(unit, found)| Some((unit, found, found.odd?)))
     }
@@ -185,7 +185,7 @@ impl Coefficient {
         estimates.iter().filter_map(place).collect()
     }
 
-    /// Names the odd units by their `places`, where each p counts `tests` times, and pools all and the others.
+    /// Names the outliers by their `places`, where each p counts `tests` times, and pools all and the others.
     fn judge(&mut self, places: &[(usize, f64)], tests: usize) {
         for &(unit, below) in places {
             let Some(found) = &mut self.found[unit] else { continue };
@@ -222,7 +222,7 @@ impl Coefficient {
 }
 
 impl Lot {
-    /// The lot of all columns of some logs.
+    /// The batch of all columns of some logs.
     ///
     /// # Errors
     /// There are fewer than two columns, their quantities differ, or two of them are the same record.
@@ -257,7 +257,7 @@ impl Lot {
         units(&self.logs)
     }
 
-    /// The odd units, each once.
+    /// The outliers, each once.
     pub fn odd(&self) -> Vec<usize> {
         let mut odd: Vec<usize> =
             self.coefficients.iter().flat_map(|one| one.odd().map(|(unit, ..)| unit)).collect();

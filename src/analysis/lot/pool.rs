@@ -1,6 +1,6 @@
-//! Values of several units of a lot as one: a random-effects model of their logarithms.
+//! Values of several units of a batch as one: a random-effects model of their logarithms.
 //!
-//! The logarithm y_i of unit i is that of the lot, μ, plus a deviation of the unit with variance τ², plus the error of its
+//! The logarithm y_i of unit i is that of the batch, μ, plus a deviation of the unit with variance τ², plus the error of its
 //! record with the known variance v_i. Lots are small, so τ² is uncertain, and a single estimate of it would make every
 //! interval too narrow. Q(τ²) = Σ (y_i − μ(τ²))²/(v_i + τ²) with the weighted mean μ(τ²) falls with τ², and at the true τ² it is a
 //! χ² with k − 1 degrees of freedom. This gives a confidence distribution of τ²: for each probability the τ² whose Q is that
@@ -56,7 +56,7 @@ impl Estimate {
 pub struct Pooled {
     /// Number of units.
     pub units: usize,
-    /// Median of the lot.
+    /// Median of the batch.
     pub value: f64,
     /// 95 % interval of the median.
     pub interval: [f64; 2],
@@ -107,7 +107,7 @@ pub fn place(one: &Estimate, others: &[Estimate]) -> Option<f64> {
     Some(Mixture::of(others)?.below(one.log, |part| part.variance + part.square + one.variance))
 }
 
-/// The lot for one τ².
+/// The batch for one τ².
 #[derive(Debug, Clone, Copy)]
 struct Part {
     /// τ².
@@ -119,7 +119,7 @@ struct Part {
 }
 
 impl Part {
-    /// The lot whose Q is `target`, or less if it is less for every τ².
+    /// The batch whose Q is `target`, or less if it is less for every τ².
     fn at(estimates: &[Estimate], target: f64) -> Part {
         let count = estimates.len() as f64;
         let mean = estimates.iter().map(|one| one.log).sum::<f64>() / count;
@@ -170,7 +170,7 @@ fn scatter(estimates: &[Estimate], square: f64) -> (f64, f64, f64) {
     (q, mean, 1.0 / all)
 }
 
-/// The lot over the confidence distribution of τ², with weights that add up to 1.
+/// The batch over the confidence distribution of τ², with weights that add up to 1.
 struct Mixture(Vec<(f64, Part)>);
 
 impl Mixture {

@@ -182,21 +182,21 @@ fn parameters(column: &Column) -> AnswerTable {
 
 /// Notes on what was read and on what the model leaves out.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
-    let quantised = analysis.columns.iter().filter_map(|column| {
-        let [_, upper] = column.target.quantisation?;
+    let quantized = analysis.columns.iter().filter_map(|column| {
+        let [_, upper] = column.target.quantization?;
         let (angle, unit, factor) = match column.target.unit {
             Unit::Acceleration => ("velocity", "m/s", si(Unit::Acceleration)),
-            _ => ("angle", "arcsec", 1.0),
+            _ => ("angle", "″", 1.0),
         };
         Some(format!(
-            "{}: the quantisation, up to {} {unit}, is measurement noise R of the {angle} and no part of the rate; `quantisation = white` covers \
+            "{}: the quantization, up to {} {unit}, is measurement noise R of the {angle} and no part of the rate; `quantization = white` covers \
              it by white noise",
             column.target.name,
             significant(factor * upper, 3)
         ))
     });
     let widened = analysis.columns.iter().filter_map(|column| widened(column, analysis));
-    analysis.source.notes.iter().cloned().chain(widened).chain(quantised).collect()
+    analysis.source.notes.iter().cloned().chain(widened).chain(quantized).collect()
 }
 
 /// That a model covers longer averaging times than were asked for, because the curve has none there.

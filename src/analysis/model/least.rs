@@ -15,7 +15,7 @@ pub(crate) struct Rows<'a> {
     pub(crate) most: &'a [f64],
 }
 
-/// The x ≥ 0 that minimises |Ax − goal|² under least ≤ Ax ≤ most, where `columns` are those of A and an infinite end is none.
+/// The x ≥ 0 that minimizes |Ax − goal|² under least ≤ Ax ≤ most, where `columns` are those of A and an infinite end is none.
 /// `None` where the constraints contradict each other or columns depend on each other.
 ///
 /// The problem is turned into one of least distance, whose dual is non-negative least squares (Lawson and Hanson, Solving Least

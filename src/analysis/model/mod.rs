@@ -12,8 +12,8 @@
 //! least-squares problem with non-negative variances, whose constraints are the band of the record: a bound may be nowhere
 //! below its upper end, a description stays between both ends. The number of states grows until the bound is near enough.
 //!
-//! **What the filter sees.** Quantisation is an error of the angle that does not accumulate, so it is kept out of the model of the
-//! rate and given as the measurement noise R of the angle; [`Quantisation::White`] covers it by the rate instead. A sine, a ramp and
+//! **What the filter sees.** Quantization is an error of the angle that does not accumulate, so it is kept out of the model of the
+//! rate and given as the measurement noise R of the angle; [`Quantization::White`] covers it by the rate instead. A sine, a ramp and
 //! a warm-up are no noise, but a filter that does not estimate them has to live with them: sine and ramp are part of the
 //! curve that is bounded. A warm-up has no curve of its own and is left out with a note.
 //!
@@ -57,7 +57,7 @@ pub struct Model {
     /// Markov states by rising correlation time.
     pub markov: Vec<Markov>,
     /// Rms error Q of the angle, ″, which is measurement noise of the angle.
-    pub quantisation: f64,
+    pub quantization: f64,
 }
 
 impl Model {
@@ -68,7 +68,7 @@ impl Model {
             .iter()
             .map(|state| Part::markov(state.sigma * libm::sqrt(2.0 / state.time_s), state.time_s));
         [
-            Part::quantisation(self.quantisation),
+            Part::quantization(self.quantization),
             Part::angle_random_walk(self.white),
             Part::rate_random_walk(self.walk),
         ]
@@ -111,9 +111,9 @@ impl Aim {
     }
 }
 
-/// How quantisation is treated.
+/// How quantization is treated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Quantisation {
+pub enum Quantization {
     /// As measurement noise of the angle, which does not accumulate.
     #[default]
     Measurement,
@@ -135,8 +135,8 @@ pub struct Asked {
     pub margin: f64,
     /// Number of Markov states; by default the fewest.
     pub states: Option<usize>,
-    /// How quantisation is treated.
-    pub quantisation: Quantisation,
+    /// How quantization is treated.
+    pub quantization: Quantization,
     /// Rate of the filter, Hz; by default that of the record.
     pub filter_hz: Option<f64>,
     /// Probability of the band.
@@ -152,7 +152,7 @@ impl Default for Asked {
             aim: Aim::Bound,
             margin: 0.2,
             states: None,
-            quantisation: Quantisation::Measurement,
+            quantization: Quantization::Measurement,
             filter_hz: None,
             confidence: 0.95,
         }
@@ -252,7 +252,7 @@ pub enum ModelError {
     /// No model lies within the band.
     #[error(
         "column {column}: no model with up to {most} Markov states lies within the band at all τ from {from_s} s to {to_s} s; the nearest \
-         leaves it at τ = {tau_s} s by {percent} %\nask for a bound with `bound = true`, or for a shorter range of τ"
+         leaves it at τ = {tau_s} s by {percent} %\nask for a bound with `overbound = true`, or for a shorter range of τ"
     )]
     NotWithin {
         /// Name of the column.
@@ -269,7 +269,7 @@ pub enum ModelError {
         percent: Box<str>,
     },
     /// Noise without a record has no repetition.
-    #[error("a noise.toml has no record whose repetition could be bounded: give the log, or `bound = true`")]
+    #[error("a noise.toml has no record whose repetition could be bounded: give the log, or `overbound = true`")]
     NoRecord,
 }
 

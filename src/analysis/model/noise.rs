@@ -67,7 +67,7 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
     let Intervals { known: ends, unknown } = intervals_of(text);
     let mut parts = noise.process(1.0, 1 << 20).parts;
     let lsb = noise.readout_lsb / libm::sqrt(12.0);
-    parts.extend((lsb > 0.0).then(|| Part::quantisation(lsb)));
+    parts.extend((lsb > 0.0).then(|| Part::quantization(lsb)));
     let residual = noise.switching.map_or(0.0, |switching| switching.residual_density());
     parts.extend((residual > 0.0).then(|| Part::angle_random_walk(libm::sqrt(residual))));
     let is_warm_up = |part: &Part| continuous::allan_variance(part, from_s).is_none();
@@ -87,9 +87,9 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
         let tau_s = from_s * libm::pow(to_s / from_s, f64::from(i) / count);
         point(&known, tau_s)
     });
-    let quantised = known.iter().filter(|known| known.part.term == Term::Quantisation);
+    let quantized = known.iter().filter(|known| known.part.term == Term::Quantization);
     let square = |end: f64| end * end;
-    let quantisation = quantised.fold([0.0; 2], |[value, upper], known| {
+    let quantization = quantized.fold([0.0; 2], |[value, upper], known| {
         let size = known.part.size;
         [value + square(size), upper + square(size * known.ends[1])]
     });
@@ -98,7 +98,7 @@ fn of_noise(noise: &Noise, text: &str, path: &Path, asked: &Asked) -> Result<(So
         name: "noise".to_owned(),
         unit: Unit::Angular,
         points: points.collect(),
-        quantisation: (quantisation[0] > 0.0).then(|| quantisation.map(libm::sqrt)),
+        quantization: (quantization[0] > 0.0).then(|| quantization.map(libm::sqrt)),
         white: 0.0,
         step_s: None,
         length_s: None,

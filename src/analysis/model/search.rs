@@ -40,7 +40,7 @@ pub struct Found {
 pub struct Tried {
     /// Number of Markov states.
     pub states: usize,
-    /// How far its deviation lies at most above what it bounds, both without the quantisation, as a part; absent where no model is
+    /// How far its deviation lies at most above what it bounds, both without the quantization, as a part; absent where no model is
     /// possible.
     pub excess: Option<f64>,
 }
@@ -84,7 +84,7 @@ pub(crate) struct Allowed<'a> {
     pub(crate) times: &'a [f64],
 }
 
-/// What is asked of the variance at each of some times, without the quantisation.
+/// What is asked of the variance at each of some times, without the quantization.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {
     pub(crate) taus: Vec<f64>,
@@ -125,22 +125,22 @@ pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> 
         Some((_, model)) => {
             // A bound may rise, and white noise of the record is no Markov noise.
             let white = if asked.aim == Aim::Describe { model.white } else { model.white.max(target.white) };
-            let model = Model { quantisation: quantisation(target, asked.aim), white, ..model };
+            let model = Model { quantization: quantization(target, asked.aim), white, ..model };
             Ok(Found { model, tried, bounds })
         }
         None => Err(outside(target, &bounds, &times)),
     }
 }
 
-/// The problem that a target poses: its variances less that of the quantisation. A record shows what is left only to the width of its
+/// The problem that a target poses: its variances less that of the quantization. A record shows what is left only to the width of its
 /// band, which is therefore the least scale.
 fn problem(target: &Target, bounds: &[f64], aim: Aim) -> Problem {
-    let q = Part::quantisation(quantisation(target, aim));
+    let q = Part::quantization(quantization(target, aim));
     let square = |x: f64| x * x;
     let left = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let points = target.points.iter().enumerate();
-        let quantised = |tau_s: f64| continuous::allan_variance(&q, tau_s).unwrap_or(0.0);
-        points.map(|(i, point)| (square(of(i)) - quantised(point.tau_s)).max(0.0)).collect()
+        let quantized = |tau_s: f64| continuous::allan_variance(&q, tau_s).unwrap_or(0.0);
+        points.map(|(i, point)| (square(of(i)) - quantized(point.tau_s)).max(0.0)).collect()
     };
     let points = &target.points;
     let (goal, least, most) = match aim {
@@ -165,8 +165,8 @@ fn problem(target: &Target, bounds: &[f64], aim: Aim) -> Problem {
 }
 
 /// Q of the model of a target.
-fn quantisation(target: &Target, aim: Aim) -> f64 {
-    let [value, upper] = target.quantisation.unwrap_or_default();
+fn quantization(target: &Target, aim: Aim) -> f64 {
+    let [value, upper] = target.quantization.unwrap_or_default();
     if aim == Aim::Describe { value } else { upper }
 }
 
@@ -219,7 +219,7 @@ impl Problem {
             white: libm::sqrt(x[0]),
             walk: if allowed.walk { libm::sqrt(x[1]) } else { 0.0 },
             markov: of_states.map(state).collect(),
-            quantisation: 0.0,
+            quantization: 0.0,
         };
         Some(self.raised(model))
     }
@@ -235,7 +235,7 @@ impl Problem {
             white: factor * model.white,
             walk: factor * model.walk,
             markov: model.markov.iter().map(markov).collect(),
-            quantisation: model.quantisation,
+            quantization: model.quantization,
         }
     }
 
@@ -274,7 +274,7 @@ fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
         ..problem(target, bounds, Aim::Describe)
     };
     let nearest = open.best(Allowed { walk: true, states: MOST_STATES, times }).unwrap_or_default();
-    let nearest = Model { quantisation: quantisation(target, Aim::Describe), ..nearest };
+    let nearest = Model { quantization: quantization(target, Aim::Describe), ..nearest };
     let off = target.points.iter().map(|point| {
         let deviation = nearest.deviation(point.tau_s);
         [(deviation / point.upper).max(point.lower / deviation) - 1.0, point.tau_s]

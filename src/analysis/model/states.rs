@@ -35,7 +35,7 @@ pub struct Discrete {
     pub transition: Vec<Vec<f64>>,
     /// Covariance Q of what a step adds.
     pub added: Vec<Vec<f64>>,
-    /// Variance R of a reading of the angle: Q² of the quantisation; 0 without it.
+    /// Variance R of a reading of the angle: Q² of the quantization; 0 without it.
     pub reading: f64,
     /// Variance of a rate sample over the step: N²/Δ.
     pub rate: f64,
@@ -58,7 +58,7 @@ pub fn discrete(model: &Model, unit: Unit, step_s: f64, longest_s: f64) -> Discr
         names: vec![angle.to_owned()],
         transition: vec![vec![0.0; count]; count],
         added: vec![vec![0.0; count]; count],
-        reading: square(model.quantisation),
+        reading: square(model.quantization),
         rate: square(model.white) / step_s,
         stationary: vec![None],
         initial: vec![0.0],
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn a_long_step_is_many_short_ones() {
         let markov = vec![Markov { sigma: 0.3, time_s: 0.7 }, Markov { sigma: 2.0, time_s: 900.0 }];
-        let model = Model { white: 0.1, walk: 0.02, markov, quantisation: 0.5 };
+        let model = Model { white: 0.1, walk: 0.02, markov, quantization: 0.5 };
         for step_s in [0.01, 1.0, 40.0] {
             let whole = discrete(&model, Unit::Angular, step_s, 1.0);
             let summed = by_steps(&model, step_s, 64);

@@ -38,9 +38,9 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("upper", Unit::NONE, "upper", |row| Cell::Number(row.point.upper))
             .is_of("record", Role::Upper, "Upper end of the band of `record`."),
         Of::new("bound", Unit::NONE, "bound", |row| row.bound.into())
-            .is(Role::Estimate, "What the model lies nowhere below, in `unit`: the upper end of the band, or that of another record; blank without `--bound`."),
+            .is(Role::Estimate, "What the model lies nowhere below, in `unit`: the upper end of the band, or that of another record; blank without `--overbound`."),
         Of::new("model", Unit::NONE, "model", |row| Cell::Number(row.model))
-            .is(Role::Estimate, "Allan deviation of the model, quantisation included, in `unit`."),
+            .is(Role::Estimate, "Allan deviation of the model, quantization included, in `unit`."),
         Of::new("excess", Unit::NONE, "excess", |row| Cell::Number(row.model / row.point.value - 1.0))
             .is(Role::Estimate, "How far the model lies above `record`, as a part of it."),
         Of::new("excess_over_bound", Unit::NONE, "excess_over_bound", |row| row.bound.map(|bound| row.model / bound - 1.0).into())
@@ -81,7 +81,7 @@ pub struct Figure {
     pub unit: &'static str,
 }
 
-/// White noise, random walk and quantisation in the units that people use; the first of each is that of documents.
+/// White noise, random walk and quantization in the units that people use; the first of each is that of documents.
 pub fn figures(column: &Column) -> Vec<Figure> {
     let (model, unit) = (&column.found.model, column.target.unit);
     let size = si(unit);
@@ -91,7 +91,7 @@ pub fn figures(column: &Column) -> Vec<Figure> {
         value,
         unit,
     };
-    let (white, walk, quantisation) = ("white noise N", "random walk K", "quantisation Q");
+    let (white, walk, quantization) = ("white noise N", "random walk K", "quantization Q");
     let all = match unit {
         Curves::Acceleration => [
             figure(white, "white_m_per_s_per_rt_h", 60.0 * size * model.white, "m/s/√h"),
@@ -99,7 +99,7 @@ pub fn figures(column: &Column) -> Vec<Figure> {
             figure("", "", size * model.white, "m/s²/√Hz"),
             figure(walk, "random_walk_ug_per_rt_h", 60.0 * model.walk, "µg/√h"),
             figure("", "", size * model.walk, "m/s³/√Hz"),
-            figure(quantisation, "quantisation_m_per_s", size * model.quantisation, "m/s"),
+            figure(quantization, "quantization_m_per_s", size * model.quantization, "m/s"),
         ],
         Curves::Angular | Curves::Plain => [
             figure(white, "white_deg_per_rt_h", model.white / 60.0, "°/√h"),
@@ -107,7 +107,7 @@ pub fn figures(column: &Column) -> Vec<Figure> {
             figure("", "", size * model.white, "rad/s/√Hz"),
             figure(walk, "random_walk_deg_per_h_per_rt_h", 60.0 * model.walk, "°/h/√h"),
             figure("", "", size * model.walk, "rad/s²/√Hz"),
-            figure(quantisation, "quantisation_arcsec", model.quantisation, "arcsec"),
+            figure(quantization, "quantization_arcsec", model.quantization, "″"),
         ],
     };
     all.into()

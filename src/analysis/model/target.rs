@@ -6,7 +6,7 @@ use crate::allan::Unit;
 use crate::analysis::log;
 use crate::analysis::log::events::{Row, of_column};
 use crate::analysis::log::notes::{heading, notes};
-use crate::analysis::model::{Asked, ModelError, Quantisation};
+use crate::analysis::model::{Asked, ModelError, Quantization};
 use crate::fit::Term;
 use crate::quantity::number::significant;
 
@@ -64,8 +64,8 @@ pub struct Target {
     pub unit: Unit,
     /// Points by rising τ.
     pub points: Vec<Point>,
-    /// Quantisation that the curve shows, with the upper end of its interval, ″; absent where it shows none.
-    pub quantisation: Option<[f64; 2]>,
+    /// Quantization that the curve shows, with the upper end of its interval, ″; absent where it shows none.
+    pub quantization: Option<[f64; 2]>,
     /// N that the record has, in the unit of the curve times √s; 0 where it shows none.
     pub white: f64,
     /// Time from sample to sample of the record, s; absent without one.
@@ -94,13 +94,13 @@ impl Target {
                 Some(Point { tau_s: point.tau_s, value: point.value?, lower, upper, edf: point.edf })
             });
             let described = column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described());
-            let found = described.and_then(|fit| fit.coefficient(Term::Quantisation));
-            let quantisation = found.and_then(|found| Some([found.value?, found.interval?[1]]));
+            let found = described.and_then(|fit| fit.coefficient(Term::Quantization));
+            let quantization = found.and_then(|found| Some([found.value?, found.interval?[1]]));
             Ok(Target {
                 name: column.name.clone(),
                 unit: column.unit,
                 points: points.collect(),
-                quantisation,
+                quantization,
                 white: described.and_then(|fit| fit.coefficient(Term::AngleRandomWalk)?.value).unwrap_or(0.0),
                 step_s: Some(analysis.step_s),
                 length_s: Some(analysis.length_s()),
@@ -154,8 +154,8 @@ impl Target {
                 };
             }
         }
-        if asked.quantisation == Quantisation::White {
-            self.quantisation = None;
+        if asked.quantization == Quantization::White {
+            self.quantization = None;
         }
         Ok(self)
     }

@@ -43,7 +43,7 @@ fn of_one(column: &Column) -> Grid {
             .map(Cell::from)
             .into()
     };
-    let head = ["coefficient", "value", "95 % interval", "unit", "verdict"].map(str::to_owned);
+    let head = ["coefficient", "value", "95 % interval", "unit", "status"].map(str::to_owned);
     Grid { head: head.into(), rows: column.coefficients().iter().map(row).collect() }
 }
 
@@ -85,7 +85,7 @@ fn bound(row: &Row) -> String {
 fn fit(column: &Column) -> Option<String> {
     let fit = &column.noise()?.fit;
     let p = fit.p_value().map_or_else(String::new, |p| format!(", p = {}", significant(p, 2)));
-    let described = if fit.is_described() { "" } else { "; not described" };
+    let described = if fit.is_described() { "" } else { "; model rejected" };
     let freedom = fit.degrees_of_freedom;
     let chi_squared = significant(fit.chi_squared, 3);
     let range = range(fit);

@@ -87,7 +87,7 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
 fn coefficients(analysis: &Analysis) -> Option<Block> {
     let rows = analysis.rows.as_ref().ok().filter(|rows| !rows.is_empty())?;
     let labels = analysis.sides.each_ref().map(|side| &*side.label);
-    let found = ["ratio", "difference", "if equal", "verdict", "length needed"];
+    let found = ["ratio", "difference", "if equal", "status", "length needed"];
     let head = ["coefficient", "unit"].iter().chain(&labels).chain(&found).map(|head| (*head).to_owned());
     let row = |row: &Row| {
         let found = &row.found;

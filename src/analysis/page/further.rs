@@ -26,7 +26,7 @@ pub fn of_temperature(found: &Temperature, [before, after]: [&Analysis; 2]) -> S
     };
     let of_column = |column| rows(column).into_iter().map(move |row| (&*column.name, row));
     let rows: Vec<Vec<Cell>> = found.columns.iter().flat_map(of_column).map(row).collect();
-    let head = ["column", "coefficient", "value", "95 % interval", "unit", "verdict"];
+    let head = ["column", "coefficient", "value", "95 % interval", "unit", "status"];
     let grid = Grid { head: head.map(str::to_owned).into(), rows };
     let grids = [Some(grid), compensated(found, [before, after])].into_iter().flatten();
     let grids = grids.filter(|grid| !grid.rows.is_empty()).map(Block::Grid);

@@ -1,4 +1,4 @@
-//! The page of a lot.
+//! The page of a batch.
 
 use crate::analysis::compare::words::probability;
 use crate::analysis::lot::answer::notes;
@@ -12,7 +12,7 @@ use crate::table::titled;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
-/// The page of a lot of units with the decision to which it leads.
+/// The page of a batch of units with the decision to which it leads.
 pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
     let curves = vec![chart("chart-1", Picture::Curves(figures::curves(lot)))];
     let coefficients = figures::coefficients(lot).map(|figure| chart("chart-2", Picture::Curves(figure)));
@@ -27,7 +27,7 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
             section("coefficients", "Coefficients", coefficients.into_iter().chain(tables).collect()),
             section("deviations", "Deviations", curves),
         ],
-        tables: vec![("lot.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
+        tables: vec![("batch.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
     }
 }
 

@@ -116,7 +116,7 @@ fn white(analysis: &Analysis) -> Option<Block> {
         "N of the fit",
         "flat range, Hz",
         "other terms there",
-        "verdict",
+        "status",
     ];
     let rows: Vec<Vec<Cell>> = analysis.columns().map(row).collect();
     (!rows.is_empty()).then(|| Block::Grid(Grid { head: head.map(str::to_owned).into(), rows }))

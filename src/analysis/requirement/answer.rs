@@ -14,7 +14,7 @@ use crate::quantity::number::significant;
 
 /// Coefficients by which records are compared without a limit, the first that they show.
 const ORDER: [Term; 5] =
-    [Term::AngleRandomWalk, Term::BiasInstability, Term::Quantisation, Term::RateRandomWalk, Term::RateRamp];
+    [Term::AngleRandomWalk, Term::BiasInstability, Term::Quantization, Term::RateRandomWalk, Term::RateRamp];
 
 /// The answer of records with the judgements on which it rests.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ impl Decision {
     }
 }
 
-/// The answer of some records, each called `what`: `column` of a log, or `unit` of a lot.
+/// The answer of some records, each called `what`: `column` of a log, or `unit` of a batch.
 pub fn decide(subjects: &[Subject], limits: &[Limit], what: &str) -> Decision {
     let judged: Vec<Judged> = subjects
         .iter()
@@ -78,16 +78,16 @@ pub(crate) fn status(standings: &[Standing]) -> Status {
 
 /// The name of a row in headlines.
 fn name(row: &Row) -> &'static str {
-    if row.name == Limited::Stability.name() { "in-run stability" } else { row.name }
+    if row.name == Limited::Stability.name() { "in-run bias stability" } else { row.name }
 }
 
 /// What the record shows of a coefficient, in a word or two.
 fn state(row: &Row) -> &'static str {
     match row.verdict.split(',').next().unwrap_or_default() {
-        "identified" => "estimated",
-        "none found" => "not detected",
-        "not identifiable" => "not estimable",
-        "not described" => "model rejected",
+        "estimated" => "estimated",
+        "not detected" => "not detected",
+        "not estimable" => "not estimable",
+        "model rejected" => "model rejected",
         other => other,
     }
 }
@@ -347,6 +347,6 @@ mod tests {
     fn coefficients_are_named_by_symbol_and_words() {
         assert_eq!(title("N", Unit::Angular), "N, angle random walk");
         assert_eq!(title("markov_time", Unit::Angular), "correlation time of the Markov noise");
-        assert_eq!(title("in_run_stability", Unit::Angular), "in run stability");
+        assert_eq!(title("in_run_bias_stability", Unit::Angular), "in-run bias stability");
     }
 }

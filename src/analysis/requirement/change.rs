@@ -35,8 +35,8 @@ pub(super) fn to_meet(judged: &Judged, value: f64) -> Option<Fact> {
     };
     let mean = (is_noise && sensors <= MAX_SENSORS)
         .then(|| alternative("sensors", "sensors averaged", "1".to_owned(), sensors.to_string()));
-    let pulse = (judged.of() == Limited::Coefficient(Term::Quantisation)).then(|| {
-        let (_, _, symbol) = Quantity::Coefficient(Term::Quantisation).unit(judged.limit.unit);
+    let pulse = (judged.of() == Limited::Coefficient(Term::Quantization)).then(|| {
+        let (_, _, symbol) = Quantity::Coefficient(Term::Quantization).unit(judged.limit.unit);
         let pulse = |q: f64| with_unit(libm::sqrt(12.0) * q, 3, symbol);
         alternative("readout_lsb", "pulse", pulse(value), pulse(limit))
     });
@@ -48,7 +48,7 @@ pub(super) fn to_meet(judged: &Judged, value: f64) -> Option<Fact> {
 pub(super) fn to_decide(judged: &Judged, value: f64, [low, high]: [f64; 2]) -> Option<Fact> {
     let limit = judged.limit.value;
     let factor = match judged.of() {
-        Limited::Coefficient(Term::Quantisation | Term::AngleRandomWalk) | Limited::Floor => {
+        Limited::Coefficient(Term::Quantization | Term::AngleRandomWalk) | Limited::Floor => {
             // The interval of white noise narrows as 1/√T: its end on the side of the limit, and the limit, in logarithms of the
             // value.
             let end = if value < limit { libm::log(high / value) } else { libm::log(value / low) };

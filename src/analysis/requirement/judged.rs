@@ -1,4 +1,4 @@
-//! Records held against limits.
+//! Records checked against limits.
 
 use serde_json::{Value as Json, json};
 

@@ -11,7 +11,7 @@ use crate::source::diagnose::choices;
 pub enum Limited {
     /// The coefficient of a term.
     Coefficient(Term),
-    /// The minimum of the first curve of rates up to an eighth of the record, which data sheets call in-run stability.
+    /// The minimum of the first curve of rates up to an eighth of the record, which data sheets call in-run bias stability.
     Stability,
     /// The random walk N of the flat part of the density.
     Floor,
@@ -30,14 +30,14 @@ impl Limited {
         all
     };
 
-    /// What a limit on the units of a lot can be on.
+    /// What a limit on the units of a batch can be on.
     pub const OF_LOT: &'static [Limited] = Limited::OF_LOG.split_at(Term::ALL.len() + 1).0;
 
     /// Name in limits and in tables.
     pub fn name(self) -> &'static str {
         match self {
             Limited::Coefficient(term) => term.symbol(),
-            Limited::Stability => "in_run_stability",
+            Limited::Stability => "in_run_bias_stability",
             Limited::Floor => "floor",
         }
     }
@@ -48,7 +48,7 @@ impl Limited {
             Limited::Coefficient(Term::Markov) => "the Markov noise",
             Limited::Coefficient(Term::Sine) => "the sine",
             Limited::Coefficient(term) => term.symbol(),
-            Limited::Stability => "the in-run stability",
+            Limited::Stability => "the in-run bias stability",
             Limited::Floor => "N of the floor",
         }
     }
@@ -66,13 +66,20 @@ impl Limited {
         }
     }
 
-    /// Whether this is a name of it: that of tables, or the key of studies and noise.toml.
+    /// Whether this is a name of it: that of tables, the usual abbreviation, or the key of studies and noise.toml, with or
+    /// without spaces.
     fn is_called(self, name: &str) -> bool {
-        let is_key = match self {
-            Limited::Coefficient(term) => term.row().key.strip_prefix("noise.") == Some(name),
-            _ => false,
+        let more = match self {
+            Limited::Coefficient(Term::AngleRandomWalk) => "ARW",
+            Limited::Coefficient(Term::RateRandomWalk) => "RRW",
+            _ => "",
         };
-        is_key || self.name().eq_ignore_ascii_case(name)
+        let key = match self {
+            Limited::Coefficient(term) => term.row().key.trim_start_matches("noise."),
+            _ => "",
+        };
+        let name = name.replace([' ', '-'], "_");
+        [self.name(), more, key].iter().any(|known| known.eq_ignore_ascii_case(&name))
     }
 }
 
@@ -115,7 +122,7 @@ pub(crate) fn named<'t>(
     let found = found.ok_or_else(|| {
         let names: Vec<&str> = known.iter().map(|limited| limited.name()).collect();
         LimitError {
-            message: format!("`{name}` is nothing that can be limited"),
+            message: format!("unknown limit `{name}`"),
             help: choices(name, &names),
         }
     })?;
@@ -250,7 +257,9 @@ mod tests {
             ("B=20 mg", Unit::Acceleration, 20_000.0),
             ("K=1 arcsec/s/sqrt(s)", Unit::Angular, 60.0),
             ("Q=2.5", Unit::Plain, 2.5),
-            ("in_run_stability=0.01 °/h", Unit::Angular, 0.01),
+            ("in_run_bias_stability=0.01 °/h", Unit::Angular, 0.01),
+            ("ARW=0.003 deg/sqrt(h)", Unit::Angular, 0.003),
+            ("bias instability=2 deg/h", Unit::Angular, 2.0),
         ] {
             let limit = Limit::parse(text, &Limited::OF_LOG).unwrap();
             assert!(limit.unit == unit && (limit.value / value - 1.0).abs() < 1e-11, "{text}: {limit:?}");
@@ -263,7 +272,7 @@ mod tests {
             ("N", ["has no `=`", "N=0.003 deg/sqrt(h)"]),
             (
                 "M=1 deg/h",
-                ["`M` is nothing that can be limited", "accepted: Q, N, B, K, R, markov, sine, in_run"],
+                ["unknown limit `M`", "accepted: Q, N, B, K, R, markov, sine, in_run"],
             ),
             ("N=1 deg/h", ["is an angular rate", "deg/sqrt(h) for gyros, m/s/sqrt(h) for accelerometers"]),
             ("B=0 deg/h", ["0 is not a positive number", "deg/h for gyros"]),
@@ -271,7 +280,7 @@ mod tests {
             ("B=nan", ["NaN is not a positive number", "deg/h"]),
             ("B=", ["does not begin with a number", "deg/h"]),
             ("B=1,5 deg/h", ["has a comma", "deg/h"]),
-            ("markov_time=3 s", ["`markov_time` is nothing", "did you mean `markov`?"]),
+            ("markov_time=3 s", ["unknown limit `markov_time`", "did you mean `markov`?"]),
         ] {
             let error = Limit::parse(text, &Limited::OF_LOG).unwrap_err().to_string();
             for piece in pieces {

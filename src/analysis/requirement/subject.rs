@@ -7,7 +7,7 @@ use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::Limited;
 use crate::fit::Fit;
 
-/// A record that is held against limits: a column of a log, or a unit of a lot.
+/// A record that is checked against limits: a column of a log, or a unit of a batch.
 #[derive(Debug, Clone)]
 pub struct Subject<'a> {
     /// What it is called.

@@ -33,7 +33,7 @@
 //!     uniform = { from = "4 Hz", to = "6 Hz" }
 //! "#)?;
 //! let mut device = select("cpu", 2)?.device;
-//! let asked = Request { by: Some("oracle_rms".to_owned()), samples: Some(1024), ..Request::default() };
+//! let asked = Request { by: Some("theory_rms".to_owned()), samples: Some(1024), ..Request::default() };
 //! let found = sensitivity(&study, &asked, &mut device, &Silent)?;
 //! assert_eq!(found.decisive().key, "gyro.tick_noise.std");
 //! assert!(found.decisive().index.first.value > 0.9);
@@ -136,7 +136,7 @@ const ALL_TRIALS_LOG2: u32 = 27;
 /// Fewest trials of an evaluation, below which a 99.73 % level has no interval.
 const FEWEST_TRIALS: u64 = 4096;
 
-/// Part of the variance from which on the noise of sampling is reported.
+/// Part of the variance from which on the Monte Carlo error is reported.
 const REPORTED_NOISE: f64 = 0.01;
 
 /// Evaluates the answer and analyses it; `progress` counts evaluations.
@@ -250,7 +250,7 @@ fn notes(study: &Study, uncertain: &[Uncertain], noise: f64) -> Vec<String> {
     notes.extend(uncertain.iter().filter_map(Uncertain::truncated));
     if noise > REPORTED_NOISE {
         notes.push(format!(
-            "up to {} % of the variance is noise of sampling, which all evaluations share for the most part: more trials have less",
+            "up to {} % of the variance is Monte Carlo error, which all evaluations share for the most part: more trials have less",
             significant(100.0 * noise, 2)
         ));
     }

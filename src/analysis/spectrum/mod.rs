@@ -226,8 +226,8 @@ impl White {
     /// The result in words.
     pub fn verdict(&self) -> &'static str {
         match (self.is_told_apart(), &self.floor, &self.from_fit) {
-            (Some(true), ..) => "told apart",
-            (Some(false), ..) => "not told apart",
+            (Some(true), ..) => "significantly different",
+            (Some(false), ..) => "consistent",
             (None, None, _) => "no octave of the density is flat",
             (None, _, None) => "no fit",
             (None, ..) if self.compared.is_none() => {

@@ -54,7 +54,7 @@ fn of_spectrum(column: &Column, spectrum: &Spectrum, noise: &log::Analysis) -> [
                 true => "outliers, which were kept, weigh differently in the two",
                 false => "the fit does not describe the noise at these frequencies",
             };
-            format!("the floor of the density and the fit are told apart: {why}")
+            format!("the floor of the density and the fit differ significantly: {why}")
         }),
     ]
 }

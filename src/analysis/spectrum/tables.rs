@@ -45,7 +45,7 @@ pub(crate) fn density_columns<'a>() -> Vec<ColumnOf<DensityRow<'a>>> {
         Of::new("upper", Unit::NONE, "upper", |row| row.point.interval.map(|ends| ends.1).into())
             .is_of("density", Role::Upper, "Upper end of the interval of `density`."),
         Of::new("model", Unit::NONE, "model", |row| row.spectrum.model_at(row.point.frequency_hz).into())
-            .is_of("density", Role::Oracle, "Density of the noise model that was fitted to the Allan curve, in `unit`; blank without a fit and above its frequencies."),
+            .is_of("density", Role::Theory, "Density of the noise model that was fitted to the Allan curve, in `unit`; blank without a fit and above its frequencies."),
         Of::new("unit", Unit::NONE, "unit", |row| text(in_files(row.column.unit)))
             .is(Role::Note, "Unit of `density`, `lower`, `upper` and `model`."),
         Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
@@ -129,7 +129,7 @@ pub(crate) fn white_columns<'a>() -> Vec<ColumnOf<WhiteRow<'a>>> {
             .is(Role::Estimate, "Highest frequency of the flat range, Hz."),
         Of::new("others", Unit::NONE, "others", |row| row.white.model.map(|[_, others]| others).into())
             .is(Role::Estimate, "Part of the fitted density over the flat range that is of other terms than N."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.white.verdict()))
+        Of::new("status", Unit::NONE, "status", |row| text(row.white.verdict()))
             .is(Role::Note, "Whether the floor is told apart from the fitted density over the flat range, as far as the fit reaches, all \
                 terms included."),
         Of::new("n_verdict", Unit::NONE, "n_verdict", |row| text(row.row.verdict))
@@ -174,7 +174,7 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "lower": row.interval.map(|ends| ends[0]),
             "upper": row.interval.map(|ends| ends[1]),
             "unit": row.unit,
-            "verdict": row.verdict,
+            "status": row.verdict,
         })
     };
     let columns = density_columns();
@@ -203,7 +203,7 @@ fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
             "range_hz": range(white),
             "others": white.model.map(|[_, others]| others),
             "told_apart": white.is_told_apart(),
-            "verdict": white.verdict(),
+            "status": white.verdict(),
         },
     })
 }

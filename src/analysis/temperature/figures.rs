@@ -1,7 +1,7 @@
 //! The charts of the dependence on temperature.
 
 use crate::allan::{Deviation, Point, Unit};
-use crate::analysis::log::figures::{capitalised, of_columns, per_unit};
+use crate::analysis::log::figures::{capitalized, of_columns, per_unit};
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::temperature::effect::Effect;
@@ -61,7 +61,7 @@ fn rates(temperature: &Temperature, before: &Analysis, unit: Unit) -> Option<Fig
         names.push(column.name.clone());
     }
     (!series.is_empty()).then(|| Figure {
-        title: format!("{} over temperature", capitalised(unit.measured())),
+        title: format!("{} over temperature", capitalized(unit.measured())),
         subtitle: Some(format!(
             "{}; without warm-up, aging and the change of the temperature",
             heading(before)

@@ -157,7 +157,7 @@ fn dependence(
     // A constant temperature differs from its mean by rounding.
     if changes <= least.max(1e-9) && asked.candidates().iter().any(is_of_temperature) {
         return Err(format!(
-            "not identifiable: the temperature hardly changes, by a standard deviation of {} K, and its sensor has an error of {} K",
+            "not estimable: the temperature hardly changes, by a standard deviation of {} K, and its sensor has an error of {} K",
             significant(changes, 3),
             significant(course.error_of_mean(averages.m), 3)
         ));

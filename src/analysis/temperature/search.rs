@@ -182,8 +182,8 @@ impl Search {
             let verdict = match (estimate, place) {
                 _ if !others.is_empty() => format!("cannot be told from {}", listed(&others)),
                 (None, _) => "cannot be told from the other terms".to_owned(),
-                (Some(estimate), Some(_)) if estimate.is_identified() => "identified".to_owned(),
-                (_, Some(_)) => "not identified: the interval contains 0".to_owned(),
+                (Some(estimate), Some(_)) if estimate.is_identified() => "estimated".to_owned(),
+                (_, Some(_)) => "not detected: the interval contains 0".to_owned(),
                 (_, None) => "not needed".to_owned(),
             };
             findings.push(Finding { effect, estimate, is_used: place.is_some(), verdict });
@@ -221,10 +221,10 @@ fn rivals(effect: Effect, best: &Choice, choices: &[Choice]) -> Vec<&'static str
     with.effects.iter().filter(|x| !without.effects.contains(x)).map(|x| x.title()).collect()
 }
 
-/// The covariance of blocks of the parts of a noise that are fast: white noise, quantisation and the band limit.
+/// The covariance of blocks of the parts of a noise that are fast: white noise, quantization and the band limit.
 fn of_fast(process: &Process, means: &dyn Fn(&Part) -> Vec<f64>) -> Vec<f64> {
     let is_fast =
-        |part: &&Part| matches!(part.term, Term::AngleRandomWalk | Term::Quantisation | Term::BandLimit);
+        |part: &&Part| matches!(part.term, Term::AngleRandomWalk | Term::Quantization | Term::BandLimit);
     let parts = process.parts.iter().filter(is_fast).map(means);
     parts.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a + b).collect()).unwrap_or_else(|| vec![0.0])
 }

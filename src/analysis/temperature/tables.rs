@@ -112,7 +112,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
             .is_of("value", Role::Upper, "Upper end of the 95 % interval, likewise."),
         Of::new("unit", Unit::NONE, "unit", |CoefficientRow(_, row)| text(&row.unit[0]))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
-        Of::new("verdict", Unit::NONE, "verdict", |CoefficientRow(_, row)| text(&row.verdict))
+        Of::new("status", Unit::NONE, "status", |CoefficientRow(_, row)| text(&row.verdict))
             .is(Role::Note, "How well the record determines the coefficient, in words."),
         Of::new("intervals", Unit::NONE, "intervals", |CoefficientRow(_, row)| text(row.intervals))
             .is(Role::Note, "How the interval was found: `likelihood of the noise`, averaged over the noises that the record leaves \
@@ -186,7 +186,7 @@ pub fn document(temperature: &Temperature, after: &Analysis, is_compensated: boo
                 "lower": row.interval.map(|ends| ends[0]),
                 "upper": row.interval.map(|ends| ends[1]),
                 "unit": row.unit[0],
-                "verdict": row.verdict,
+                "status": row.verdict,
                 "intervals": row.intervals,
             })
         };

@@ -19,7 +19,7 @@ pub(crate) struct Capacity {
     pub most_rounds: u64,
 }
 
-/// A software rasteriser runs a workgroup on each core, fastest out of the caches. llvmpipe leaves every loop after 65535
+/// A software rasterizer runs a workgroup on each core, fastest out of the caches. llvmpipe leaves every loop after 65535
 /// rounds of all loops together, without an error.
 const SOFTWARE: Capacity = Capacity {
     groups: 64,
@@ -111,7 +111,7 @@ impl Adapter {
         self.adapter.get_info().device_type == wgpu::DeviceType::DiscreteGpu
     }
 
-    /// Whether it is a software rasteriser on the processor.
+    /// Whether it is a software rasterizer on the processor.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }

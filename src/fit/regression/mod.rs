@@ -3,7 +3,7 @@
 //!
 //! Slow noise imitates slow regressors, and how much of it there is must be learnt from the same record, which says little
 //! about the slowest noise of all. A single estimate of the noise would therefore give intervals that are too short, at
-//! the worst where no random walk shows although one is there. Instead, generalised least squares is done for each noise
+//! the worst where no random walk shows although one is there. Instead, generalized least squares is done for each noise
 //! of a grid of proportions, and the results are averaged with the probability of each noise: its restricted likelihood
 //! (REML: that of all contrasts of the record that are free of the regressors, with the size of the noise integrated
 //! out; Harville 1974) times a weight of its own. The distribution of a coefficient is then a mixture of Student

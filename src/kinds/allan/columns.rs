@@ -18,7 +18,7 @@ pub(crate) struct Row<'a> {
     pub(crate) records: u64,
     pub(crate) scatter: Scatter,
     /// The variance in closed form, with the bound of the kernel's rounding.
-    pub(crate) oracle: Option<f64>,
+    pub(crate) theory: Option<f64>,
     pub(crate) rounding: f64,
     /// Relative difference of that closed form from the one of the inputs.
     pub(crate) representation: Option<f64>,
@@ -28,7 +28,7 @@ impl Row<'_> {
     fn z(&self) -> Option<f64> {
         let Scatter { mean, error, band } = &self.scatter;
         // The standard error of a few records scatters too much itself.
-        band.and_then(|_| z_score((*mean)?, self.oracle?, (*error)?, self.rounding))
+        band.and_then(|_| z_score((*mean)?, self.theory?, (*error)?, self.rounding))
     }
 
     /// The root of the 95 % interval of the mean variance; none for fewer records than `band` needs, whose standard error
@@ -54,7 +54,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .usual(Usual::Abscissa),
         Of::new("m", Unit::NONE, "averaging factor m", |row| row.m.into())
             .is(Role::Count, "Averaging time in samples."),
-        Of::new("terms", Unit::NONE, "differences", |row| row.terms.into())
+        Of::new("differences", Unit::NONE, "differences", |row| row.terms.into())
             .is(Role::Count, "Number of differences in one record at this averaging time."),
         Of::new("trials", Unit::NONE, "records", |row| row.records.into())
             .is(Role::Trials, "Number of records behind the estimates of the row."),
@@ -68,10 +68,10 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("hi", Unit::DEG2_PER_H2, "95 % band of records (upper), Allan variance", |row| row.scatter.band.map(|band| band.1).into())
             .is_of("mean_avar", Role::Upper, "95 % of single records have a variance below this and above `lo`, (°/h)²; blank for fewer \
                 than 40 records."),
-        Of::new("oracle_avar", Unit::DEG2_PER_H2, "closed form of the Allan variance", |row| row.oracle.into())
-            .is_of("mean_avar", Role::Oracle, "The variance in closed form for the noise as sampled, (°/h)²."),
+        Of::new("theory_avar", Unit::DEG2_PER_H2, "closed form of the Allan variance", |row| row.theory.into())
+            .is_of("mean_avar", Role::Theory, "The variance in closed form for the noise as sampled, (°/h)²."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
-            .is_of("mean_avar", Role::Z, "Deviation of `mean_avar` from `oracle_avar` in standard errors; beyond ±5 something is wrong. Blank for \
+            .is_of("mean_avar", Role::Z, "Deviation of `mean_avar` from `theory_avar` in standard errors; beyond ±5 something is wrong. Blank for \
                 fewer than 40 records."),
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.scatter.mean.map(libm::sqrt).into())
             .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
@@ -82,10 +82,10 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("adev", Role::Lower, "95 % of single records have a deviation above this and below `adev_hi`, °/h."),
         Of::new("adev_hi", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (upper)", |row| row.deviations().map(|ends| ends.1).into())
             .is_of("adev", Role::Upper, "95 % of single records have a deviation below this and above `adev_lo`, °/h."),
-        Of::new("oracle_adev", Unit::DEG_PER_H, "Allan deviation σ(τ) (closed form)", |row| row.oracle.map(libm::sqrt).into())
-            .is_of("adev", Role::Oracle, "The root of `oracle_avar`, °/h."),
+        Of::new("theory_adev", Unit::DEG_PER_H, "Allan deviation σ(τ) (closed form)", |row| row.theory.map(libm::sqrt).into())
+            .is_of("adev", Role::Theory, "The root of `theory_avar`, °/h."),
         Of::new("representation", Unit::NONE, "representation", |row| row.representation.into())
-            .is_of("mean_avar", Role::Representation, "Relative difference of `oracle_avar`, that of the integers that are sampled, from the closed form \
+            .is_of("mean_avar", Role::Representation, "Relative difference of `theory_avar`, that of the integers that are sampled, from the closed form \
                 of the inputs, which shares no computed number with them. What exceeds the proven bound of rounding is refused. Blank without a closed \
                 form, as of whole pulses under flicker, random walk, drift or switches."),
     ]
@@ -137,11 +137,11 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
         Of::new("relative_rmse", Unit::NONE, "rms error over true value", |row| row.found.relative_rmse(row.truth).into())
             .is(Role::Error, "`rmse` divided by `truth`: 0.1 is 10 %. Blank if fewer than half of the records show the coefficient, because those \
                 are the ones in which it came out too large."),
-        Of::new("identified", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
+        Of::new("detected", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
             .is(Role::Fraction, "Fraction of the records that show the coefficient, 0 to 1."),
         Of::new("trials", Unit::NONE, "records", |row| row.found.records().into())
             .is(Role::Trials, "Number of records."),
-        Of::new("verdict", Unit::NONE, "verdict", |row| Cell::Text(row.found.verdict(row.truth)))
+        Of::new("status", Unit::NONE, "status", |row| Cell::Text(row.found.verdict(row.truth)))
             .is(Role::Note, "Verdict on the coefficient from all records, in words.")
             .brief(),
     ]

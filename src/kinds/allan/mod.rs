@@ -8,7 +8,7 @@ pub mod lower;
 pub(crate) mod notes;
 pub(crate) mod parts;
 pub(crate) mod point;
-pub mod realisations;
+pub mod realizations;
 pub(crate) mod run;
 pub mod verify;
 

@@ -71,7 +71,7 @@ fn switching(points: &[Point]) -> Option<String> {
 /// Parts of the noise that no fitted term covers.
 fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
     let has =
-        |term: Term, noise: &Noise| noise.has(term) || term == Term::Quantisation && noise.readout_lsb > 0.0;
+        |term: Term, noise: &Noise| noise.has(term) || term == Term::Quantization && noise.readout_lsb > 0.0;
     let is_unfitted = |term: &Term| {
         !terms.all().contains(term) && points.iter().any(|point| has(*term, &point.inputs.noise))
     };

@@ -21,7 +21,7 @@ pub struct NamedRecords {
     pub name: &'static str,
     /// Parts of the noise.
     pub parts: Vec<Part>,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub readout_lsb: f64,
     /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
@@ -34,10 +34,10 @@ pub struct NamedRecords {
 /// The estimator of studies, with every 64th part of τ.
 pub const THINNED: Estimator = Estimator { difference: Difference::Second, stride: Stride::Part(64) };
 
-/// Quantisation noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
+/// Quantization noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
 pub fn lgk_400() -> Vec<Part> {
     vec![
-        Part::quantisation(0.24),
+        Part::quantization(0.24),
         Part::angle_random_walk(0.00067 * 60.0),
         Part::bias_instability(0.00192, 24),
     ]
@@ -125,13 +125,13 @@ pub fn named_records() -> Vec<NamedRecords> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+    use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the largest bound relative to its variance; `None`
     /// without a closed form.
     fn compare(named: &NamedRecords) -> Option<(f64, f64)> {
         let records = named.lowered();
-        let physical = PhysicalOracle {
+        let physical = PhysicalTheory {
             process: Process { sample_s: 1.0, parts: named.parts.clone() },
             readout_lsb: named.readout_lsb,
             mean_rate: EARTH_RATE,
@@ -141,11 +141,11 @@ mod tests {
         };
         let mut all = None;
         for (at, m) in records.ms().iter().enumerate() {
-            let oracle = records.oracle(at);
-            let found = records.representation(at, &oracle, &physical);
+            let theory = records.theory(at);
+            let found = records.representation(at, &theory, &physical);
             let found = found.unwrap_or_else(|error| panic!("{}, m = {m}: {error}", named.name));
-            let Some((found, variance)) = found.zip(oracle.value) else { continue };
-            let bound = oracle.representation / variance;
+            let Some((found, variance)) = found.zip(theory.value) else { continue };
+            let bound = theory.representation / variance;
             println!("{}, m = {m}: {found:.2e}, bound {bound:.2e}", named.name);
             let (most, loosest) = all.unwrap_or((0.0_f64, 0.0_f64));
             all = Some((most.max(found.abs()), loosest.max(bound)));
@@ -177,7 +177,7 @@ mod tests {
         let steady = Magnetic { initial: 0.7, ..magnetic };
         let switched = |magnetic| Some(Switching { magnetic, ..none });
         for (name, parts, readout_lsb, switching) in [
-            ("quantisation", vec![Part::quantisation(0.24)], 0.0, None),
+            ("quantization", vec![Part::quantization(0.24)], 0.0, None),
             ("white", vec![white], 0.0, None),
             ("flicker", vec![Part::bias_instability(0.00192, 24)], 0.0, None),
             ("walk", vec![Part::rate_random_walk(2e-4)], 0.0, None),
@@ -221,7 +221,7 @@ mod tests {
         let (most, loosest) = compare(&named).unwrap();
         assert!(most < 1e-4 && loosest < 1e-2, "{most}, bound {loosest}");
         let parts = vec![Part::angle_random_walk(0.02)];
-        let still = PhysicalOracle {
+        let still = PhysicalTheory {
             process: Process { sample_s: 1.0, parts },
             readout_lsb: 0.83,
             mean_rate: 0.0,
@@ -229,7 +229,7 @@ mod tests {
             samples: 700,
             estimator,
         };
-        let found = named.lowered().oracle(0).value.unwrap();
+        let found = named.lowered().theory(0).value.unwrap();
         let without = still.variance(1).unwrap().value;
         assert!((found / without - 1.0).abs() > 0.1, "{found}, {without} without a rate");
     }

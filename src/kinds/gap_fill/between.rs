@@ -59,7 +59,7 @@ pub(crate) fn note<'a>(points: &[Point], fillers: &'a [Filler]) -> Option<String
     let (filler, own, change) = all.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
     (change.abs() > REPORTED).then(|| {
         format!(
-            "between its samples, the rate of {} is taken as {}: with {} = \"{}\" the residual of {} would be {} instead of {} arcsec rms, {} % \
+            "between its samples, the rate of {} is taken as {}: with {} = \"{}\" the residual of {} would be {} instead of {}″ rms, {} % \
              {}{}",
             profile.file,
             profile.interpolation.name(),

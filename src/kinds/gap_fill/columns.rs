@@ -3,7 +3,7 @@
 use crate::chart::law::Law;
 use crate::filler::closed::LISTED;
 use crate::filler::{FILLERS, Filler};
-use crate::kinds::gap_fill::lower::Oracle;
+use crate::kinds::gap_fill::lower::Theory;
 use crate::kinds::gap_fill::run::proven::{Proof, Proven};
 use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
@@ -25,13 +25,13 @@ pub(crate) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// A law of the chart, ″.
+    /// A reference curve of the chart, ″.
     pub(crate) fn law(&self, law: Law) -> Option<f64> {
         law.arcsec(&self.proven.point.inputs, self.filler, self.estimate.error, self.estimate.ticks.into())
     }
 
     fn z(&self) -> Option<f64> {
-        let Oracle { rms, rounding, resolution, omitted, .. } = self.estimate.oracle;
+        let Theory { rms, rounding, resolution, omitted, .. } = self.estimate.theory;
         // A bound larger than the standard error would hide what the trials show.
         let hides = self.found.rms_se().is_some_and(|se| rounding > se);
         self.found.z(rms, if hides { resolution + omitted } else { rounding })
@@ -72,19 +72,19 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, labelled("largest error seen", "largest error seen on [motion]"), |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error among the trials, ″; the noise reaches 6.3 standard deviations."),
-        Of::new("q9973", Unit::ARCSEC, labelled("99.73 % error", "99.73 % error on [motion]"), |row| row.found.level(|q| Some(q.value)).into())
+        Of::new("p99_73", Unit::ARCSEC, labelled("99.73 % error", "99.73 % error on [motion]"), |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, which 99.73 % of errors stay below in magnitude; for a Gaussian it is 3 σ.")
             .brief()
             .usual(Usual::Answer)
             .within(|row| row.found.level_band()),
-        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
-        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
-        Of::new("oracle_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.oracle.rms.into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
-        Of::new("oracle_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.oracle.max.into())
-            .is_of("max", Role::Oracle, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
+        Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+        Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
+        Of::new("theory_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.theory.rms.into())
+            .is_of("rms", Role::Theory, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
+        Of::new("theory_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.theory.max.into())
+            .is_of("max", Role::Theory, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())
@@ -110,7 +110,7 @@ fn of_specification<'a>() -> [ColumnOf<Row<'a>>; 3] {
                 tolerances, with noise, ″, in closed form.")
             .brief()
             .usual(Usual::Estimate),
-        Of::new("specified_q9973", Unit::ARCSEC, "99.73 % error as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
+        Of::new("specified_p99_73", Unit::ARCSEC, "99.73 % error as specified", |row| row.estimate.specified.map(|own| own.worst.level).into())
             .is_of("specified_rms", Role::Error, "The level, ″, which 99.73 % of these residuals stay below in magnitude; of several lines the one with the largest \
                 residual counts as a sine, and all else as normally distributed.")
             .brief()

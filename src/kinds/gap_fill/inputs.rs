@@ -13,7 +13,7 @@ pub struct Inputs {
     pub tick_s: f64,
     /// White noise of the ticks.
     pub tick_noise: TickNoise,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub readout_lsb: f64,
     /// Angle that the relock adds to the ticks n+1, n+2, …, ″.
     pub relock: Vec<f64>,

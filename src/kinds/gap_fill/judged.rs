@@ -214,7 +214,7 @@ pub(crate) fn note(points: &[Point], fillers: &[Filler]) -> Option<String> {
         .zip(point.fills.iter())
         .filter_map(|(filler, fill)| Some((filler, Judged::of(&point.inputs, filler, fill)?)))
         .map(|(filler, Judged { own, shifted })| {
-            format!("{} {} arcsec and {} arcsec", filler.name, number(own.rms), number(shifted.rms))
+            format!("{} {}″ and {} arcsec", filler.name, number(own.rms), number(shifted.rms))
         })
         .collect();
     (!judged.is_empty()).then(|| {

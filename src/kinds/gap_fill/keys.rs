@@ -29,7 +29,7 @@ keys! {
     NOISE_THREE_SIGMA = "gyro.tick_noise.three_sigma", "tick noise 3σ", Condition, THREE_SIGMAS, r#"three_sigma = "1.6 arcsec""#;
     /// Angle random walk N, from which the standard deviation is N·√tick: "0.003 deg/sqrt(h)".
     pub(crate) NOISE_RANDOM_WALK = "gyro.tick_noise.angle_random_walk", "angle random walk", Condition, N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
-    /// Angle of a pulse, if the gyro counts whole pulses: "3.2 arcsec". If absent, the readout is not quantised.
+    /// Angle of a pulse, if the gyro counts whole pulses: "3.2 arcsec". If absent, the readout is not quantized.
     pub(crate) READOUT_LSB = "gyro.readout_lsb", "pulse weight", Condition, PULSES, r#"readout_lsb = "3.2 arcsec""#;
     /// Angles that the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].
     pub(crate) RELOCK = "gyro.relock", "", Fixed, Holds::List(&RELOCKS), r#"relock = ["20.3 arcsec", "14.8 arcsec"]"#;

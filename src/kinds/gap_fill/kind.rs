@@ -24,8 +24,8 @@ pub static GAP_FILL: Kind = Kind {
     name: "gap-fill",
     subject: "The angle lost or won when the ticks missing at a mode switch are filled in.",
     about: "Samples mode switches: the motion, the noise and the readout of the ticks around each. Every filler fills in the lost \
-            ticks. points.csv has for each point, filler and error the `rms`, the level `q9973`, which \
-            99.73 % of errors stay below, and the `max`, with their uncertainty, and the closed form `oracle_rms` where there is one.",
+            ticks. points.csv has for each point, filler and error the `rms`, the level `p99_73`, which \
+            99.73 % of errors stay below, and the `max`, with their uncertainty, and the closed form `theory_rms` where there is one.",
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1_000_000,

@@ -41,14 +41,14 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
 pub(crate) fn set(inputs: &mut Inputs, noise: &Noise) {
     inputs.tick_noise = TickNoise::AngleRandomWalk(noise.of(Term::AngleRandomWalk)[0]);
     inputs.readout_lsb = match noise.readout_lsb {
-        0.0 => of_quantisation(noise),
+        0.0 => of_quantization(noise),
         lsb => lsb,
     };
 }
 
 /// The pulse whose error is Q, ″.
-fn of_quantisation(noise: &Noise) -> f64 {
-    round_12(libm::sqrt(12.0) * noise.of(Term::Quantisation)[0])
+fn of_quantization(noise: &Noise) -> f64 {
+    round_12(libm::sqrt(12.0) * noise.of(Term::Quantization)[0])
 }
 
 /// A note on the parts that are left out over a gap, each with the angle that it could accumulate in the longest gap of
@@ -61,20 +61,20 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
     let tick_s = longest(TICK.name, inputs.tick_s);
     let gap_s = tick_s * longest(GAP_TICKS.name, f64::from(inputs.gap_ticks));
     // A given pulse has an error of its own.
-    let is_read = inputs.readout_lsb != of_quantisation(noise) || longest(READOUT_LSB.name, 0.0) > 0.0;
-    let [q, _] = noise.of(Term::Quantisation);
-    let quantisation = (is_read && q > 0.0).then_some(("quantisation", q));
+    let is_read = inputs.readout_lsb != of_quantization(noise) || longest(READOUT_LSB.name, 0.0) > 0.0;
+    let [q, _] = noise.of(Term::Quantization);
+    let quantization = (is_read && q > 0.0).then_some(("quantization", q));
     let parts: Vec<String> = noise
         .over(gap_s)
         .into_iter()
-        .chain(quantisation)
-        .map(|(name, arcsec)| format!("{name} ({} arcsec)", significant(arcsec, 2)))
+        .chain(quantization)
+        .map(|(name, arcsec)| format!("{name} ({}″)", significant(arcsec, 2)))
         .collect();
     let readout = longest(READOUT_LSB.name, inputs.readout_lsb);
     let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
     (!parts.is_empty()).then(|| {
         format!(
-            "of [noise], a gap of up to {} s includes angle random walk, {} arcsec in a tick{}; left out, with the angle \
+            "of [noise], a gap of up to {} s includes angle random walk, {}″ in a tick{}; left out, with the angle \
              accumulated over the gap: {}",
             significant(gap_s, 4),
             significant(sigma, 3),

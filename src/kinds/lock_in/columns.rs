@@ -1,7 +1,7 @@
 //! The columns of a study of lock-in, with a row for each point and averaging time.
 
 use crate::kinds::lock_in::Point;
-use crate::kinds::lock_in::lower::oracle::Zone;
+use crate::kinds::lock_in::lower::theory::Zone;
 use crate::table::column::Band;
 use crate::table::{ColumnOf, Role, Unit, Usual};
 use crate::tally::stats::{NORMAL_95, z_score};
@@ -17,16 +17,16 @@ pub(crate) struct Row<'a> {
     /// Mean output rate over the gyros, ″/s, with its standard error.
     pub(crate) rate: Option<(f64, Option<f64>)>,
     /// Angle random walk in closed form, ″/√s, with the bound of the deviation due to rounding.
-    pub(crate) oracle: Option<f64>,
+    pub(crate) theory: Option<f64>,
     pub(crate) rounding: f64,
     /// Mean output rate in closed form, ″/s.
-    pub(crate) oracle_rate: Option<f64>,
+    pub(crate) theory_rate: Option<f64>,
     pub(crate) zone: Option<Zone>,
     /// Mean input rate, ″/s.
     pub(crate) input_rate: f64,
     /// Length of a step of the integration, s.
     pub(crate) step_s: Option<f64>,
-    /// Relative difference of the closed form for the words from `oracle`.
+    /// Relative difference of the closed form for the words from `theory`.
     pub(crate) representation: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ impl Row<'_> {
         Some(0.5 * se? * libm::sqrt(self.tau_s() / variance)).filter(|se| se.is_finite())
     }
 
-    /// N over its closed form for a randomised dither, whose premises need not hold, with its 95 % interval.
+    /// N over its closed form for a randomized dither, whose premises need not hold, with its 95 % interval.
     fn walk_ratio(&self) -> Option<(f64, Option<(f64, f64)>)> {
         let inputs = &self.point.inputs;
         let closed = libm::hypot(inputs.gyro()?.angle_random_walk(), inputs.beam_noise);
@@ -66,7 +66,7 @@ impl Row<'_> {
     }
 
     fn z(&self) -> Option<f64> {
-        z_score(self.walk()?, self.oracle?, self.walk_se()?, self.rounding)
+        z_score(self.walk()?, self.theory?, self.walk_se()?, self.rounding)
     }
 
     /// The half width of a zone outside which the gyro is, from w² = (Ω − Ω_k)² − (r − Ω_k)².
@@ -115,8 +115,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .within(Row::walk_interval),
         Of::new("angle_random_walk_se", Unit::ARCSEC_PER_RT_S, "standard error of N", |row| row.walk_se().into())
             .is_of("angle_random_walk", Role::StandardError, "Standard error (1 σ) of `angle_random_walk` over the gyros, ″/√s."),
-        Of::new("oracle_angle_random_walk", Unit::ARCSEC_PER_RT_S, "N (closed form)", |row| row.oracle.into())
-            .is_of("angle_random_walk", Role::Oracle, "Ω_L√(q/2πΩ_D), with the noise of the beam, ″/√s; blank where its premises do not hold."),
+        Of::new("theory_angle_random_walk", Unit::ARCSEC_PER_RT_S, "N (closed form)", |row| row.theory.into())
+            .is_of("angle_random_walk", Role::Theory, "Ω_L√(q/2πΩ_D), with the noise of the beam, ″/√s; blank where its premises do not hold."),
         Of::new("z", Unit::NONE, "deviation of N from the closed form, standard errors", |row| row.z().into())
             .is_of("angle_random_walk", Role::Z, "Deviation of `angle_random_walk` from its closed form in standard errors; beyond ±5 something is wrong."),
         Of::new("mean_rate", Unit::ARCSEC_PER_S, "mean output rate", |row| row.rate.map(|rate| rate.0).into())
@@ -125,8 +125,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .within(|row| row.rate_less(0.0)),
         Of::new("mean_rate_se", Unit::ARCSEC_PER_S, "standard error of the mean output rate", |row| row.rate.and_then(|rate| rate.1).into())
             .is_of("mean_rate", Role::StandardError, "Standard error (1 σ) of `mean_rate` over the gyros, ″/s."),
-        Of::new("oracle_mean_rate", Unit::ARCSEC_PER_S, "mean output rate (closed form)", |row| row.oracle_rate.into())
-            .is_of("mean_rate", Role::Oracle, "Mean output rate in closed form, ″/s: without dither, and within a zone that no noise breaks up."),
+        Of::new("theory_mean_rate", Unit::ARCSEC_PER_S, "mean output rate (closed form)", |row| row.theory_rate.into())
+            .is_of("mean_rate", Role::Theory, "Mean output rate in closed form, ″/s: without dither, and within a zone that no noise breaks up."),
         Of::new("rate_error", Unit::ARCSEC_PER_S, "error of the mean output rate", |row| {
             row.rate.map(|rate| rate.0 - row.input_rate).into()
         })
@@ -144,8 +144,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .linear(),
         Of::new("zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone", |row| row.width().into())
             .is(Role::Estimate, "Half width of that zone, ″/s, from w² = (Ω − Ω_k)² − (r − Ω_k)² with the output r outside it; blank inside."),
-        Of::new("oracle_zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone (closed form)", |row| row.zone.map(|zone| zone.half_width).into())
-            .is_of("zone_half_width", Role::Oracle, "Ω_L |J_k(Θ)|, the half width of that zone to first order in Ω_L and without noise of the dither, ″/s."),
+        Of::new("theory_zone_half_width", Unit::ARCSEC_PER_S, "half width of the zone (closed form)", |row| row.zone.map(|zone| zone.half_width).into())
+            .is_of("zone_half_width", Role::Theory, "Ω_L |J_k(Θ)|, the half width of that zone to first order in Ω_L and without noise of the dither, ″/s."),
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.variance.map(|(variance, _)| libm::sqrt(variance)).into())
             .is(Role::Error, "Allan (or Hadamard) deviation of the output less the input, °/h."),
         Of::new("amplitude", Unit::NONE, "dither amplitude Θ", |row| row.point.inputs.gyro().map(|gyro| gyro.amplitude()).into())
@@ -157,6 +157,6 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .within(|row| row.walk_ratio()?.1),
         Of::new("representation", Unit::NONE, "representation", |row| row.representation.into())
             .is_of("angle_random_walk", Role::Representation, "Relative difference of N in closed form for the integers that are sampled from \
-                `oracle_angle_random_walk`, that of the inputs. What exceeds the proven bound of rounding is refused. Blank without a closed form."),
+                `theory_angle_random_walk`, that of the inputs. What exceeds the proven bound of rounding is refused. Blank without a closed form."),
     ]
 }

@@ -138,7 +138,7 @@ keys! {
     pub(crate) FREQUENCY = "dither.frequency", "dither frequency", Choice, FREQUENCIES, r#"frequency = "400 Hz""#, required;
     /// Amplitude Ω_D of the dither rate: "100 deg/s".
     pub(crate) DITHER_RATE = "dither.rate", "amplitude of the dither rate", Choice, AMPLITUDES, r#"rate = "100 deg/s""#, required;
-    /// Randomisation: standard deviation of the amplitude, independent in each half-cycle, as a part of the amplitude; 0 if absent.
+    /// Randomization: standard deviation of the amplitude, independent in each half-cycle, as a part of the amplitude; 0 if absent.
     pub(crate) AMPLITUDE_NOISE = "dither.amplitude_noise", "amplitude noise of the dither", Choice, PARTS, r#"amplitude_noise = "2 %""#;
     /// Standard deviation of the step of the amplitude's random walk from half-cycle to half-cycle, as a part of the amplitude; 0 if
     /// absent.

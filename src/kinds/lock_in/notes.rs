@@ -1,7 +1,7 @@
 //! Notes on a study of lock-in.
 
 use crate::kinds::lock_in::Point;
-use crate::kinds::lock_in::lower::oracle::failing;
+use crate::kinds::lock_in::lower::theory::failing;
 use crate::quantity::number::significant;
 use crate::theory::lock_in::Premise;
 

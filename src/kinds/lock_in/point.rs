@@ -54,7 +54,7 @@ pub(crate) fn check(
         && dither.rate <= inputs.threshold
     {
         let message = format!(
-            "lock_in.threshold = {} arcsec/s is not below the amplitude of the dither rate, {} arcsec/s: the gyro is locked",
+            "lock_in.threshold = {} ″/s is not below the amplitude of the dither rate, {} ″/s: the gyro is locked",
             significant(inputs.threshold, 6),
             significant(dither.rate, 6)
         );

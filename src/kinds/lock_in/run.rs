@@ -13,7 +13,7 @@ use crate::kinds::allan::run::coefficients::Found;
 use crate::kinds::allan::run::{check_fit, geometry};
 use crate::kinds::lock_in::columns::{Row, columns};
 use crate::kinds::lock_in::lower::Gyros;
-use crate::kinds::lock_in::lower::oracle::{self, Zone};
+use crate::kinds::lock_in::lower::theory::{self, Zone};
 use crate::kinds::lock_in::point::Times;
 use crate::kinds::lock_in::{LockInStudy, Point};
 use crate::kinds::table::table;
@@ -78,7 +78,7 @@ impl<'a> Plan<'a> {
 
     /// The rows of a point, one for each averaging time.
     fn rows<'p>(point: &'p Point, gyros: &Gyros, rates: &[f64], variances: &[Vec<f64>]) -> Vec<Row<'p>> {
-        let (rate, oracle) = (estimate(rates), oracle::angle_random_walk(point));
+        let (rate, theory) = (estimate(rates), theory::angle_random_walk(point));
         // A strong lock-in holds the output in a zone that is not the nearest to the input.
         let zone = rate.and_then(|(rate, _)| Zone::nearest(&point.inputs, rate));
         let row = |(at, &m): (usize, &u64)| {
@@ -90,9 +90,9 @@ impl<'a> Plan<'a> {
                 trials: rates.len() as u64,
                 variance: estimate(&of_gyros),
                 rate,
-                oracle,
-                rounding: oracle.map_or(0.0, |walk| gyros.rounding(tau_s, walk)),
-                oracle_rate: oracle::mean_output(point),
+                theory,
+                rounding: theory.map_or(0.0, |walk| gyros.rounding(tau_s, walk)),
+                theory_rate: theory::mean_output(point),
                 zone,
                 input_rate: gyros.input_rate,
                 step_s: Some(gyros.step_s()),
@@ -118,7 +118,7 @@ impl<'a> Plan<'a> {
         };
         let fits: Vec<Option<Fit>> = variances.par_iter().map(fit).collect();
         // Of the coefficients only N is known.
-        let walk = oracle::angle_random_walk(point);
+        let walk = theory::angle_random_walk(point);
         let row = |quantity: Quantity| {
             let of_walk = quantity.parts().0 == Term::AngleRandomWalk;
             let truth = walk.filter(|_| of_walk).map(|walk| quantity.unit(Unit::Angular).0 * walk);

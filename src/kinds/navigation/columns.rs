@@ -151,14 +151,14 @@ macro_rules! sizes {
                 concat!("Standard error (1 σ) of `", $name, "_rms`, ", $in, "."),
             ),
             Of::new(
-                concat!("oracle_", $name, "_rms"),
+                concat!("theory_", $name, "_rms"),
                 $unit,
                 concat!($label, ", rms (closed form)"),
                 |row| row.size(Quantity::$quantity, |sizes| Some(sizes.closed_rms)).into(),
             )
             .is_of(
                 concat!($name, "_rms"),
-                Role::Oracle,
+                Role::Theory,
                 concat!(
                     "`",
                     $name,
@@ -204,50 +204,50 @@ macro_rules! sizes {
                 "Upper end of the 95 % interval of the level; blank where the trials cannot bound it.",
             ),
             Of::new(
-                concat!("oracle_", $name, $half),
+                concat!("theory_", $name, $half),
                 $unit,
                 concat!($label, ", 50 % (closed form)"),
                 |row| row.size(Quantity::$quantity, |sizes| Some(sizes.closed_half)).into(),
             )
             .is_of(
                 concat!($name, $half),
-                Role::Oracle,
+                Role::Theory,
                 concat!(
                     "The level for normally distributed errors with the mean and covariance in closed form, ",
                     $in,
                     "."
                 ),
             ),
-            Of::new(concat!($name, "_q95"), $unit, concat!($label, ", 95 %"), |row| {
+            Of::new(concat!($name, "_p95"), $unit, concat!($label, ", 95 %"), |row| {
                 row.level(Quantity::$quantity, |sizes| sizes.most, |level| Some(level.value)).into()
             })
             .is(Role::Error, concat!("The level, ", $in, ", that 95 % of the trials stay below."))
             .within(|row| row.band(Quantity::$quantity, |sizes| sizes.most)),
-            Of::new(concat!($name, "_q95_lo"), $unit, concat!($label, ", 95 % (lower)"), |row| {
+            Of::new(concat!($name, "_p95_lo"), $unit, concat!($label, ", 95 % (lower)"), |row| {
                 row.level(Quantity::$quantity, |sizes| sizes.most, |level| level.low).into()
             })
             .is_of(
-                concat!($name, "_q95"),
+                concat!($name, "_p95"),
                 Role::Lower,
                 "Lower end of the 95 % interval of the level; blank where the trials cannot bound it.",
             ),
-            Of::new(concat!($name, "_q95_hi"), $unit, concat!($label, ", 95 % (upper)"), |row| {
+            Of::new(concat!($name, "_p95_hi"), $unit, concat!($label, ", 95 % (upper)"), |row| {
                 row.level(Quantity::$quantity, |sizes| sizes.most, |level| level.high).into()
             })
             .is_of(
-                concat!($name, "_q95"),
+                concat!($name, "_p95"),
                 Role::Upper,
                 "Upper end of the 95 % interval of the level; blank where the trials cannot bound it.",
             ),
             Of::new(
-                concat!("oracle_", $name, "_q95"),
+                concat!("theory_", $name, "_p95"),
                 $unit,
                 concat!($label, ", 95 % (closed form)"),
                 |row| row.size(Quantity::$quantity, |sizes| Some(sizes.closed_most)).into(),
             )
             .is_of(
-                concat!($name, "_q95"),
-                Role::Oracle,
+                concat!($name, "_p95"),
+                Role::Theory,
                 concat!(
                     "The level for normally distributed errors with the mean and covariance in closed form, ",
                     $in,
@@ -266,10 +266,10 @@ pub(crate) fn columns<'a>(solution: Solution, has_filter: bool) -> Vec<ColumnOf<
         Of::new("trials", Unit::NONE, "trials", |row| row.trials.into())
             .is(Role::Trials, "Number of navigators behind the estimates of the row, each with records of its own."),
     ];
-    sizes!(columns, Heading, Unit::ARCSEC, "heading", "_q50", "error of the heading", "″");
+    sizes!(columns, Heading, Unit::ARCSEC, "heading", "_p50", "error of the heading", "″");
     if solution == Solution::Inertial {
-        sizes!(columns, Tilt, Unit::MICRORAD, "tilt", "_q50", "tilt", "µrad, of both horizontal axes together");
-        sizes!(columns, Velocity, Unit::M_PER_S, "velocity", "_q50", "error of the velocity", "m/s, of both horizontal directions together");
+        sizes!(columns, Tilt, Unit::MICRORAD, "tilt", "_p50", "tilt", "µrad, of both horizontal axes together");
+        sizes!(columns, Velocity, Unit::M_PER_S, "velocity", "_p50", "error of the velocity", "m/s, of both horizontal directions together");
         sizes!(columns, Position, Unit::NMI, "position", "_cep", "error of the position", "nautical miles, over the ground");
         columns.extend([
             Of::new("cep_rate", Unit::NMI_PER_H, "growth of the circular error", |row| row.growth().into())
@@ -287,7 +287,7 @@ pub(crate) fn columns<'a>(solution: Solution, has_filter: bool) -> Vec<ColumnOf<
                 of the inputs, which shares no computed number with them: the largest in magnitude over the quantities. What exceeds the proven bound of \
                 rounding ends the run."),
     );
-    let usual = if solution == Solution::Inertial { "position_q95" } else { "heading_q95" };
+    let usual = if solution == Solution::Inertial { "position_p95" } else { "heading_p95" };
     let mark = |column: ColumnOf<Row<'a>>| if column.about.name == usual { column.usual(Usual::Estimate) } else { column };
     columns.into_iter().map(mark).collect()
 }

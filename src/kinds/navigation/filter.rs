@@ -15,7 +15,7 @@ use crate::theory::navigation::filter::Model;
 /// Most Markov states of a filter.
 const MOST_STATES: usize = 16;
 
-const HELP: &str = "accepted: a document with one gyro, as of `sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --bound --json`";
+const HELP: &str = "accepted: a document with one gyro, as of `sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --overbound --json`";
 
 /// The parts of the document that a filter needs.
 #[derive(serde::Deserialize)]
@@ -24,8 +24,8 @@ struct Document {
     white_deg_per_rt_h: f64,
     #[serde(deserialize_with = "size")]
     random_walk_deg_per_h_per_rt_h: f64,
-    #[serde(default, deserialize_with = "size")]
-    quantisation_arcsec: f64,
+    #[serde(default, alias = "quantisation_arcsec", deserialize_with = "size")]
+    quantization_arcsec: f64,
     markov: Vec<State>,
 }
 
@@ -99,7 +99,7 @@ fn parse(text: &str) -> Result<Model, Fault> {
         white: document.white_deg_per_rt_h * 60.0,
         walk: document.random_walk_deg_per_h_per_rt_h / 60.0,
         markov: document.markov.iter().map(state).collect(),
-        quantisation: document.quantisation_arcsec,
+        quantization: document.quantization_arcsec,
     };
     if model.is_nothing() {
         return Err(Fault::new(
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn coefficients_of_a_document_are_in_arcseconds_and_seconds() {
         let model = parse(
-            r#"{"white_deg_per_rt_h": 2.0, "random_walk_deg_per_h_per_rt_h": 3.0, "quantisation_arcsec": 0.5,
+            r#"{"white_deg_per_rt_h": 2.0, "random_walk_deg_per_h_per_rt_h": 3.0, "quantization_arcsec": 0.5,
                 "markov": [{"sigma_deg_per_h": 4.0, "correlation_time_s": 7.0}]}"#,
         );
         let model = model.unwrap_or_else(|_| panic!("the document is not read"));
@@ -140,6 +140,6 @@ mod tests {
         // 4°/h turn 4° in an hour.
         let [sigma, time_s] = model.markov[0];
         assert!((sigma * hour / (4.0 * degree) - 1.0).abs() < 1e-14, "{model:?}");
-        assert_eq!((time_s, model.quantisation, model.markov.len()), (7.0, 0.5, 1));
+        assert_eq!((time_s, model.quantization, model.markov.len()), (7.0, 0.5, 1));
     }
 }

@@ -25,7 +25,7 @@ pub(crate) static NAVIGATION: Kind = Kind {
     subject: "The error of heading, velocity and position that the noise of its gyros leaves a navigator.",
     about: "Simulates records of the gyros of a navigator with the noise of [noise] and sums their increments with the weights \
             that follow from its error equations. points.csv has the error of the position over the ground after the time of \
-            navigation, `position_cep` and `position_q95`, below which half and 95 % of the trials stay, in nautical miles, and \
+            navigation, `position_cep` and `position_p95`, below which half and 95 % of the trials stay, in nautical miles, and \
             likewise those of velocity, tilt and heading; for solution = \"heading\" and \"gyrocompass\" the heading alone. With \
             navigation.filter a Kalman filter keeps the heading, and the table has its consistency, `nees` and `within95`.",
     template: include_str!("template.toml"),

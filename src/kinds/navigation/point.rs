@@ -242,7 +242,7 @@ impl Base<'_> {
         let shown = significant(sample_s, 6);
         if noise.readout_lsb > 0.0 {
             let message = "noise.readout_lsb has no closed form in the errors of a navigator, which do not resolve pulses";
-            let help = "write quantisation = the pulse over √12 instead, which is its rms error";
+            let help = "write quantization = the pulse over √12 instead, which is its rms error";
             let names = ["noise.readout_lsb", "noise.file", "noise"];
             return self.places.refuse(&names, message, "whole pulses", help);
         }

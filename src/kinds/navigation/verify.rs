@@ -10,9 +10,9 @@ use crate::kinds::navigation::{Inputs, Navigation, Point};
 use crate::noise::{Noise, Switching};
 use crate::theory::allan::terms::Term;
 
-/// Quantisation noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2, ″ and s.
+/// Quantization noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2, ″ and s.
 const LGK_400: [(Term, f64); 3] =
-    [(Term::Quantisation, 0.24), (Term::AngleRandomWalk, 0.00067 * 60.0), (Term::BiasInstability, 0.00192)];
+    [(Term::Quantization, 0.24), (Term::AngleRandomWalk, 0.00067 * 60.0), (Term::BiasInstability, 0.00192)];
 
 /// A navigator at 60° whose gyros have this noise, with samples of 1 s.
 pub fn navigator(solution: Solution, noise: Noise, duration_s: f64) -> Lowered {
@@ -106,13 +106,13 @@ fn named_navigators() -> Vec<(&'static str, Solution, Noise, f64)> {
 mod tests {
     use super::*;
     use crate::kinds::navigation::columns::Quantity;
-    use crate::kinds::navigation::lower::physical_oracle::PhysicalOracle;
+    use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 
     /// The largest difference from the closed form of the inputs, and the least and the largest ratio of a bound to its rms.
     fn compare(name: &str, solution: Solution, noise: Noise, duration_s: f64) -> (f64, f64) {
         let (point, study) = asked(solution, noise, duration_s);
         let lowered = Lowered::new(&point, &study, SEED, Streams::Independent).unwrap();
-        let physical = PhysicalOracle::new(&point, &study, SEED);
+        let physical = PhysicalTheory::new(&point, &study, SEED);
         let (mut most, mut loosest) = (0.0_f64, 0.0_f64);
         for quantity in Quantity::of(solution) {
             let errors = quantity.errors();
@@ -147,7 +147,7 @@ mod tests {
         let mut beside_ramp = white.clone();
         beside_ramp.set(Term::RateRamp, 0, 1e-5);
         for (name, noise) in [
-            ("quantisation", noise_of(&[(Term::Quantisation, 0.24)])),
+            ("quantization", noise_of(&[(Term::Quantization, 0.24)])),
             ("white", white.clone()),
             ("flicker", noise_of(&[(Term::BiasInstability, 0.00164)])),
             ("walk", noise_of(&[(Term::RateRandomWalk, 2e-5)])),

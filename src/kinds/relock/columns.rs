@@ -20,7 +20,7 @@ pub(crate) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// A value of the row's tick, from the nominal miss and the start of the tick, s.
+    /// A value of the row's tick, from the nominal initial detuning and the start of the tick, s.
     fn of_tick(&self, value: impl Fn(&Relock, u32, f64) -> f64) -> Cell {
         let RelockInputs { tick_s, relock } = &self.point.inputs;
         let nominal = Relock {
@@ -67,7 +67,7 @@ impl Row<'_> {
     }
 
     fn z(&self) -> Cell {
-        self.found.z(self.estimate.oracle.map(|oracle| oracle.1), self.estimate.rounding).into()
+        self.found.z(self.estimate.theory.map(|theory| theory.1), self.estimate.rounding).into()
     }
 }
 
@@ -101,28 +101,28 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest angle left", |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of a remaining angle among the trials, ″."),
-        Of::new("q9973", Unit::ARCSEC, "99.73 % angle left", |row| row.found.level(|q| Some(q.value)).into())
+        Of::new("p99_73", Unit::ARCSEC, "99.73 % angle left", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, below which 99.73 % of the remaining angles stay in magnitude.")
             .within(|row| row.found.level_band()),
-        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % angle left (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
-        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % angle left (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
-        Of::new("oracle_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.0).into())
-            .is_of("mean", Role::Oracle, "`mean` in closed form, ″. It exists without compensation, for the first tick with frequency compensation, and with \
+        Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % angle left (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+        Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % angle left (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
+        Of::new("theory_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.theory.map(|theory| theory.0).into())
+            .is_of("mean", Role::Theory, "`mean` in closed form, ″. It exists without compensation, for the first tick with frequency compensation, and with \
                 detuning compensation if there is neither noise nor a step."),
-        Of::new("oracle_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.1).into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, where there is one."),
+        Of::new("theory_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.theory.map(|theory| theory.1).into())
+            .is_of("rms", Role::Theory, "`rms` in closed form, ″, where there is one."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", Row::z)
             .is_of("rms", Role::Z, found::Z),
-        Of::new("drift", Unit::ARCSEC_PER_S, "apparent rate for the nominal miss", Row::drift)
-            .is(Role::Estimate, "ΔΩ_i, the apparent rate of the loop in this tick for the nominal miss, ″/s, Z(11)."),
+        Of::new("drift", Unit::ARCSEC_PER_S, "apparent rate for the nominal initial detuning", Row::drift)
+            .is(Role::Estimate, "ΔΩ_i, the apparent rate of the loop in this tick for the nominal initial detuning, ″/s, Z(11)."),
         Of::new("bias", Unit::HZ, "bias frequency at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.bias_at(s)))
-            .is(Role::Estimate, "f, the bias frequency at the start of the tick for the nominal miss, Hz, Z(2)."),
+            .is(Role::Estimate, "f, the bias frequency at the start of the tick for the nominal initial detuning, Hz, Z(2)."),
         Of::new("bias_error", Unit::HZ, "error of the bias frequency", |row| row.of_tick(|nominal, tick, _| nominal.bias_error(tick)))
-            .is(Role::Estimate, "y_i = f_i − f0, the error of the bias frequency in the tick for the nominal miss, Hz."),
+            .is(Role::Estimate, "y_i = f_i − f0, the error of the bias frequency in the tick for the nominal initial detuning, Hz."),
         Of::new("detuning", Unit::NONE, "detuning at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.detuning(s)))
-            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal miss, in fractions of the wavelength, Z(10)."),
+            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal initial detuning, in fractions of the wavelength, Z(10)."),
         Of::new("detuning_plus", Unit::NONE, "mean detuning of the first half", |row| {
             row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[0])
         })

@@ -1,4 +1,4 @@
-//! The perimeter loop after a mode switch: its inputs and their keys, for every kind of study that uses it.
+//! The path-length control loop after a mode switch: its inputs and their keys, for every kind of study that uses it.
 
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::MAX_TICKS;
@@ -37,9 +37,9 @@ words! {
 pub struct Relock {
     /// Nominal miss Δλ0.
     pub miss: f64,
-    /// Standard deviation of the miss due to the half-wave voltage.
+    /// Standard deviation of the initial detuning due to the half-wave voltage.
     pub half_wave_error: f64,
-    /// Step of the DAC; the miss is off by up to half of it to either side.
+    /// Step of the DAC; the initial detuning is off by up to half of it to either side.
     pub dac_step: f64,
     /// Hysteresis to either side.
     pub hysteresis: f64,
@@ -73,7 +73,7 @@ impl Relock {
         libm::exp(-2.0 * f64::from(self.ticks) * tick_s / self.loop_s)
     }
 
-    /// The angle of infinitely many ticks for the nominal miss, ″: χ f0 Δλ0² (τ_L/2)(1 − q)/(1 + q).
+    /// The angle of infinitely many ticks for the nominal initial detuning, ″: χ f0 Δλ0² (τ_L/2)(1 − q)/(1 + q).
     pub fn whole_angle(&self, tick_s: f64) -> f64 {
         let bias = self.bias_frequency_hz * self.pulse_weight_arcsec;
         0.5 * self.curvature
@@ -126,16 +126,16 @@ const COUNTS: Holds = measure(&[Dimension::Ratio], 0.0, 1e6, "0 to 1e6 periods")
 keys! {
     /// The keys of the loop.
     pub(crate) static KEYS;
-    /// The perimeter loop after a mode switch: its initial detuning, and the measurements made while it settles.
+    /// The path-length control loop after a mode switch: its initial detuning, and the measurements made while it settles.
     /// Detunings are fractions of the wavelength, without unit; absent values are 0.
     pub(crate) RELOCK = "relock", "", Fixed, Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
     /// Detuning Δλ0 left by a switch: 0.05.
-    MISS = "relock.miss", "miss Δλ0", Choice, MISSES, "miss = 0.05", required;
-    /// Error of the half-wave voltage U_λ/2: standard deviation of the miss, normally distributed.
+    MISS = "relock.initial_detuning", "initial detuning Δλ0", Choice, MISSES, "initial_detuning = 0.05", required;
+    /// Error of the half-wave voltage U_λ/2: standard deviation of the initial detuning, normally distributed.
     HALF_WAVE = "relock.half_wave_error", "error of U_λ/2", Choice, DETUNINGS, "half_wave_error = 0.005";
-    /// Step of the DAC: the miss is uniformly distributed over half a step to either side.
+    /// Step of the DAC: the initial detuning is uniformly distributed over half a step to either side.
     DAC_STEP = "relock.dac_step", "step of the DAC", Choice, DETUNINGS, "dac_step = 0.002";
-    /// Hysteresis of the piezo: the miss is uniformly distributed over this value to either side.
+    /// Hysteresis of the piezo: the initial detuning is uniformly distributed over this value to either side.
     HYSTERESIS = "relock.hysteresis", "hysteresis of the piezo", Choice, DETUNINGS, "hysteresis = 0.005";
     /// Time constant τ_L of the closed loop: "12 ms".
     LOOP_TIME = "relock.loop_time", "time constant of the loop", Choice, TIMES, r#"loop_time = "12 ms""#, required;

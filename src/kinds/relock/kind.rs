@@ -23,10 +23,10 @@ use crate::table::column::abouts;
 /// Studies of the ticks after a switch.
 pub static RELOCK: Kind = Kind {
     name: "relock",
-    subject: "The apparent rotation caused by the perimeter loop after a mode switch, and its remainder after compensation.",
-    about: "Samples mode switches with their errors, the perimeter loop that settles after each, and the apparent rotation in \
+    subject: "The apparent rotation caused by the path-length control loop after a mode switch, and its remainder after compensation.",
+    about: "Samples mode switches with their errors, the path-length control loop that settles after each, and the apparent rotation in \
             the first ticks. points.csv has the remainder for each `compensation` and `tick`: `mean`, `rms`, `max` and \
-            `q9973`, arcsec.",
+            `p99_73`, arcsec.",
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1_000_000,

@@ -1,4 +1,4 @@
-//! Relock studies: the apparent rotation of the closing perimeter loop after a mode switch, and its remainder after
+//! Relock studies: the apparent rotation of the closing path-length control loop after a mode switch, and its remainder after
 //! compensation.
 
 pub(crate) mod columns;

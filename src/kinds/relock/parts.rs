@@ -3,11 +3,11 @@
 use crate::kinds::relock::Relock;
 use crate::study::part::Part;
 
-/// All parts. Without its nominal miss, a loop starts from the errors of the miss alone; without these there is nothing to
-/// relock, and the miss stays.
+/// All parts. Without its nominal initial detuning, a loop starts from the errors of the initial detuning alone; without these there is nothing to
+/// relock, and the initial detuning stays.
 pub(crate) static PARTS: [Part<Relock>; 8] = [
     Part {
-        name: "miss",
+        name: "initial detuning",
         off: |relock| {
             if [relock.half_wave_error, relock.dac_step, relock.hysteresis].iter().any(|error| *error != 0.0)
             {

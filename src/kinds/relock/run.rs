@@ -82,7 +82,7 @@ pub(crate) fn late<'a>(relocks: impl Iterator<Item = (&'a Relock, f64)>) -> Opti
     let (percent, arcsec) = (libm::round(100.0 * late), significant(late * relock.whole_angle(tick_s), 2));
     (late >= LATE).then(|| {
         format!(
-            "up to {percent} % of the apparent angle, {arcsec} arcsec per switch, comes after tick {ticks}: it is in \
+            "up to {percent} % of the apparent angle, {arcsec}″ per switch, comes after tick {ticks}: it is in \
              none of the errors and adds to them, unless more ticks are followed (relock.ticks)"
         )
     })

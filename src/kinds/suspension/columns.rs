@@ -13,7 +13,7 @@ pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
             .usual(Usual::Estimate),
         Of::new("phase", Unit::DEG, "phase of the rate", |point| point.response().phase_deg().into())
             .is(Role::Estimate, "Phase of the rate relative to the acceleration, °; negative where the rate lags."),
-        Of::new("normalised", Unit::NONE, "response relative to the useful mode", |point| {
+        Of::new("normalized", Unit::NONE, "response relative to the useful mode", |point| {
             (point.response().amplitude() / point.suspension.useful()).into()
         })
         .is(Role::Estimate, "`response` divided by the response at the first mode."),

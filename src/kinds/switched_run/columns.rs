@@ -48,23 +48,23 @@ impl Row<'_> {
         angles.zip(self.time_s()).map(|(band, time)| (band.0 / time, band.1 / time))
     }
 
-    fn oracle_mean(&self) -> Option<f64> {
-        Some(self.estimate.oracle?.mean)
+    fn theory_mean(&self) -> Option<f64> {
+        Some(self.estimate.theory?.mean)
     }
 
-    fn oracle_rms(&self) -> Option<f64> {
-        Some(self.estimate.oracle?.rms())
+    fn theory_rms(&self) -> Option<f64> {
+        Some(self.estimate.theory?.rms())
     }
 
     fn z(&self) -> Option<f64> {
-        self.found.z(self.oracle_rms(), self.estimate.oracle?.rounding)
+        self.found.z(self.theory_rms(), self.estimate.theory?.rounding)
     }
 
     fn z_mean(&self) -> Option<f64> {
-        let (found, oracle) =
-            self.found.estimates.zip(self.estimate.oracle).filter(|_| self.found.trials > 1)?;
-        let se = oracle.deviation / libm::sqrt(self.found.trials as f64);
-        z_score(found.mean, oracle.mean, se, oracle.rounding)
+        let (found, theory) =
+            self.found.estimates.zip(self.estimate.theory).filter(|_| self.found.trials > 1)?;
+        let se = theory.deviation / libm::sqrt(self.found.trials as f64);
+        z_score(found.mean, theory.mean, se, theory.rounding)
     }
 }
 
@@ -102,13 +102,13 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest magnitude of an error of the angle among the runs, ″."),
-        Of::new("q9973", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
+        Of::new("p99_73", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, below which the error of the angle stays in magnitude in 99.73 % of runs.")
             .within(|row| row.found.level_band()),
-        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
-            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
-        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
-            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
+        Of::new("p99_73_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("p99_73", Role::Lower, found::LEVEL_LOWER),
+        Of::new("p99_73_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
         Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
             .is(Role::Estimate, "`mean` divided by the time, °/h; blank for the largest angle.")
             .brief(),
@@ -116,25 +116,25 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Error, "`rms` divided by the time, °/h; blank for the largest angle.")
             .brief()
             .within(|row| row.drift_band(row.found.rms_band())),
-        Of::new("drift_q9973", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
-            .is(Role::Error, "`q9973` divided by the time, °/h: 99.73 % of runs drift by less. Blank for the largest angle.")
+        Of::new("drift_p99_73", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
+            .is(Role::Error, "`p99_73` divided by the time, °/h: 99.73 % of runs drift by less. Blank for the largest angle.")
             .brief()
             .usual(Usual::Estimate)
             .within(|row| row.drift_band(row.found.level_band())),
-        Of::new("drift_q9973_lo", Unit::DEG_PER_H, "99.73 % drift (lower)", |row| row.drift(row.found.level(|q| q.low)))
-            .is_of("drift_q9973", Role::Lower, "Lower end of the 95 % interval of `drift_q9973`, °/h."),
-        Of::new("drift_q9973_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
-            .is_of("drift_q9973", Role::Upper, "Upper end of the 95 % interval of `drift_q9973`, °/h."),
-        Of::new("oracle_mean", Unit::ARCSEC, "mean error of the angle (closed form)", |row| row.oracle_mean().into())
-            .is_of("mean", Role::Oracle, "`mean` in closed form, ″; blank for the largest angle."),
-        Of::new("oracle_rms", Unit::ARCSEC, "rms error of the angle (closed form)", |row| row.oracle_rms().into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″; blank for the largest angle."),
-        Of::new("oracle_drift_mean", Unit::DEG_PER_H, "mean drift (closed form)", |row| row.drift(row.oracle_mean()))
-            .is_of("drift_mean", Role::Oracle, "`drift_mean` in closed form, °/h."),
-        Of::new("oracle_drift_rms", Unit::DEG_PER_H, "rms drift (closed form)", |row| row.drift(row.oracle_rms()))
-            .is_of("drift_rms", Role::Oracle, "`drift_rms` in closed form, °/h."),
+        Of::new("drift_p99_73_lo", Unit::DEG_PER_H, "99.73 % drift (lower)", |row| row.drift(row.found.level(|q| q.low)))
+            .is_of("drift_p99_73", Role::Lower, "Lower end of the 95 % interval of `drift_p99_73`, °/h."),
+        Of::new("drift_p99_73_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
+            .is_of("drift_p99_73", Role::Upper, "Upper end of the 95 % interval of `drift_p99_73`, °/h."),
+        Of::new("theory_mean", Unit::ARCSEC, "mean error of the angle (closed form)", |row| row.theory_mean().into())
+            .is_of("mean", Role::Theory, "`mean` in closed form, ″; blank for the largest angle."),
+        Of::new("theory_rms", Unit::ARCSEC, "rms error of the angle (closed form)", |row| row.theory_rms().into())
+            .is_of("rms", Role::Theory, "`rms` in closed form, ″; blank for the largest angle."),
+        Of::new("theory_drift_mean", Unit::DEG_PER_H, "mean drift (closed form)", |row| row.drift(row.theory_mean()))
+            .is_of("drift_mean", Role::Theory, "`drift_mean` in closed form, °/h."),
+        Of::new("theory_drift_rms", Unit::DEG_PER_H, "rms drift (closed form)", |row| row.drift(row.theory_rms()))
+            .is_of("drift_rms", Role::Theory, "`drift_rms` in closed form, °/h."),
         Of::new("z_mean", Unit::NONE, "deviation of the mean from the closed form, standard errors", |row| row.z_mean().into())
-            .is_of("mean", Role::Z, "Deviation of `mean` from `oracle_mean` in standard errors; beyond ±5 something is wrong."),
+            .is_of("mean", Role::Z, "Deviation of `mean` from `theory_mean` in standard errors; beyond ±5 something is wrong."),
         Of::new("z", Unit::NONE, "deviation of the rms from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
         Of::new("representation", Unit::NONE, "representation", |row| row.estimate.representation.into())

@@ -26,8 +26,8 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
     name: "switched-run",
     subject: "The error of the angle after a whole run of a gyro that switches modes.",
     about: "Samples whole runs of a gyro that switches modes: the magnetic drift, whose sign every switch reverses, and the \
-            residuals of the switches. points.csv has the error of the angle at the end and at earlier times, `rms` and `q9973` in arcsec, and \
-            the same divided by the time, `drift_rms` and `drift_q9973` in °/h. `sagnac design` finds the best interval of such a study.",
+            residuals of the switches. points.csv has the error of the angle at the end and at earlier times, `rms` and `p99_73` in arcsec, and \
+            the same divided by the time, `drift_rms` and `drift_p99_73` in °/h. `sagnac design` finds the best interval of such a study.",
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 100_000,

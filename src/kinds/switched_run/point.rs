@@ -25,7 +25,7 @@ const LEAST_LEFT: f64 = 1e-5;
 /// Largest fraction of the apparent angle of a relock that may come after the ticks followed.
 const MOST_LATE: f64 = 0.2;
 
-/// Time constants after which a loop counts as closed: e^−5 of the miss and e^−10 of the apparent rotation are left.
+/// Time constants after which a loop counts as closed: e^−5 of the initial detuning and e^−10 of the apparent rotation are left.
 const SETTLED: f64 = 5.0;
 
 /// One combination of swept values, with everything derived from it.

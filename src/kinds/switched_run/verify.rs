@@ -165,7 +165,7 @@ mod tests {
         let minute = "[run]\nduration = \"60 s\"\n";
         for gyro in [drawn, &fixed_phase, recorded] {
             let filled = lowered(&[drift, gyro, switched, minute]).fillers;
-            let parts = filled.iter().flat_map(|filled| &filled.estimates).filter(|own| own.oracle.is_some());
+            let parts = filled.iter().flat_map(|filled| &filled.estimates).filter(|own| own.theory.is_some());
             for part in parts {
                 let found = part.representation.expect("a second closed form").abs();
                 assert!(found > 1e-12 && found < 1e-3, "{gyro}: {found:e}");
@@ -203,7 +203,7 @@ mod tests {
             );
             let switched = "[switching]\ngap_ticks = 2\ninterval = \"6.958 s\"\ntiming = \"periodic\"\nfillers = [\"const\"]\n";
             let filled = lowered(&[&motion, switched, "[run]\nduration = \"206.72016 s\"\n"]).fillers;
-            filled[0].estimates[0].oracle.unwrap().rms() * filled[0].estimates[0].unit_arcsec
+            filled[0].estimates[0].theory.unwrap().rms() * filled[0].estimates[0].unit_arcsec
         };
         let beside = rms(", { amplitude = \"60 arcsec/s\", frequency = [\"1 Hz\", \"1.01 Hz\"] }");
         assert!((beside / rms("") - 1.0).abs() < 1e-4, "{beside}, alone {}", rms(""));

@@ -26,18 +26,18 @@ fn a_chart_is_curves_unless_it_says_otherwise() {
     for kind in ["", "kind = \"curves\"\n"] {
         let chart = only_chart(&format!("{kind}x = \"dt_nu\"\ny = \"rms\""));
         assert_eq!((chart.estimate().name.as_str(), chart.series()[0].name.as_str()), ("rms", "filler"));
-        assert!(chart.laws().is_empty());
+        assert!(chart.references().is_empty());
     }
 }
 
 #[test]
 fn a_map_shows_z_over_x_and_y_on_a_logarithmic_scale_unless_another_is_named() {
-    let heat = |more: &str| only_chart(&format!("kind = \"heat-map\"\n{AXES}z = \"q9973\"\n{more}"));
+    let heat = |more: &str| only_chart(&format!("kind = \"heat-map\"\n{AXES}z = \"p99_73\"\n{more}"));
     let scale = |chart: &Chart| match &chart.shows {
         Shows::HeatMap { z_scale, .. } => Some(*z_scale),
         _ => None,
     };
-    assert_eq!(heat("").estimate().name, "q9973");
+    assert_eq!(heat("").estimate().name, "p99_73");
     assert_eq!(scale(&heat("")), Some(Scale::Log));
     assert_eq!(scale(&heat("z_scale = \"linear\"")), Some(Scale::Linear));
 }
@@ -101,7 +101,7 @@ fn keys_of_another_kind_are_refused() {
     );
     refused(
         &chart(&format!("kind = \"heat-map\"\n{AXES}")),
-        &["a.toml:19:8", "kind = \"heat-map\" needs z", "z = \"q9973\""],
+        &["a.toml:19:8", "kind = \"heat-map\" needs z", "z = \"p99_73\""],
     );
     refused(
         &chart(&format!("{AXES}z = \"rms\"")),
@@ -110,10 +110,10 @@ fn keys_of_another_kind_are_refused() {
     refused(&chart(&format!("{AXES}of = \"filler\"")), &["a.toml:21:6", "chart.of", "kind = \"winner-map\""]);
     refused(&chart(&format!("{AXES}z_scale = \"log\"")), &["a.toml:21:11", "chart.z_scale"]);
     refused(&chart(&format!("{heat}series = [\"filler\"]")), &["a.toml:23:10", "chart.series", "\"curves\""]);
-    refused(&chart(&format!("{heat}laws = []")), &["a.toml:23:8", "chart.laws", "kind = \"heat-map\""]);
+    refused(&chart(&format!("{heat}references = []")), &["a.toml:23:8", "chart.references", "kind = \"heat-map\""]);
     refused(&chart(&format!("{heat}of = \"error\"")), &["a.toml:23:6", "chart.of", "\"winner-map\""]);
     refused(&chart(&format!("{heat}z_scale = \"cubic\"")), &["a.toml:23:11", "\"cubic\"", "log, linear"]);
-    refused(&chart(&format!("{AXES}z = 5")), &["a.toml:21:5", "`chart.z` is the number 5", "z = \"q9973\""]);
+    refused(&chart(&format!("{AXES}z = 5")), &["a.toml:21:5", "`chart.z` is the number 5", "z = \"p99_73\""]);
 }
 
 #[test]
@@ -146,10 +146,10 @@ fn laws_are_read_once_each_and_follow_what_is_swept() {
         &laws("dt_nu", "\"taylor\""),
         &["a.toml:21:9", "unknown value \"taylor\"", "taylor-zero-crossing", "noise-as-published"],
     );
-    refused(&laws("dt_nu", "\"noise\", \"noise\""), &["a.toml:21:18", "chart.laws lists \"noise\" twice"]);
+    refused(&laws("dt_nu", "\"noise\", \"noise\""), &["a.toml:21:18", "chart.references lists \"noise\" twice"]);
     refused(
         &laws("max", "\"noise\""),
-        &["a.toml:19:5", "laws cannot be drawn over `max`", "neither swept nor dt_nu", "motion.frequency"],
+        &["a.toml:19:5", "reference curves cannot be drawn over `max`", "neither swept nor dt_nu", "motion.frequency"],
     );
 }
 

@@ -88,10 +88,10 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
     assert_eq!(second.swept[0].0, "motion.frequency");
     assert_eq!(
         second.swept[1],
-        ("switching.gap_ticks", Swept::Quantity(Quantity { value: 2.0, dimension: Dimension::Count }))
+        ("switching.gap_ticks", Swept::Quantity(Quantity::new(2.0, Dimension::Count)))
     );
     assert_eq!(study.charts[0].limit.map(|limit| (limit.value, limit.unit)), Some((10.0, Unit::ARCSEC)));
-    assert_eq!(&SHIPPED[study.charts[0].y.span.clone()], "\"q9973\"");
+    assert_eq!(&SHIPPED[study.charts[0].y.span.clone()], "\"p99_73\"");
     assert_eq!(study.charts[0].rows[0].1, Cell::Text("residual".to_owned()));
 }
 
@@ -101,7 +101,7 @@ fn a_study_without_sweeps_is_one_point_whose_chart_has_the_fillers_side_by_side(
     assert_eq!((points(&study).len(), study.charts.len(), study.seed), (1, 1, 1));
     let chart = &study.charts[0];
     let columns: Vec<&str> = chart.columns().map(|column| column.name.as_str()).collect();
-    assert_eq!((chart.x.name.as_str(), &columns[..]), ("filler", &["rms", "q9973"][..]));
+    assert_eq!((chart.x.name.as_str(), &columns[..]), ("filler", &["rms", "p99_73"][..]));
     assert_eq!(chart.rows[0].1, Cell::Text("residual".to_owned()));
     assert_eq!(&points(&study)[0].inputs, inputs(&study));
 }

@@ -51,9 +51,9 @@ fn several_threads_give_the_words_of_each_point_alone() {
         let proofs = proven
             .estimates
             .iter()
-            .map(|own| (proven.address(own), own.oracle, own.unit_arcsec, own.bin_base));
+            .map(|own| (proven.address(own), own.theory, own.unit_arcsec, own.bin_base));
         let estimates = alone.fillers.iter().flatten();
-        let estimates = estimates.map(|own| (own.address, own.oracle, own.unit_arcsec, own.bin_base));
+        let estimates = estimates.map(|own| (own.address, own.theory, own.unit_arcsec, own.bin_base));
         assert!(proofs.eq(estimates), "point {place}");
         assert!(proven.launch(&[0, 1]).unwrap() == alone.launch(&[0, 1]), "the launch of point {place}");
     }

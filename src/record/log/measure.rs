@@ -105,7 +105,7 @@ impl Unit {
         let Some((size, _)) = size else {
             return Err(wrong(format!("the scale \"{text}\" is not the size of a pulse")));
         };
-        let Quantity { value, dimension } = parse_quantity(size, &data.dimensions())
+        let Quantity { value, dimension, .. } = parse_quantity(size, &data.dimensions())
             .map_err(|error| wrong(format!("the scale of `data = {}`: {error}", data.name())))?;
         if value == 0.0 {
             return Err(wrong(format!("the scale \"{text}\" is 0")));

@@ -38,7 +38,7 @@ mod tests {
         use crate::theory::allan::{Estimator, Process};
 
         for part in [
-            Part::quantisation(0.3),
+            Part::quantization(0.3),
             Part::angle_random_walk(0.3),
             Part::bias_instability(0.3, 24),
             Part::rate_random_walk(0.3),

@@ -28,7 +28,7 @@ mod tests {
             let cells: Vec<&str> = line.split(',').collect();
             let (tau, expected): (f64, f64) = (cells[1].parse().unwrap(), cells[2].parse().unwrap());
             let (_, [q, n, b]) = gyros.iter().find(|(name, _)| *name == cells[0]).unwrap();
-            let parts = [Part::quantisation(*q), Part::angle_random_walk(*n), Part::bias_instability(*b, 24)];
+            let parts = [Part::quantization(*q), Part::angle_random_walk(*n), Part::bias_instability(*b, 24)];
             let found = libm::sqrt(parts.iter().filter_map(|part| allan_variance(part, tau)).sum());
             assert!((found / expected - 1.0).abs() < 1e-11, "{line}: {found}");
         }
@@ -37,7 +37,7 @@ mod tests {
     #[test]
     fn finely_sampled_noise_is_the_continuous_one() {
         let parts = [
-            Part::quantisation(0.2),
+            Part::quantization(0.2),
             Part::angle_random_walk(0.2),
             Part::rate_random_walk(0.2),
             Part::markov(0.2, 3.0),

@@ -1,4 +1,4 @@
-//! The Allan variance of sampled noise, in closed form: the oracle of the Monte Carlo and the basis of the fit.
+//! The Allan variance of sampled noise, in closed form: the theory of the Monte Carlo and the basis of the fit.
 //!
 //! The angles θ_k, in ″, at the times k·t0, k = 0 … N, are a record of N samples. At the averaging factor m and τ =
 //! m·t0 an estimator takes the mean square of differences of angles over 2τ² or 6τ² ([`Difference`], [`Estimator`]).
@@ -10,7 +10,7 @@
 //!
 //! | part | sampled as |
 //! |---|---|
-//! | quantisation Q | independent errors of rms Q on all N + 1 angles, θ_0 too |
+//! | quantization Q | independent errors of rms Q on all N + 1 angles, θ_0 too |
 //! | angle random walk N | independent increments θ_k − θ_{k−1} of variance N²t0 |
 //! | bias instability B | rate held over t0, a sum of [octave holds](holds) |
 //! | rate random walk K | r_k = r_{k−1} + K√t0·g_k with independent normal g_k of variance 1, θ_k = θ_{k−1} + r_k·t0 |
@@ -19,16 +19,16 @@
 //! | rate ramp R | rate R·t; whether integrated exactly or held over t0 is the same in all differences |
 //! | warm-up A, T | rate A·e^{−t/T} from t = 0, the start of the record, integrated exactly |
 //!
-//! A readout that counts whole pulses is not white: see [`quantiser`]. A gyro that switches modes adds a sawtooth and
+//! A readout that counts whole pulses is not white: see [`quantizer`]. A gyro that switches modes adds a sawtooth and
 //! jumps: see [`switching`]. LGV-1 by table 2 of A, 9 hours at 1 Hz:
 //!
 //! ```
 //! use sagnac::theory::allan::gaussian::covariance;
 //! use sagnac::theory::allan::switching::Jumps;
-//! use sagnac::theory::allan::{Difference, Estimator, Part, Process, continuous, quantiser};
+//! use sagnac::theory::allan::{Difference, Estimator, Part, Process, continuous, quantizer};
 //!
 //! let parts = vec![
-//!     Part::quantisation(0.11),
+//!     Part::quantization(0.11),
 //!     Part::angle_random_walk(0.00048 * 60.0),
 //!     Part::bias_instability(0.00164, 24),
 //! ];
@@ -48,7 +48,7 @@
 //!
 //! // At rest, whole pulses of 0.381 ″ are not white noise of q/√12: at 1 s they lack most of 6 q²/12.
 //! let still = Process { sample_s: 1.0, parts: vec![Part::angle_random_walk(0.0288)] };
-//! let pulses = quantiser::mean_square(0.381, 0.0, &still, Difference::Second, 1).unwrap();
+//! let pulses = quantizer::mean_square(0.381, 0.0, &still, Difference::Second, 1).unwrap();
 //! assert!(pulses < 0.5 * 0.381 * 0.381);
 //! ```
 
@@ -57,12 +57,12 @@ pub mod continuous;
 pub mod estimator;
 pub(crate) mod exponential;
 pub mod gaussian;
-pub(crate) mod generalised;
+pub(crate) mod generalized;
 pub mod holds;
 pub(crate) mod markov;
 pub mod part;
 pub mod process;
-pub mod quantiser;
+pub mod quantizer;
 pub mod spectrum;
 pub(crate) mod steps;
 pub mod switching;

@@ -87,7 +87,7 @@ mod tests {
     fn each_part_has_its_law() {
         for (t0, m) in [(0.01, 1), (0.01, 37), (2.0, 4), (1.0, 100_000)] {
             let (n, tau) = (m as f64, t0 * m as f64);
-            near(allan(Part::quantisation(0.3), t0, m), 3.0 * 0.09 / (tau * tau), 1e-13, "Q");
+            near(allan(Part::quantization(0.3), t0, m), 3.0 * 0.09 / (tau * tau), 1e-13, "Q");
             near(allan(Part::angle_random_walk(0.3), t0, m), 0.09 / tau, 1e-13, "N");
             let walk = 0.09 * tau / 3.0 * (1.0 + 0.5 / (n * n));
             near(allan(Part::rate_random_walk(0.3), t0, m), walk, 1e-13, "K");

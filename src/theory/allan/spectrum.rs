@@ -8,7 +8,7 @@ use crate::theory::allan::process::Process;
 
 /// One-sided density of the rate of one part at a frequency up to half the sampling rate, (″/s)²/Hz.
 ///
-/// With t0 = `sample_s` and s = sin πft0 it is 8Q²s²/t0 of quantisation, 2N² of white rate, B²/πf of flicker, K²t0²/2s²
+/// With t0 = `sample_s` and s = sin πft0 it is 8Q²s²/t0 of quantization, 2N² of white rate, B²/πf of flicker, K²t0²/2s²
 /// of a random walk of the rate, and that of the sampled exponential correlation for Markov noise. Where ft0 is small,
 /// these are 2(2πf)²Q²t0, 2N², B²/πf, 2K²/(2πf)² and 2q_c²T_c²/(1 + (2πfT_c)²). The rates are means over t0, and those
 /// of a random walk or of Markov noise are held over it, as [everywhere](super). Flicker alone is that of the continuous
@@ -53,7 +53,7 @@ mod tests {
         let (t0, parts) = (
             0.02,
             [
-                Part::quantisation(0.3),
+                Part::quantization(0.3),
                 Part::angle_random_walk(0.3),
                 Part::rate_random_walk(0.3),
                 Part::markov(0.3, 0.1),
@@ -92,7 +92,7 @@ mod tests {
     fn sampled_densities_are_the_continuous_ones_at_low_frequencies() {
         let (t0, f, omega) = (1e-5, 0.3, 0.6 * PI);
         let table = [
-            (Part::quantisation(0.2), 2.0 * omega * omega * 0.04 * t0),
+            (Part::quantization(0.2), 2.0 * omega * omega * 0.04 * t0),
             (Part::angle_random_walk(0.2), 0.08),
             (Part::bias_instability(0.2, holds::OCTAVES), 0.04 / (PI * f)),
             (Part::rate_random_walk(0.2), 0.08 / (omega * omega)),

@@ -136,7 +136,7 @@ pub(crate) mod tests {
             let found = PAPER.bound(interval, t).total();
             assert!((found / bound - 1.0).abs() < 1e-9, "{t} s, {interval} s: {found}, not {bound}");
             let best = PAPER.optimum(t).unwrap();
-            // The reference minimises the value, which determines the place of the minimum only to the square root of
+            // The reference minimizes the value, which determines the place of the minimum only to the square root of
             // rounding.
             assert!((best.interval_s / optimum - 1.0).abs() < 1e-7, "{t} s: {best:?}, not {optimum}");
             assert!((best.bound / optimum_bound - 1.0).abs() < 1e-9, "{t} s: {best:?}, not {optimum_bound}");

@@ -23,7 +23,7 @@ pub struct Model {
     /// Standard deviation, ″/s, and correlation time, s, of each Markov state.
     pub markov: Vec<[f64; 2]>,
     /// Rms error Q of each reading of the angle, ″.
-    pub quantisation: f64,
+    pub quantization: f64,
 }
 
 /// The heading of a filter.
@@ -47,7 +47,7 @@ type State = Vec<f64>;
 impl Model {
     /// Whether it has no noise.
     pub fn is_nothing(&self) -> bool {
-        let sizes = [self.white, self.walk, self.quantisation];
+        let sizes = [self.white, self.walk, self.quantization];
         sizes.iter().chain(self.markov.iter().map(|[sigma, _]| sigma)).all(|size| *size == 0.0)
     }
 
@@ -62,7 +62,7 @@ impl Model {
     fn initial(&self) -> State {
         let walk = (self.walk > 0.0).then_some(0.0);
         let markov = self.markov.iter().map(|[sigma, _]| sigma * sigma);
-        [self.quantisation * self.quantisation].into_iter().chain(walk).chain(markov).collect()
+        [self.quantization * self.quantization].into_iter().chain(walk).chain(markov).collect()
     }
 }
 
@@ -110,7 +110,7 @@ struct Reading {
 /// infinite.
 pub fn filtered(model: &Model, times: &Times) -> Filtered {
     let Times { sample_s, alignment, duration, .. } = *times;
-    let (step, reading) = (model.over(sample_s), model.quantisation * model.quantisation);
+    let (step, reading) = (model.over(sample_s), model.quantization * model.quantization);
     let initial = model.initial();
     let count = initial.len();
     let mut p: Vec<State> =
@@ -165,8 +165,8 @@ mod tests {
         vec![
             white.clone(),
             Model { walk: 0.01, ..white.clone() },
-            Model { quantisation: 0.5, ..white.clone() },
-            Model { white: 0.3, walk: 0.01, markov, quantisation: 0.2 },
+            Model { quantization: 0.5, ..white.clone() },
+            Model { white: 0.3, walk: 0.01, markov, quantization: 0.2 },
             Model { white: 0.0, markov: vec![[0.1, 30.0]], ..Model::default() },
         ]
     }
@@ -184,9 +184,9 @@ mod tests {
                 let apart = libm::expm1(z) * -libm::expm1(-z) * libm::exp(-z * lag as f64);
                 square * same(2.0 * (z + libm::expm1(-z)), apart)
             });
-            let square = model.quantisation * model.quantisation;
-            let quantised = same(2.0 * square, if lag == 1 { -square } else { 0.0 });
-            same(model.white * model.white * d, 0.0) + walk + markov.sum::<f64>() + quantised
+            let square = model.quantization * model.quantization;
+            let quantized = same(2.0 * square, if lag == 1 { -square } else { 0.0 });
+            same(model.white * model.white * d, 0.0) + walk + markov.sum::<f64>() + quantized
         };
         (0..count).map(|i| (0..count).map(|j| of(i, j)).collect()).collect()
     }

@@ -18,13 +18,15 @@ impl Figure {
     /// a selected value; or a curve runs through rows that belong to several curves.
     pub fn from_table(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
         let Shown { table, estimate, series } = Shown::of(table, chart)?;
-        let table: &Table = &table;
+        let filter = chart.filter();
+        let (rows, chosen) = (table.rows_where(&filter)?, table.chosen(&filter)?);
+        let table: &Table = &table.read();
         let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
-        let law = chart.laws().first().map(|law| ("law", law.about().unit));
+        let law = chart.references().first().map(|law| ("law", law.about().unit));
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
         let laws =
-            chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
-        let oracle = table.beside(y, Role::Oracle);
+            chart.references().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
+        let theory = table.beside(y, Role::Theory);
         let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
         let key = table.columns.iter().find(is_key);
         let (colours, dashes) = match &series[..] {
@@ -33,8 +35,6 @@ impl Figure {
             [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
             more => return Err(ChartError::TooManySeries { found: more.len() }),
         };
-        let filter = chart.filter();
-        let rows = table.rows_where(&filter)?;
         check_curves(table, chart, &series, &rows)?;
         let mut figure = Figure {
             title: chart.title.clone(),
@@ -45,11 +45,11 @@ impl Figure {
             colours: styled(colours, &rows),
             dashes: styled(dashes, &rows),
             // The closed form is not sampled.
-            points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
+            points: if y.role == Role::Theory { "closed form".to_owned() } else { chart.points.clone() },
             bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
             limit: chart.limit.map(limit),
-            chosen: table.chosen(&filter)?,
+            chosen,
             ..Figure::default()
         };
         let mut notes = Notes::default();
@@ -82,7 +82,7 @@ impl Figure {
             };
             let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
             notes.blank += all - points.len();
-            let law = oracle.map_or(vec![], |oracle| with_gaps(oracle, rows, place));
+            let law = theory.map_or(vec![], |theory| with_gaps(theory, rows, place));
             figure.series.push(Series { colour: *colour, dash: *dash, points, law });
         }
         // In the order of the legend.

@@ -31,7 +31,7 @@ impl Picture {
     /// let figure = Figure {
     ///     title: "Residual of the constant filler".into(),
     ///     x: Axis::new("vibration frequency", "Hz"),
-    ///     y: Axis::new("rms error", "arcsec"),
+    ///     y: Axis::new("rms error", "″"),
     ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
     ///     limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".into() }),
     ///     ..Figure::default()

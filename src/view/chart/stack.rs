@@ -79,7 +79,7 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let heading = shared.unwrap_or("value").to_owned();
     let quantity = shared.or_else(|| last_word(&columns)).unwrap_or("value").to_owned();
     let rows = table.rows();
-    let law = |column: &Column| table.beside(column, Role::Oracle);
+    let law = |column: &Column| table.beside(column, Role::Theory);
     let is_stacked = |column: &&Column| {
         let is_law = |stacked: &&Column| law(stacked).is_some_and(|law| law.name == column.name);
         columns.iter().any(|stacked| stacked.name == column.name || is_law(stacked))
@@ -107,10 +107,10 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
         let cell = |column, row| law(column).map_or(Cell::Blank, |law| law.cells[row].clone());
         let cells = |column| (0..rows).map(move |row| cell(column, row));
         all.push(Column {
-            name: format!("oracle_{}", first.name),
+            name: format!("theory_{}", first.name),
             label: "closed form".to_owned(),
             unit: first.unit,
-            role: Role::Oracle,
+            role: Role::Theory,
             of: first.name.clone(),
             cells: columns.iter().copied().flat_map(cells).collect(),
             ..Column::default()
@@ -181,12 +181,12 @@ mod tests {
     #[test]
     fn a_closed_form_is_that_of_its_own_column() {
         let mut table = table();
-        let (role, of) = (Role::Oracle, "mean".to_owned());
-        let law = Column { name: "oracle_mean".to_owned(), role, of, ..table.columns[2].clone() };
+        let (role, of) = (Role::Theory, "mean".to_owned());
+        let law = Column { name: "theory_mean".to_owned(), role, of, ..table.columns[2].clone() };
         table.columns.push(law);
         let stacked = stacked(&table, &["bound", "mean"]).unwrap();
-        assert_eq!(texts(&stacked, "oracle_bound"), ["", "", "5", "6"]);
-        assert!(stacked.column("oracle_mean").is_err());
+        assert_eq!(texts(&stacked, "theory_bound"), ["", "", "5", "6"]);
+        assert!(stacked.column("theory_mean").is_err());
     }
 
     #[test]

@@ -87,7 +87,7 @@ impl Agreement {
         format!(
             "{}: {rows}. The simulation is off by {rms} standard errors rms and at most {largest}{place}; of as many independent \
              normal numbers the largest would be {low} to {high} in 95 of 100 cases.{judged}",
-            capitalised(&self.of)
+            capitalized(&self.of)
         )
     }
 }
@@ -105,7 +105,7 @@ fn place(table: &Table, row: usize) -> String {
 }
 
 /// A text as the start of a sentence.
-pub(crate) fn capitalised(text: &str) -> String {
+pub(crate) fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -70,6 +70,8 @@ pub(crate) const FIRST_ROWS: usize = 25;
 struct Listing<'t> {
     header: String,
     title: String,
+    /// The number of units in which people read it in one of its cells.
+    factor: f64,
     /// Its meaning.
     about: &'t str,
     /// Whether it holds text.
@@ -210,18 +212,20 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
     // Without an estimate that a chart shows, nothing says which columns matter.
     let is_shown = |column: &&Column| !tells(column) && is_charted(column, table, charts);
     let is_wide = columns.len() > MOST_PRINTED && columns.iter().any(is_shown);
+    let in_units = table.read();
     let listing = |column: &&'t Column| {
         let cells: Vec<&Cell> = column.cells.iter().take(rows).collect();
         let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
         Listing {
             header: column.header(),
-            title: title(column, table),
+            title: title(column, &in_units),
+            factor: column.written.map_or(1.0, |written| written.factor),
             about: &column.meaning,
             text: column.cells.any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
             aside: is_wide && !is_charted(column, table, charts),
             cells: json(if one { &cells[..1] } else { &cells[..] }),
-            first: cells.iter().take(FIRST_ROWS).map(|cell| read(cell)).collect(),
+            first: column.read().cells.iter().take(rows.min(FIRST_ROWS)).map(read).collect(),
         }
     };
     Listed {
@@ -250,13 +254,14 @@ fn read(cell: &Cell) -> String {
     }
 }
 
-/// The heading of a column, which is unique in its table.
+/// The heading of a column, which is unique in its table of columns in the units in which people read them.
 fn title(column: &Column, table: &Table) -> String {
-    let first = table.columns.iter().find(|other| other.heading() == column.heading());
+    let column = table.columns.iter().find(|own| own.name == column.name).unwrap_or(column);
+    let first = table.columns.iter().find(|other| other.title() == column.title());
     match first.is_some_and(|other| other.name != column.name) {
         // As for the name of a tick and its number.
-        true => titled(&column.name.replace('_', " "), &column.unit.sign()),
-        false => column.heading(),
+        true => titled(&column.name.replace('_', " "), column.unit.symbol),
+        false => column.title(),
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn apart<'t>(
 
 /// Whether less of an estimate is better in all selected rows: its role says so, and none of its values is negative.
 pub(crate) fn less_is_better(table: &Table, column: &Column, rows: &[usize]) -> bool {
-    let estimate = if column.role == Role::Oracle { table.referred(column) } else { Some(column) };
+    let estimate = if column.role == Role::Theory { table.referred(column) } else { Some(column) };
     let signed = rows.iter().any(|&row| column.value(row) < 0.0);
     estimate.is_some_and(|column| column.role.less_is_better()) && !signed
 }

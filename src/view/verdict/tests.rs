@@ -18,7 +18,7 @@ fn table() -> Table {
             column("gap_ticks", "n", Unit::NONE, [4, 1, 2, 1, 2, 4].map(Cell::Integer).to_vec()),
             Column { role, of, ..column("dt_nu", "Δt·ν", Unit::NONE, numbers([0.5; 6])) },
             column("filler", "filler", Unit::NONE, fillers),
-            column("q9973", "level", Unit::ARCSEC, numbers([40.0, 5.0, 20.0, 0.1, 0.2, 0.3])),
+            column("p99_73", "level", Unit::ARCSEC, numbers([40.0, 5.0, 20.0, 0.1, 0.2, 0.3])),
             column("rms", "rms", Unit::ARCSEC, numbers([9.0, 2.0, 8.0, 0.1, 0.2, 0.3])),
         ],
     }
@@ -38,7 +38,7 @@ fn over_frequency() -> Table {
 #[test]
 fn the_crossing_is_found_between_sorted_points_on_logarithmic_scales() {
     let table = over_frequency();
-    let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+    let answers = verdict(&table, &asked("frequency", "p99_73", 10.0)).unwrap();
     assert_eq!((answers[0].outcome, answers[1].outcome), (Outcome::Passes, Outcome::WithinUpTo));
     let (column, at) = &answers[0].at[0];
     assert_eq!(column.header(), "motion.frequency_hz");
@@ -53,14 +53,14 @@ fn signed_values_are_judged_by_their_magnitude_and_a_curve_without_its_last_valu
     // At 1, 2, 4 Hz: −40, −5, 20.
     let all = [20.0, -40.0, -5.0, 0.1, 0.2, 0.3];
     table.columns[3].cells = all.map(Cell::Number).to_vec().into();
-    let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+    let answers = verdict(&table, &asked("frequency", "p99_73", 10.0)).unwrap();
     assert_eq!(answers[0].outcome, Outcome::WithinBetween);
     // Logarithmic between −40 and −5, linear between −5 and 20.
     let (from, to) = (answers[0].at[0].1, answers[0].until[0].1);
     assert!((from - libm::pow(2.0, 2.0 / 3.0)).abs() < 1e-12, "{from}");
     assert!((to - 2.0 * libm::pow(2.0, 0.6)).abs() < 1e-12, "{to}");
     table.columns[3].cells.each()[5] = Cell::Blank;
-    let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+    let answers = verdict(&table, &asked("frequency", "p99_73", 10.0)).unwrap();
     assert!(!answers[0].open && answers[1].open);
     let said = "b: within 10 arcsec up to the last point that has a value, frequency 2 Hz";
     assert_eq!(answers[1].sentence("10 arcsec"), said);
@@ -69,7 +69,7 @@ fn signed_values_are_judged_by_their_magnitude_and_a_curve_without_its_last_valu
 #[test]
 fn a_curve_above_the_limit_from_the_start_is_said_to_be() {
     let table = over_frequency();
-    let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
+    let answers = verdict(&table, &asked("frequency", "p99_73", 1.0)).unwrap();
     assert_eq!((answers[0].outcome, answers[0].at[0].1), (Outcome::AboveFrom, 1.0));
     assert_eq!(answers[0].sentence("1 arcsec"), "a: above 1 arcsec from the first point on, frequency 1 Hz");
 }
@@ -80,7 +80,7 @@ fn a_curve_that_comes_below_the_limit_is_told_from_where_and_until_where() {
         let mut table = over_frequency();
         let all = [levels[2], levels[0], levels[1], 0.1, 0.2, 0.3];
         table.columns[3].cells = all.map(Cell::Number).to_vec().into();
-        let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+        let answers = verdict(&table, &asked("frequency", "p99_73", 10.0)).unwrap();
         (answers[0].outcome, answers[0].sentence("10 arcsec"))
     };
     assert_eq!(
@@ -106,12 +106,12 @@ fn what_is_judged_is_the_column_asked_for() {
 fn along_a_count_the_last_value_within_is_told_and_nothing_between() {
     let mut table = table();
     table.columns.remove(0);
-    let answers = verdict(&table, &asked("gap_ticks", "q9973", 10.0)).unwrap();
+    let answers = verdict(&table, &asked("gap_ticks", "p99_73", 10.0)).unwrap();
     assert_eq!(answers[0].sentence("10 arcsec"), "a: within 10 arcsec up to n = 1");
     assert_eq!(answers[1].sentence("10 arcsec"), "b: within 10 arcsec up to the last point, n = 4");
     // Over another column that varies with the count.
     table.columns[1].cells = table.columns[0].cells.iter().map(|n| n.number().into()).collect();
-    let answers = verdict(&table, &asked("dt_nu", "q9973", 10.0)).unwrap();
+    let answers = verdict(&table, &asked("dt_nu", "p99_73", 10.0)).unwrap();
     assert_eq!(answers[0].sentence("10 arcsec"), "a: within 10 arcsec up to Δt·ν = 1");
 }
 
@@ -120,14 +120,14 @@ fn values_that_are_missing_at_first_and_a_second_time_within_are_told() {
     let mut table = over_frequency();
     table.columns[3].cells = [20.0, 40.0, 5.0, 0.1, 30.0, 0.3].map(Cell::Number).to_vec().into();
     table.columns[3].cells.each()[1] = Cell::Blank;
-    let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+    let answers = verdict(&table, &asked("frequency", "p99_73", 10.0)).unwrap();
     assert_eq!(
         answers[0].sentence("10 arcsec"),
         "a: rises above 10 arcsec at frequency 2.82 Hz, without a value before frequency 2 Hz"
     );
     let said = answers[1].sentence("10 arcsec");
     assert_eq!(said, "b: within 10 arcsec up to frequency 1.75 Hz, and again from frequency 2.36 Hz on");
-    let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
+    let answers = verdict(&table, &asked("frequency", "p99_73", 1.0)).unwrap();
     let said = "a: above 1 arcsec from its first value on, frequency 2 Hz, without one before";
     assert_eq!(answers[0].sentence("1 arcsec"), said);
 }
@@ -137,7 +137,7 @@ fn names_side_by_side_are_judged_each_for_itself() {
     let mut table = over_frequency();
     table.columns.retain(|column| column.name != "dt_nu");
     let filter = vec![("frequency".to_owned(), "4".to_owned())];
-    let question = Question { series: vec![], filter, ..asked("filler", "q9973", 10.0) };
+    let question = Question { series: vec![], filter, ..asked("filler", "p99_73", 10.0) };
     let answers = verdict(&table, &question).unwrap();
     let said: Vec<String> = answers.iter().map(|answer| answer.sentence("10 arcsec")).collect();
     assert_eq!(said, ["a: above 10 arcsec", "b: within 10 arcsec"]);

@@ -4,7 +4,7 @@ responses.csv: the full, nonlinear equations of a strapdown in local-level axes 
 longitude on a spherical, turning Earth), integrated by Runge and Kutta's method of fourth order with and without the error
 of one gyro. A row has the start, the leg, the error of the gyro, a + b t + c sin(2 pi f t) in deg/h, and the differences.
 
-noise.csv: the rms of the errors over many runs of the same equations, linearised by central differences of the full ones
+noise.csv: the rms of the errors over many runs of the same equations, linearized by central differences of the full ones
 and stepped by the exponential of their matrix, with white noise, a random walk or Markov noise on all three gyros, and the
 standard error of each.
 

@@ -50,7 +50,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (allan("tau = [\"1 s\"]\nfit = [\"Q\", \"N\"]"), &["too few for 2 parameters", "a longer record"]),
         (noise("angle_random_walk = \"1 deg/h\""), &["angular rate", "deg/sqrt(h)"]),
         (noise("angle_random_walk = 0.001"), &["its unit is missing"]),
-        (noise("quantisation = \"-1 arcsec\""), &["out of range", "negative"]),
+        (noise("quantization = \"-1 arcsec\""), &["out of range", "negative"]),
         (noise(""), &["all records would be constant", "noise.toml"]),
         (noise("file = \"nowhere.toml\""), &["cannot read the noise", "nowhere.toml", "sagnac allan"]),
         (noise("markov = { amplitude = \"1 deg/h\" }"), &["the key `noise.markov.time` is missing"]),
@@ -176,7 +176,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         ),
         (
             text("", LGV_1, "[chart]\nx = \"tau\"\ny = \"adev\"\nlaws = [\"noise\"]"),
-            &["is a law of gap fillers"],
+            &["is a reference curve of gap fillers"],
         ),
     ];
     for (text, pieces) in table {
@@ -187,9 +187,9 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
 #[test]
 fn a_fault_in_a_file_of_noise_is_shown_there() {
     for (content, pieces) in [
-        ("quantisation = \"1 deg/h\"", &["mine.toml:1:16", "angular rate"][..]),
-        ("quantisation = ", &["mine.toml:1", "not valid TOML"]),
-        ("quantization = \"1 arcsec\"", &["unknown key `quantization`", "quantisation"]),
+        ("quantization = \"1 deg/h\"", &["mine.toml:1:16", "angular rate"][..]),
+        ("quantization = ", &["mine.toml:1", "not valid TOML"]),
+        ("quantization = \"1 arcsec\"", &["unknown key `quantization`", "quantization"]),
         ("file = \"other.toml\"", &["names another noise file"]),
     ] {
         let folder = with_files(&[("mine.toml", content)]);

@@ -40,7 +40,7 @@ pub struct Subject {
 
 impl Subject {
     pub fn new(study: Study) -> Subject {
-        // The number of tiles of a study is that of a software rasteriser, where there is one.
+        // The number of tiles of a study is that of a software rasterizer, where there is one.
         let mut adapters = adapters();
         let software = adapters.iter().position(|adapter| adapter.is_software());
         let adapter = adapters.remove(software.unwrap_or(0));

@@ -51,7 +51,7 @@ interval = "40 s"
 gap_ticks = 3
 fillers = ["const", "quadratic"]
 [relock]
-miss = 0.05
+initial_detuning = 0.05
 loop_time = "12 ms"
 bias_frequency = "80 kHz"
 pulse_weight = "2.6 arcsec"
@@ -71,7 +71,7 @@ trials = 211
 sample = "1 s"
 length = "2000 s"
 [noise]
-quantisation = "0.11 arcsec"
+quantization = "0.11 arcsec"
 angle_random_walk = "0.00048 deg/sqrt(h)"
 bias_instability = "0.00164 deg/h"
 [[sweep]]
@@ -81,7 +81,7 @@ list = ["0.001 deg/h", "0.01 deg/h"]
     parsed("records.toml", text)
 }
 
-/// Steps of the first tile of a software rasteriser that was opened again after a loss.
+/// Steps of the first tile of a software rasterizer that was opened again after a loss.
 const FIRST_TILE: u64 = 1 << 16;
 
 #[test]

@@ -17,7 +17,7 @@ fn largest(recipe: &Recipe, difference: Difference, m: u64) -> f64 {
     let unit = f64::from(recipe.rate_scale) / 2.0_f64.powi(32);
     let of_sigma = |word: u32| f64::from(word) / 16.0;
     let mut parts = vec![
-        Part::quantisation(of_sigma(recipe.quantisation)),
+        Part::quantization(of_sigma(recipe.quantization)),
         Part::angle_random_walk(of_sigma(recipe.white)),
         Part::rate_random_walk(unit * of_sigma(recipe.walk)),
     ];
@@ -58,7 +58,7 @@ fn no_model_leaves_the_room_that_there_is() {
     for _ in 0..3000 {
         let mut size = || 10.0_f64.powf(random.random_range(-5.0..3.0));
         let all = [
-            ("noise.quantisation", Part::quantisation(size())),
+            ("noise.quantization", Part::quantization(size())),
             ("noise.angle_random_walk", Part::angle_random_walk(size())),
             ("noise.bias_instability", Part::bias_instability(size(), 24)),
             ("noise.rate_random_walk", Part::rate_random_walk(size())),
@@ -139,8 +139,8 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
         ("noise.sine", of(&[sine(1e-7)])),
         ("noise.sine", of(&[sine(100.0)])),
         ("noise.sine", of(&[Part::sine(1e-9, 1.0), walk])),
-        ("noise.quantisation", of(&[Part::quantisation(-0.1)])),
-        ("noise.quantisation", of(&[Part::quantisation(1e-9), walk])),
+        ("noise.quantization", of(&[Part::quantization(-0.1)])),
+        ("noise.quantization", of(&[Part::quantization(1e-9), walk])),
         ("noise.angle_random_walk", of(&[Part::angle_random_walk(f64::NAN)])),
         ("noise.angle_random_walk", of(&[Part::angle_random_walk(1e-9), walk])),
         ("noise.bias_instability", of(&[Part::bias_instability(1e-9, 24), walk])),
@@ -164,7 +164,7 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
 fn parts_of_a_kind_add_up_and_those_of_0_are_none() {
     let twice = |part: Part| [part, part];
     let table = [
-        (twice(Part::quantisation(3.0)).to_vec(), Part::quantisation(3.0 * 2.0_f64.sqrt())),
+        (twice(Part::quantization(3.0)).to_vec(), Part::quantization(3.0 * 2.0_f64.sqrt())),
         (twice(Part::angle_random_walk(3.0)).to_vec(), Part::angle_random_walk(3.0 * 2.0_f64.sqrt())),
         (twice(Part::rate_random_walk(3.0)).to_vec(), Part::rate_random_walk(3.0 * 2.0_f64.sqrt())),
         (twice(Part::rate_ramp(3.0)).to_vec(), Part::rate_ramp(6.0)),
@@ -178,7 +178,7 @@ fn parts_of_a_kind_add_up_and_those_of_0_are_none() {
 
 #[test]
 fn the_longest_records_are_lowered() {
-    let parts = [Part::quantisation(0.24), Part::angle_random_walk(0.04), Part::rate_random_walk(1e-7)];
+    let parts = [Part::quantization(0.24), Part::angle_random_walk(0.04), Part::rate_random_walk(1e-7)];
     let records = Model { samples: 1 << 26, ms: octaves(1 << 26, 2), ..Model::of(&parts) }.lowered();
     assert!(records.recipe().drift.is_empty());
     // What differences of 64ths of τ keep of a record: 64 spans and a chunk, twice, for each octave.

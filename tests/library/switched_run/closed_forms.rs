@@ -106,11 +106,11 @@ fn a_sweep_of_the_interval_has_no_sawtooth_of_the_end() {
         let sweep = format!("[[sweep]]\nkey = \"switching.interval\"\nlist = [{list}]\n");
         let drift = format!("{DRIFT}residual_max = \"30 arcsec\"\n");
         let rows = numbers(&study(2000, &drift, "interval = \"40 s\"\n", &run, &sweep));
-        rows.into_iter().filter(|row| row.contains_key("oracle_drift_rms")).collect::<Vec<_>>()
+        rows.into_iter().filter(|row| row.contains_key("theory_drift_rms")).collect::<Vec<_>>()
     };
     // The largest second difference of neighbouring drifts, relative to the drift.
     let largest_kink = |rows: &[std::collections::BTreeMap<String, f64>]| {
-        let drift: Vec<f64> = rows.iter().map(|row| row["oracle_drift_rms"]).collect();
+        let drift: Vec<f64> = rows.iter().map(|row| row["theory_drift_rms"]).collect();
         let kinks = drift.windows(3).map(|three| ((three[0] - 2.0 * three[1] + three[2]) / three[1]).abs());
         kinks.fold(0.0, f64::max)
     };
@@ -288,7 +288,7 @@ fn an_exact_compensation_leaves_runs_as_they_are_without_relock() {
             "{compensated:?}, not {without:?}"
         );
         assert!(uncompensated["rms"] > 10.0 * off, "{uncompensated:?}");
-        assert!(!compensated.contains_key("oracle_rms"), "a compensated relock has no closed form");
+        assert!(!compensated.contains_key("theory_rms"), "a compensated relock has no closed form");
     }
 }
 
@@ -346,7 +346,7 @@ fn a_wrong_f0_adds_up_as_the_number_of_switches() {
              temperature_error = \"1 %\"\ncompensation = \"detuning\"\n"
         );
         let row = numbers(&parsed("runs.toml", &text)).remove(0);
-        assert!(row.contains_key("q9973"), "{row:?}");
+        assert!(row.contains_key("p99_73"), "{row:?}");
         row["rms"]
     };
     let (nine, ninety) = (rms("100 s"), rms("910 s"));

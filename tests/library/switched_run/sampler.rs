@@ -79,7 +79,7 @@ fn the_largest_angle_and_the_levels_agree_with_an_independent_sampler() {
             let spread = 5.0 * (n * 0.9973 * 0.0027).sqrt() * 2.0_f64.sqrt();
             let [low, high] =
                 [-spread, spread].map(|by| sample[((n * 0.9973 + by) as usize).min(sample.len() - 1)]);
-            let level = row["q9973"];
+            let level = row["p99_73"];
             assert!(
                 (low * 0.992..=high * 1.008).contains(&level),
                 "{interval} s: {level} ″, not {low} to {high} ″"

@@ -124,14 +124,14 @@ fn minimum_variance_from_options_is_that_of_the_study_that_says_the_same() {
 
 /// The 99.73 % level of the chosen ticks with four digits.
 fn level_of(search: &Value) -> String {
-    significant(search["chosen"]["q9973_arcsec"].as_f64().unwrap(), 4)
+    significant(search["chosen"]["p99_73_arcsec"].as_f64().unwrap(), 4)
 }
 
 #[test]
 fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
     let desk = Desk::with(STUDY);
     let words = "minimum-variance --gap-ticks 3 --tick 5ms --band 18Hz,22Hz --amplitude 12000arcsec/s --noise 0.5arcsec";
-    let found = tables(&desk, &format!("{words} --limit 8arcsec --latency 20ms"));
+    let found = tables(&desk, &format!("{words} --limit residual=8arcsec --latency 20ms"));
     let search = &found["search"];
     assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &serde_json::json!(0.05)));
     let [before, after] = ["before", "after"].map(|key| search["chosen"][key].as_i64().unwrap());
@@ -145,23 +145,23 @@ fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
         &[found["fillers"][0]["shifted_rms_arcsec"].as_f64().unwrap()],
         1e-6,
     );
-    assert!(search["chosen"]["q9973_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{search:#}");
+    assert!(search["chosen"]["p99_73_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{search:#}");
     let answer = &found["answer"];
     assert_eq!(answer["status"]["is"], "met");
-    assert_eq!(answer["value"]["value"], search["chosen"]["q9973_arcsec"]);
+    assert_eq!(answer["value"]["value"], search["chosen"]["p99_73_arcsec"]);
     assert!(answer["headline"].as_str().unwrap().ends_with("at 99.73 % meets the 8″ limit"), "{answer:#}");
     let folder = "results/minimum-variance/filler";
-    // The chart's numbers are in the table, and the headline has the error that the limit is held against.
+    // The chart's numbers are in the table, and the headline has the error that the limit is checked against.
     let trade = desk.table(&format!("{folder}/trade.csv"));
     let own = row(&trade, &[("before", &before.to_string()), ("after", &after.to_string())]);
     let level = level_of(search);
-    assert_eq!(significant(number(own, "q9973_arcsec"), 4), level);
+    assert_eq!(significant(number(own, "p99_73_arcsec"), 4), level);
     assert_eq!(trade.len(), search["candidates"].as_array().unwrap().len());
     let answer = found["answer"]["headline"].as_str().unwrap();
     assert_eq!(answer, format!("{before}+{after} ticks: {}″ at 99.73 % meets the 8″ limit", &level[..4]));
     assert!(desk.read(&format!("{folder}/report.html")).contains(answer));
     assert!(desk.read(&format!("{folder}/trade.svg")).contains("ticks before the gap"));
-    let shown = desk.done(&format!("filler {words} --limit 0.001arcsec")).stdout;
+    let shown = desk.done(&format!("filler {words} --limit residual=0.001arcsec")).stdout;
     assert!(shown.contains("ticks before + after") && shown.contains("misses the 0.001″ limit"), "{shown}");
     // Without a search, the chart of an earlier one goes.
     desk.done(&format!("filler {words}"));
@@ -175,7 +175,7 @@ fn the_level_of_a_search_is_that_of_sampled_errors() {
     let desk = Desk::with(STUDY);
     let words = "minimum-variance --gap-ticks 3 --tick 5ms --amplitude 12000arcsec/s --noise 0.5arcsec";
     for (band, frequency) in [("18Hz,22Hz", r#"["18 Hz", "22 Hz"]"#), ("20Hz", r#""20 Hz""#)] {
-        let found = tables(&desk, &format!("{words} --band {band} --limit 8arcsec"));
+        let found = tables(&desk, &format!("{words} --band {band} --limit residual=8arcsec"));
         let chosen = &found["search"]["chosen"];
         let ticks = &entry(&found, "minimum-variance", "residual")["ticks"];
         let ticks: Vec<String> = ticks.as_array().unwrap().iter().map(|tick| format!("\"{tick}\"")).collect();
@@ -188,8 +188,8 @@ fn the_level_of_a_search_is_that_of_sampled_errors() {
         desk.write("sampled.toml", &study);
         desk.done("run sampled.toml --device cpu");
         let points = desk.table("results/sampled/points.csv");
-        let [low, high] = ["q9973_lo_arcsec", "q9973_hi_arcsec"].map(|end| number(&points[0], end));
-        let level = chosen["own_q9973_arcsec"].as_f64().unwrap();
+        let [low, high] = ["p99_73_lo_arcsec", "p99_73_hi_arcsec"].map(|end| number(&points[0], end));
+        let level = chosen["own_p99_73_arcsec"].as_f64().unwrap();
         // Half of the 95 % interval more, for one in 10,000.
         let room = 0.5 * (high - low);
         assert!((low - room..=high + room).contains(&level), "{band}: {level}, sampled {low} to {high}");
@@ -276,9 +276,9 @@ fn mistakes_in_options_are_told_in_terms_of_options() {
             "minimum-variance --gap-ticks 3 --tick 5ms --noise 1arcsec --amplitude 1deg/s --band 22Hz,18Hz",
             &["runs from 22 Hz down to 18 Hz"],
         ),
-        ("quadratic --gap-ticks 3 --tick 5ms --limit 1arcsec", &["--band"]),
+        ("quadratic --gap-ticks 3 --tick 5ms --limit residual=1arcsec", &["--band"]),
         (
-            "quadratic --gap-ticks 3 --tick 5ms --amplitude 1deg/s --band 20Hz --limit 1arcsec",
+            "quadratic --gap-ticks 3 --tick 5ms --amplitude 1deg/s --band 20Hz --limit residual=1arcsec",
             &["--limit searches the ticks of one filler, `minimum-variance`, not of `quadratic`"],
         ),
         (

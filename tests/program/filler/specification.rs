@@ -37,17 +37,17 @@ const DESIGNED: &str =
 fn a_filler_for_a_band_and_a_dither_keeps_a_limit_within_their_tolerances() {
     let [line, band] = NOMINAL;
     let desk = Desk::with(&study(line, band, "\"const\""));
-    let found = tables(&desk, "study.toml --limit 4arcsec");
+    let found = tables(&desk, "study.toml --limit residual=4arcsec");
     let search = &found["search"];
     assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &Value::Null));
     let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
     assert!(
-        chosen("q9973_arcsec") <= 4.0 && chosen("own_q9973_arcsec") < chosen("q9973_arcsec"),
+        chosen("p99_73_arcsec") <= 4.0 && chosen("own_p99_73_arcsec") < chosen("p99_73_arcsec"),
         "{search:#}"
     );
     let filler = &found["fillers"][0];
     // That of the weights in whole numbers.
-    near(&filler["shifted_q9973_arcsec"], &[chosen("q9973_arcsec")], 1e-4);
+    near(&filler["shifted_p99_73_arcsec"], &[chosen("p99_73_arcsec")], 1e-4);
     assert_eq!(filler["latency_ticks"], search["chosen"]["after"]);
     // The closed form of what is sampled is that on the specification as given.
     let name = filler["name"].as_str().unwrap();
@@ -76,19 +76,19 @@ fn a_run_has_the_residual_as_specified_and_no_sampled_one_within_the_tolerances_
         let points = desk.table("results/study/points.csv");
         let own = row(&points, &[("filler", "mv16+8")]);
         assert!((number(own, "latency_s") - 0.016).abs() < 1e-12);
-        let [rms, level] = ["specified_rms_arcsec", "specified_q9973_arcsec"].map(|name| number(own, name));
+        let [rms, level] = ["specified_rms_arcsec", "specified_p99_73_arcsec"].map(|name| number(own, name));
         assert!(
             (rms / 0.766993224 - 1.0).abs() < 1e-5 && (level / 2.30042686 - 1.0).abs() < 1e-5,
             "{rms} {level}"
         );
         let [sampled, error] = ["rms_arcsec", "rms_se_arcsec"].map(|name| number(own, name));
         assert!(sampled < rms + 4.0 * error, "{line}: {sampled} ± {error}, {rms} as specified");
-        assert!(number(own, "q9973_lo_arcsec") < level, "{line}");
-        rows.push((sampled - number(own, "oracle_rms_arcsec")) / error);
+        assert!(number(own, "p99_73_lo_arcsec") < level, "{line}");
+        rows.push((sampled - number(own, "theory_rms_arcsec")) / error);
         let other = row(&points, &[("filler", "const")]);
         assert!(
             (number(other, "latency_s") - 0.004).abs() < 1e-12
-                && number(other, "specified_q9973_arcsec") > 10.0
+                && number(other, "specified_p99_73_arcsec") > 10.0
         );
     }
     assert!(rows.iter().all(|z| z.abs() < 4.0), "{rows:?}");
@@ -102,7 +102,7 @@ fn a_run_decides_by_the_specification_whatever_is_sampled_and_drawn() {
     let text = study(line, band, fillers).replace("amplitude = \"90 arcsec\"\nfrequency = \"345 Hz\"\n", "");
     let text = text.replace("gap_ticks = 3", "gap_ticks = 2").replace("400_000", "20_000");
     let sampled =
-        "[[sweep]]\nkey = \"gyro.tick\"\nlist = [\"2 ms\"]\n[[chart]]\nx = \"filler\"\ny = \"q9973\"\n";
+        "[[sweep]]\nkey = \"gyro.tick\"\nlist = [\"2 ms\"]\n[[chart]]\nx = \"filler\"\ny = \"p99_73\"\n";
     let own = "limit = \"4 arcsec\"\n";
     for (limit, of_chart, charts, headline) in [
         ("4 arcsec", "", "", "mv misses the 4″ limit: 4.5″"),
@@ -126,7 +126,7 @@ fn the_limit_of_a_study_is_that_of_its_fillers_unless_another_one_is_asked_for()
     for (options, told, limit) in [
         ("", "mv: 4.5″ at 99.73 % misses the 4″ limit", None),
         ("--latency 4ms", "+0 ticks: 3.98″ at 99.73 % meets the 4″ limit", Some(4.0)),
-        ("--limit 5arcsec", "meets the 5″ limit", Some(5.0)),
+        ("--limit residual=5arcsec", "meets the 5″ limit", Some(5.0)),
     ] {
         let found = tables(&desk, &format!("study.toml {options}"));
         let headline = found["answer"]["headline"].as_str().unwrap();
@@ -184,7 +184,7 @@ fn the_study_of_the_guide_finds_what_the_guide_says() {
     let told = rest.trim_start().split("\n\n").next().unwrap().replace('\n', " ");
     let search = &tables(&Desk::with(study), "study.toml --latency 32ms")["search"];
     let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
-    let [before, after, level] = ["before", "after", "q9973_arcsec"].map(chosen);
+    let [before, after, level] = ["before", "after", "p99_73_arcsec"].map(chosen);
     assert_eq!(command, "filler mine.toml --latency \"32 ms\"");
     for piece in [
         format!("finds {before} ticks before the gap and {after} after it: {} ms after", 2.0 * after),

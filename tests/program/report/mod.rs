@@ -87,7 +87,7 @@ fn what_is_read_off_switched_enlarged_and_sorted_is_what_the_table_has() {
     let Some(browser) = Browser::start() else { return };
     let results = Results::of("error_vs_dtnu", 20_000);
     browser.open(&results.page());
-    let axes = ("dt_nu", ("q9973", "arcsec"));
+    let axes = ("dt_nu", ("p99_73", "arcsec"));
     let names = ["filler", "switching.gap_ticks"];
     let read = reads_as_in_the_table(&browser, &results, axes, &names, &[("error", "residual")]);
     assert!(read > 20, "only {read} values were read off");
@@ -176,7 +176,7 @@ fn a_map_tells_its_cells_and_the_slices_through_them() {
             let filter = [("filler", filler), ("error", "residual")];
             let row = results.row(&[("dt_nu", &x), ("amplitude_noise", &y)], &filter).unwrap();
             let [level, low, high] =
-                ["q9973_arcsec", "q9973_lo_arcsec", "q9973_hi_arcsec"].map(|name| row.shown(name));
+                ["p99_73_arcsec", "p99_73_lo_arcsec", "p99_73_hi_arcsec"].map(|name| row.shown(name));
             assert_eq!(*said, format!("{level} arcsec 95 %: {low} … {high}"), "{name} at {x}, {y}");
         }
         let slices = browser.ask(
@@ -201,7 +201,7 @@ fn reports_of_records_and_runs_read_as_their_tables_do() {
         (
             "drift_vs_interval",
             4096,
-            ("switching.interval_s", ("drift_q9973", "deg_per_h")),
+            ("switching.interval_s", ("drift_p99_73", "deg_per_h")),
             ["run.duration_s"],
             Some(("angle", "end")),
         ),

@@ -61,15 +61,15 @@ fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
         }};
     }
     match measure {
-        Measure::DriftQ9973 => {
-            columns!("drift_q9973", "Drift, °/h, which 99.73 % of runs with that interval stay below.")
+        Measure::DriftP9973 => {
+            columns!("drift_p99_73", "Drift, °/h, which 99.73 % of runs with that interval stay below.")
         }
         Measure::DriftRms => {
             columns!("drift_rms", "Root mean square drift with that interval, °/h (measure `drift_rms`).")
         }
-        Measure::LargestQ9973 => columns!(
-            "largest_q9973",
-            "99.73 % level of the largest angle of a run divided by its duration, °/h (measure `largest_q9973`)."
+        Measure::LargestP9973 => columns!(
+            "largest_p99_73",
+            "99.73 % level of the largest angle of a run divided by its duration, °/h (measure `largest_p99_73`)."
         ),
         Measure::LargestRms => columns!(
             "largest_rms",

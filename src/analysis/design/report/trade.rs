@@ -41,7 +41,7 @@ pub(crate) fn pareto_columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("interval", Unit::S, "switching interval", |row| Cell::Number(row.choice.filler.best().interval_s))
             .is(Role::Coordinate, "Best switching interval, s."),
         Of::new("drift", Unit::DEG_PER_H, "drift", |row| Cell::Number(row.choice.drift().value))
-            .is(Role::Error, "The minimised drift there, °/h: the estimate that `--by` names.")
+            .is(Role::Error, "The minimized drift there, °/h: the estimate that `--by` names.")
             .within(|row| row.choice.drift().interval),
         Of::new("drift_lo", Unit::DEG_PER_H, "lower end", |row| ends(row.choice.drift())[0].into())
             .is_of("drift", Role::Lower, "Lower end of the 95 % interval of `drift`, °/h."),
@@ -134,13 +134,13 @@ pub(crate) fn pareto_json(found: &Design) -> Value {
     rows(found).into_iter().map(one).collect()
 }
 
-/// The limit of the study on the minimised drift of a run of this length, °/h; `None` where it has none on that estimate.
+/// The limit of the study on the minimized drift of a run of this length, °/h; `None` where it has none on that estimate.
 pub(crate) fn limit(found: &Design, duration_s: f64) -> Option<f64> {
     let required = found.study.requirement?;
     match (required.column, found.measure) {
         (column, measure) if column == measure.name() => Some(required.limit.value),
         // The same level as an angle.
-        ("q9973", Measure::DriftQ9973) | ("rms", Measure::DriftRms) => {
+        ("p99_73", Measure::DriftP9973) | ("rms", Measure::DriftRms) => {
             Some(required.limit.value / duration_s)
         }
         _ => None,

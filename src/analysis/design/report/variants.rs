@@ -34,7 +34,7 @@ pub(crate) fn name_in(sheet: &mut Sheet, found: &Design) {
     let (good, worse): (Vec<_>, Vec<_>) =
         all.into_iter().partition(|(_, filler)| found.is_as_good(filler.best()));
     sheet.equal = good.iter().map(name).collect();
-    // Another estimate than the minimised one has values that the design does not know.
+    // Another estimate than the minimized one has values that the design does not know.
     let next = worse.first().filter(|_| sheet.label == found.measure.label());
     sheet.next = next.map(|next| Next {
         option: name(next),

@@ -10,7 +10,7 @@ pub(super) static C_HEADER: Writer = Writer {
     name: "c",
     file: "sagnac_noise.h",
     tool: "C and C++",
-    convention: "SI units and two-sided densities: white is N in rad/sqrt(s), walk is K in rad/s/sqrt(s), quantisation is the rms error of the angle in \
+    convention: "SI units and two-sided densities: white is N in rad/sqrt(s), walk is K in rad/s/sqrt(s), quantization is the rms error of the angle in \
                  rad, sigma is the stationary standard deviation of a Markov state in rad/s; of accelerometers with m/s in place of rad",
     takes: Takes::ALL,
     text: |sheet| {
@@ -25,7 +25,7 @@ pub(super) static C_HEADER: Writer = Writer {
                 "    {{{}, {}, {}, {}, {{{}}}, {{{}}}}},\n",
                 number(size * model.white),
                 number(size * model.walk),
-                number(size * model.quantisation),
+                number(size * model.quantization),
                 model.markov.len(),
                 padded(model.markov.iter().map(|state| size * state.sigma).collect()),
                 padded(model.markov.iter().map(|state| state.time_s).collect())
@@ -42,7 +42,7 @@ pub(super) static C_HEADER: Writer = Writer {
             sheet.heading.iter().map(|line| format!(" * {}\n", line.replace("*/", "* /"))).collect();
         format!(
             "/*\n{heading} */\n#ifndef SAGNAC_NOISE_H\n#define SAGNAC_NOISE_H\n\nstruct sagnac_noise {{\n    double white;\n    double walk;\n    \
-             double quantisation;\n    int states;\n    double sigma[{MOST_STATES}];\n    double time_s[{MOST_STATES}];\n}};\n\n{}{}\n#endif\n",
+             double quantization;\n    int states;\n    double sigma[{MOST_STATES}];\n    double time_s[{MOST_STATES}];\n}};\n\n{}{}\n#endif\n",
             table(&sheet.gyros, "gyros", Unit::Angular),
             table(&sheet.accelerometers, "accelerometers", Unit::Acceleration)
         )

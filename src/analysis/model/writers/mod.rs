@@ -164,7 +164,7 @@ fn reduced(column: &Column, takes: Takes, time_s: Option<f64>) -> Model {
     if fits && (time_s.is_none() || whole.markov.iter().all(|state| Some(state.time_s) == time_s)) {
         return whole.clone();
     }
-    let of_rate = Model { quantisation: 0.0, ..whole.clone() };
+    let of_rate = Model { quantization: 0.0, ..whole.clone() };
     let [from_s, to_s] = column.target.taus();
     let mut taus = grid([from_s, to_s]);
     let mut least: Vec<f64> = taus.iter().map(|&tau_s| of_rate.variance(tau_s)).collect();
@@ -179,7 +179,7 @@ fn reduced(column: &Column, takes: Takes, time_s: Option<f64>) -> Model {
     let allowed = Allowed { walk: takes.walk, states: takes.states, times: &times };
     let open = || Problem { most: vec![f64::INFINITY; free.taus.len()], ..free.clone() };
     let found = free.best(allowed).or_else(|| open().best(allowed)).unwrap_or(of_rate);
-    Model { quantisation: whole.quantisation, ..found }
+    Model { quantization: whole.quantization, ..found }
 }
 
 impl Sheet<'_> {

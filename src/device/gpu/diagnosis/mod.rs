@@ -61,7 +61,7 @@ fn of_adapter(adapter: &Adapter, self_test: SelfTest) -> Vec<Finding> {
     let mut findings = vec![if adapter.is_software() {
         Finding::new(
             format!(
-                "{name} passed its self-test, but it is a software rasteriser, which runs on the processor"
+                "{name} passed its self-test, but it is a software rasterizer, which runs on the processor"
             ),
             "use the CPU, which is faster: `device = auto` does",
         )

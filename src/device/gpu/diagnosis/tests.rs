@@ -46,7 +46,7 @@ impl Laid {
         symlink(format!("../../../../bus/pci/drivers/{driver}"), link).unwrap();
     }
 
-    /// All findings where there is no adapter, or only one of a software rasteriser.
+    /// All findings where there is no adapter, or only one of a software rasterizer.
     fn findings(&self, no_adapters: bool) -> Vec<(String, String)> {
         let findings = lacking(&self.machine, &[], no_adapters);
         findings.into_iter().map(|Finding { found, remedy }| (found, remedy)).collect()
@@ -143,7 +143,7 @@ fn a_machine_without_cards_is_told_so_with_what_else_is_missing() {
     assert!(found[2].starts_with("no Vulkan driver is installed: there is no manifest in"), "{found:?}");
     assert!(found[2].contains("/etc/vulkan/icd.d") && found[2].contains(ICD), "{found:?}");
     assert_eq!(found.len(), 3, "{found:?}");
-    // With a software rasteriser the loader and a driver are there.
+    // With a software rasterizer the loader and a driver are there.
     assert!(laid.finding(false).0.starts_with("no GPU was found"));
 }
 

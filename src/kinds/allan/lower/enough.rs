@@ -43,8 +43,8 @@ impl Fixed {
             Err(Refusal::new(key, lost, help))
         };
         let sigma = |key, what, found, word: u32| check(key, what, found, word.into(), LEAST_UNITS);
-        let (key, what) = ("noise.quantisation", "quantisation noise");
-        sigma(key, what, noise.quantisation, self.quantisation)?;
+        let (key, what) = ("noise.quantization", "quantization noise");
+        sigma(key, what, noise.quantization, self.quantization)?;
         let (key, what) = ("noise.angle_random_walk", "white noise");
         check(key, what, noise.white, noise.white / self.lsb_arcsec * SIGMA_UNITS, LEAST_UNITS)?;
         let (key, what) = ("noise.bias_instability", "flicker noise");

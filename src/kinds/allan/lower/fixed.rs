@@ -32,7 +32,7 @@ pub(crate) struct Fixed {
     pub(crate) flicker: Vec<u32>,
     pub(crate) markov: Option<[u32; 3]>,
     pub(crate) sine: Option<[u32; 2]>,
-    pub(crate) quantisation: u32,
+    pub(crate) quantization: u32,
     pub(crate) pulse: Option<u32>,
     pub(crate) switching: Option<[u32; 3]>,
     /// Constant rate as seen by a readout, 2^−32 LSB per sample, modulo whole turns of the word.
@@ -76,7 +76,7 @@ impl Fixed {
             let has_room = |lsb: &f64| Fixed::at(model, *lsb, None).has_room(model);
             let unit_arcsec = coarser(libm::exp2(finest)).find(has_room).unwrap_or(f64::INFINITY);
             let found = format!(
-                "a pulse of {} arcsec is less than 16 units of {} arcsec of the 32-bit arithmetic that the angles of the record leave",
+                "a pulse of {}″ is less than 16 units of {}″ of the 32-bit arithmetic that the angles of the record leave",
                 shown(model.readout_lsb),
                 significant(unit_arcsec, 3)
             );
@@ -130,7 +130,7 @@ impl Fixed {
             flicker: noise.octaves.iter().enumerate().skip(1).map(flicker).collect(),
             markov,
             sine,
-            quantisation: word(noise.quantisation, lsb_arcsec),
+            quantization: word(noise.quantization, lsb_arcsec),
             pulse,
             switching,
             rate: libm::round(rate / lsb_arcsec * TURN) as i128 as u64,
@@ -162,7 +162,7 @@ impl Fixed {
         let octaves = more.octaves.iter().zip(&plain.octaves);
         let markov = more.markov.zip(plain.markov);
         Noise {
-            quantisation: apart(more.quantisation, plain.quantisation),
+            quantization: apart(more.quantization, plain.quantization),
             white: apart(more.white, plain.white),
             octaves: octaves.map(|(more, plain)| apart(*more, *plain)).collect(),
             walk: apart(more.walk, plain.walk),
@@ -193,7 +193,7 @@ impl Fixed {
         let rounded_rates = f64::from(u8::from(self.walk > 0) + u8::from(self.markov.is_some())) * rounded;
         let white = sigma(self.white);
         Noise {
-            quantisation: if self.quantisation > 0 { libm::sqrt(square(self.quantisation)) } else { 0.0 },
+            quantization: if self.quantization > 0 { libm::sqrt(square(self.quantization)) } else { 0.0 },
             white: libm::sqrt(white * white + rounded_rates * unit * unit),
             octaves: if self.flicker.is_empty() {
                 vec![]
@@ -219,7 +219,7 @@ impl Fixed {
         libm::sqrt(steps.iter().map(|step| step * step).sum())
     }
 
-    /// Whether there is an angle to be rounded down, apart from drift, sine and quantisation noise.
+    /// Whether there is an angle to be rounded down, apart from drift, sine and quantization noise.
     pub(crate) fn has_angle(&self) -> bool {
         self.white > 0 || self.walk > 0 || !self.flicker.is_empty() || self.markov.is_some()
     }
@@ -255,7 +255,7 @@ impl Fixed {
     /// Largest relative deviation of a standard deviation of [`Noise::simple`] from that of the inputs.
     pub(crate) fn simple_deviation(&self) -> f64 {
         let [loss, step] = self.markov.map_or([0; 2], |[loss, step, _]| [loss, step]);
-        let words = [self.quantisation, self.white, step, loss];
+        let words = [self.quantization, self.white, step, loss];
         let half = words.into_iter().filter(|word| *word > 0).map(|word| 0.5 / f64::from(word));
         half.fold(0.0, libm::fmax) + if loss > 0 { 0.5 / f64::from(loss) } else { 0.0 }
     }
@@ -279,7 +279,7 @@ impl Fixed {
         let sine = self.wave().map_or(0.0, |sine| sine.largest(difference, m));
         let trend = model.trend(difference) / self.lsb_arcsec;
         let pulses = 0.5 * self.pulse_lsb().unwrap_or(0.0);
-        // Angle, sine, quantisation noise, drift and fill residuals are each rounded by less than one LSB.
+        // Angle, sine, quantization noise, drift and fill residuals are each rounded by less than one LSB.
         let rounded = if self.switching.is_some() { 5.0 } else { 4.0 };
         noise + sine + trend + reach(difference) * (pulses + rounded)
     }
@@ -288,7 +288,7 @@ impl Fixed {
     fn has_room(&self, model: &Model) -> bool {
         let fits = |difference| self.reach(model, difference) < LIMIT as f64;
         let rate = DEVIATIONS * self.noise().rate(model.samples) / self.rate_unit() + HOLDS_ROUNDED;
-        let mut words = vec![self.white, self.walk, self.quantisation];
+        let mut words = vec![self.white, self.walk, self.quantization];
         words.extend(&self.flicker);
         words.extend(self.markov.iter().flatten());
         words.extend(self.sine.iter().map(|[_, amplitude]| amplitude));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Asked ─ model ─▶ Model ─ fixed ─▶ Fixed ─┬─ drift, levels ─▶ Recipe
-//!                                         └─ oracle ─▶ Oracle
+//!                                         └─ theory ─▶ Theory
 //! ```
 //!
 //! Words, unit of angle and headroom: `docs/numerics.md`, "Synthetic records".
@@ -12,13 +12,13 @@ pub(crate) mod drift;
 pub(crate) mod enough;
 pub(crate) mod fixed;
 pub(crate) mod model;
-pub(crate) mod oracle;
-pub(crate) mod physical_oracle;
+pub(crate) mod theory;
+pub(crate) mod physical_theory;
 pub(crate) mod representation;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::model::too_long;
-pub use crate::kinds::allan::lower::oracle::Oracle;
+pub use crate::kinds::allan::lower::theory::Theory;
 
 use crate::kernel::allan;
 use crate::kernel::recipe::{Level, Recipe};
@@ -39,7 +39,7 @@ pub struct Asked<'a> {
     /// Noise process with any parts, but at most one Markov noise and one sine. The octaves of bias instability follow
     /// from the record, whatever the part says.
     pub process: &'a Process,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub readout_lsb: f64,
     /// Constant rate of the gyro, ″/s; it affects only a readout in whole pulses.
     pub mean_rate: f64,
@@ -79,7 +79,7 @@ pub struct Asked<'a> {
 /// })?;
 /// let sums = Cpu::new(Width::widest(), 1)?.sums(records.recipe(), 0, 1, &|_| {});
 /// // σ²(1 s) of one record, and its mean over all records.
-/// let (found, expected) = (records.variances(&sums)[0], records.oracle(0).value.unwrap());
+/// let (found, expected) = (records.variances(&sums)[0], records.theory(0).value.unwrap());
 /// assert!((found / expected - 1.0).abs() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -134,7 +134,7 @@ impl Records {
             flicker: fixed.flicker.clone(),
             markov: fixed.markov,
             sine: fixed.sine,
-            quantisation: fixed.quantisation,
+            quantization: fixed.quantization,
             pulse: fixed.pulse,
             switching: fixed.switching,
             drift: drift::angles(&model, &fixed),
@@ -216,14 +216,14 @@ impl Records {
             ref flicker,
             markov,
             sine,
-            quantisation,
+            quantization,
             pulse,
             switching,
             ref drift,
             order,
             ref levels,
         } = self.recipe;
-        let mut words = vec![allan::VERSION, key[0], key[1], samples, white, rate_scale, walk, quantisation];
+        let mut words = vec![allan::VERSION, key[0], key[1], samples, white, rate_scale, walk, quantization];
         words.push(flicker.len() as u32);
         words.extend(flicker);
         words.push(markov.is_some().into());

@@ -35,7 +35,7 @@ pub(crate) struct Model {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
     /// Noise of every angle.
-    pub(crate) quantisation: f64,
+    pub(crate) quantization: f64,
     /// Noise of every increment.
     pub(crate) white: f64,
     /// Noise of the rate in each octave of holds, from octave 0 on; empty without flicker.
@@ -74,7 +74,7 @@ impl Model {
         let mean_rate = at_least("record.rate", "a rate of", asked.mean_rate, f64::MIN)?;
         let mut model = Model {
             samples: asked.samples,
-            noise: Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov: None },
+            noise: Noise { quantization: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov: None },
             sine: None,
             ramp: 0.0,
             warm_ups: vec![],
@@ -110,7 +110,7 @@ impl Model {
             false => Ok(()),
         };
         match source {
-            Source::Errors(sigma) => join(&mut noise.quantisation, sigma),
+            Source::Errors(sigma) => join(&mut noise.quantization, sigma),
             Source::White(sigma) => join(&mut noise.white, sigma),
             Source::Walk(sigma) => join(&mut noise.walk, sigma),
             Source::Holds(sigmas) if sigmas.iter().any(|sigma| *sigma != 0.0) => {
@@ -213,7 +213,7 @@ fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Re
 impl Noise {
     /// The parts for which a closed form gives the distribution of every increment: all except holds and random walk.
     pub(crate) fn simple(&self) -> Process {
-        let mut parts = vec![Part::quantisation(self.quantisation), Part::angle_random_walk(self.white)];
+        let mut parts = vec![Part::quantization(self.quantization), Part::angle_random_walk(self.white)];
         parts.extend(self.markov.map(Markov::part));
         Process { sample_s: 1.0, parts }
     }

@@ -9,29 +9,29 @@ use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::Records;
 use crate::kinds::allan::lower::fixed::TURN;
 use crate::kinds::allan::lower::model::{Markov, Noise, Sine, reach};
-use crate::kinds::allan::lower::oracle::Oracle;
-use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::allan::lower::theory::Theory;
+use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::quantity::number::significant;
 use crate::sampling::found;
-use crate::theory::allan::quantiser;
+use crate::theory::allan::quantizer;
 
 /// Largest rounding of an angle of the table of drift, LSB: half a unit, and that of the sums in floating point.
 const DRIFT_ROUNDING: f64 = 0.51;
 
 impl Records {
-    /// Relative difference of an oracle at `ms()[at]` from the closed form of the inputs, where there is one.
+    /// Relative difference of a theoretical value at `ms()[at]` from the closed form of the inputs, where there is one.
     ///
     /// # Errors
     /// The difference exceeds what the rounding of words explains.
     pub(crate) fn representation(
         &self,
         at: usize,
-        oracle: &Oracle,
-        physical: &PhysicalOracle,
+        theory: &Theory,
+        physical: &PhysicalTheory,
     ) -> Result<Option<f64>, Refusal> {
         let m = self.ms()[at];
-        let Some((words, inputs)) = oracle.value.zip(physical.variance(m)) else { return Ok(None) };
-        let most = oracle.representation + inputs.error;
+        let Some((words, inputs)) = theory.value.zip(physical.variance(m)) else { return Ok(None) };
+        let most = theory.representation + inputs.error;
         let off = (words - inputs.value).abs();
         if off > most || off.is_nan() {
             let found = format!(
@@ -58,7 +58,7 @@ impl Records {
         if let Some((markov, decays)) = fixed.noise().markov.zip(fixed.decays()) {
             let alone = |decay: f64| {
                 let markov = Some(Markov { decay, ..markov });
-                Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov }
+                Noise { quantization: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov }
                     .variance(difference, m)
             };
             let own = alone(markov.decay);
@@ -96,7 +96,7 @@ impl Records {
     pub(crate) fn readout_bound(&self, pulse: f64, pairs: f64, m: u64) -> f64 {
         let (fixed, difference) = (&self.fixed, self.estimator.difference);
         let samples = (difference.spans() * m) as f64;
-        let of_noise = |noise: &Noise| quantiser::noise_variance(&noise.simple(), difference.spans() * m);
+        let of_noise = |noise: &Noise| quantizer::noise_variance(&noise.simple(), difference.spans() * m);
         let noise = fixed.noise();
         let [amplitude, turns] = fixed.wave_deviation();
         let of_sine = fixed
@@ -110,7 +110,7 @@ impl Records {
             // Both sides take the angle between two readings in f64.
             + 32.0 * f64::EPSILON * libm::fabs(fixed.rate.cast_signed() as f64 / TURN) * samples;
         // Both are that near to white noise.
-        let white = 2.0 * quantiser::white_error(pulse, &fixed.less().simple(), difference, m);
+        let white = 2.0 * quantizer::white_error(pulse, &fixed.less().simple(), difference, m);
         libm::fmin(0.5 * pairs * pulse * between, white)
     }
 }

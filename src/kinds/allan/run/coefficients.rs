@@ -92,14 +92,14 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
     let RecordInputs { sample_s, noise, .. } = &point.inputs;
     let mut process = noise.process(*sample_s, point.inputs.samples());
     if noise.readout_lsb > 0.0 {
-        process.parts.push(Part::quantisation(noise.readout_lsb / libm::sqrt(12.0)));
+        process.parts.push(Part::quantization(noise.readout_lsb / libm::sqrt(12.0)));
     }
     let jumps = noise.switched(*sample_s).and_then(|switching| switching.jumps());
     process.parts.extend(jumps.map(|jumps| Part::angle_random_walk(jumps.angle_random_walk(*sample_s))));
     let model = Covariance::of_process(&process, geometry).ok()?;
     let fitted = geometry.ms().len();
     let rows: Vec<Vec<f64>> = estimates.records().map(|record| record[..fitted].to_vec()).collect();
-    Covariance::of_realisations(&rows, &model).ok()
+    Covariance::of_realizations(&rows, &model).ok()
 }
 
 /// The true value of a quantity, in the unit of data sheets; absent for the shape of a term that the noise lacks.
@@ -109,7 +109,7 @@ fn truth(quantity: Quantity, noise: &Noise) -> Option<f64> {
     let value = match term {
         _ if shape.is_some() => of_shape,
         // A readout in whole pulses has an error of 1/√12 of a pulse.
-        Term::Quantisation => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
+        Term::Quantization => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
         _ => size.abs(),
     };
     (shape.is_none() || value > 0.0).then_some(quantity.unit(Unit::Angular).0 * value)
@@ -178,9 +178,9 @@ impl Found {
         let percent = |count: usize| significant(100.0 * count as f64 / self.records as f64, 3);
         let shown = percent(self.values.len());
         let verdict = match (self.values.len(), truth) {
-            (0, Some(truth)) if truth > 0.0 => "not identifiable from such a record".to_owned(),
+            (0, Some(truth)) if truth > 0.0 => "not estimable from such a record".to_owned(),
             (0, _) => "absent, and found in no record".to_owned(),
-            (_, Some(truth)) if truth > 0.0 => format!("identified in {shown} % of records"),
+            (_, Some(truth)) if truth > 0.0 => format!("detected in {shown} % of records"),
             _ => format!("absent, but found in {shown} % of records"),
         };
         match self.records - self.fitted {

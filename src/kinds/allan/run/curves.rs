@@ -3,7 +3,7 @@
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::columns::Row;
 use crate::kinds::allan::lower::curve::LoweredCurve;
-use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::{Estimates, Plan};
 
@@ -30,21 +30,21 @@ impl Plan<'_> {
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
     ) -> Result<Vec<Row<'p>>, Refusal> {
-        let physical = PhysicalOracle::of(point, self.allan.estimator);
+        let physical = PhysicalTheory::of(point, self.allan.estimator);
         let row = |(at, &m): (usize, &u64)| {
             let checked = lowered.map(|lowered| {
-                let oracle = lowered.records.oracle(at);
-                Ok((oracle, lowered.records.representation(at, &oracle, &physical)?))
+                let theory = lowered.records.theory(at);
+                Ok((theory, lowered.records.representation(at, &theory, &physical)?))
             });
-            let (oracle, representation) = checked.transpose()?.unzip();
+            let (theory, representation) = checked.transpose()?.unzip();
             Ok(Row {
                 point,
                 m,
                 terms: self.allan.estimator.terms(point.inputs.samples(), m),
                 records: estimates.count() as u64,
                 scatter: Scatter::of(estimates.at(at)),
-                oracle: oracle.and_then(|oracle| oracle.value),
-                rounding: oracle.map_or(0.0, |oracle| oracle.rounding),
+                theory: theory.and_then(|theory| theory.value),
+                rounding: theory.map_or(0.0, |theory| theory.rounding),
                 representation: representation.flatten(),
             })
         };

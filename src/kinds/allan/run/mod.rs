@@ -12,7 +12,7 @@ use crate::key::refusal::Refusal;
 use crate::kinds::allan::Allan;
 use crate::kinds::allan::columns::{coefficient_columns, columns};
 use crate::kinds::allan::lower::curve::LoweredCurve;
-use crate::kinds::allan::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::allan::lower::physical_theory::PhysicalTheory;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::estimates::Estimates;
 use crate::kinds::table::table;
@@ -229,7 +229,7 @@ const PART_CHECKED: u64 = 16;
 /// # Errors
 /// A difference exceeds what the rounding of words explains.
 fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> Result<(f64, f64), Refusal> {
-    let physical = PhysicalOracle::of(point, estimator);
+    let physical = PhysicalTheory::of(point, estimator);
     let records = &lowered.records;
     let drifts = !records.recipe().drift.is_empty();
     let mut left = if drifts { physical.samples / PART_CHECKED } else { u64::MAX };
@@ -239,7 +239,7 @@ fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> Res
             let Some(rest) = left.checked_sub(records.terms()[at]) else { continue };
             left = rest;
         }
-        if let Some(found) = records.representation(at, &records.oracle(at), &physical)? {
+        if let Some(found) = records.representation(at, &records.theory(at), &physical)? {
             let off = (libm::sqrt(1.0 + found) - 1.0).abs();
             if off >= most.0 {
                 most = (off, point.inputs.sample_s * m as f64);

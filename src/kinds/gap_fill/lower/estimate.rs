@@ -21,7 +21,7 @@ use crate::tally::id::Id;
 
 /// The exact values of an estimate for the lowered parameters, in ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oracle {
+pub struct Theory {
     /// Rms error; absent where there is no closed form.
     pub rms: Option<f64>,
     /// The rms, or where it has no closed form an approximation: fractions of a pulse are taken as independent, and for the
@@ -40,7 +40,7 @@ pub struct Oracle {
     pub resolution: f64,
 }
 
-impl Oracle {
+impl Theory {
     /// Whether the error is smaller than the rounding of the arithmetic, so that the rms `sampled` is that of the rounding.
     pub fn is_below_resolution(&self, sampled: f64) -> bool {
         sampled > 0.0 && self.size < self.resolution && self.rms.unwrap_or(sampled) < self.resolution
@@ -55,7 +55,7 @@ pub struct Estimate {
     /// Address of its tallies.
     pub address: Address,
     /// Its closed form for the lowered words.
-    pub oracle: Oracle,
+    pub theory: Theory,
     /// Bound of the deviation of the closed form from that of the physical inputs due to the rounding of words, ″.
     pub representation: f64,
     /// Size of a unit of the tally, ″.
@@ -138,7 +138,7 @@ impl Estimate {
 
         let noise = sigma * whole.noise_gain();
         let known = error != Error::InGap || fixed.gap_ticks == 1;
-        let quantised = fractions.variance(whole);
+        let quantized = fractions.variance(whole);
         let rms_with = |more: f64| {
             let square = response.mean * response.mean + response.variance + noise * noise + more;
             // A variance of pulses that vanishes may come out below 0.
@@ -146,14 +146,14 @@ impl Estimate {
         };
         // The root of a variance that is wrong by `error` is wrong by at most √error, and by at most error/rms.
         let of_variance = |error: f64, rms: f64| libm::sqrt(error).min(error / rms.max(f64::MIN_POSITIVE));
-        let omitted = quantised.map_or(0.0, |(variance, tail)| {
+        let omitted = quantized.map_or(0.0, |(variance, tail)| {
             of_variance(tail, rms_with(variance) * unit) / unit * unit_arcsec
         });
         // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
         let about =
-            quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
-        let oracle = Oracle {
-            rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
+            quantized.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
+        let theory = Theory {
+            rms: quantized.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
             size: rms_with(about) * unit_arcsec,
             noise_of_square: fixed
                 .profile
@@ -172,8 +172,8 @@ impl Estimate {
         // If a record has most of its motion in few places, its own level determines where bins are needed.
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
-        let lost = oracle.rms.is_some_and(|rms| oracle.resolution > MOST_ROUNDING * rms);
-        // Without motion nothing is cancelled, and an oracle of 0 is possible.
+        let lost = theory.rms.is_some_and(|rms| theory.resolution > MOST_ROUNDING * rms);
+        // Without motion nothing is cancelled, and a theoretical error of 0 is possible.
         let is_least = designed != Designed::Elsewhere && matches!(filler.method, Method::MinimumVariance(_));
         if is_least && lost && response.terms > whole.gain() {
             return Err(singular_covariance(&filler.name, sigma * fixed.lsb_arcsec));
@@ -189,10 +189,10 @@ impl Estimate {
             (definition(filler, Some(&rows), designed), error.name(), &rows.ticks);
         let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
         let address = Address { point, estimate, digest: Id::of_words(words) };
-        let pulses = fixed.representation_of_pulses(whole) + quantised.map_or(0.0, |(_, tail)| tail);
+        let pulses = fixed.representation_of_pulses(whole) + quantized.map_or(0.0, |(_, tail)| tail);
         let of_pulses = of_variance(pulses, rms_with(about) * unit);
         let representation = (fixed.representation(whole, &response) + of_pulses) / unit * unit_arcsec;
-        Ok(Estimate { error, address, oracle, representation, unit_arcsec, bin_base, rows, shift })
+        Ok(Estimate { error, address, theory, representation, unit_arcsec, bin_base, rows, shift })
     }
 
     pub(crate) fn weight(&self, row: usize, tick: i32) -> u32 {

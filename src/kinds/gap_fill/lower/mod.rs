@@ -1,7 +1,7 @@
 //! Lowering: converts a point of a study into the fixed-point parameters of its kernel, with a proof that they fit.
 //!
 //! All computations are in f64 through `libm`, in a fixed order, so that the words are the same on every machine. The
-//! oracle of each estimate is computed from the *lowered* parameters, so it is exact for what is sampled.
+//! theory of each estimate is computed from the *lowered* parameters, so it is exact for what is sampled.
 //!
 //! ```text
 //! Inputs ─ physical ─▶ Physical ─ unit ─▶ Fixed ─┬─ weights, response, readout ─▶ Estimates
@@ -20,7 +20,7 @@
 //! let lowered = Lowered::new(point, &asked.fillers, &asked.errors, study.seed, study.streams)?;
 //! let residual = &lowered.fillers[0][0];
 //! // 12000 ″/s at 2 Hz, by the constant: 2.067 ″/√2 of motion and 0.8 ″ of noise.
-//! assert!((residual.oracle.rms.unwrap() - 1.666).abs() < 5e-4);
+//! assert!((residual.theory.rms.unwrap() - 1.666).abs() < 5e-4);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -28,7 +28,7 @@ pub(crate) mod estimate;
 pub(crate) mod fixed;
 pub(crate) mod launch;
 pub(crate) mod physical;
-pub(crate) mod physical_oracle;
+pub(crate) mod physical_theory;
 pub(crate) mod readout;
 pub(crate) mod replayed;
 pub(crate) mod residual;
@@ -37,7 +37,7 @@ pub(crate) mod unit;
 pub(crate) mod weights;
 
 use crate::key::refusal::Refusal;
-pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
+pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Theory};
 pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 

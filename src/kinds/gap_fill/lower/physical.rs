@@ -24,7 +24,7 @@ pub(crate) const MOST_PROFILE_TICKS: usize = 1 << 22;
 pub(crate) struct Physical {
     pub(crate) gap_ticks: u32,
     pub(crate) sigma_arcsec: f64,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub(crate) readout_lsb: f64,
     pub(crate) relock: Vec<f64>,
     pub(crate) tones: Vec<PhysicalTone>,

@@ -37,7 +37,7 @@ const MOST_RESPONSES: usize = 256;
 /// Number of positions that are summed together, tick by tick, so that the compiler can use vector instructions.
 const AT_ONCE: usize = 256;
 
-/// The angles of a replay, which is recognised by its place in memory, in units of so many ″. They have up to 16 MB each.
+/// The angles of a replay, which is recognized by its place in memory, in units of so many ″. They have up to 16 MB each.
 static ROUNDED: Memo<Unit, Arc<Rounded>> = Memo::new(8);
 
 /// A replay with a unit of angle.

@@ -1,4 +1,4 @@
-//! The exact response of a weighted sum of ticks less the gap to the lowered motion: the oracle of an estimate, and the
+//! The exact response of a weighted sum of ticks less the gap to the lowered motion: the theory of an estimate, and the
 //! bounds that prove that it fits.
 
 use core::f64::consts::PI;

@@ -85,7 +85,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
         if steps < 0.0 {
             let (readout_lsb, unit_arcsec) = (physical.readout_lsb, lsb);
             let found = format!(
-                "a pulse of {} arcsec is less than a unit of {} arcsec of the 32-bit arithmetic that this motion leaves",
+                "a pulse of {}″ is less than a unit of {}″ of the 32-bit arithmetic that this motion leaves",
                 shown(readout_lsb),
                 significant(unit_arcsec, 3)
             );
@@ -98,13 +98,13 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
     let lost = match finest {
         true => "are too few units of 2^-24 arcsec, the finest unit of angle".to_owned(),
         false => format!(
-            "are lost beside motion and noise of up to {} arcsec per tick in 32-bit arithmetic",
+            "are lost beside motion and noise of up to {}″ per tick in 32-bit arithmetic",
             shown(whole)
         ),
     };
     let sigma_arcsec = physical.sigma_arcsec;
     if sigma_arcsec > 0.0 && libm::round(sigma_arcsec / lsb * SIGMA_UNITS) < LEAST_SIGMA {
-        let found = format!("{} arcsec of noise per tick {lost}", shown(sigma_arcsec));
+        let found = format!("{}″ of noise per tick {lost}", shown(sigma_arcsec));
         return Err(Refusal::new("gyro.tick_noise", found, "make the noise larger, or 0"));
     }
     for (key, tick_arcsec) in sizes {
@@ -113,7 +113,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
                 true => "make the motion larger, or 0",
                 false => "make the motion larger, or 0; or the noise smaller, or the gap shorter",
             };
-            let found = format!("{} arcsec of motion per tick {lost}", shown(tick_arcsec));
+            let found = format!("{}″ of motion per tick {lost}", shown(tick_arcsec));
             return Err(Refusal::new(key, found, help));
         }
     }

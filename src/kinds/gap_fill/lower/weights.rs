@@ -9,7 +9,7 @@ use crate::filler::keys::Error;
 use crate::filler::{Filler, Method, Target};
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::lower::physical_oracle::Boundaries;
+use crate::kinds::gap_fill::lower::physical_theory::Boundaries;
 use crate::motion::Gaussian;
 use crate::theory::gap::{Weights, greatest_common_divisor};
 use crate::theory::memo::Memo;
@@ -43,7 +43,7 @@ static EXACT: Memo<Asked, Option<Arc<Rows>>> = Memo::new(128);
 /// would be equally good.
 pub(crate) fn singular_covariance(filler: &str, sigma_arcsec: f64) -> Refusal {
     let found = format!(
-        "the covariance of the ticks of `{filler}` is singular, a noise of {} arcsec is too small beside the motion to choose weights by",
+        "the covariance of the ticks of `{filler}` is singular, a noise of {}″ is too small beside the motion to choose weights by",
         shown(sigma_arcsec)
     );
     let help = "give the noise that the gyro really has, fewer fit ticks, or a wider band to design for";

@@ -63,21 +63,21 @@ impl Plan<'_> {
         let (mut count, mut largest) = (0, 0.0_f64);
         let proofs = self.points.iter().flat_map(|point| point.estimates.iter().map(move |own| (point, own)));
         for (point, proof) in proofs {
-            let Proof { oracle, bin_base, unit_arcsec, .. } = proof;
+            let Proof { theory, bin_base, unit_arcsec, .. } = proof;
             // Spares reading the tallies of most rows.
-            if oracle.size >= oracle.resolution {
+            if theory.size >= theory.resolution {
                 continue;
             }
             let found = Found::of(&store.total(&point.address(proof))?, *bin_base, *unit_arcsec);
-            if found.estimates.is_some_and(|found| oracle.is_below_resolution(found.rms)) {
+            if found.estimates.is_some_and(|found| theory.is_below_resolution(found.rms)) {
                 count += 1;
-                largest = largest.max(oracle.resolution);
+                largest = largest.max(theory.resolution);
             }
         }
         let rows = if count == 1 { "row is" } else { "rows are" };
         Ok((count > 0).then(|| {
             format!(
-                "{count} {rows} below the resolution of the arithmetic, up to {} arcsec, and blank: the error is oracle_rms, or without a closed form less than that resolution",
+                "{count} {rows} below the resolution of the arithmetic, up to {}″, and blank: the error is theory_rms, or without a closed form less than that resolution",
                 significant(largest, 2)
             )
         }))
@@ -113,10 +113,10 @@ impl Plan<'_> {
             rows.extend(proven.estimates.iter().map(row));
         }
         let found = |at: usize, tally: &Moments| {
-            let Proof { bin_base, unit_arcsec, oracle, .. } = *rows[at].estimate;
+            let Proof { bin_base, unit_arcsec, theory, .. } = *rows[at].estimate;
             let mut found = Found::of(tally, bin_base, unit_arcsec);
-            found.estimates = found.estimates.filter(|found| !oracle.is_below_resolution(found.rms));
-            let known = oracle.noise_of_square.zip(found.estimates.as_mut());
+            found.estimates = found.estimates.filter(|found| !theory.is_below_resolution(found.rms));
+            let known = theory.noise_of_square.zip(found.estimates.as_mut());
             if let Some((noise, estimates)) = known.filter(|(_, estimates)| estimates.rms > 0.0) {
                 estimates.rms_se = Some(noise / libm::sqrt(found.trials as f64) / (2.0 * estimates.rms));
             }

@@ -10,8 +10,8 @@ use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::{Judge, Size};
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
-use crate::kinds::gap_fill::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::gap_fill::lower::estimate::{Estimate, Theory};
+use crate::kinds::gap_fill::lower::physical_theory::PhysicalTheory;
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::plan::{Lacking, Launched};
 use crate::sampling::batches::Work;
@@ -46,7 +46,7 @@ pub(crate) struct Proof {
     pub(crate) error: Error,
     pub(crate) bin_base: u32,
     pub(crate) unit_arcsec: f64,
-    pub(crate) oracle: Oracle,
+    pub(crate) theory: Theory,
     /// Relative difference of the closed form from that of the physical inputs, where there is one.
     pub(crate) representation: Option<f64>,
     /// What a residual is on the specification, where there is one.
@@ -89,11 +89,11 @@ impl Proof {
         filler: usize,
         estimate: &Estimate,
         inputs: &Inputs,
-        physical: &PhysicalOracle,
+        physical: &PhysicalTheory,
     ) -> Result<Proof, Refusal> {
-        let Estimate { error, address, mut oracle, unit_arcsec, bin_base, .. } = *estimate;
-        let physical_rms = oracle.rms.and_then(|_| physical.rms(&estimate.rows, error));
-        if let Some((words, inputs)) = oracle.rms.zip(physical_rms) {
+        let Estimate { error, address, mut theory, unit_arcsec, bin_base, .. } = *estimate;
+        let physical_rms = theory.rms.and_then(|_| physical.rms(&estimate.rows, error));
+        if let Some((words, inputs)) = theory.rms.zip(physical_rms) {
             let what = format!("the {} of `{name}`", error.name());
             found::check_representation(
                 "switching.fillers",
@@ -102,10 +102,10 @@ impl Proof {
                 estimate.representation,
             )?;
         }
-        let representation = found::representation(oracle.rms, physical_rms, estimate.representation);
-        if oracle.rms.is_some_and(|rms| rms < oracle.resolution) {
+        let representation = found::representation(theory.rms, physical_rms, estimate.representation);
+        if theory.rms.is_some_and(|rms| rms < theory.resolution) {
             // The words say nothing of so small an error, which the inputs do.
-            oracle.rms = physical_rms;
+            theory.rms = physical_rms;
         }
         Ok(Proof {
             filler: filler as u16,
@@ -113,7 +113,7 @@ impl Proof {
             error,
             bin_base,
             unit_arcsec,
-            oracle,
+            theory,
             representation,
             specified: Specified::of(inputs, estimate),
             estimate: address.estimate,
@@ -134,7 +134,7 @@ impl<'a> Proven<'a> {
     ) -> Result<Proven<'a>, Refusal> {
         let lowered = Lowered::new(point, &subject.fillers, &subject.errors, study.seed, study.streams)?;
         let (id, replay) = (lowered.id, lowered.whole_replays(1));
-        let physical = PhysicalOracle::new(&point.inputs, point.sides());
+        let physical = PhysicalTheory::new(&point.inputs, point.sides());
         let fillers = lowered.fillers.iter().zip(&subject.fillers).enumerate();
         let proofs = fillers.flat_map(|(place, (all, filler))| {
             let physical = &physical;

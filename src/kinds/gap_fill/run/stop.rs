@@ -58,7 +58,7 @@ fn known(precision: &Precision, estimate: &Proof, tally: &Moments) -> bool {
         part.is_none_or(|part| half.zip(value).is_some_and(|(half, value)| half <= part * value))
     };
     let rms_half = found.rms_se.map(|se| NORMAL_95 * se);
-    let q_half = found.q9973.and_then(|q| q.low.zip(q.high)).map(|(low, high)| 0.5 * (high - low));
+    let q_half = found.p99_73.and_then(|q| q.low.zip(q.high)).map(|(low, high)| 0.5 * (high - low));
     within(precision.rms, rms_half, Some(found.rms))
-        && within(precision.q9973, q_half, found.q9973.map(|q| q.value))
+        && within(precision.p99_73, q_half, found.p99_73.map(|q| q.value))
 }

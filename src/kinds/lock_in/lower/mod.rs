@@ -1,8 +1,8 @@
 //! Lowering of a gyro with lock-in: from thresholds and rates to the words of the kernel, and the proof that they fit.
 
 pub(crate) mod fixed;
-pub(crate) mod lowered_oracle;
-pub(crate) mod oracle;
+pub(crate) mod lowered_theory;
+pub(crate) mod theory;
 pub(crate) mod steps;
 
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::kinds::allan::lower::levels;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::lock_in::Point;
 use crate::kinds::lock_in::lower::fixed::Fixed;
-use crate::kinds::lock_in::lower::lowered_oracle::LoweredOracle;
+use crate::kinds::lock_in::lower::lowered_theory::LoweredTheory;
 use crate::kinds::lock_in::lower::steps::Steps;
 use crate::kinds::plan::identity;
 use crate::sampling::found;
@@ -73,8 +73,8 @@ impl Gyros {
         if let Some(motion) = &inputs.motion {
             input_rate += fixed.add_motion(motion, inputs.scale_factor, &mut recipe)?;
         }
-        let physical = oracle::angle_random_walk(point);
-        let lowered = physical.map(|_| LoweredOracle::new(&recipe, times, fixed.lsb_arcsec));
+        let physical = theory::angle_random_walk(point);
+        let lowered = physical.map(|_| LoweredTheory::new(&recipe, times, fixed.lsb_arcsec));
         if let Some((lowered, physical)) = lowered.zip(physical) {
             lowered.check(physical)?;
         }

@@ -16,7 +16,7 @@ pub(crate) fn noise(fixed: &Fixed) -> Noise {
     // Every angle is rounded down to whole LSB.
     let rounded = if fixed.has_angle() { 1.0 / 12.0 } else { 0.0 };
     Noise {
-        errors: libm::sqrt(noise.quantisation * noise.quantisation + rounded),
+        errors: libm::sqrt(noise.quantization * noise.quantization + rounded),
         white: noise.white,
         octaves: noise.octaves,
         walk: noise.walk,

@@ -9,7 +9,7 @@
 //! Words, weights and headroom: `docs/numerics.md`, "Errors of a navigator".
 
 pub mod closed;
-pub(crate) mod physical_oracle;
+pub(crate) mod physical_theory;
 pub(crate) mod representation;
 
 use std::sync::Arc;
@@ -38,7 +38,7 @@ use crate::tally::id::Id;
 use crate::theory::allan::estimator::Estimator;
 use crate::theory::navigation::{Error, Gyro, Weights};
 
-/// Roundings of the angle of a sample by less than one LSB each: angle, sine, quantisation noise, drift, fill residuals.
+/// Roundings of the angle of a sample by less than one LSB each: angle, sine, quantization noise, drift, fill residuals.
 const ROUNDINGS: f64 = 5.0;
 
 /// A navigator, ready to be sampled.
@@ -227,7 +227,7 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
     let jumps = fixed.jumps().map_or(0.0, |jumps| jumps.variance);
     let rate = noise.rate(recipe.samples.into());
     let variance =
-        noise.white * noise.white + 2.0 * noise.quantisation * noise.quantisation + rate * rate + jumps;
+        noise.white * noise.white + 2.0 * noise.quantization * noise.quantization + rate * rate + jumps;
     let sine = fixed.wave().map_or(0.0, |sine| 2.0 * sine.amplitude);
     let steps =
         recipe.drift.windows(2).map(|pair| f64::from((pair[1].wrapping_sub(pair[0]) as i32).unsigned_abs()));
@@ -237,7 +237,7 @@ fn check_increments(fixed: &Fixed, recipe: &Recipe) -> Result<(), Refusal> {
         return Ok(());
     }
     let found = format!(
-        "the angle may change by {} arcsec within a sample, and its differences over the record leave room for {} arcsec",
+        "the angle may change by {}″ within a sample, and its differences over the record leave room for {} arcsec",
         shown(largest * fixed.lsb_arcsec),
         shown(LIMIT as f64 * fixed.lsb_arcsec)
     );
@@ -263,12 +263,12 @@ duration = "10 min"
 draws = 64
 [noise]
 angle_random_walk = "0.05 deg/sqrt(h)"
-quantisation = "0.5 arcsec"
+quantization = "0.5 arcsec"
 [[sensitivity]]
 key = "noise.angle_random_walk"
 uniform = { from = "0.02 deg/sqrt(h)", to = "0.08 deg/sqrt(h)" }
 [[sensitivity]]
-key = "noise.quantisation"
+key = "noise.quantization"
 uniform = { from = "0 arcsec", to = "1 arcsec" }
 "#;
         let study = Study::parse("drawn.toml", text).unwrap_or_else(|error| panic!("{error:?}"));
@@ -277,7 +277,7 @@ uniform = { from = "0 arcsec", to = "1 arcsec" }
             .map(|set| drawn(&navigation.points[0], navigation, study.seed, set))
             .collect();
         // 1 deg/sqrt(h) is 60 arcsec/sqrt(s).
-        let levels = [(Term::AngleRandomWalk, 0.02 * 60.0, 0.06 * 60.0), (Term::Quantisation, 0.0, 1.0)].map(
+        let levels = [(Term::AngleRandomWalk, 0.02 * 60.0, 0.06 * 60.0), (Term::Quantization, 0.0, 1.0)].map(
             |(term, from, width)| {
                 noises.iter().map(|noise| (noise.of(term)[0] - from) / width).collect::<Vec<f64>>()
             },

@@ -6,7 +6,7 @@ use core::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::fixed::Fixed;
-use crate::kinds::navigation::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
 use crate::sampling::found;
 use crate::theory::navigation::covariance::{Noise, of_angles};
@@ -36,7 +36,7 @@ impl Deviation {
         let jumps = fixed.jumps();
         Deviation {
             noise: Noise {
-                errors: libm::sqrt(off.quantisation * off.quantisation + rounded),
+                errors: libm::sqrt(off.quantization * off.quantization + rounded),
                 white: off.white,
                 octaves: off.octaves,
                 walk: off.walk,
@@ -136,7 +136,7 @@ impl Lowered {
         &self,
         errors: &[usize],
         rms: f64,
-        physical: &PhysicalOracle,
+        physical: &PhysicalTheory,
     ) -> Result<Option<f64>, Refusal> {
         let (inputs, most) = (physical.rms(errors), self.representation_bound(errors, rms));
         let off = (rms - inputs).abs();

@@ -12,7 +12,7 @@ use crate::kernel::rows::Rows;
 use crate::key::refusal::Refusal;
 use crate::kinds::navigation::Navigation;
 use crate::kinds::navigation::columns::{Quantity, Row, columns};
-use crate::kinds::navigation::lower::physical_oracle::PhysicalOracle;
+use crate::kinds::navigation::lower::physical_theory::PhysicalTheory;
 use crate::kinds::navigation::lower::{Lowered, LoweredGyro};
 use crate::kinds::navigation::run::claim::Claim;
 use crate::kinds::navigation::run::sizes::Sizes;
@@ -126,7 +126,7 @@ impl<'a> Plan<'a> {
         // A filter keeps the heading, which is its only error.
         let claim = |sigma| Claim::of(sigma, &sizes[0], &lowered.distributions(&[0]), &errors);
         let claim = of_point.inputs.claimed().map(claim);
-        let physical = PhysicalOracle::new(of_point, self.navigation, self.study.seed);
+        let physical = PhysicalTheory::new(of_point, self.navigation, self.study.seed);
         let of_quantity = |(quantity, sizes): (&Quantity, &Sizes)| {
             lowered.representation(quantity.errors(), sizes.closed_rms, &physical)
         };

@@ -69,24 +69,24 @@ impl FixedRelock {
         check_loop(loop_s, tick_s)?;
         let largest = inputs.largest_miss();
         if largest == 0.0 {
-            let message = "relock.miss is 0, and so are its errors: there is nothing to relock".to_owned();
-            let help = "give a miss, or one of half_wave_error, dac_step and hysteresis";
-            return Err(Refusal { key: "relock.miss", message, help });
+            let message = "relock.initial_detuning is 0, and so are its errors: there is nothing to relock".to_owned();
+            let help = "give an initial detuning, or one of half_wave_error, dac_step and hysteresis";
+            return Err(Refusal { key: "relock.initial_detuning", message, help });
         }
         let part = curvature * largest * largest;
         if part >= 1.0 {
             let found = format!(
-                "a miss of up to {} leaves no bias, χ·Δλ² = {}",
+                "an initial detuning of up to {} leaves no bias, χ·Δλ² = {}",
                 significant(largest, 4),
                 significant(part, 4)
             );
-            let help = "make the miss, its errors or the curvature smaller: Z(2) holds for small detunings";
+            let help = "make the initial detuning, its errors or the curvature smaller: Z(2) holds for small detunings";
             return Err(Refusal::new("relock.curvature", found, help));
         }
         let reach = largest + REACH * adc_noise + adc_step;
         let unit = unit_of_detuning(reach, adc_step)?;
         if largest / unit < LEAST_MISS {
-            return Err(too_small("relock.miss", largest, reach));
+            return Err(too_small("relock.initial_detuning", largest, reach));
         }
         let sigma = |key, found: f64| {
             let units = libm::round(16.0 * found / unit);
@@ -232,7 +232,7 @@ impl FixedRelock {
 
     /// Bound of the deviation of mean and rms in [`FixedRelock::faked`] from those of the inputs, ″, where `rms` is that
     /// of the words. Each word is within half its unit of what it stands for; in the norm ⟨x⁴⟩^¼, in which the rms is |C|‖Δλ0‖²,
-    /// deviations of the miss add up at most.
+    /// deviations of the initial detuning add up at most.
     pub(crate) fn representation(&self, weights: &[f64], rms: f64) -> f64 {
         let norm = |word: u32, norm: f64| if word > 0 { norm } else { 0.0 };
         // A normal number has ⟨x⁴⟩ = 3, and one that is uniform over a width of 1 has 1/80.
@@ -255,7 +255,7 @@ impl FixedRelock {
         0.5 * libm::exp2(-34.0)
     }
 
-    /// Bound of the deviation of such a sum from exact arithmetic, ″: the miss is rounded by half a unit, its square
+    /// Bound of the deviation of such a sum from exact arithmetic, ″: the initial detuning is rounded by half a unit, its square
     /// down, and each tick to the LSB.
     pub fn rounding(&self, weights: &[f64]) -> f64 {
         let of_square = libm::exp2(f64::from(self.square_shift) - 33.0) + libm::exp2(-32.0);
@@ -300,7 +300,7 @@ fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// The refusal of an error that has too few units relative to the miss.
+/// The refusal of an error that has too few units relative to the initial detuning.
 fn too_small(key: &'static str, found: f64, largest: f64) -> Refusal {
     let found =
         format!("{} is lost beside detunings of up to {} in 32-bit arithmetic", shown(found), shown(largest));

@@ -1,7 +1,7 @@
 //! Lowering of a relock: words of the kernel, and the estimates of each compensation.
 
 pub(crate) mod fixed;
-pub(crate) mod physical_oracle;
+pub(crate) mod physical_theory;
 
 use crate::key::refusal::{Refusal, shown};
 pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
@@ -35,7 +35,7 @@ pub struct RelockEstimate {
     /// Address of its tallies.
     pub address: Address,
     /// Mean and rms in closed form for the words, ″; absent where there is none.
-    pub oracle: Option<(f64, f64)>,
+    pub theory: Option<(f64, f64)>,
     /// Relative difference of that rms from the one of the physical inputs; absent where there is none.
     pub representation: Option<f64>,
     /// Bound of the deviation of a sampled rms from the closed form due to rounding in the kernel, ″.
@@ -94,7 +94,7 @@ impl LoweredRelock {
         let (mean, rms) = self.fixed.faked(&weights);
         let rounding = self.fixed.rounding(&weights);
         let exact_detuning = relock.adc_noise == 0.0 && relock.adc_step == 0.0;
-        let (oracle, rounding) = match compensation {
+        let (theory, rounding) = match compensation {
             Compensation::None => (Some((mean, rms)), rounding),
             // There is no earlier tick with which the first could be compared.
             Compensation::Frequency if tick == Some(1) => (Some((mean, rms)), rounding),
@@ -103,11 +103,11 @@ impl LoweredRelock {
             }
             Compensation::Frequency | Compensation::Detuning => (None, 0.0),
         };
-        let physical = physical_oracle::left(&point.inputs, compensation, tick);
-        let both = oracle.zip(physical);
+        let physical = physical_theory::left(&point.inputs, compensation, tick);
+        let both = theory.zip(physical);
         let most = both.map(|(words, inputs)| self.check(compensation, tick, [words, inputs], &weights));
         let most = most.transpose()?.unwrap_or(0.0);
-        let [of_words, of_inputs] = [oracle, physical].map(|moments| moments.map(|(_, rms)| rms));
+        let [of_words, of_inputs] = [theory, physical].map(|moments| moments.map(|(_, rms)| rms));
         let representation = found::representation(of_words, of_inputs, most);
         let estimate = match tick {
             Some(tick) => format!("estimate\ncompensation={}\nticks={tick}\n", compensation.name()),
@@ -120,7 +120,7 @@ impl LoweredRelock {
             compensation,
             tick,
             address,
-            oracle,
+            theory,
             representation,
             rounding,
             bin_base: 0,
@@ -155,8 +155,8 @@ impl LoweredRelock {
         }
         let tick = tick.map_or("all ticks".to_owned(), |tick| format!("tick {tick}"));
         let found = format!(
-            "the angle of {tick} with compensation = \"{}\" has a mean of {} arcsec and an rms of {} arcsec for the integers that \
-             would be sampled, and {} and {} arcsec for the inputs, which rounding to {} arcsec does not explain",
+            "the angle of {tick} with compensation = \"{}\" has a mean of {}″ and an rms of {}″ for the integers that \
+             would be sampled, and {} and {}″ for the inputs, which rounding to {}″ does not explain",
             compensation.name(),
             shown(words.0),
             shown(words.1),
@@ -164,7 +164,7 @@ impl LoweredRelock {
             shown(inputs.1),
             shown(most)
         );
-        Err(Refusal::new("relock.miss", found, "this is a fault of the program: please report the study"))
+        Err(Refusal::new("relock.initial_detuning", found, "this is a fault of the program: please report the study"))
     }
 
     /// Lets histograms start at a quarter of the rms of the first trials.
@@ -250,7 +250,7 @@ mod tests {
             let mut relock = exact.clone();
             change(&mut relock);
             let refused = first(&point(relock, 0.005), Compensation::None);
-            assert_eq!(refused.map_err(|refusal| refusal.key), Err("relock.miss"), "{name}");
+            assert_eq!(refused.map_err(|refusal| refusal.key), Err("relock.initial_detuning"), "{name}");
         }
         let other_tick = first(&point(exact.clone(), 0.005_001), Compensation::Frequency);
         assert!(other_tick.is_err(), "another tick");

@@ -5,12 +5,12 @@
 pub(crate) mod drift;
 pub(crate) mod fixed;
 pub(crate) mod launch;
-pub(crate) mod oracle;
-pub(crate) mod physical_oracle;
+pub(crate) mod theory;
+pub(crate) mod physical_theory;
 pub(crate) mod relocking;
 pub(crate) mod warm_up;
 
-pub use crate::kinds::switched_run::lower::oracle::RunOracle;
+pub use crate::kinds::switched_run::lower::theory::RunTheory;
 
 use crate::drift::schedule::{End, Schedule};
 use crate::filler::Filler;
@@ -19,13 +19,13 @@ use crate::kernel::moments::level;
 use crate::kernel::switched_run;
 use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
-use crate::kinds::gap_fill::lower::physical_oracle::{PhysicalOracle, Switch};
+use crate::kinds::gap_fill::lower::physical_theory::{PhysicalTheory, Switch};
 use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
 use crate::kinds::plan::identity;
 use crate::kinds::switched_run::lower::drift::Drift;
 use crate::kinds::switched_run::lower::fixed::Fixed;
-use crate::kinds::switched_run::lower::physical_oracle::PhysicalRun;
+use crate::kinds::switched_run::lower::physical_theory::PhysicalRun;
 use crate::kinds::switched_run::lower::relocking::FixedRelocking;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
@@ -65,7 +65,7 @@ pub struct RunEstimate {
     /// Address of its tallies.
     pub address: Address,
     /// Closed form; absent for the largest angle, which has none.
-    pub oracle: Option<RunOracle>,
+    pub theory: Option<RunTheory>,
     /// Relative difference of its rms from that of the physical inputs, where there is one.
     pub representation: Option<f64>,
     /// Size of a unit of the tally, ″.
@@ -158,9 +158,9 @@ impl LoweredRun {
                 Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
             };
             let estimate = |(place, angle): (usize, RunAngle)| {
-                let oracle = fixed.oracle(angle, place);
+                let theory = fixed.theory(angle, place);
                 let inputs = switch.as_ref().and_then(|switch| physical.rms(switch, angle));
-                let words = oracle.map(|oracle| oracle.rms());
+                let words = theory.map(|theory| theory.rms());
                 let most = fixed.representation(point.switches() as f64 + 1.0, of_switch);
                 if let Some(both) = words.zip(inputs) {
                     let what = format!("the angle `{}` of `{name}`", angle.name());
@@ -172,7 +172,7 @@ impl LoweredRun {
                 Ok(RunEstimate {
                     angle,
                     address: of(&fixed, angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
-                    oracle,
+                    theory,
                     representation,
                     unit_arcsec: fixed.lsb_arcsec,
                     bin_base,
@@ -222,14 +222,14 @@ fn residuals(
         return Ok((format!("residual_max={amplitude_arcsec:.11e}"), vec![switched]));
     };
     let lowered = Lowered::new(fill, study.fillers(), &[Error::Residual], seed, streams)?;
-    let oracle = PhysicalOracle::new(&fill.inputs, fill.sides());
+    let theory = PhysicalTheory::new(&fill.inputs, fill.sides());
     // Delivered with the ticks, in addition to its effect on the filler.
     let relock: f64 = fill.inputs.relock.iter().sum();
     let of_filler = |(place, filler): (usize, &Filler)| {
         let mut residual = lowered.residual(place).unwrap_or_default();
         residual.constant_arcsec += relock;
         let estimate = lowered.fillers[place].first();
-        let physical = estimate.map(|estimate| oracle.switch(&estimate.rows));
+        let physical = estimate.map(|estimate| theory.switch(&estimate.rows));
         let definition = definition(filler, estimate.map(|estimate| &*estimate.rows), fill.designed());
         Switched {
             name: filler.name.clone(),

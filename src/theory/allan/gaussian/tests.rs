@@ -9,7 +9,7 @@ fn all_parts() -> Process {
     Process {
         sample_s: 0.5,
         parts: vec![
-            Part::quantisation(0.4),
+            Part::quantization(0.4),
             Part::angle_random_walk(0.5),
             Part::bias_instability(0.3, 24),
             Part::rate_random_walk(0.02),
@@ -72,7 +72,7 @@ fn by_definition(process: &Process, difference: Difference, samples: usize, a: u
                 sum += if k + i * a == l + j * b { u * v } else { 0.0 };
             }
         }
-        let q = |part: &Part| if part.term == Term::Quantisation { part.size * part.size } else { 0.0 };
+        let q = |part: &Part| if part.term == Term::Quantization { part.size * part.size } else { 0.0 };
         sum * process.parts.iter().map(q).sum::<f64>()
     };
     let mut sum = 0.0;
@@ -117,7 +117,7 @@ fn the_covariance_is_the_double_sum_over_differences() {
 #[test]
 fn panels_are_the_sum_over_every_lag() {
     let mut process = all_parts();
-    process.parts.retain(|part| part.term != Term::Quantisation);
+    process.parts.retain(|part| part.term != Term::Quantization);
     let count = process.parts.len();
     for (a, b) in [(1, 1), (1, 900), (40, 45), (30, 700), (1200, 1200)] {
         let pair = Pair::new(&process, Difference::Second, 5000, a, b);
@@ -175,7 +175,7 @@ fn freedom_by_definition(process: &Process, terms: &[Vec<f64>]) -> f64 {
         (0..samples).map(|i| (0..samples).map(|j| cell(i, j)).collect()).collect()
     };
     let tables = [table(&noise), table(&steady)];
-    let q = |part: &Part| if part.term == Term::Quantisation { part.size * part.size } else { 0.0 };
+    let q = |part: &Part| if part.term == Term::Quantization { part.size * part.size } else { 0.0 };
     let white: f64 = process.parts.iter().map(q).sum();
     let of_increments =
         |weights: &Vec<f64>| (0..samples).map(|i| weights[i + 1..].iter().sum()).collect::<Vec<f64>>();

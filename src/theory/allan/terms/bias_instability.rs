@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::theory::allan::generalised::Holds;
+use crate::theory::allan::generalized::Holds;
 use crate::theory::allan::holds;
 use crate::theory::allan::part::{FLAT_LEVEL, Part};
 use crate::theory::allan::terms::{Row, Source, Term};

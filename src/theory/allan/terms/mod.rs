@@ -4,7 +4,7 @@ mod angle_random_walk;
 mod band_limit;
 mod bias_instability;
 mod markov;
-mod quantisation;
+mod quantization;
 mod rate_ramp;
 mod rate_random_walk;
 mod sine;
@@ -50,7 +50,7 @@ macro_rules! terms {
 
 terms! {
     /// White error of the angles: its rms Q, ″.
-    Quantisation = quantisation(q),
+    Quantization = quantization(q),
     /// White rate: N, ″/√s.
     AngleRandomWalk = angle_random_walk(n),
     /// Flicker of the rate: B, ″/s. The Allan variance is flat at (2 ln2/π)B².
@@ -219,8 +219,8 @@ pub(crate) enum Increment {
     Other,
 }
 
-/// Second difference, m apart around the lag n ≥ 0, of the generalised covariance of an angle, ″², up to a constant;
-/// see [`generalised`](crate::theory::allan::generalised).
+/// Second difference, m apart around the lag n ≥ 0, of the generalized covariance of an angle, ″², up to a constant;
+/// see [`generalized`](crate::theory::allan::generalized).
 pub(crate) type Kernel = Box<dyn Fn(f64, f64) -> f64>;
 
 /// Two differences of angles at the averaging factors `a` and `b`. The second starts `lag` samples after the first,
@@ -243,7 +243,7 @@ impl Term {
 
     /// The five terms of A(4).
     pub const MODEL: [Term; 5] = [
-        Term::Quantisation,
+        Term::Quantization,
         Term::AngleRandomWalk,
         Term::BiasInstability,
         Term::RateRandomWalk,

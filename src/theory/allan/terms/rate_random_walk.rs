@@ -1,7 +1,7 @@
 //! Random walk of the rate.
 
 use crate::theory::allan::estimator::Difference;
-use crate::theory::allan::generalised::cubic;
+use crate::theory::allan::generalized::cubic;
 use crate::theory::allan::part::sine_of_turns;
 use crate::theory::allan::terms::{Row, Source};
 

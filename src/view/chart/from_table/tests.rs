@@ -17,7 +17,7 @@ fn table() -> Table {
     }
     let numbers =
         |of: fn(&(&str, i64, f64, f64)) -> f64| rows.iter().map(|row| Cell::Number(of(row))).collect();
-    let (role, of) = (Role::Oracle, "rms".to_owned());
+    let (role, of) = (Role::Theory, "rms".to_owned());
     let mut rms = column("rms", Unit::ARCSEC, numbers(|row| row.3));
     rms.band = Some(rows.iter().map(|row| Some((0.9 * row.3, 1.1 * row.3))).collect());
     Table {
@@ -26,7 +26,7 @@ fn table() -> Table {
             column("switching.gap_ticks", Unit::NONE, rows.iter().map(|row| Cell::Integer(row.1)).collect()),
             column("motion.frequency", Unit::HZ, numbers(|row| row.2)),
             rms,
-            Column { role, of, ..column("oracle_rms", Unit::ARCSEC, numbers(|row| 1.01 * row.3)) },
+            Column { role, of, ..column("theory_rms", Unit::ARCSEC, numbers(|row| 1.01 * row.3)) },
         ],
     }
 }

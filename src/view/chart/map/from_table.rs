@@ -20,6 +20,9 @@ impl Map {
     /// have the same column; or a column is missing, holds text instead of numbers, or has no row with a selected
     /// value.
     pub fn from_table(table: &Table, chart: &Chart) -> Result<(Map, MapNotes), ChartError> {
+        let filter = chart.filter();
+        let (rows, chosen) = (table.rows_where(&filter)?, table.chosen(&filter)?);
+        let table: &Table = &table.read();
         let estimate = &chart.estimate().name;
         let (x, y, z) =
             (numbers(table, &chart.x.name)?, numbers(table, &chart.y.name)?, numbers(table, estimate)?);
@@ -31,8 +34,6 @@ impl Map {
             Shows::WinnerMap { of, .. } => Some(table.column(&of.name)?),
             _ => None,
         };
-        let filter = chart.filter();
-        let rows = table.rows_where(&filter)?;
         let mut competing = grouping(of, &rows);
         let series_of = |row: usize| of.map_or(0, |of| style(&competing, &of.cells[row]));
         let series = competing.entries.len().max(1);
@@ -87,7 +88,7 @@ impl Map {
             cells,
             layers,
             limit: chart.limit.map(limit),
-            chosen: table.chosen(&filter)?,
+            chosen,
             columns: grid.columns,
             rows: grid.rows,
         };

@@ -1,4 +1,4 @@
-//! The expected estimates from the physical inputs: an oracle that shares nothing computed with the kernel.
+//! The expected estimates from the physical inputs: theory that shares no computation with the kernel.
 //!
 //! Random parts add by the closed forms of their terms. The differences of what all records share are a sum of
 //! G(k)·e^{−λk} over ramp, warm-ups and the alternating drift, where G has the period of two intervals between switches:
@@ -8,7 +8,7 @@ use crate::kinds::allan::point::Point;
 use crate::theory::allan::estimator::Estimator;
 use crate::theory::allan::exponential::mean_of_decay;
 use crate::theory::allan::process::Process;
-use crate::theory::allan::quantiser;
+use crate::theory::allan::quantizer;
 use crate::theory::allan::switching::{Jumps, Switching};
 
 /// Most residues that are summed; beyond them there is no closed form.
@@ -16,11 +16,11 @@ const MOST_RESIDUES: u64 = 1 << 20;
 /// Error of the sum over what all records share, in floating point, of the sum of the squares of its parts.
 const SUM_ERROR: f64 = 1e-12;
 
-/// The physical oracle of records.
+/// The physical theory of records.
 #[derive(Debug, Clone)]
-pub(crate) struct PhysicalOracle {
+pub(crate) struct PhysicalTheory {
     pub(crate) process: Process,
-    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
     pub(crate) readout_lsb: f64,
     /// Constant rate, ″/s.
     pub(crate) mean_rate: f64,
@@ -45,11 +45,11 @@ struct Shared<'a> {
     periodic: Box<dyn Fn(u64) -> f64 + 'a>,
 }
 
-impl PhysicalOracle {
-    /// The oracle of the records of a point.
-    pub(crate) fn of(point: &Point, estimator: Estimator) -> PhysicalOracle {
+impl PhysicalTheory {
+    /// The theory of the records of a point.
+    pub(crate) fn of(point: &Point, estimator: Estimator) -> PhysicalTheory {
         let inputs = &point.inputs;
-        PhysicalOracle {
+        PhysicalTheory {
             process: inputs.noise.process(inputs.sample_s, inputs.samples()),
             readout_lsb: inputs.noise.readout_lsb,
             mean_rate: inputs.rate,
@@ -62,7 +62,7 @@ impl PhysicalOracle {
     /// The expected estimate at an averaging factor; `None` where it has no closed form: of whole pulses under flicker,
     /// random walk, drift or switches.
     pub(crate) fn variance(&self, m: u64) -> Option<Variance> {
-        let PhysicalOracle { process, samples, estimator, .. } = self;
+        let PhysicalTheory { process, samples, estimator, .. } = self;
         let difference = estimator.difference;
         let [shared, error] = self.shared(m)?;
         let mut sum = process.variance(difference, m) + shared;
@@ -74,7 +74,7 @@ impl PhysicalOracle {
             if self.switching.is_some() {
                 return None;
             }
-            sum += quantiser::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
+            sum += quantizer::mean_square(self.readout_lsb, self.mean_rate, process, difference, m)?;
         }
         let tau = process.sample_s * m as f64;
         let unit = 1.0 / (difference.divisor() * tau * tau);

@@ -1,4 +1,4 @@
-//! The rms of an error from the physical inputs: an oracle that shares nothing computed with the kernel.
+//! The rms of an error from the physical inputs: theory that shares no computation with the kernel.
 //!
 //! The error of a filler is a sum E = Σ g_b θ_b over the angles at the ends of the ticks, with g_b = w_b − w_{b+1} for
 //! weights w on the ticks and −1 on those of the gap. What the kernel takes, angles of ticks in units, rows of Gaussian
@@ -25,8 +25,8 @@ use crate::theory::pulse::mean_variance;
 use crate::theory::quadrature::Rule;
 use crate::theory::{lattice, lines};
 
-/// The physical oracle of a point.
-pub(crate) struct PhysicalOracle<'a> {
+/// The physical theory of a point.
+pub(crate) struct PhysicalTheory<'a> {
     inputs: &'a Inputs,
     /// [Structure](lines::structure) of the angles of sines of random phase by distance in ticks, ″²; empty without any.
     sines: Vec<Double>,
@@ -101,9 +101,9 @@ fn turned(frequency_hz: f64, phase: f64, t_s: f64) -> f64 {
     length * libm::sin(half + phase)
 }
 
-impl PhysicalOracle<'_> {
-    /// The oracle of a point for errors that reach at most `sides` ticks on a side.
-    pub(crate) fn new(inputs: &Inputs, sides: usize) -> PhysicalOracle<'_> {
+impl PhysicalTheory<'_> {
+    /// The theory of a point for errors that reach at most `sides` ticks on a side.
+    pub(crate) fn new(inputs: &Inputs, sides: usize) -> PhysicalTheory<'_> {
         let Inputs { tick_s, motion, .. } = inputs;
         let span = 2 * sides + inputs.gap_ticks as usize;
         let (mut sines, mut others) = (vec![], vec![]);
@@ -119,7 +119,7 @@ impl PhysicalOracle<'_> {
             let (part, factor) = gaussian.structure(*tick_s, span + 1);
             add(&mut others, &part, factor);
         }
-        PhysicalOracle { inputs, sines, others, sides }
+        PhysicalTheory { inputs, sines, others, sides }
     }
 
     /// The rms of an error, ″; `None` where it has no closed form.
@@ -484,7 +484,7 @@ mod tests {
         );
         for configuration in &still {
             let lowered = configuration.lowered();
-            assert!(lowered.fillers.iter().flatten().all(|estimate| estimate.oracle.rms.unwrap() < 1e-6));
+            assert!(lowered.fillers.iter().flatten().all(|estimate| estimate.theory.rms.unwrap() < 1e-6));
         }
         let slow = [1e-9, 1e-6, 1e-3].map(|frequency_hz| {
             Configuration::new("slow", |own| {
@@ -497,10 +497,10 @@ mod tests {
         {
             let point = configuration.point();
             let lowered = configuration.lowered();
-            let physical = PhysicalOracle::new(&point.inputs, point.sides());
+            let physical = PhysicalTheory::new(&point.inputs, point.sides());
             for estimate in lowered.fillers.iter().flatten() {
                 let found = physical.rms(&estimate.rows, estimate.error);
-                let words = estimate.oracle.rms;
+                let words = estimate.theory.rms;
                 let name = configuration.name;
                 assert_eq!(found.is_some(), words.is_some(), "{name}, {:?}", estimate.error);
                 let Some((found, words)) = found.zip(words) else { continue };
@@ -554,9 +554,9 @@ mod tests {
     fn three(configuration: &Configuration, band: Band, rms: f64) -> [f64; 3] {
         let (point, lowered) = (configuration.point(), configuration.lowered());
         let estimate = &lowered.fillers[0][0];
-        let physical = PhysicalOracle::new(&point.inputs, point.sides());
+        let physical = PhysicalTheory::new(&point.inputs, point.sides());
         let inputs = physical.rms(&estimate.rows, estimate.error).unwrap();
-        [estimate.oracle.rms.unwrap(), inputs, integrated(&point.inputs, band, rms, &estimate.rows)]
+        [estimate.theory.rms.unwrap(), inputs, integrated(&point.inputs, band, rms, &estimate.rows)]
     }
 
     /// Their rows were wrong by up to 440 times while z did not see it.

@@ -17,14 +17,14 @@ const POLYNOMIAL: f64 = 1.3e-6;
 
 /// N of the words, ″/√s, with the bound of its deviation from that of the inputs due to the rounding of words.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LoweredOracle {
+pub(crate) struct LoweredTheory {
     pub(crate) walk: f64,
     pub(crate) bound: f64,
 }
 
-impl LoweredOracle {
-    /// The oracle of a gyro with dither, whose angles have the LSB `lsb_arcsec`.
-    pub(crate) fn new(recipe: &Recipe, times: &Times, lsb_arcsec: f64) -> LoweredOracle {
+impl LoweredTheory {
+    /// The theory of a gyro with dither, whose angles have the LSB `lsb_arcsec`.
+    pub(crate) fn new(recipe: &Recipe, times: &Times, lsb_arcsec: f64) -> LoweredTheory {
         let [fraction, whole] = recipe.interval.map(f64::from);
         let steps = f64::from(recipe.samples) * (whole + fraction / WORD) * ROUND as f64;
         let step_s = times.samples as f64 * times.sample_s / steps;
@@ -48,7 +48,7 @@ impl LoweredOracle {
         let of_kick = KICK_ROUNDING / kick + POLYNOMIAL;
         let of_amplitude = 0.2501 / f64::from(recipe.amplitude);
         let of_lock_in = (1.0 + of_kick) * (1.0 + of_amplitude) - 1.0;
-        LoweredOracle { walk: libm::hypot(lock_in, beam), bound: lock_in * of_lock_in + 0.5 * of_beam }
+        LoweredTheory { walk: libm::hypot(lock_in, beam), bound: lock_in * of_lock_in + 0.5 * of_beam }
     }
 
     /// # Errors
@@ -85,7 +85,7 @@ fn kick(recipe: &Recipe) -> f64 {
 mod tests {
     use super::*;
     use crate::key::common::Streams;
-    use crate::kinds::lock_in::lower::{Gyros, oracle};
+    use crate::kinds::lock_in::lower::{Gyros, theory};
     use crate::kinds::lock_in::verify::checked;
     use crate::kinds::lock_in::{Dither, Inputs, Point};
     use crate::theory::allan::Estimator;
@@ -101,8 +101,8 @@ mod tests {
         let inputs = Inputs { beam_noise: 0.17, ..checked() };
         let own = point(inputs.clone());
         let gyros = Gyros::new(&own, Estimator::OVERLAPPING, 1, Streams::Independent).unwrap();
-        let lowered = LoweredOracle::new(gyros.recipe(), &own.times, gyros.lsb_arcsec());
-        let checked = |inputs: Inputs| lowered.check(oracle::angle_random_walk(&point(inputs)).unwrap());
+        let lowered = LoweredTheory::new(gyros.recipe(), &own.times, gyros.lsb_arcsec());
+        let checked = |inputs: Inputs| lowered.check(theory::angle_random_walk(&point(inputs)).unwrap());
         assert_eq!(checked(inputs.clone()), Ok(()));
         let with = |change: fn(&mut Dither)| {
             let mut inputs = inputs.clone();

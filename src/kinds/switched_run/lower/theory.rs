@@ -8,7 +8,7 @@ use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow, FixedTime, Fixed
 
 /// Mean and standard deviation of an angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunOracle {
+pub struct RunTheory {
     /// Mean over runs, signed.
     pub mean: f64,
     /// Standard deviation from run to run.
@@ -17,7 +17,7 @@ pub struct RunOracle {
     pub rounding: f64,
 }
 
-impl RunOracle {
+impl RunTheory {
     /// √(mean² + deviation²), ″.
     pub fn rms(&self) -> f64 {
         libm::hypot(self.mean, self.deviation)
@@ -25,16 +25,16 @@ impl RunOracle {
 }
 
 impl Fixed {
-    /// The oracle of an angle of the study with index `place`; `None` where a compensated relock has no closed form.
-    pub(crate) fn oracle(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
+    /// The theory of an angle of the study with index `place`; `None` where a compensated relock has no closed form.
+    pub(crate) fn theory(&self, angle: RunAngle, place: usize) -> Option<RunTheory> {
         if self.relock.as_ref().is_some_and(|relock| !relock.exact) {
             return None;
         }
         self.about(angle, place)
     }
 
-    /// The oracle of an angle; for a compensated relock it is approximated by the first trials.
-    fn about(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
+    /// The theory of an angle; for a compensated relock it is approximated by the first trials.
+    fn about(&self, angle: RunAngle, place: usize) -> Option<RunTheory> {
         match angle {
             RunAngle::Largest => None,
             RunAngle::End if !self.drawn.is_empty() => {
@@ -52,13 +52,13 @@ impl Fixed {
     }
 
     /// Mean and deviation at a time within an interval.
-    fn within(&self, time: &FixedTime) -> RunOracle {
+    fn within(&self, time: &FixedTime) -> RunTheory {
         let walk = time.row.switches as f64 * square(self.walk[0]) + square(time.walk) + square(time.bridge);
         self.at(&time.row, walk)
     }
 
     /// Mean and deviation at the drift `row`, with the variance `walk` of the random walk, LSB².
-    fn at(&self, row: &FixedRow, walk: f64) -> RunOracle {
+    fn at(&self, row: &FixedRow, walk: f64) -> RunTheory {
         let switches = row.switches as f64;
         let constant = self.constant as f64 / libm::exp2(32.0);
         let deviations: f64 = row.deviations.iter().map(|&word| square(word.unsigned_abs())).sum();
@@ -89,7 +89,7 @@ impl Fixed {
         // Where the first mode is drawn, the magnetic part has either sign.
         let magnetic = f64::from(row.magnetic) + heated;
         let (mean, drawn) = if self.mode { (0.0, magnetic) } else { (heated, 0.0) };
-        RunOracle {
+        RunTheory {
             mean: (f64::from(row.angle) + mean + relocked + switches * constant) * self.lsb_arcsec,
             deviation: libm::sqrt(variance + spread + drawn * drawn) * self.lsb_arcsec,
             rounding: 2.0 * self.lsb_arcsec + rounding + rounded,
@@ -119,7 +119,7 @@ impl Fixed {
     /// Approximate rms of an angle, LSB; where it is unknown, the largest one at the end of any interval.
     pub(crate) fn expected_rms(&self, angle: RunAngle, place: usize) -> f64 {
         match self.about(angle, place) {
-            Some(oracle) => oracle.rms() / self.lsb_arcsec,
+            Some(theory) => theory.rms() / self.lsb_arcsec,
             None => {
                 let walk = |row: &FixedRow| (row.switches + 1) as f64 * square(self.walk[0]);
                 let heated = |row: &FixedRow| {
@@ -136,7 +136,7 @@ impl Fixed {
 }
 
 /// Mean and deviation over angles that are equally likely.
-fn averaged(angles: impl ExactSizeIterator<Item = RunOracle>) -> RunOracle {
+fn averaged(angles: impl ExactSizeIterator<Item = RunTheory>) -> RunTheory {
     let n = angles.len() as f64;
     let (mut mean, mut square, mut rounding) = (0.0, 0.0, 0.0_f64);
     for angle in angles {
@@ -144,7 +144,7 @@ fn averaged(angles: impl ExactSizeIterator<Item = RunOracle>) -> RunOracle {
         square += angle.rms() * angle.rms() / n;
         rounding = rounding.max(angle.rounding);
     }
-    RunOracle { mean, deviation: libm::sqrt((square - mean * mean).max(0.0)), rounding }
+    RunTheory { mean, deviation: libm::sqrt((square - mean * mean).max(0.0)), rounding }
 }
 
 /// The square of a standard deviation in 2^−4 LSB, LSB².

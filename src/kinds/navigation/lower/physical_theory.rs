@@ -1,4 +1,4 @@
-//! The rms of the errors of a navigator from the physical inputs: an oracle that shares nothing computed with the kernel but
+//! The rms of the errors of a navigator from the physical inputs: theory that shares no computation with the kernel but
 //! the weights before they are rounded, which tests compare with an independent simulation.
 
 use core::f64::consts::PI;
@@ -14,8 +14,8 @@ use crate::theory::drift::magnetic::Magnetic;
 use crate::theory::navigation::covariance;
 use crate::theory::navigation::weights::Weights;
 
-/// The physical oracle of a point.
-pub(crate) struct PhysicalOracle {
+/// The physical theory of a point.
+pub(crate) struct PhysicalTheory {
     /// The weights of each gyro, per ″.
     weights: Vec<Weights>,
     /// The noise of each set of coefficients.
@@ -29,15 +29,15 @@ struct Set {
     shared: Vec<f64>,
 }
 
-impl PhysicalOracle {
-    /// The oracle of a point of a study with this seed.
-    pub(crate) fn new(point: &Point, study: &Navigation, seed: u64) -> PhysicalOracle {
+impl PhysicalTheory {
+    /// The theory of a point of a study with this seed.
+    pub(crate) fn new(point: &Point, study: &Navigation, seed: u64) -> PhysicalTheory {
         let (sample_s, samples) = (point.inputs.sample(), point.inputs.samples());
         let set = |set| {
             let noise = drawn(point, study, seed, set);
             Set { random: random(&noise, sample_s, samples), shared: shared(&noise, sample_s, samples) }
         };
-        PhysicalOracle { weights: point.inputs.weights(), sets: (0..study.draws).map(set).collect() }
+        PhysicalTheory { weights: point.inputs.weights(), sets: (0..study.draws).map(set).collect() }
     }
 
     /// The rms of some errors together over all sets, in their unit.
@@ -67,7 +67,7 @@ fn random(noise: &Noise, t0: f64, samples: u64) -> covariance::Noise {
     let shaped = |term: Term| Some(noise.of(term)).filter(|[size, _]| *size != 0.0);
     let switching = noise.switched(t0);
     covariance::Noise {
-        errors: noise.of(Term::Quantisation)[0],
+        errors: noise.of(Term::Quantization)[0],
         white: noise.of(Term::AngleRandomWalk)[0] * root,
         octaves: variances.into_iter().flatten().map(octave).collect(),
         walk: noise.of(Term::RateRandomWalk)[0] * t0 * root,

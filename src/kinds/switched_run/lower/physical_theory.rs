@@ -1,12 +1,12 @@
-//! Mean and rms of the angle of runs from the physical inputs: an oracle that shares nothing computed with the kernel.
+//! Mean and rms of the angle of runs from the physical inputs: theory that shares no computation with the kernel.
 //!
 //! The drift is summed interval by interval, the residual of a switch is that of the
-//! [physical oracle](crate::kinds::gap_fill::lower::physical_oracle) of gap-fill, and phases are in `f64`.
+//! [physical theory](crate::kinds::gap_fill::lower::physical_theory) of gap-fill, and phases are in `f64`.
 
 use core::f64::consts::PI;
 
 use crate::drift::schedule::{End, Schedule};
-use crate::kinds::gap_fill::lower::physical_oracle::Switch;
+use crate::kinds::gap_fill::lower::physical_theory::Switch;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle, FirstMode, SwitchedRun, Timing};
 use crate::motion::Frequency;

@@ -53,7 +53,7 @@ fn residual_amplitudes_at_the_papers_point_are_those_of_the_theory() {
             "quadratic" => (2, [1.435, 8.189, 26.848][n - 1]),
             _ => (0, [26.026, 77.569, 154.511][n - 1]),
         };
-        let (found, largest) = (row.number("oracle_max"), row.number("max"));
+        let (found, largest) = (row.number("theory_max"), row.number("max"));
         assert!((found - expected).abs() < 5e-4, "{found} instead of {expected}: {}", row.place());
         let ticks = [-1, 0, n as i32 + 1, n as i32 + 2];
         let gain = polynomial_weights(&ticks, order, n as u32).unwrap().largest_gain();
@@ -171,7 +171,7 @@ fn an_independent_sampler_in_floating_point_agrees_within_5_standard_errors() {
 }
 
 #[test]
-fn the_reference_weights_are_those_of_the_theorys_table() {
+fn the_reference_weights_are_those_of_the_theories_table() {
     let table: [(i32, i32, [f64; 4]); 4] = [
         (1, 2, [-1.0 / 6.0, 2.0 / 3.0, 2.0 / 3.0, -1.0 / 6.0]),
         (2, 2, [-0.5, 1.5, 1.5, -0.5]),
@@ -296,14 +296,14 @@ fn an_error_below_the_resolution_is_blank() {
     assert_eq!(residuals.len(), 9);
     let bounds = gap_fill(&study).points.iter().flat_map(|point| {
         let lowered = lowered(&study, point);
-        lowered.fillers.into_iter().map(|estimates| estimates[0].oracle.rounding)
+        lowered.fillers.into_iter().map(|estimates| estimates[0].theory.rounding)
     });
     // The gap is centred on the zero crossing of the rate, so nothing but rounding is left: nothing at all, or a blank row.
     let mut blank = 0;
     for (row, bound) in residuals.iter().zip(bounds) {
         assert!(row.maybe("rms").is_none_or(|rms| rms == 0.0), "{}", row.place());
-        assert!(row.number("oracle_rms") < 1e-9 && bound < 1e-3, "rounding of {bound}: {}", row.place());
-        let estimates = ["mean", "rms", "rms_se", "max", "q9973", "z"];
+        assert!(row.number("theory_rms") < 1e-9 && bound < 1e-3, "rounding of {bound}: {}", row.place());
+        let estimates = ["mean", "rms", "rms_se", "max", "p99_73", "z"];
         blank += usize::from(estimates.iter().all(|name| row.maybe(name).is_none()));
     }
     assert!(blank >= 3, "{blank}");

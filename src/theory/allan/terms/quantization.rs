@@ -5,11 +5,11 @@ use crate::theory::allan::part::sine_of_turns;
 use crate::theory::allan::terms::{Increment, MICRO_G, Row, Source};
 
 pub(super) static ROW: Row = Row {
-    key: "noise.quantisation",
+    key: "noise.quantization",
     symbol: "Q",
-    title: "quantisation noise Q",
-    name: ["", "quantisation"],
-    unit: (1.0, "arcsec", "arcsec"),
+    title: "quantization noise Q",
+    name: ["", "quantization"],
+    unit: (1.0, "arcsec", "″"),
     unit_of_acceleration: (MICRO_G, "m/s", "m/s"),
     plain: ("s", "· s"),
     // Σc² of the coefficients of the angles.

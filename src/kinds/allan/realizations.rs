@@ -11,8 +11,8 @@ use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
 use crate::theory::allan::terms::Term;
 
-/// Least number of realisations with usable 2.5 % quantiles: the fifth value from each end.
-pub const LEAST_REALISATIONS: usize = 200;
+/// Least number of realizations with usable 2.5 % quantiles: the fifth value from each end.
+pub const LEAST_REALIZATIONS: usize = 200;
 
 /// Differences of the angle are spaced by this part of τ, with almost no loss of precision.
 const STRIDE: Stride = Stride::Part(64);
@@ -25,12 +25,12 @@ const SEEN: f64 = 1e-6;
 /// of the fitted curve.
 ///
 /// Every random number is determined by the fitted curve and the number of the record, so the same record has the same
-/// realisations on every machine, and a larger count extends the same sequence. `progress` receives the number of
+/// realizations on every machine, and a larger count extends the same sequence. `progress` receives the number of
 /// completed records.
 ///
 /// # Errors
 /// The fit cannot be represented in the kernel's fixed point: see [`Refusal`].
-pub fn realisations(
+pub fn realizations(
     cpu: &Cpu,
     curve: &Curve,
     fit: &Fit,

@@ -1,4 +1,4 @@
-//! The generalised covariance of a sampled angle, which gives the covariance of any two of its differences.
+//! The generalized covariance of a sampled angle, which gives the covariance of any two of its differences.
 //!
 //! An angle with a random walk has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, where
 //! V(n) is the variance of its increment over n samples. G may differ by a parabola, which second differences cancel.

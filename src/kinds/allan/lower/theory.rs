@@ -1,7 +1,7 @@
 //! The expected estimates of records, from the words of the kernel.
 //!
 //! Independent parts add in the mean square of a difference, each by its closed form, and the drift by its table. The
-//! kernel rounds the angle, the sine, fill residuals and quantisation noise down to whole LSB. Where the angle moves by
+//! kernel rounds the angle, the sine, fill residuals and quantization noise down to whole LSB. Where the angle moves by
 //! a normal number of one LSB or more from sample to sample, its rounding is uniform, white and independent of
 //! everything else, up to a factor e^{−2π²} and except for the first angle, which is 0. Otherwise, and for the sine and
 //! fill residuals, rounding is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d², where d is the largest difference that it
@@ -10,11 +10,11 @@
 use crate::kinds::allan::lower::fixed::TURN;
 use crate::kinds::allan::lower::model::{Noise, reach};
 use crate::kinds::allan::lower::{Records, drift};
-use crate::theory::allan::quantiser;
+use crate::theory::allan::quantizer;
 
 /// The expected estimate for the lowered words, (″/s)².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oracle {
+pub struct Theory {
     /// Expected value; absent where it is not known to 1 %.
     pub value: Option<f64>,
     /// Bound of the deviation of the expected estimate from `value`, due to rounding in the kernel and to readouts
@@ -54,11 +54,11 @@ impl Square {
 
 impl Records {
     /// The expected estimate at `ms()[at]`. For records with drift it takes as long as summing their differences.
-    pub fn oracle(&self, at: usize) -> Oracle {
+    pub fn theory(&self, at: usize) -> Theory {
         let unit = self.variance_of_square(at);
         let Square { value, error, representation } = self.mean_square(at);
         let error = error + SUM_ERROR * value;
-        Oracle {
+        Theory {
             value: (error <= MOST_ROUNDING * value).then_some(value * unit),
             rounding: error * unit,
             representation: (representation + REPRESENTATION_ERROR * value) * unit,
@@ -90,12 +90,12 @@ impl Records {
                 sum.add(squares / 12.0, 1.0 + 1e-7 * libm::sqrt(random) + first);
                 sum.representation += squares / 12.0;
             } else {
-                let angle = Noise { quantisation: 0.0, ..noise.clone() }.variance(difference, m);
+                let angle = Noise { quantization: 0.0, ..noise.clone() }.variance(difference, m);
                 off(&mut sum, libm::pow(libm::sqrt(angle) + libm::sqrt(trend), 2.0), 0.5 * reach);
             }
         }
         if let Some(markov) = noise.markov {
-            let alone = Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, ..noise.clone() };
+            let alone = Noise { quantization: 0.0, white: 0.0, octaves: vec![], walk: 0.0, ..noise.clone() };
             let variance = alone.variance(difference, m);
             sum.add(0.0, fixed.start_error() * variance);
             // The loss acts on whole units: it is off by up to one unit, and changes by up to that fraction of one in a
@@ -121,10 +121,10 @@ impl Records {
             let readout = self.readout(&noise, pulse, m);
             // The covariance of two errors changes by at most half a pulse per LSB of the rounding between them.
             let angle = if fixed.has_angle() { 1.0 } else { 0.0 };
-            let quantisation = if fixed.quantisation > 0 { 1.0 } else { 0.0 };
+            let quantization = if fixed.quantization > 0 { 1.0 } else { 0.0 };
             let drift = if self.recipe.drift.is_empty() { 0.0 } else { 1.0 };
             let jumps = if fixed.switching.is_some() { 1.0 } else { 0.0 };
-            let between = angle + quantisation + drift + jumps + 2.0 * wave_error;
+            let between = angle + quantization + drift + jumps + 2.0 * wave_error;
             let pairs = reach * reach - squares;
             sum.add(readout.value, readout.error + 0.5 * pairs * pulse * between);
             sum.representation += self.readout_bound(pulse, pairs, m);
@@ -137,13 +137,13 @@ impl Records {
         let (fixed, difference) = (&self.fixed, self.estimator.difference);
         let mut process = noise.simple();
         let white = pulse * pulse / 12.0 * difference.coefficients().iter().map(|c| c * c).sum::<f64>();
-        let bound = quantiser::white_error(pulse, &process, difference, m);
+        let bound = quantizer::white_error(pulse, &process, difference, m);
         process.parts.extend(fixed.wave().and_then(|sine| sine.part()));
         let switches = fixed.switching.is_some();
         let drifts = self.curved || switches || noise.walk > 0.0 || !noise.octaves.is_empty();
         // Whole pulses in the rate per sample do not affect the fractions.
         let rate = (fixed.rate % (pulse * TURN) as u64) as f64 / TURN;
-        match quantiser::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {
+        match quantizer::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {
             Some(value) => Square { value, error: 0.0, representation: 0.0 },
             None => Square { value: white, error: bound, representation: 0.0 },
         }

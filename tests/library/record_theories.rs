@@ -26,7 +26,7 @@ fn quiet() -> Recipe {
         flicker: vec![],
         markov: None,
         sine: None,
-        quantisation: 0,
+        quantization: 0,
         pulse: None,
         switching: None,
         drift: Arc::new([]),
@@ -77,8 +77,8 @@ fn process(part: Part) -> impl Fn(u64) -> f64 {
 fn every_noise_has_the_variance_of_its_closed_form() {
     let white = Recipe { white: 16 * 1000, ..quiet() };
     check("white", &white, process(Part::angle_random_walk(1000.0)));
-    let quantisation = Recipe { quantisation: 16 * 1000, ..quiet() };
-    check("quantisation", &quantisation, process(Part::quantisation(1000.0)));
+    let quantization = Recipe { quantization: 16 * 1000, ..quiet() };
+    check("quantization", &quantization, process(Part::quantization(1000.0)));
     let walk = Recipe { walk: 16 * 25_600, ..quiet() };
     check("rate random walk", &walk, process(Part::rate_random_walk(25_600.0 * RATE_UNIT)));
 
@@ -117,13 +117,13 @@ fn flicker_is_the_sum_of_its_octave_holds() {
 
 #[test]
 fn a_readout_and_all_noises_together_add_up() {
-    let all = Recipe { white: 16 * 300, walk: 16 * 2560, quantisation: 16 * 500, pulse: Some(10), ..quiet() };
+    let all = Recipe { white: 16 * 300, walk: 16 * 2560, quantization: 16 * 500, pulse: Some(10), ..quiet() };
     let parts = vec![
         Part::angle_random_walk(300.0),
         Part::rate_random_walk(10.0),
-        Part::quantisation(500.0),
+        Part::quantization(500.0),
         // Pulses of 1024 LSB under more than half a pulse of white noise: white themselves to 1e-3.
-        Part::quantisation(1024.0 / 12.0_f64.sqrt()),
+        Part::quantization(1024.0 / 12.0_f64.sqrt()),
     ];
     let process = Process { sample_s: 1.0, parts };
     check("all", &all, |m| process.variance(Difference::Second, m));

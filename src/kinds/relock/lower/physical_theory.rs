@@ -1,4 +1,4 @@
-//! Mean and rms of the angle left from the physical inputs: an oracle that shares nothing computed with the kernel.
+//! Mean and rms of the angle left from the physical inputs: theory that shares no computation with the kernel.
 //!
 //! The angle that a miss Δλ0 leaves in some ticks is C·Δλ0². Z(11) over tick i is C_i = 2χ f0 τ_L q^{2i−1} sinh²(T/2τ_L), and
 //! over the first m ticks it is ½χ f0 τ_L tanh(T/2τ_L)(1 − q^{2m}), with q = e^{−T/τ_L} and f0 in ″/s. Units, words and the

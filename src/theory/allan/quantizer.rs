@@ -1,7 +1,7 @@
 //! A readout that counts whole pulses: q⌊(θ + u)/q⌋ of the total angle, whose start u is uniform over one pulse q.
 //!
 //! The error of such a readout is uniform over one pulse at every sample, so it is uncorrelated with the angle, and its
-//! variance is q²/12, that of the quantisation noise Q = q/√12. It is *not* white: it stays constant while the angle
+//! variance is q²/12, that of the quantization noise Q = q/√12. It is *not* white: it stays constant while the angle
 //! moves by much less than a pulse, and it is a beat where the pulses come at an even rate. The covariance of two
 //! errors whose angles differ by Δ is q²·B(Δ/q)/2 with the Bernoulli polynomial B = d² − d + 1/6 of the fractional part
 //! d, a series of cosines; its mean over Δ follows from the characteristic function of Δ.
@@ -22,7 +22,7 @@ const NEGLIGIBLE: f64 = 40.0;
 /// Mean square of a difference of the readout's error at `m`, ″², which is added to that of the angle.
 ///
 /// `lsb` is q, ″; `mean_rate` is the constant rate of the gyro, ″/s, which determines the beat with the pulses. The
-/// result is exact for quantisation noise before the readout, angle random walk, Markov noise and sines. It is `None`
+/// result is exact for quantization noise before the readout, angle random walk, Markov noise and sines. It is `None`
 /// for any other part, whose increments are not those of one Gaussian (the octave holds) or change along the record,
 /// and for a sine with less noise than √1e-9 pulses. Then take the white 6q²/12 (20q²/12), with [`white_error`] as its
 /// bound.
