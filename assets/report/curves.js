@@ -9,6 +9,9 @@ function placed(axis, values) {
 /** Dashes, markers and colours by style, and how many points have markers; the page gives them. */
 let looks;
 
+/** The styles of a series, by which the legend finds what is drawn of it. */
+const styles = (series) => ({ "data-colour": series.colour, "data-dash": series.dash });
+
 const styled = (list, style) => list[style % list.length];
 
 class Curves {
@@ -21,6 +24,12 @@ class Curves {
     this.hasLaws = figure.series.some((series) => series.law.length > 0);
     this.ownDashes = figure.dashes.entries.length > 0;
     this.named = figure.x.names.length > 0;
+  }
+
+  /** Whether an axis has values that a logarithmic one tells better apart. */
+  canBeLog(axis) {
+    const values = this.figure.series.flatMap((series) => series.points.map((point) => point[axis])).filter((value) => value !== null);
+    return this[axis].scale === "log" || (values.every((value) => value >= 0) && Math.max(...values) > 4 * Math.min(...values));
   }
 
   /** Whether something is switched on: `colour 2`, `bands`. */
@@ -79,6 +88,7 @@ class Curves {
 
   draw(plot, under, over) {
     const { figure } = this;
+    this.shadeRanges(plot, under);
     for (const { line, at } of this.laws()) {
       const colour = line.colour === null ? "grey" : `c${line.colour % 8}`;
       const look = figure.laws[at].is_area ? { class: `band ${colour}` } : { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) };
@@ -91,7 +101,7 @@ class Curves {
       if (this.on(`part ${at}`)) this.line(plot, under, part.points, look);
     });
     for (const each of series) {
-      const look = { class: `curve c${each.colour % 8}`, "stroke-dasharray": styled(looks.dashes, this.dashOf(each)) };
+      const look = { ...styles(each), class: `curve c${each.colour % 8}`, "stroke-dasharray": styled(looks.dashes, this.dashOf(each)) };
       if (this.named) {
         if (this.on("lines")) this.levels(plot, under, each.law, { ...look, "stroke-dasharray": null });
         continue;
@@ -103,6 +113,8 @@ class Curves {
     if (this.on("points")) series.forEach((each) => this.markers(plot, over, each));
     // Its label is over the markers, and where it covers least.
     if (figure.limit && this.on("limit")) this.limit(plot, under, over);
+    this.marks(plot, over);
+    if (figure.slopes && plot.log.x && plot.log.y) this.slopes(plot, over);
     if (!series.some((each) => each.points.some(({ x, y }) => plot.shows(x, y)))) {
       const { left, right, top, bottom } = plot.frame;
       const why = series.length === 0 ? "all curves are switched off" : "no value has a place on these axes";
@@ -153,8 +165,8 @@ class Curves {
       }
     }
     flush(run);
-    if (areas) group.append(shape("path", { class: `band ${colour}`, d: areas }));
-    if (bars) group.append(shape("path", { class: `bar ${colour}`, d: bars }));
+    if (areas) group.append(shape("path", { ...styles(series), class: `band ${colour}`, d: areas }));
+    if (bars) group.append(shape("path", { ...styles(series), class: `bar ${colour}`, d: bars }));
   }
 
   /** The values at which a line shows the limit: it limits the magnitude, so that below 0 there is a second one. */
@@ -207,7 +219,79 @@ class Curves {
     for (let at = 0; at < inside.length; at += step) path += markerPath(this.dashOf(series), radius, inside[at]);
     // The rims of small ones would hide each other.
     const rim = radius < 2.4 ? " rimless" : "";
-    if (path) group.append(shape("path", { class: `marker c${series.colour % 8}${rim}`, d: path }));
+    if (path) group.append(shape("path", { ...styles(series), class: `marker c${series.colour % 8}${rim}`, d: path }));
+  }
+
+  // What the answer names.
+
+  shadeRanges(plot, group) {
+    const { top, bottom } = plot.frame;
+    for (const { range } of this.figure.marks ?? []) {
+      if (!range || range.some((x) => !Range.shows(plot.log.x, x))) continue;
+      const [from, to] = range.map((x) => plot.across(x));
+      group.append(shape("rect", { class: "good", x: from, y: top, width: to - from, height: bottom - top }));
+    }
+  }
+
+  /** The marks with their labels, which cover as little as possible; a label without room is left out. */
+  marks(plot, group) {
+    const { left, top, right, bottom } = plot.frame;
+    const size = plot.small ? 11 : 13;
+    const shown = (this.figure.marks ?? []).filter(({ place: [x, y] }) => plot.shows(x, y))
+      .map((mark) => ({ ...mark, at: [plot.across(mark.place[0]), plot.down(mark.place[1])] })).filter(({ at }) => plot.inFrame(at));
+    if (shown.length === 0) return;
+    const made = shape("g", { class: "answer" });
+    const drops = shown.filter((mark) => mark.shape === "crossing").map(({ at: [x, y] }) => `M${x},${y}V${bottom}`);
+    if (drops.length > 0) made.append(shape("path", { class: "drop", d: drops.join("") }));
+    const styles = { crossing: 0, extremum: 3, coefficient: 1 };
+    const dots = shown.filter((mark) => mark.shape in styles).map((mark) => markerPath(styles[mark.shape], 5, mark.at));
+    made.append(shape("path", { class: "dot", d: dots.join("") }));
+    const curves = this.series().flatMap((series) => this.traced(plot, series));
+    const labelled = [];
+    for (const { at: [x0, y0], label } of shown.filter((mark) => mark.label)) {
+      const width = textWidth(label, size) * 1.08;
+      const places = BESIDE.map(([across, down, anchor]) => {
+        const [x, y] = [x0 + across, y0 + down];
+        const from = anchor === "start" ? x : anchor === "end" ? x - width : x - width / 2;
+        return { x, y, anchor, box: [from - 3, y - size, from + width + 3, y + 4] };
+      });
+      const free = places.filter(({ box: [x1, y1, x2, y2] }) => x1 >= left && y1 >= top && x2 <= right && y2 <= bottom
+        && !labelled.some((other) => x1 < other[2] && other[0] < x2 && y1 < other[3] && other[1] < y2));
+      if (free.length === 0) continue;
+      const covered = ({ box: [x1, y1, x2, y2] }) => {
+        const within = ([x, y]) => x >= x1 && x <= x2 && y >= y1 && y <= y2;
+        return curves.filter(within).length + 20 * shown.filter(({ at }) => within(at)).length;
+      };
+      const best = free.reduce((one, other) => (covered(other) < covered(one) ? other : one));
+      labelled.push(best.box);
+      made.append(shape("text", { class: "mark-label", x: best.x, y: best.y, "text-anchor": best.anchor }, label));
+    }
+    group.append(made);
+  }
+
+  /** Short lines with the slopes of the noise terms, in the lower left corner. */
+  slopes(plot, group) {
+    const { left, right, top, bottom } = plot.frame;
+    const perDecade = (size, range) => size / Math.log10(range.high / range.low);
+    const [across, up] = [perDecade(right - left, plot.ranges.x), perDecade(bottom - top, plot.ranges.y)];
+    const [x, y] = [left + 14, bottom - (plot.small ? 52 : 66)];
+    const made = shape("g", { class: "slopes" });
+    for (const [slope, label] of [[-1, "−1"], [-0.5, "−½"], [0, "0"], [0.5, "+½"], [1, "+1"]]) {
+      const length = (plot.small ? 32 : 42) / Math.hypot(across, slope * up);
+      const [dx, dy] = [length * across, -length * slope * up];
+      made.append(shape("path", { d: `M${x},${y}l${dx},${dy}` }), shape("text", { x: x + dx + 3, y: y + dy + 4 }, label));
+    }
+    group.append(made);
+  }
+
+  /** The numbers of the chart, a row for each point. */
+  csv() {
+    const { figure } = this;
+    const rows = this.figure.series.flatMap((series) => {
+      const law = new Map(series.law);
+      return series.points.map(({ x, y, band }) => [this.named ? axisValue(this.x, x) : x, this.name(series), y, ...(band ?? ["", ""]), law.get(x) ?? ""]);
+    });
+    return csvOf([[axisTitle(this.x), "curve", axisTitle(this.y), "lower", "upper", figure.lines || "closed form"], ...rows]);
   }
 
   // Reading values.
@@ -256,6 +340,12 @@ class Curves {
     return { found, place, marks, text: () => this.text(found), again: (anew) => this.told(anew, found) };
   }
 
+  /** What is read off as a pinned reading. */
+  reading({ series, at }) {
+    const { x, y } = series.points[at];
+    return { name: this.name(series) || this.y.label, x, y, colour: series.colour };
+  }
+
   /** All curves at the x that is read off, the one pointed at first. */
   text(found) {
     const { x, key } = found.series.points[found.at];
@@ -267,11 +357,11 @@ class Curves {
     const lines = shown.map(({ series, point }) => {
       const law = series.law.find((place) => place[0] === x);
       const value = element("b", {}, measured(point.y, unit));
-      const band = point.band ? ` ${this.figure.bands || "interval"}: ${significant(point.band[0])} … ${significant(point.band[1])}` : "";
+      const band = point.band ? ` ${this.figure.bands || "interval"}: ${significant(point.band[0], READ)} … ${significant(point.band[1], READ)}` : "";
       return element("tr", { class: series === found.series ? "first" : null },
         element("td", {}, element("i", { class: `swatch c${series.colour % 8}` })),
         element("td", {}, this.name(series) || this.y.label),
-        element("td", {}, value, element("small", {}, band, law && Number.isFinite(law[1]) ? ` ${this.figure.lines || "closed form"}: ${significant(law[1])}` : "")));
+        element("td", {}, value, element("small", {}, band, law && Number.isFinite(law[1]) ? ` ${this.figure.lines || "closed form"}: ${significant(law[1], READ)}` : "")));
     });
     const more = rows.length > shown.length ? element("p", {}, `and ${rows.length - shown.length} more`) : null;
     return [element("p", { class: "at" }, axisValue(this.x, x), key === undefined ? "" : ` (${axisValue(this.figure.key, key)})`), element("table", {}, ...lines), more].filter(Boolean);
@@ -335,6 +425,12 @@ class Curves {
       update();
     };
     made.addEventListener("dblclick", alone);
+    // The others recede while one is pointed at.
+    const recede = (isOver) => plot.picture.querySelectorAll(`[data-${kind}]`).forEach((each) => {
+      each.style.opacity = isOver && each.dataset[kind] !== key.split(" ")[1] ? 0.15 : "";
+    });
+    made.addEventListener("pointerenter", () => recede(true));
+    made.addEventListener("pointerleave", () => recede(false));
     made.dataset.key = key;
     made.append(shape("svg", { class: "sample", viewBox: "0 0 36 18", "aria-hidden": "true" }, ...sample), element("span", {}, name));
     return made;
@@ -352,6 +448,9 @@ function sampleBand(colour) {
 function sampleMarker(look, style) {
   return shape("path", { class: look.replace("curve", "marker"), d: markerPath(style, 4.2, [18, 9]) });
 }
+
+/** Where a label may be beside its mark, the best first: steps to the right, steps down, and its anchor. */
+const BESIDE = [[9, -8, "start"], [-9, -8, "end"], [9, 18, "start"], [-9, 18, "end"], [0, -14, "middle"], [0, 24, "middle"], [9, -26, "start"], [-9, -26, "end"]];
 
 /** A marker as a path: a circle where its style has no corners. */
 function markerPath(style, radius, [x, y]) {

@@ -169,7 +169,7 @@ class CellMap {
         winners ? element("td", {}, element("i", { class: `swatch c${layer.style % 8}` })) : null,
         element("td", {}, layer.name || map.z.label),
         element("td", {}, ...(estimate ? [element("b", {}, measured(estimate[0], map.z.unit)),
-          element("small", {}, estimate[1] ? ` 95 %: ${significant(estimate[1][0])} … ${significant(estimate[1][1])}` : "")] : ["not known"]))));
+          element("small", {}, estimate[1] ? ` 95 %: ${significant(estimate[1][0], READ)} … ${significant(estimate[1][1], READ)}` : "")] : ["not known"]))));
     const close = winners?.won[cell] && !winners.won[cell].certain ? element("p", {}, "the 95 % bands of the best two overlap") : null;
     return [element("p", { class: "at" }, axisValue(map.x, map.columns[column])), element("p", { class: "at" }, axisValue(map.y, map.rows[row])),
       element("table", {}, ...lines), close].filter(Boolean);
@@ -200,6 +200,14 @@ class CellMap {
         points: "", bands: "95 %", lines: "",
       },
     };
+  }
+
+  /** The numbers of the map, a row for each cell. */
+  csv() {
+    const { map } = this;
+    const rows = map.layers.flatMap((layer) => layer.values.map((estimate, cell) => [map.columns[cell % map.columns.length],
+      map.rows[Math.floor(cell / map.columns.length)], layer.name, estimate?.[0], ...(estimate?.[1] ?? ["", ""])]));
+    return csvOf([[axisTitle(map.x), axisTitle(map.y), "curve", axisTitle(map.z), "lower", "upper"], ...rows]);
   }
 
   // The legend.

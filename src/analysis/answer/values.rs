@@ -75,7 +75,7 @@ pub(super) fn outline(question: &Question) -> Outline {
     let (headline, value, kind) = told.unwrap_or_else(|| (String::new(), None, Kind::Estimate));
     let mut table = table(columns, lines);
     table.best = table.best.filter(|_| kind != Kind::Estimate && (single.is_none() || question.x.is_none()));
-    Outline { kind, headline, value, table }
+    Outline { kind, headline, value, table, marks: vec![] }
 }
 
 /// A row for each of some places along a single curve.

@@ -36,6 +36,10 @@ pub struct Figure {
     pub parts: Parts,
     /// Limit against which the curves are judged.
     pub limit: Option<Limit>,
+    /// What the answer names.
+    pub marks: Vec<Mark>,
+    /// Whether guides show the slopes of the noise terms, on two logarithmic axes.
+    pub slopes: bool,
     /// Rows selected from the table for the legend, such as `filler = const`.
     pub chosen: Vec<String>,
 }
@@ -179,6 +183,33 @@ pub struct Part {
     pub points: Vec<(f64, f64)>,
 }
 
+/// A place on a curve that the answer names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mark {
+    /// Its shape.
+    pub shape: Shape,
+    /// Its place, in the units of the axes.
+    pub place: (f64, f64),
+    /// Ends of a range of x around it, which is shaded.
+    pub range: Option<(f64, f64)>,
+    /// Its value, as in the answer; empty for a mark beside one with a label for both.
+    pub label: String,
+}
+
+/// The shape of a mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// A dot with a line to the axis x: a curve crosses its limit.
+    Crossing,
+    /// A diamond: a minimum or a peak.
+    Extremum,
+    /// A square: a coefficient is read here.
+    Coefficient,
+    /// A label alone.
+    Label,
+}
+
 /// A horizontal line against which the curves are judged. An axis that cannot show its value omits it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
@@ -214,21 +245,19 @@ impl Figure {
         sides.filter(|value| self.y.scale.shows(*value)).collect()
     }
 
-    /// Gives fractions in percent, as limits of them are.
-    pub(crate) fn in_percent(&mut self) {
-        "%".clone_into(&mut self.y.unit);
+    /// Multiplies all values of x and y by the factors of other units.
+    pub(crate) fn rescale(&mut self, [x, y]: [f64; 2]) {
+        let rescale = |place: &mut (f64, f64)| *place = (x * place.0, y * place.1);
         for series in &mut self.series {
             for point in &mut series.points {
-                point.y *= 100.0;
-                point.band = point.band.map(|(low, high)| (100.0 * low, 100.0 * high));
+                (point.x, point.y) = (x * point.x, y * point.y);
+                point.band = point.band.map(|(low, high)| (y * low, y * high));
             }
-            series.law.iter_mut().for_each(|place| place.1 *= 100.0);
+            series.law.iter_mut().for_each(rescale);
         }
-        for line in self.laws.iter_mut().flat_map(|law| &mut law.lines) {
-            line.points.iter_mut().for_each(|place| place.1 *= 100.0);
-        }
+        self.laws.iter_mut().flat_map(|law| &mut law.lines).flat_map(|line| &mut line.points).for_each(rescale);
         if let Some(limit) = &mut self.limit {
-            limit.value *= 100.0;
+            limit.value *= y;
         }
     }
 

@@ -56,7 +56,7 @@ fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
     }
 }
 
-fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
+pub(crate) fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
     figure.all_points().filter(|point| figure.shows((point.x, point.y)))
 }
 
@@ -66,6 +66,7 @@ impl Plot<'_> {
         let Frame { left, right, .. } = self.area.frame;
         let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
         canvas.window(self.area.frame, |canvas| {
+            self.draw_ranges(canvas);
             for (i, law) in self.figure.laws.iter().enumerate() {
                 canvas.group(&law.label, |canvas| {
                     for line in &law.lines {
@@ -96,6 +97,10 @@ impl Plot<'_> {
         }
         if let Some(limit) = limit {
             self.draw_limit_label(canvas, limit);
+        }
+        self.draw_marks(canvas);
+        if self.figure.slopes {
+            self.draw_slopes(canvas);
         }
     }
 
