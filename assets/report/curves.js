@@ -24,6 +24,11 @@ class Curves {
     this.hasLaws = figure.series.some((series) => series.law.length > 0);
     this.ownDashes = figure.dashes.entries.length > 0;
     this.named = figure.x.names.length > 0;
+    // Names up the axis y, whose points no line joins.
+    this.rows = figure.y.names?.length > 0;
+    // The closed form of the only series has a colour of its own.
+    this.alone = figure.colours.entries.length === 0;
+    if (figure.is_panel) this.height = (width) => Math.min(Math.max(0.28 * width, 150), 220);
   }
 
   /** Whether an axis has values that a logarithmic one tells better apart. */
@@ -68,22 +73,22 @@ class Curves {
     const room = Math.max(high - low, 0.5 * Math.max(Math.abs(low), Math.abs(high)));
     const [from, to] = points.length === 0 ? [-Infinity, Infinity]
       : yLog ? [low / 10, high * 10] : [low - room, high + room];
-    const beside = lines.map((place) => place[1]);
+    const others = lines.map((place) => place[1]);
     if (this.on("bands")) {
-      for (const { band } of points) if (band) beside.push(band[0], band[1]);
+      for (const { band } of points) if (band) others.push(band[0], band[1]);
     }
     if (this.on("lines")) {
-      for (const series of this.series()) for (const place of series.law) beside.push(place[1]);
+      for (const series of this.series()) for (const place of series.law) others.push(place[1]);
     }
-    const near = beside.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
+    const near = others.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
     const limit = figure.limit && this.on("limit") ? this.limits() : [];
     const whole = function* () {
       for (const point of points) yield point.y;
       yield* near;
       yield* limit;
     };
-    const side = figure.x.names.length;
-    return { x: side > 0 ? new Range(false, 0.5, side + 0.5) : x, y: Range.around(yLog, whole()) };
+    const beside = (axis, range) => (axis.names?.length > 0 ? new Range(false, 0.5, axis.names.length + 0.5) : range);
+    return { x: beside(figure.x, x), y: beside(figure.y, Range.around(yLog, whole())) };
   }
 
   draw(plot, under, over) {
@@ -107,13 +112,14 @@ class Curves {
         continue;
       }
       const joined = figure.joined ?? each.law.length < 2;
+      if (!joined && this.alone) look.class = `curve c${(each.colour + 1) % 8}`;
       const points = joined ? each.points.map(({ x, y }) => [x, y]) : each.law;
-      if (joined ? this.on("points") : this.on("lines")) this.line(plot, under, points, look);
+      if (!this.rows && (joined ? this.on("points") : this.on("lines"))) this.line(plot, under, points, look);
     }
     if (this.on("points")) series.forEach((each) => this.markers(plot, over, each));
     // Its label is over the markers, and where it covers least.
-    if (figure.limit && this.on("limit")) this.limit(plot, under, over);
-    this.marks(plot, over);
+    const taken = figure.limit && this.on("limit") ? this.limit(plot, under, over) : null;
+    this.marks(plot, over, taken ? [taken] : []);
     if (figure.slopes && plot.log.x && plot.log.y) this.slopes(plot, over);
     if (!series.some((each) => each.points.some(({ x, y }) => plot.shows(x, y)))) {
       const { left, right, top, bottom } = plot.frame;
@@ -183,7 +189,7 @@ class Curves {
       if (Range.shows(plot.log.y, side)) under.append(shape("path", { class: "limit", d: `M${left},${plot.down(side)}H${right}` }));
     }
     const y = plot.down(value);
-    if (!Range.shows(plot.log.y, value) || !plot.inFrame([left, y])) return;
+    if (!Range.shows(plot.log.y, value) || !plot.inFrame([left, y])) return null;
     const [width, height] = [textWidth(label, plot.small ? 11 : 13), plot.small ? 11 : 13];
     // Below the line, or above it, at the place along it where the label covers least of the curves.
     const { top, bottom } = plot.frame;
@@ -197,6 +203,7 @@ class Curves {
     const all = (places.length > 0 ? places : [y - 7]).flatMap((base) => starts.map((x) => ({ x, base, covered: covered(x, base) })));
     const { x, base } = all.reduce((best, one) => (one.covered < best.covered ? one : best));
     over.append(shape("text", { class: "limit-label", x, y: base }, label));
+    return [x - 3, base - height, x + width + 3, base + 4];
   }
 
   /** Places along a curve in px, close enough to find what a text would cover. */
@@ -234,7 +241,7 @@ class Curves {
   }
 
   /** The marks with their labels, which cover as little as possible; a label without room is left out. */
-  marks(plot, group) {
+  marks(plot, group, labelled) {
     const { left, top, right, bottom } = plot.frame;
     const size = plot.small ? 11 : 13;
     const shown = (this.figure.marks ?? []).filter(({ place: [x, y] }) => plot.shows(x, y))
@@ -247,10 +254,10 @@ class Curves {
     const dots = shown.filter((mark) => mark.shape in styles).map((mark) => markerPath(styles[mark.shape], 5, mark.at));
     made.append(shape("path", { class: "dot", d: dots.join("") }));
     const curves = this.series().flatMap((series) => this.traced(plot, series));
-    const labelled = [];
-    for (const { at: [x0, y0], label } of shown.filter((mark) => mark.label)) {
+    for (const { at: [x0, y0], label, shape: mark } of shown.filter((mark) => mark.label)) {
       const width = textWidth(label, size) * 1.08;
-      const places = BESIDE.map(([across, down, anchor]) => {
+      const beside = { left: [[-9, 4.5, "end"]], right: [[9, 4.5, "start"]] }[mark] ?? BESIDE;
+      const places = beside.map(([across, down, anchor]) => {
         const [x, y] = [x0 + across, y0 + down];
         const from = anchor === "start" ? x : anchor === "end" ? x - width : x - width / 2;
         return { x, y, anchor, box: [from - 3, y - size, from + width + 3, y + 4] };
@@ -274,10 +281,10 @@ class Curves {
     const { left, right, top, bottom } = plot.frame;
     const perDecade = (size, range) => size / Math.log10(range.high / range.low);
     const [across, up] = [perDecade(right - left, plot.ranges.x), perDecade(bottom - top, plot.ranges.y)];
-    const [x, y] = [left + 14, bottom - (plot.small ? 52 : 66)];
+    const [x, y] = [left + 14, bottom - (plot.small ? 50 : 72)];
     const made = shape("g", { class: "slopes" });
     for (const [slope, label] of [[-1, "−1"], [-0.5, "−½"], [0, "0"], [0.5, "+½"], [1, "+1"]]) {
-      const length = (plot.small ? 32 : 42) / Math.hypot(across, slope * up);
+      const length = (plot.small ? 42 : 60) / Math.hypot(across, slope * up);
       const [dx, dy] = [length * across, -length * slope * up];
       made.append(shape("path", { d: `M${x},${y}l${dx},${dy}` }), shape("text", { x: x + dx + 3, y: y + dy + 4 }, label));
     }
@@ -356,7 +363,7 @@ class Curves {
     const unit = this.y.unit;
     const lines = shown.map(({ series, point }) => {
       const law = series.law.find((place) => place[0] === x);
-      const value = element("b", {}, measured(point.y, unit));
+      const value = element("b", {}, this.rows ? axisValue(this.y, Math.round(point.y)) : measured(point.y, unit));
       const band = point.band ? ` ${this.figure.bands || "interval"}: ${significant(point.band[0], READ)} … ${significant(point.band[1], READ)}` : "";
       return element("tr", { class: series === found.series ? "first" : null },
         element("td", {}, element("i", { class: `swatch c${series.colour % 8}` })),
@@ -389,7 +396,8 @@ class Curves {
       [sampleLine({ class: `part c${part.colour % 8}`, "stroke-dasharray": styled(looks.thin_dashes, at) })], part.label));
     const reading = [];
     if (figure.points) reading.push(entry("points", [sampleMarker("curve grey", 0)], figure.points));
-    if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: "curve grey" })], figure.lines));
+    const lines = this.alone ? `curve c${(figure.series[0]?.colour ?? 0) + 1}` : "curve grey";
+    if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: lines })], figure.lines));
     if (figure.series.some((series) => series.points.some((point) => point.band))) {
       reading.push(entry("bands", [sampleBand("grey")], figure.bands || "interval"));
     }

@@ -31,7 +31,7 @@ function measured(x, unit, digits = READ) {
 
 /** The title of an axis. */
 function axisTitle(axis) {
-  const title = axis.unit ? `${axis.label}, ${axis.unit}` : axis.label;
+  const title = axis.unit && !axis.times ? `${axis.label}, ${axis.unit}` : axis.label;
   return axis.defined ? `${title} with ${axis.defined}` : title;
 }
 

@@ -119,9 +119,12 @@ function answer() {
   const texts = (parent, selector) => [...parent.querySelectorAll(selector)].map((each) => each.textContent.trim());
   const text = () => [headline.textContent, ...[...card.querySelectorAll(".options tr")].map((row) => texts(row, "th, td").join("\t")),
     ...texts(card, ".facts dt").map((name, at) => `${name}\t${texts(card, ".facts dd")[at]}`)].join("\n") + "\n";
-  card.append(button("Copy answer", "Copy the answer with its table as text", (event) => copy(text(), event.currentTarget)));
+  [...card.querySelectorAll("details.more")].at(-1).append(button("Copy answer", "Copy the answer with its table as text", (event) => copy(text(), event.currentTarget)));
   // On phones the first chart comes before what else is worth knowing.
-  if (matchMedia("(max-width: 700px)").matches) card.querySelectorAll("details.more").forEach((each) => each.removeAttribute("open"));
+  if (!matchMedia("(max-width: 700px)").matches) return;
+  card.querySelectorAll("details.more").forEach((each) => each.removeAttribute("open"));
+  const [best, head] = [".best", "thead"].map((of) => card.querySelector(`.options ${of}`));
+  if (best) best.closest(".scroll").scrollTop = best.offsetTop - head.offsetHeight;
 }
 
 theme();

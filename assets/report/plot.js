@@ -57,8 +57,10 @@ class Plot {
     const small = this.width < 480;
     this.small = small;
     const size = small ? 11 : 13;
-    const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.ladders);
-    const labels = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
+    const rows = subject.y.names ?? [];
+    const yTicks = rows.length > 0 ? this.ranges.y.names(rows) : this.ranges.y.ticks(small ? 6 : 8, subject.y.ladders);
+    const widest = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
+    const labels = rows.length > 0 ? Math.min(widest, this.width / 3) : widest;
     const top = 12;
     const names = subject.x.names ?? [];
     this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - (names.length > 0 ? 5.6 : 3.4) * size };
@@ -121,8 +123,16 @@ class Plot {
       group.append(shape("text", { x: at, y: bottom + size + 8, "text-anchor": "middle" }, label));
       end = at + width / 2;
     }
+    // Names take at most a third of the width.
+    const most = yTicks.named ? this.width / 3 : Infinity;
     for (const { value, label } of yTicks.major) {
       const at = this.down(value);
+      if (yTicks.named) {
+        const lines = inLines(label, size, most);
+        lines.forEach((line, row) => group.append(
+          shape("text", { x: left - 9, y: at + (0.36 + 1.2 * (row - (lines.length - 1) / 2)) * size, "text-anchor": "end" }, line)));
+        continue;
+      }
       group.append(shape("path", { d: `M${left},${at}h-5` }));
       group.append(shape("text", { x: left - 9, y: at + 0.36 * size, "text-anchor": "end" }, label));
     }

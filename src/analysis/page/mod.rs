@@ -101,7 +101,12 @@ fn deviations(noise: &log::Analysis) -> Section {
         }
         Some(chart(&stem, Picture::Curves(figure)))
     };
-    let blocks = figures::figures(noise).into_iter().filter_map(of_figure).collect();
+    let residuals = figures::residuals(noise).map(|figure| chart("residuals", Picture::Curves(figure)));
+    let mut blocks: Vec<Block> = figures::figures(noise).into_iter().filter_map(of_figure).collect();
+    // Right below the curve.
+    if let Some(residuals) = residuals {
+        blocks.insert(blocks.len().min(1), residuals);
+    }
     Section { id: "deviations", heading: "Deviations", blocks }
 }
 

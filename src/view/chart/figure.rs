@@ -40,6 +40,8 @@ pub struct Figure {
     pub marks: Vec<Mark>,
     /// Whether guides show the slopes of the noise terms, on two logarithmic axes.
     pub slopes: bool,
+    /// Whether it is a low panel below another chart.
+    pub is_panel: bool,
     /// Rows selected from the table for the legend, such as `filler = const`.
     pub chosen: Vec<String>,
 }
@@ -59,6 +61,8 @@ pub struct Axis {
     pub whole: bool,
     /// Names at the places 1, 2, 3, … of the axis; empty for an axis of numbers.
     pub names: Vec<String>,
+    /// Whether it has times over a minute, whose ticks have units such as `15 min` and `1 d`.
+    pub times: bool,
 }
 
 impl Axis {
@@ -69,9 +73,10 @@ impl Axis {
 
     /// The axis title: `rms error, arcsec`.
     pub fn title(&self) -> String {
+        let unit = if self.times { "" } else { &self.unit };
         match self.defined.as_str() {
-            "" => titled(&self.label, &self.unit),
-            formula => format!("{} with {formula}", titled(&self.label, &self.unit)),
+            "" => titled(&self.label, unit),
+            formula => format!("{} with {formula}", titled(&self.label, unit)),
         }
     }
 }
@@ -206,8 +211,10 @@ pub enum Shape {
     Extremum,
     /// A square: a coefficient is read here.
     Coefficient,
-    /// A label alone.
-    Label,
+    /// A label alone, to the left of its place.
+    Left,
+    /// A label alone, to the right of its place.
+    Right,
 }
 
 /// A horizontal line against which the curves are judged. An axis that cannot show its value omits it.
@@ -279,6 +286,11 @@ impl Figure {
     /// Whether any series has a closed form.
     pub(crate) fn has_laws(&self) -> bool {
         self.series.iter().any(|series| !series.law.is_empty())
+    }
+
+    /// The colour of the closed form of a series: its own, unless it is the only one.
+    pub(crate) fn law_colour(&self, series: &Series) -> usize {
+        series.colour + usize::from(self.colours.entries.is_empty())
     }
 
     /// The style of the dash and the marker of a series.

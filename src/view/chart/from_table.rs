@@ -145,7 +145,12 @@ pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
     let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
     let unit = column.unit.symbol.to_owned();
     let (label, defined) = (column.label.clone(), column.defined.to_owned());
-    Axis { label, defined, unit, scale, whole, names: vec![] }
+    let sizes = || column.cells.iter().filter_map(Cell::number);
+    let times = column.unit == Unit::S
+        && scale == Scale::Log
+        && sizes().all(|seconds| seconds >= 60.0)
+        && sizes().any(|seconds| seconds >= 3600.0);
+    Axis { label, defined, unit, scale, whole, names: vec![], times }
 }
 
 /// The factor and the sign of the unit in which an axis shows a column: fractions in percent as limits of them are, angle random

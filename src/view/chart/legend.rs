@@ -230,8 +230,9 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
     }
     // Without a name for the points there is no need to explain them.
     if figure.has_laws() && !figure.points.is_empty() {
-        let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
-        rows.push(Row::Entry(Sample::Line(line), figure.lines.clone()));
+        let own = figure.series.first().filter(|_| figure.colours.entries.is_empty());
+        let colour = own.map_or(MUTED, |series| palette::colour(figure.law_colour(series)));
+        rows.push(Row::Entry(Sample::Line(Stroke { colour, width: 1.4, dash: "" }), figure.lines.clone()));
     }
     if has_band {
         rows.push(Row::Entry(Sample::Band(MUTED), figure.bands.clone()));

@@ -22,6 +22,10 @@ const BESIDE: [(f64, f64, &str); 8] = [
     (-9.0, -26.0, "end"),
 ];
 
+/// Where the label of a bar is, at its left and at its right end.
+const BEFORE: [(f64, f64, &str); 1] = [(-9.0, 4.5, "end")];
+const AFTER: [(f64, f64, &str); 1] = [(9.0, 4.5, "start")];
+
 /// The slopes of quantization, white noise, flicker, random walk and ramp of a rate in σ(τ).
 const SLOPES: [(f64, &str); 5] = [(-1.0, "−1"), (-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];
 
@@ -36,7 +40,8 @@ impl Plot<'_> {
     }
 
     /// Draws the marks with their labels, which cover as few points as possible; a label without room is left out.
-    pub(crate) fn draw_marks(&self, canvas: &mut Canvas) {
+    /// Labels keep away from what is `labelled` already.
+    pub(crate) fn draw_marks(&self, canvas: &mut Canvas, mut labelled: Vec<Frame>) {
         let Frame { left, top, right, bottom } = self.area.frame;
         let is_shown = |(x, y): (f64, f64)| (left..=right).contains(&x) && (top..=bottom).contains(&y);
         let marks = self.figure.marks.iter().filter(|mark| self.figure.shows(mark.place));
@@ -46,7 +51,6 @@ impl Plot<'_> {
             return;
         }
         let curves: Vec<_> = shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
-        let mut labelled: Vec<Frame> = vec![];
         canvas.group("answer", |canvas| {
             for (mark, place) in &marks {
                 if mark.shape == Shape::Crossing {
@@ -58,7 +62,7 @@ impl Plot<'_> {
                     Shape::Crossing => canvas.marker(*place, RADIUS, 0, INK),
                     Shape::Extremum => canvas.marker(*place, RADIUS, 3, INK),
                     Shape::Coefficient => canvas.marker(*place, RADIUS, 1, INK),
-                    Shape::Label => {}
+                    Shape::Left | Shape::Right => {}
                 }
             }
             for (mark, place) in marks.iter().filter(|(mark, _)| !mark.label.is_empty()) {
@@ -81,8 +85,13 @@ impl Plot<'_> {
                     let others = marks.iter().map(|(_, place)| place).filter(within).count();
                     curves.iter().filter(within).count() + 3 * others
                 };
+                let places = match mark.shape {
+                    Shape::Left => &BEFORE[..],
+                    Shape::Right => &AFTER[..],
+                    _ => &BESIDE[..],
+                };
                 if let Some((room, place, anchor)) =
-                    BESIDE.iter().filter_map(room).min_by_key(|(room, ..)| covered(room))
+                    places.iter().filter_map(room).min_by_key(|(room, ..)| covered(room))
                 {
                     labelled.push(room);
                     let lettering = Lettering { size: SIZE, bold: true, colour: INK, anchor };
@@ -94,12 +103,12 @@ impl Plot<'_> {
 
     /// Draws short lines with the slopes of the noise terms in the lower left corner.
     pub(crate) fn draw_slopes(&self, canvas: &mut Canvas) {
-        const LENGTH: f64 = 46.0;
+        const LENGTH: f64 = 64.0;
         let Frame { left, right, bottom, top } = self.area.frame;
         // The pixels of a decade.
         let [across, up] = [(self.area.x, right - left), (self.area.y, bottom - top)]
             .map(|(range, size)| size / libm::log10(range.high / range.low));
-        let from = (left + 16.0, bottom - 74.0);
+        let from = (left + 16.0, bottom - 78.0);
         canvas.group("slopes", |canvas| {
             for (slope, label) in SLOPES {
                 let length = LENGTH / libm::hypot(across, slope * up);

@@ -95,10 +95,8 @@ impl Plot<'_> {
             let size = 1.0 + 0.45 * self.figure.covering(i).count() as f64;
             self.draw_markers(canvas, series, size);
         }
-        if let Some(limit) = limit {
-            self.draw_limit_label(canvas, limit);
-        }
-        self.draw_marks(canvas);
+        let taken = limit.map(|limit| self.draw_limit_label(canvas, limit));
+        self.draw_marks(canvas, taken.into_iter().collect());
         if self.figure.slopes {
             self.draw_slopes(canvas);
         }
@@ -114,7 +112,7 @@ impl Plot<'_> {
 
     /// Whether one point leads to the next, unlike names.
     fn is_joined(&self) -> bool {
-        self.figure.x.names.is_empty()
+        self.figure.x.names.is_empty() && self.figure.y.names.is_empty()
     }
 
     fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
@@ -142,7 +140,11 @@ impl Plot<'_> {
 
     /// Draws the closed form, or a line through the points of a series that has none.
     fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
-        let (colour, dash) = (palette::colour(series.colour), palette::dash(self.figure.dash_of(series)));
+        let colour = match series.law.is_empty() {
+            true => palette::colour(series.colour),
+            false => palette::colour(self.figure.law_colour(series)),
+        };
+        let dash = palette::dash(self.figure.dash_of(series));
         if !self.is_joined() {
             let stroke = Stroke { colour, width: 1.3, dash: "" };
             for (x, y) in series
@@ -163,7 +165,7 @@ impl Plot<'_> {
                 canvas
                     .line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], Stroke { colour, width: 1.3, dash: "" });
             }
-        } else {
+        } else if self.figure.y.names.is_empty() {
             let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();
             self.draw_line(canvas, &places, Stroke { colour, width: 1.8, dash });
         }
@@ -202,7 +204,8 @@ impl Plot<'_> {
     }
 
     /// Writes the label over the limit line, at the end or in the middle, wherever it covers the fewest points.
-    fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) {
+    /// Returns the place that it takes.
+    fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) -> Frame {
         const SIZE: f64 = 13.0;
         let Frame { left, right, .. } = self.area.frame;
         let y = self.area.down(limit.value) - 7.0;
@@ -221,5 +224,6 @@ impl Plot<'_> {
         let start = starts.into_iter().min_by_key(|&start| covered(start)).unwrap_or(left);
         let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
         canvas.set_text(Set::OnWhite, (start, y), &label, lettering);
+        Frame { left: start - 3.0, top: y - SIZE, right: start + width + 3.0, bottom: y + 4.0 }
     }
 }

@@ -65,7 +65,7 @@ mod tests {
             unit: unit.to_owned(),
             scale: Scale::Log,
             whole: false,
-            names: vec![],
+            ..Axis::default()
         }
     }
 

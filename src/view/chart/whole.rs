@@ -53,7 +53,11 @@ impl Axis {
 
     /// The distances between even ticks.
     fn steps(&self) -> Steps {
-        if self.unit == Unit::DEG.symbol { Steps::Phase } else { Steps::Decimal }
+        match self.times {
+            true => Steps::Time,
+            false if self.unit == Unit::DEG.symbol => Steps::Phase,
+            false => Steps::Decimal,
+        }
     }
 }
 

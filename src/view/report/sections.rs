@@ -113,7 +113,6 @@ impl Page {
         let mut places = 0..;
         let told = [&*self.title, &*self.subtitle, &self.answer.headline];
         let body = html! {
-            @if !charts.is_empty() { p.hint.reading { (READING) } }
             @if thinned > 1 { p.note { "Curves show one point in " (thinned) "." } }
             @for section in sections {
                 section id=(section.id) {
@@ -121,6 +120,7 @@ impl Page {
                     @for block in &section.blocks { (self::block(block, &mut places, &told, &said)) }
                 }
             }
+            @if !charts.is_empty() { p.hint.reading { (READING) } }
             (listings(&tables))
         };
         let notes: Vec<String> = self.notes.iter().map(|note| spell(note)).collect();

@@ -11,11 +11,8 @@ const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 fn axis(label: &str, unit: &str) -> Axis {
     Axis {
         label: label.to_owned(),
-        defined: String::new(),
         unit: unit.to_owned(),
-        scale: Scale::Log,
-        whole: false,
-        names: vec![],
+        ..Axis::default()
     }
 }
 
