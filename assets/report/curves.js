@@ -98,6 +98,12 @@ class Curves {
       const colour = line.colour === null ? "grey" : `c${line.colour % 8}`;
       const look = figure.laws[at].is_area ? { class: `band ${colour}` } : { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) };
       this.line(plot, under, line.points, look);
+      // A thin line for reference has its label at its end within the frame.
+      const end = line.points.filter(([x, y]) => plot.shows(x, y)).map(([x, y]) => [plot.across(x), plot.down(y)])
+        .findLast((place) => plot.inFrame(place) && place[1] > plot.frame.top + 14);
+      if (end && colour === "grey" && figure.laws[at].lines.length === 1 && !plot.small) {
+        over.append(shape("text", { class: "law-label", x: end[0], y: end[1] - 5, "text-anchor": "end" }, figure.laws[at].label));
+      }
     }
     const series = this.series();
     if (this.on("bands")) series.forEach((each) => this.bands(plot, under, each));
@@ -163,7 +169,8 @@ class Curves {
     };
     let run = [];
     for (const point of series.points) {
-      if (this.named) flush(run.splice(0));
+      // A few points beside a closed form have a bar each.
+      if (this.named || (series.law.length > 1 && series.points.length <= 15)) flush(run.splice(0));
       if (point.band && plot.shows(point.x, point.y)) run.push(point);
       else {
         flush(run);
@@ -267,7 +274,9 @@ class Curves {
       if (free.length === 0) continue;
       const covered = ({ box: [x1, y1, x2, y2] }) => {
         const within = ([x, y]) => x >= x1 && x <= x2 && y >= y1 && y <= y2;
-        return curves.filter(within).length + 20 * shown.filter(({ at }) => within(at)).length;
+        // A label nearer to another mark would name that one.
+        const far = ([x, y]) => Math.hypot(x - (x1 + x2) / 2, y - (y1 + y2) / 2);
+        return curves.filter(within).length + 500 * shown.filter(({ at }) => far(at) < far([x0, y0])).length;
       };
       const best = free.reduce((one, other) => (covered(other) < covered(one) ? other : one));
       labelled.push(best.box);

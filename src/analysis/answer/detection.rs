@@ -31,7 +31,13 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
                 told.get_or_insert((choice.long.clone(), place, is_more(b)));
                 let label = Reading::new(x, place, None).text();
                 let text = format!("{} {label}", if is_more(b) { "≥" } else { "≤" });
-                marks.push(Named { rows: rows.clone(), x: place, shape: Shape::Crossing, label, range: None });
+                marks.push(Named {
+                    rows: rows.clone(),
+                    x: place,
+                    shape: Shape::Crossing,
+                    label,
+                    range: None,
+                });
                 text
             }
             _ if rows.is_empty() || is_absent(question.table, &rows) => "not in this noise".to_owned(),

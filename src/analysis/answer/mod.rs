@@ -257,8 +257,13 @@ impl<'t> Question<'t> {
     }
 
     /// The answer of a chart of curves, and what it names as marks.
-    fn answered(study: &Study, chart: &Chart, curves: &Shown) -> Result<(Option<Outline>, Vec<Mark>), StudyError> {
-        let question = Question::of_chart(study, chart, curves).map_err(|error| refused(study, chart, &error.into()))?;
+    fn answered(
+        study: &Study,
+        chart: &Chart,
+        curves: &Shown,
+    ) -> Result<(Option<Outline>, Vec<Mark>), StudyError> {
+        let question =
+            Question::of_chart(study, chart, curves).map_err(|error| refused(study, chart, &error.into()))?;
         let outline = question.outline(study);
         let marks = outline.as_ref().map_or(vec![], |outline| question.marks(chart, &outline.marks));
         Ok((outline, marks))
@@ -285,7 +290,8 @@ impl<'t> Question<'t> {
     /// The place on the chart at a value of x on a curve, between whose points it runs as crossings of a limit are found.
     fn place(&self, rows: &[usize], at: f64) -> Option<(f64, f64)> {
         let (x, axis) = (self.x?, self.axis?);
-        let known: Vec<usize> = rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect();
+        let known: Vec<usize> =
+            rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect();
         let after = known.iter().position(|&row| x.value(row) >= at)?;
         let b = known[after];
         let Some(a) = after.checked_sub(1).map(|before| known[before]).filter(|_| x.value(b) > at) else {
@@ -326,7 +332,17 @@ impl<'t> Question<'t> {
         let x = x.filter(varies);
         let by: Vec<&Column> = by.into_iter().filter(varies).collect();
         let (conditions, options) = by.into_iter().partition(|by| is_given(by));
-        Question { table, x, axis: None, y, options, conditions, rows, limit, unusable: Bandless::of(study, table) }
+        Question {
+            table,
+            x,
+            axis: None,
+            y,
+            options,
+            conditions,
+            rows,
+            limit,
+            unusable: Bandless::of(study, table),
+        }
     }
 
     /// The answer in the shape of the question; `None` for rows without a value.

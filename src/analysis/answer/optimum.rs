@@ -1,6 +1,8 @@
 //! The value of a design choice at which an estimate is least.
 
-use crate::analysis::answer::{Line, Named, Outline, Question, at, at_place, headline, joined_names, table, values};
+use crate::analysis::answer::{
+    Line, Named, Outline, Question, at, at_place, headline, joined_names, table, values,
+};
 use crate::answer::reading::span;
 use crate::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
 use crate::table::Column;
@@ -102,7 +104,8 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
         x: x.value(least.row),
         shape: Shape::Extremum,
         label: Reading::new(x, x.value(least.row), None).text(),
-        range: Some(least.flat).filter(|[from, to]| from < to && told.is_some_and(|told| told.row == least.row)),
+        range: Some(least.flat)
+            .filter(|[from, to]| from < to && told.is_some_and(|told| told.row == least.row)),
     };
     let marks = found.iter().take(MAX_ROWS).map(mark).collect();
     let mut table = table(columns, lines);

@@ -189,7 +189,8 @@ fn interval(
 
 /// The ends of the windows that a cell names, as marks; the first of two has the label of both.
 fn ends(x: &Column, rows: &[usize], windows: &[Window]) -> Vec<Named> {
-    let mark = |x: f64, label: String| Named { rows: rows.to_vec(), x, shape: Shape::Crossing, label, range: None };
+    let mark =
+        |x: f64, label: String| Named { rows: rows.to_vec(), x, shape: Shape::Crossing, label, range: None };
     let of_window = |window: &Window| match *window {
         [None, None] => vec![],
         [None, Some(end)] | [Some(end), None] => vec![mark(end, Reading::new(x, end, None).text())],

@@ -2,16 +2,16 @@
 
 use crate::allan::{Deviation, Point, Unit};
 use crate::fit::{Fit, Quantity};
+use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Shape;
 use crate::theory::allan::{Part, Process, Term};
-use crate::key::scale::Scale;
 use crate::view::chart::figure::{self, Axis, Figure, Grouping, Mark, Parts, Series, SeriesPoint};
 use crate::view::verdict::{between, fraction};
 
 use crate::analysis::log::events::are_left_out;
-use crate::analysis::log::tables::{least, least_or_bound};
 use crate::analysis::log::notes::heading;
+use crate::analysis::log::tables::{least, least_or_bound};
 use crate::analysis::log::{Analysis, Column, Curve};
 
 /// Points of a line per octave of τ: of a sine, whose hump has ripples, and of any other term.
@@ -108,13 +108,15 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
 /// The measured deviations over those of the fit, of the single column with one; the panel below its curve.
 pub fn residuals(analysis: &Analysis) -> Option<Figure> {
     let [column] = &analysis.columns[..] else { return None };
-    let (fit, curve) = (&column.noise()?.fit, column.curves.first().filter(|curve| !curve.deviation.is_of_angle())?);
+    let (fit, curve) =
+        (&column.noise()?.fit, column.curves.first().filter(|curve| !curve.deviation.is_of_angle())?);
     if curve.deviation.is_modified() {
         return None;
     }
     let point = |point: &Point| {
         let estimator = curve.deviation.estimator();
-        let expected = libm::sqrt(fit.process.expected(estimator, analysis.samples as u64, point.m as u64)?);
+        let expected =
+            libm::sqrt(fit.process.expected(estimator, analysis.samples as u64, point.m as u64)?);
         let band = point.interval.map(|(lower, upper)| (lower / expected, upper / expected));
         Some(SeriesPoint { x: point.tau_s, y: point.value? / expected, band, key: None })
     };
@@ -153,10 +155,14 @@ fn marks(
     wanted: &dyn Fn(Deviation) -> bool,
 ) -> Vec<Mark> {
     let Some(curve) = column.curves.iter().find(|curve| wanted(curve.deviation)) else { return vec![] };
-    let total = column.noise().map(|noise| line(&noise.fit.process, curve.deviation, &curve.points, analysis.samples));
-    let plateau = total.and_then(|line| line.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))).map(|place| place.0);
+    let total = column
+        .noise()
+        .map(|noise| line(&noise.fit.process, curve.deviation, &curve.points, analysis.samples));
+    let plateau =
+        total.and_then(|line| line.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))).map(|place| place.0);
     let coefficient = |(term, part): &(Term, figure::Part)| {
-        let row = column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
+        let row =
+            column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
         let tau_s = if *term == Term::BiasInstability { plateau } else { read_at(*term) };
         let place = (tau_s?, along(&part.points, tau_s?)?);
         let label = format!("{} {}", term.symbol(), row.cell().text);

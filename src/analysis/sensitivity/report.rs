@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::analysis::design::Found;
-use crate::answer::Reading;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
+use crate::answer::Reading;
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::study::Study;
@@ -112,7 +112,12 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
         LawLine { colours: vec![0], points: corners.into() }
     };
     let ends = |style: usize| {
-        let point = |(row, input): (f64, &&Input)| SeriesPoint { x: input.ends[style - 1], y: row, band: None, key: None };
+        let point = |(row, input): (f64, &&Input)| SeriesPoint {
+            x: input.ends[style - 1],
+            y: row,
+            band: None,
+            key: None,
+        };
         Series { colour: style, dash: style, points: rows().map(point).collect(), law: vec![] }
     };
     let unit = found.answer.unit.symbol;
@@ -135,7 +140,9 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
         },
         colours: Grouping {
             title: "the input".to_owned(),
-            entries: [(1, "at 5 %"), (2, "at 95 %")].map(|(style, name)| Entry { style, name: name.to_owned() }).into(),
+            entries: [(1, "at 5 %"), (2, "at 95 %")]
+                .map(|(style, name)| Entry { style, name: name.to_owned() })
+                .into(),
         },
         laws: vec![Law {
             label: "5 % to 95 % of the input".to_owned(),
@@ -144,7 +151,11 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
         }],
         parts: Parts {
             title: String::new(),
-            lines: vec![Part { label: "nominal".to_owned(), colour: 6, points: vec![(found.nominal, 0.5), (found.nominal, top)] }],
+            lines: vec![Part {
+                label: "nominal".to_owned(),
+                colour: 6,
+                points: vec![(found.nominal, 0.5), (found.nominal, top)],
+            }],
         },
         marks: rows()
             .flat_map(|(row, input)| {

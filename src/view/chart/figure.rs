@@ -262,7 +262,11 @@ impl Figure {
             }
             series.law.iter_mut().for_each(rescale);
         }
-        self.laws.iter_mut().flat_map(|law| &mut law.lines).flat_map(|line| &mut line.points).for_each(rescale);
+        self.laws
+            .iter_mut()
+            .flat_map(|law| &mut law.lines)
+            .flat_map(|line| &mut line.points)
+            .for_each(rescale);
         if let Some(limit) = &mut self.limit {
             limit.value *= y;
         }

@@ -156,7 +156,8 @@ pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
 /// The factor and the sign of the unit in which an axis shows a column: fractions in percent as limits of them are, angle random
 /// walks in °/√h, large rates in °/s, and times on a linear axis by their size.
 pub(crate) fn axis_unit(column: &Column, scale: Scale) -> (f64, &'static str) {
-    let largest = || column.cells.iter().filter_map(Cell::number).fold(0.0, |most: f64, value| most.max(value.abs()));
+    let largest =
+        || column.cells.iter().filter_map(Cell::number).fold(0.0, |most: f64, value| most.max(value.abs()));
     match (column.unit, scale) {
         _ if column.is_relative() => (100.0, "%"),
         (Unit::ARCSEC_PER_RT_S, _) => (1.0 / 60.0, "°/√h"),

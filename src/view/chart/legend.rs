@@ -191,10 +191,13 @@ fn colour_of(law: &Law) -> Option<usize> {
     first.filter(|_| colours.all(|colour| colour == first))
 }
 
-/// The style of the lines of a law: broad and pale, in the colour of the curves to which it applies if they have one.
+/// The style of the lines of a law: broad and pale in the colour of the curves to which it applies if they have one, which cover it;
+/// else a thin line for reference.
 pub(crate) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
-    let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
-    Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+    match colour {
+        Some(colour) => Stroke { colour: palette::pale(colour), width: 4.5, dash: palette::broad_dash(law) },
+        None => Stroke { colour: MUTED, width: 1.0, dash: palette::broad_dash(law) },
+    }
 }
 
 /// The colour of the areas of a law.

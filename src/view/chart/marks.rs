@@ -45,16 +45,20 @@ impl Plot<'_> {
         let Frame { left, top, right, bottom } = self.area.frame;
         let is_shown = |(x, y): (f64, f64)| (left..=right).contains(&x) && (top..=bottom).contains(&y);
         let marks = self.figure.marks.iter().filter(|mark| self.figure.shows(mark.place));
-        let marks: Vec<(&Mark, (f64, f64))> =
-            marks.map(|mark| (mark, self.area.place(mark.place))).filter(|(_, place)| is_shown(*place)).collect();
+        let marks: Vec<(&Mark, (f64, f64))> = marks
+            .map(|mark| (mark, self.area.place(mark.place)))
+            .filter(|(_, place)| is_shown(*place))
+            .collect();
         if marks.is_empty() {
             return;
         }
-        let curves: Vec<_> = shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
+        let curves: Vec<_> =
+            shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
         canvas.group("answer", |canvas| {
             for (mark, place) in &marks {
                 if mark.shape == Shape::Crossing {
-                    canvas.line(&[*place, (place.0, bottom)], Stroke { colour: INK, width: 1.0, dash: "2 3" });
+                    canvas
+                        .line(&[*place, (place.0, bottom)], Stroke { colour: INK, width: 1.0, dash: "2 3" });
                 }
             }
             for (mark, place) in &marks {
@@ -74,14 +78,26 @@ impl Plot<'_> {
                         "end" => x - width,
                         _ => x - 0.5 * width,
                     };
-                    let room = Frame { left: from - 3.0, top: y - SIZE, right: from + width + 3.0, bottom: y + 4.0 };
-                    let is_in = room.left >= left && room.right <= right && room.top >= top && room.bottom <= bottom;
-                    (is_in && !labelled.iter().any(|other| overlap(&room, other))).then_some((room, (x, y), anchor))
+                    let room =
+                        Frame { left: from - 3.0, top: y - SIZE, right: from + width + 3.0, bottom: y + 4.0 };
+                    let is_in =
+                        room.left >= left && room.right <= right && room.top >= top && room.bottom <= bottom;
+                    (is_in && !labelled.iter().any(|other| overlap(&room, other))).then_some((
+                        room,
+                        (x, y),
+                        anchor,
+                    ))
                 };
                 let covered = |room: &Frame| {
                     let within = |&&(x, y): &&(f64, f64)| {
                         (room.left..=room.right).contains(&x) && (room.top..=room.bottom).contains(&y)
                     };
+                    // A label nearer to another mark would name that one.
+                    let middle = (0.5 * (room.left + room.right), 0.5 * (room.top + room.bottom));
+                    let far = |(x, y): (f64, f64)| libm::hypot(x - middle.0, y - middle.1);
+                    let others = marks.iter().filter(|(_, other)| far(*other) < far(*place)).count();
+                    curves.iter().filter(within).count() + 100 * others
+                };
                     let others = marks.iter().map(|(_, place)| place).filter(within).count();
                     curves.iter().filter(within).count() + 3 * others
                 };

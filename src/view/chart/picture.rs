@@ -71,7 +71,9 @@ impl Picture {
     /// Whether it is a single point.
     pub(crate) fn is_single(&self) -> bool {
         match self {
-            Picture::Curves(figure) => figure.all_points().count() == 1 && figure.law_places().next().is_none(),
+            Picture::Curves(figure) => {
+                figure.all_points().count() == 1 && figure.law_places().next().is_none()
+            }
             Picture::Map(_) => false,
         }
     }
@@ -92,7 +94,9 @@ impl Picture {
     /// What it shows, such as `99.73 % error by Δt·ν`.
     pub fn contents(&self) -> String {
         let (shown, by) = match self {
-            Picture::Curves(figure) if !figure.y.names.is_empty() => (&figure.x.label, figure.y.label.clone()),
+            Picture::Curves(figure) if !figure.y.names.is_empty() => {
+                (&figure.x.label, figure.y.label.clone())
+            }
             Picture::Curves(figure) => (&figure.y.label, figure.x.label.clone()),
             Picture::Map(map) => (&map.z.label, format!("{} and {}", map.x.label, map.y.label)),
         };

@@ -5,7 +5,7 @@ use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::{Figure, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::legend::{area_colour, law_stroke, part_stroke};
-use crate::view::chart::palette::{self, LIMIT};
+use crate::view::chart::palette::{self, LIMIT, MUTED};
 use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::text;
 
@@ -14,6 +14,9 @@ pub(crate) const MOST_MARKED: usize = 200;
 
 /// Largest number of markers of a line with more points.
 pub(crate) const MARKED: usize = 40;
+
+/// Most points beside a closed form that have a bar each instead of a band.
+const FEW: usize = 15;
 
 /// Half the width of a closed form where names stand side by side.
 const LAW_WIDTH: f64 = 12.0;
@@ -95,6 +98,7 @@ impl Plot<'_> {
             let size = 1.0 + 0.45 * self.figure.covering(i).count() as f64;
             self.draw_markers(canvas, series, size);
         }
+        self.draw_law_labels(canvas);
         let taken = limit.map(|limit| self.draw_limit_label(canvas, limit));
         self.draw_marks(canvas, taken.into_iter().collect());
         if self.figure.slopes {
@@ -117,8 +121,9 @@ impl Plot<'_> {
 
     fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
         let colour = palette::colour(series.colour);
+        let is_scattered = series.has_law() && series.points.len() <= FEW;
         for run in self.runs(series) {
-            for run in run.chunk_by(|a, b| a.band.is_some() && b.band.is_some()) {
+            for run in run.chunk_by(|a, b| !is_scattered && a.band.is_some() && b.band.is_some()) {
                 let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));
                 let upper =
                     run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
@@ -201,6 +206,25 @@ impl Plot<'_> {
                 canvas.marker(self.area.place((point.x, point.y)), size * radius, style, colour);
             }
         });
+    }
+
+    /// Writes the labels of thin lines for reference at their ends within the frame.
+    fn draw_law_labels(&self, canvas: &mut Canvas) {
+        let Frame { right, top, .. } = self.area.frame;
+        let lines = self.figure.laws.iter().filter(|law| !law.is_area && law.lines.len() == 1);
+        for (law, line) in
+            lines.filter_map(|law| Some((law, law.lines.first().filter(|line| line.colour().is_none())?)))
+        {
+            let shown = line
+                .points
+                .iter()
+                .filter(|place| self.figure.shows(**place))
+                .map(|&place| self.area.place(place));
+            let lettering = Lettering { size: 11.0, bold: false, colour: MUTED, anchor: "end" };
+            if let Some((x, y)) = shown.filter(|(x, y)| *x <= right && *y >= top + 14.0).last() {
+                canvas.set_text(Set::OnWhite, (x, y - 5.0), &law.label, lettering);
+            }
+        }
     }
 
     /// Writes the label over the limit line, at the end or in the middle, wherever it covers the fewest points.

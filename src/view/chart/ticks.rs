@@ -180,7 +180,11 @@ impl Range {
     fn times(&self, labelled: &[(f64, &str)]) -> Ticks {
         let held = |seconds: &f64| (0.0..=1.0).contains(&self.fraction(*seconds));
         let all = TIMES.iter().flat_map(|times| times.iter().map(|(seconds, _)| *seconds)).filter(held);
-        let major: Vec<(f64, String)> = labelled.iter().map(|&(seconds, label)| (seconds, label.to_owned())).filter(|(seconds, _)| held(seconds)).collect();
+        let major: Vec<(f64, String)> = labelled
+            .iter()
+            .map(|&(seconds, label)| (seconds, label.to_owned()))
+            .filter(|(seconds, _)| held(seconds))
+            .collect();
         let minor = all.filter(|seconds| major.iter().all(|(other, _)| other != seconds)).collect();
         Ticks { major, minor }
     }
@@ -232,8 +236,25 @@ impl Range {
 
 /// Times that are labelled together, the most usual first.
 const TIMES: [&[(f64, &str)]; 3] = [
-    &[(60.0, "1 min"), (900.0, "15 min"), (3600.0, "1 h"), (36e3, "10 h"), (86_400.0, "1 d"), (864e3, "10 d"), (864e4, "100 d"), (864e5, "1000 d")],
-    &[(60.0, "1 min"), (600.0, "10 min"), (3600.0, "1 h"), (86_400.0, "1 d"), (864e3, "10 d"), (864e4, "100 d"), (864e5, "1000 d")],
+    &[
+        (60.0, "1 min"),
+        (900.0, "15 min"),
+        (3600.0, "1 h"),
+        (36e3, "10 h"),
+        (86_400.0, "1 d"),
+        (864e3, "10 d"),
+        (864e4, "100 d"),
+        (864e5, "1000 d"),
+    ],
+    &[
+        (60.0, "1 min"),
+        (600.0, "10 min"),
+        (3600.0, "1 h"),
+        (86_400.0, "1 d"),
+        (864e3, "10 d"),
+        (864e4, "100 d"),
+        (864e5, "1000 d"),
+    ],
     &[
         (60.0, "1 min"),
         (120.0, "2 min"),

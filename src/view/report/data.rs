@@ -127,7 +127,8 @@ pub(crate) struct Packed<'t> {
     pub(crate) thinned: usize,
 }
 
-pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Packed<'t> {
+/// The data of the charts that a page has; tables have the columns of `all` charts first.
+pub(crate) fn data<'t>(charts: &[&Drawn], all: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Packed<'t> {
     let points = charts.iter().map(|drawn| match &drawn.picture {
         Picture::Curves(figure) => figure.all_points().count(),
         Picture::Map(_) => 0,
@@ -142,7 +143,7 @@ pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Pa
             Picture::Map(map) => Some(map.words()),
         },
     });
-    let tables: Vec<Listed> = tables.iter().map(|(file, table)| listed(file, table, charts)).collect();
+    let tables: Vec<Listed> = tables.iter().map(|(file, table)| listed(file, table, all)).collect();
     let data = Data { looks: Looks::new(), charts: packed_charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
 }

@@ -17,11 +17,12 @@ pub(crate) fn page(report: &Report) -> String {
     let points =
         report.tables.iter().find(|(source, _)| *source == chart::Source::Points).map(|(_, table)| *table);
     // The chart that the answer marks is first; a single point is in the answer.
-    let mut charts: Vec<&Drawn> = report.charts.iter().filter(|drawn| !drawn.picture.is_single()).collect();
+    let all: Vec<&Drawn> = report.charts.iter().collect();
+    let mut charts: Vec<&Drawn> = all.iter().copied().filter(|drawn| !drawn.picture.is_single()).collect();
     charts.sort_by_key(|drawn| !drawn.picture.is_marked());
     let tables: Vec<(&str, &Table)> =
         report.tables.iter().map(|(source, table)| (source.file(), *table)).collect();
-    let Packed { text: packed, tables, thinned } = data(&charts, &tables);
+    let Packed { text: packed, tables, thinned } = data(&charts, &all, &tables);
     let agreements = points.map(agreements).unwrap_or_default();
     let links = [
         (!charts.is_empty()).then_some(("charts", "Charts")),

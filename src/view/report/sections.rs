@@ -103,7 +103,7 @@ impl Page {
             self.sections.iter().filter(|section| !section.blocks.is_empty()).collect();
         let charts: Vec<&Drawn> = self.charts().collect();
         let tables: Vec<(&str, &Table)> = self.tables.iter().map(|(file, table)| (*file, table)).collect();
-        let Packed { text, tables, thinned } = data(&charts, &tables);
+        let Packed { text, tables, thinned } = data(&charts, &charts, &tables);
         let links: Vec<(&str, &str)> = sections
             .iter()
             .map(|section| (section.id, section.heading))

@@ -9,11 +9,7 @@ use crate::view::chart::picture::Picture;
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 
 fn axis(label: &str, unit: &str) -> Axis {
-    Axis {
-        label: label.to_owned(),
-        unit: unit.to_owned(),
-        ..Axis::default()
-    }
+    Axis { label: label.to_owned(), unit: unit.to_owned(), ..Axis::default() }
 }
 
 /// y = x² and y = x over two decades, with a limit of 10.
