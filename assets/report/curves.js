@@ -9,6 +9,9 @@ function placed(axis, values) {
 /** Dashes, markers and colours by style, and how many points have markers; the page gives them. */
 let looks;
 
+/** The styles of a series, by which the legend finds what is drawn of it. */
+const styles = (series) => ({ "data-colour": series.colour, "data-dash": series.dash });
+
 const styled = (list, style) => list[style % list.length];
 
 class Curves {
@@ -21,6 +24,17 @@ class Curves {
     this.hasLaws = figure.series.some((series) => series.law.length > 0);
     this.ownDashes = figure.dashes.entries.length > 0;
     this.named = figure.x.names.length > 0;
+    // Names up the axis y, whose points no line joins.
+    this.rows = figure.y.names?.length > 0;
+    // The closed form of the only series has a colour of its own.
+    this.alone = figure.colours.entries.length === 0;
+    if (figure.is_panel) this.height = (width) => Math.min(Math.max(0.28 * width, 150), 220);
+  }
+
+  /** Whether an axis has values that a logarithmic one tells better apart. */
+  canBeLog(axis) {
+    const values = this.figure.series.flatMap((series) => series.points.map((point) => point[axis])).filter((value) => value !== null);
+    return this[axis].scale === "log" || (values.every((value) => value >= 0) && Math.max(...values) > 4 * Math.min(...values));
   }
 
   /** Whether something is switched on: `colour 2`, `bands`. */
@@ -59,30 +73,37 @@ class Curves {
     const room = Math.max(high - low, 0.5 * Math.max(Math.abs(low), Math.abs(high)));
     const [from, to] = points.length === 0 ? [-Infinity, Infinity]
       : yLog ? [low / 10, high * 10] : [low - room, high + room];
-    const beside = lines.map((place) => place[1]);
+    const others = lines.map((place) => place[1]);
     if (this.on("bands")) {
-      for (const { band } of points) if (band) beside.push(band[0], band[1]);
+      for (const { band } of points) if (band) others.push(band[0], band[1]);
     }
     if (this.on("lines")) {
-      for (const series of this.series()) for (const place of series.law) beside.push(place[1]);
+      for (const series of this.series()) for (const place of series.law) others.push(place[1]);
     }
-    const near = beside.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
+    const near = others.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
     const limit = figure.limit && this.on("limit") ? this.limits() : [];
     const whole = function* () {
       for (const point of points) yield point.y;
       yield* near;
       yield* limit;
     };
-    const side = figure.x.names.length;
-    return { x: side > 0 ? new Range(false, 0.5, side + 0.5) : x, y: Range.around(yLog, whole()) };
+    const beside = (axis, range) => (axis.names?.length > 0 ? new Range(false, 0.5, axis.names.length + 0.5) : range);
+    return { x: beside(figure.x, x), y: beside(figure.y, Range.around(yLog, whole())) };
   }
 
   draw(plot, under, over) {
     const { figure } = this;
+    this.shadeRanges(plot, under);
     for (const { line, at } of this.laws()) {
       const colour = line.colour === null ? "grey" : `c${line.colour % 8}`;
       const look = figure.laws[at].is_area ? { class: `band ${colour}` } : { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) };
       this.line(plot, under, line.points, look);
+      // A thin line for reference has its label at its end within the frame.
+      const end = line.points.filter(([x, y]) => plot.shows(x, y)).map(([x, y]) => [plot.across(x), plot.down(y)])
+        .findLast((place) => plot.inFrame(place) && place[1] > plot.frame.top + 14);
+      if (end && colour === "grey" && figure.laws[at].lines.length === 1 && !plot.small) {
+        over.append(shape("text", { class: "law-label", x: end[0], y: end[1] - 5, "text-anchor": "end" }, figure.laws[at].label));
+      }
     }
     const series = this.series();
     if (this.on("bands")) series.forEach((each) => this.bands(plot, under, each));
@@ -91,18 +112,21 @@ class Curves {
       if (this.on(`part ${at}`)) this.line(plot, under, part.points, look);
     });
     for (const each of series) {
-      const look = { class: `curve c${each.colour % 8}`, "stroke-dasharray": styled(looks.dashes, this.dashOf(each)) };
+      const look = { ...styles(each), class: `curve c${each.colour % 8}`, "stroke-dasharray": styled(looks.dashes, this.dashOf(each)) };
       if (this.named) {
         if (this.on("lines")) this.levels(plot, under, each.law, { ...look, "stroke-dasharray": null });
         continue;
       }
       const joined = figure.joined ?? each.law.length < 2;
+      if (!joined && this.alone) look.class = `curve c${(each.colour + 1) % 8}`;
       const points = joined ? each.points.map(({ x, y }) => [x, y]) : each.law;
-      if (joined ? this.on("points") : this.on("lines")) this.line(plot, under, points, look);
+      if (!this.rows && (joined ? this.on("points") : this.on("lines"))) this.line(plot, under, points, look);
     }
     if (this.on("points")) series.forEach((each) => this.markers(plot, over, each));
     // Its label is over the markers, and where it covers least.
-    if (figure.limit && this.on("limit")) this.limit(plot, under, over);
+    const taken = figure.limit && this.on("limit") ? this.limit(plot, under, over) : null;
+    this.marks(plot, over, taken ? [taken] : []);
+    if (figure.slopes && plot.log.x && plot.log.y) this.slopes(plot, over);
     if (!series.some((each) => each.points.some(({ x, y }) => plot.shows(x, y)))) {
       const { left, right, top, bottom } = plot.frame;
       const why = series.length === 0 ? "all curves are switched off" : "no value has a place on these axes";
@@ -145,7 +169,8 @@ class Curves {
     };
     let run = [];
     for (const point of series.points) {
-      if (this.named) flush(run.splice(0));
+      // A few points beside a closed form have a bar each.
+      if (this.named || (series.law.length > 1 && series.points.length <= 15)) flush(run.splice(0));
       if (point.band && plot.shows(point.x, point.y)) run.push(point);
       else {
         flush(run);
@@ -153,8 +178,8 @@ class Curves {
       }
     }
     flush(run);
-    if (areas) group.append(shape("path", { class: `band ${colour}`, d: areas }));
-    if (bars) group.append(shape("path", { class: `bar ${colour}`, d: bars }));
+    if (areas) group.append(shape("path", { ...styles(series), class: `band ${colour}`, d: areas }));
+    if (bars) group.append(shape("path", { ...styles(series), class: `bar ${colour}`, d: bars }));
   }
 
   /** The values at which a line shows the limit: it limits the magnitude, so that below 0 there is a second one. */
@@ -171,7 +196,7 @@ class Curves {
       if (Range.shows(plot.log.y, side)) under.append(shape("path", { class: "limit", d: `M${left},${plot.down(side)}H${right}` }));
     }
     const y = plot.down(value);
-    if (!Range.shows(plot.log.y, value) || !plot.inFrame([left, y])) return;
+    if (!Range.shows(plot.log.y, value) || !plot.inFrame([left, y])) return null;
     const [width, height] = [textWidth(label, plot.small ? 11 : 13), plot.small ? 11 : 13];
     // Below the line, or above it, at the place along it where the label covers least of the curves.
     const { top, bottom } = plot.frame;
@@ -185,6 +210,7 @@ class Curves {
     const all = (places.length > 0 ? places : [y - 7]).flatMap((base) => starts.map((x) => ({ x, base, covered: covered(x, base) })));
     const { x, base } = all.reduce((best, one) => (one.covered < best.covered ? one : best));
     over.append(shape("text", { class: "limit-label", x, y: base }, label));
+    return [x - 3, base - height, x + width + 3, base + 4];
   }
 
   /** Places along a curve in px, close enough to find what a text would cover. */
@@ -207,7 +233,81 @@ class Curves {
     for (let at = 0; at < inside.length; at += step) path += markerPath(this.dashOf(series), radius, inside[at]);
     // The rims of small ones would hide each other.
     const rim = radius < 2.4 ? " rimless" : "";
-    if (path) group.append(shape("path", { class: `marker c${series.colour % 8}${rim}`, d: path }));
+    if (path) group.append(shape("path", { ...styles(series), class: `marker c${series.colour % 8}${rim}`, d: path }));
+  }
+
+  // What the answer names.
+
+  shadeRanges(plot, group) {
+    const { top, bottom } = plot.frame;
+    for (const { range } of this.figure.marks ?? []) {
+      if (!range || range.some((x) => !Range.shows(plot.log.x, x))) continue;
+      const [from, to] = range.map((x) => plot.across(x));
+      group.append(shape("rect", { class: "good", x: from, y: top, width: to - from, height: bottom - top }));
+    }
+  }
+
+  /** The marks with their labels, which cover as little as possible; a label without room is left out. */
+  marks(plot, group, labelled) {
+    const { left, top, right, bottom } = plot.frame;
+    const size = plot.small ? 11 : 13;
+    const shown = (this.figure.marks ?? []).filter(({ place: [x, y] }) => plot.shows(x, y))
+      .map((mark) => ({ ...mark, at: [plot.across(mark.place[0]), plot.down(mark.place[1])] })).filter(({ at }) => plot.inFrame(at));
+    if (shown.length === 0) return;
+    const made = shape("g", { class: "answer" });
+    const drops = shown.filter((mark) => mark.shape === "crossing").map(({ at: [x, y] }) => `M${x},${y}V${bottom}`);
+    if (drops.length > 0) made.append(shape("path", { class: "drop", d: drops.join("") }));
+    const styles = { crossing: 0, extremum: 3, coefficient: 1 };
+    const dots = shown.filter((mark) => mark.shape in styles).map((mark) => markerPath(styles[mark.shape], 5, mark.at));
+    made.append(shape("path", { class: "dot", d: dots.join("") }));
+    const curves = this.series().flatMap((series) => this.traced(plot, series));
+    for (const { at: [x0, y0], label, shape: mark } of shown.filter((mark) => mark.label)) {
+      const width = textWidth(label, size) * 1.08;
+      const beside = { left: [[-9, 4.5, "end"]], right: [[9, 4.5, "start"]] }[mark] ?? BESIDE;
+      const places = beside.map(([across, down, anchor]) => {
+        const [x, y] = [x0 + across, y0 + down];
+        const from = anchor === "start" ? x : anchor === "end" ? x - width : x - width / 2;
+        return { x, y, anchor, box: [from - 3, y - size, from + width + 3, y + 4] };
+      });
+      const free = places.filter(({ box: [x1, y1, x2, y2] }) => x1 >= left && y1 >= top && x2 <= right && y2 <= bottom
+        && !labelled.some((other) => x1 < other[2] && other[0] < x2 && y1 < other[3] && other[1] < y2));
+      if (free.length === 0) continue;
+      const covered = ({ box: [x1, y1, x2, y2] }) => {
+        const within = ([x, y]) => x >= x1 && x <= x2 && y >= y1 && y <= y2;
+        // A label nearer to another mark would name that one.
+        const far = ([x, y]) => Math.hypot(x - (x1 + x2) / 2, y - (y1 + y2) / 2);
+        return curves.filter(within).length + 500 * shown.filter(({ at }) => far(at) < far([x0, y0])).length;
+      };
+      const best = free.reduce((one, other) => (covered(other) < covered(one) ? other : one));
+      labelled.push(best.box);
+      made.append(shape("text", { class: "mark-label", x: best.x, y: best.y, "text-anchor": best.anchor }, label));
+    }
+    group.append(made);
+  }
+
+  /** Short lines with the slopes of the noise terms, in the lower left corner. */
+  slopes(plot, group) {
+    const { left, right, top, bottom } = plot.frame;
+    const perDecade = (size, range) => size / Math.log10(range.high / range.low);
+    const [across, up] = [perDecade(right - left, plot.ranges.x), perDecade(bottom - top, plot.ranges.y)];
+    const [x, y] = [left + 14, bottom - (plot.small ? 50 : 72)];
+    const made = shape("g", { class: "slopes" });
+    for (const [slope, label] of [[-1, "−1"], [-0.5, "−½"], [0, "0"], [0.5, "+½"], [1, "+1"]]) {
+      const length = (plot.small ? 42 : 60) / Math.hypot(across, slope * up);
+      const [dx, dy] = [length * across, -length * slope * up];
+      made.append(shape("path", { d: `M${x},${y}l${dx},${dy}` }), shape("text", { x: x + dx + 3, y: y + dy + 4 }, label));
+    }
+    group.append(made);
+  }
+
+  /** The numbers of the chart, a row for each point. */
+  csv() {
+    const { figure } = this;
+    const rows = this.figure.series.flatMap((series) => {
+      const law = new Map(series.law);
+      return series.points.map(({ x, y, band }) => [this.named ? axisValue(this.x, x) : x, this.name(series), y, ...(band ?? ["", ""]), law.get(x) ?? ""]);
+    });
+    return csvOf([[axisTitle(this.x), "curve", axisTitle(this.y), "lower", "upper", figure.lines || "closed form"], ...rows]);
   }
 
   // Reading values.
@@ -256,6 +356,12 @@ class Curves {
     return { found, place, marks, text: () => this.text(found), again: (anew) => this.told(anew, found) };
   }
 
+  /** What is read off as a pinned reading. */
+  reading({ series, at }) {
+    const { x, y } = series.points[at];
+    return { name: this.name(series) || this.y.label, x, y, colour: series.colour };
+  }
+
   /** All curves at the x that is read off, the one pointed at first. */
   text(found) {
     const { x, key } = found.series.points[found.at];
@@ -266,12 +372,12 @@ class Curves {
     const unit = this.y.unit;
     const lines = shown.map(({ series, point }) => {
       const law = series.law.find((place) => place[0] === x);
-      const value = element("b", {}, measured(point.y, unit));
-      const band = point.band ? ` ${this.figure.bands || "interval"}: ${significant(point.band[0])} … ${significant(point.band[1])}` : "";
+      const value = element("b", {}, this.rows ? axisValue(this.y, Math.round(point.y)) : measured(point.y, unit));
+      const band = point.band ? ` ${this.figure.bands || "interval"}: ${significant(point.band[0], READ)} … ${significant(point.band[1], READ)}` : "";
       return element("tr", { class: series === found.series ? "first" : null },
         element("td", {}, element("i", { class: `swatch c${series.colour % 8}` })),
         element("td", {}, this.name(series) || this.y.label),
-        element("td", {}, value, element("small", {}, band, law && Number.isFinite(law[1]) ? ` ${this.figure.lines || "closed form"}: ${significant(law[1])}` : "")));
+        element("td", {}, value, element("small", {}, band, law && Number.isFinite(law[1]) ? ` ${this.figure.lines || "closed form"}: ${significant(law[1], READ)}` : "")));
     });
     const more = rows.length > shown.length ? element("p", {}, `and ${rows.length - shown.length} more`) : null;
     return [element("p", { class: "at" }, axisValue(this.x, x), key === undefined ? "" : ` (${axisValue(this.figure.key, key)})`), element("table", {}, ...lines), more].filter(Boolean);
@@ -299,7 +405,8 @@ class Curves {
       [sampleLine({ class: `part c${part.colour % 8}`, "stroke-dasharray": styled(looks.thin_dashes, at) })], part.label));
     const reading = [];
     if (figure.points) reading.push(entry("points", [sampleMarker("curve grey", 0)], figure.points));
-    if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: "curve grey" })], figure.lines));
+    const lines = this.alone ? `curve c${(figure.series[0]?.colour ?? 0) + 1}` : "curve grey";
+    if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: lines })], figure.lines));
     if (figure.series.some((series) => series.points.some((point) => point.band))) {
       reading.push(entry("bands", [sampleBand("grey")], figure.bands || "interval"));
     }
@@ -335,6 +442,12 @@ class Curves {
       update();
     };
     made.addEventListener("dblclick", alone);
+    // The others recede while one is pointed at.
+    const recede = (isOver) => plot.picture.querySelectorAll(`[data-${kind}]`).forEach((each) => {
+      each.style.opacity = isOver && each.dataset[kind] !== key.split(" ")[1] ? 0.15 : "";
+    });
+    made.addEventListener("pointerenter", () => recede(true));
+    made.addEventListener("pointerleave", () => recede(false));
     made.dataset.key = key;
     made.append(shape("svg", { class: "sample", viewBox: "0 0 36 18", "aria-hidden": "true" }, ...sample), element("span", {}, name));
     return made;
@@ -352,6 +465,9 @@ function sampleBand(colour) {
 function sampleMarker(look, style) {
   return shape("path", { class: look.replace("curve", "marker"), d: markerPath(style, 4.2, [18, 9]) });
 }
+
+/** Where a label may be beside its mark, the best first: steps to the right, steps down, and its anchor. */
+const BESIDE = [[9, -8, "start"], [-9, -8, "end"], [9, 18, "start"], [-9, 18, "end"], [0, -14, "middle"], [0, 24, "middle"], [9, -26, "start"], [-9, -26, "end"]];
 
 /** A marker as a path: a circle where its style has no corners. */
 function markerPath(style, radius, [x, y]) {

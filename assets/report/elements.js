@@ -33,25 +33,63 @@ const textWidth = (() => {
   };
 })();
 
-/** Offers a text as a file. */
-function save(name, type, text) {
-  const link = element("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
+/** Offers a text or a blob as a file. */
+function save(name, type, content) {
+  const link = element("a", { href: URL.createObjectURL(new Blob([content], { type })), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** A picture as a file of its own: what the style sheet of the page says is written into its elements. */
-function savePicture(name, picture) {
+/** Rows of cells as CSV. */
+function csvOf(rows) {
+  const quoted = (cell) => (typeof cell === "string" && /[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell ?? "");
+  return rows.map((row) => row.map(quoted).join(",")).join("\n") + "\n";
+}
+
+/** Copies a text, and says so on the button for a while. */
+async function copy(text, made) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    // Where a browser keeps its clipboard from files.
+    const area = element("textarea", {}, text);
+    document.body.append(area);
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+  }
+  const label = made.textContent;
+  made.textContent = "Copied";
+  setTimeout(() => {
+    made.textContent = label;
+  }, 1500);
+}
+
+/** A picture as SVG of its own: what the style sheet of the page says is written into its elements. */
+function standalone(picture) {
   const looks = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "stroke-linecap",
     "paint-order", "font", "text-anchor", "opacity", "display"];
-  const copy = picture.cloneNode(true);
-  const copies = copy.querySelectorAll("*");
+  const copied = picture.cloneNode(true);
+  const copies = copied.querySelectorAll("*");
   picture.querySelectorAll("*").forEach((original, at) => {
     const style = getComputedStyle(original);
     copies[at].setAttribute("style", looks.map((look) => `${look}:${style.getPropertyValue(look)}`).join(";"));
   });
-  copy.querySelectorAll(".mark, .box").forEach((reading) => reading.remove());
+  copied.querySelectorAll(".mark, .box").forEach((reading) => reading.remove());
+  const { width, height } = picture.viewBox.baseVal;
+  for (const [name, value] of Object.entries({ width, height })) copied.setAttribute(name, value);
   const paper = getComputedStyle(document.body).backgroundColor;
-  copy.prepend(shape("rect", { width: "100%", height: "100%", style: `fill:${paper}` }));
-  save(name, "image/svg+xml", new XMLSerializer().serializeToString(copy));
+  copied.prepend(shape("rect", { width: "100%", height: "100%", style: `fill:${paper}` }));
+  return new XMLSerializer().serializeToString(copied);
+}
+
+/** Saves a picture as PNG with two pixels for each of the page. */
+function savePng(name, picture) {
+  const image = new Image();
+  image.addEventListener("load", () => {
+    const canvas = element("canvas", { width: 2 * image.width, height: 2 * image.height });
+    canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+    canvas.toBlob((blob) => save(name, "image/png", blob), "image/png");
+  });
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(standalone(picture))}`;
 }

@@ -8,6 +8,8 @@ class CellMap {
     this.slices = slices;
     this.winners = map.cells.winners ?? null;
     this.zLog = map.z.scale === "log";
+    // The page gives entries for winners, and for yes and no.
+    this.isYesOrNo = !this.winners && map.words.entries.length > 0;
   }
 
   height(width) {
@@ -77,7 +79,8 @@ class CellMap {
       const value = this.value(cell);
       if (value === null) return;
       const won = winners?.won[cell];
-      const look = won ? `cell c${won.style % 8}${won.certain ? "" : " pale"}` : this.shade(colours.fraction(value));
+      const two = this.isYesOrNo ? `cell c${value === 1 ? 1 : 2}` : this.shade(colours.fraction(value));
+      const look = won ? `cell c${won.style % 8}${won.certain ? "" : " pale"}` : two;
       paths.set(look, (paths.get(look) ?? "") + rectangle);
       if (won && map.limit && value > map.limit.value) hatched += rectangle;
     });
@@ -169,7 +172,7 @@ class CellMap {
         winners ? element("td", {}, element("i", { class: `swatch c${layer.style % 8}` })) : null,
         element("td", {}, layer.name || map.z.label),
         element("td", {}, ...(estimate ? [element("b", {}, measured(estimate[0], map.z.unit)),
-          element("small", {}, estimate[1] ? ` 95 %: ${significant(estimate[1][0])} … ${significant(estimate[1][1])}` : "")] : ["not known"]))));
+          element("small", {}, estimate[1] ? ` 95 %: ${significant(estimate[1][0], READ)} … ${significant(estimate[1][1], READ)}` : "")] : ["not known"]))));
     const close = winners?.won[cell] && !winners.won[cell].certain ? element("p", {}, "the 95 % bands of the best two overlap") : null;
     return [element("p", { class: "at" }, axisValue(map.x, map.columns[column])), element("p", { class: "at" }, axisValue(map.y, map.rows[row])),
       element("table", {}, ...lines), close].filter(Boolean);
@@ -202,6 +205,14 @@ class CellMap {
     };
   }
 
+  /** The numbers of the map, a row for each cell. */
+  csv() {
+    const { map } = this;
+    const rows = map.layers.flatMap((layer) => layer.values.map((estimate, cell) => [map.columns[cell % map.columns.length],
+      map.rows[Math.floor(cell / map.columns.length)], layer.name, estimate?.[0], ...(estimate?.[1] ?? ["", ""])]));
+    return csvOf([[axisTitle(map.x), axisTitle(map.y), "curve", axisTitle(map.z), "lower", "upper"], ...rows]);
+  }
+
   // The legend.
 
   legend() {
@@ -213,13 +224,14 @@ class CellMap {
     const { words } = map;
     const chosen = map.chosen.length ? group("shown", ...map.chosen.map((text) => element("p", {}, text))) : null;
     const blank = words.blank ? element("p", {}, words.blank) : null;
+    const entries = words.entries.map(([style, text]) => sample([block({ class: `cell c${style % 8}` })], text));
+    if (this.isYesOrNo) return element("div", { class: "legend" }, ...[group(map.z.label, ...entries), group(null, blank), chosen].filter(Boolean));
     if (!winners) {
       this.bar = shape("svg", { class: "colour-bar", viewBox: "0 0 120 260" });
       this.bar.append(...this.colourBar());
       const limit = words.limit ? sample([sampleLine({ class: "limit solid" })], words.limit) : null;
       return element("div", { class: "legend" }, ...[group(axisTitle(map.z), this.bar), group(null, limit, blank), chosen].filter(Boolean));
     }
-    const entries = words.entries.map(([style, text]) => sample([block({ class: `cell c${style % 8}` })], text));
     const id = `hatch-${++plots}`;
     return element("div", { class: "legend" },
       ...[group(winners.of.title, element("p", {}, words.judged), ...entries),

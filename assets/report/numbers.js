@@ -21,19 +21,22 @@ function raised(exponent) {
   return String(exponent).replace(/[-0-9]/g, (figure) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(figure)]);
 }
 
+/** Digits of values that are read off. */
+const READ = 4;
+
 /** A value with its unit. */
-function measured(x, unit) {
-  return unit ? `${significant(x)} ${unit}` : significant(x);
+function measured(x, unit, digits = READ) {
+  return unit ? `${significant(x, digits)} ${unit}` : significant(x, digits);
 }
 
 /** The title of an axis. */
 function axisTitle(axis) {
-  const title = axis.unit ? `${axis.label}, ${axis.unit}` : axis.label;
+  const title = axis.unit && !axis.times ? `${axis.label}, ${axis.unit}` : axis.label;
   return axis.defined ? `${title} with ${axis.defined}` : title;
 }
 
 /** What stands at a place of an axis, as a sentence has it. */
 function axisValue(axis, x) {
   if (axis.names?.length > 0) return axis.names[x - 1] ?? "";
-  return axis.unit ? `${axis.label} ${measured(x, axis.unit)}` : `${axis.label} = ${significant(x)}`;
+  return axis.unit ? `${axis.label} ${measured(x, axis.unit, 5)}` : `${axis.label} = ${significant(x)}`;
 }

@@ -8,6 +8,7 @@ async function unpacked() {
 
 /** A chart of curves, or a map, with its tools and legend. */
 function chart(host, { stem, picture, axes, words }) {
+  const figure = host.closest("figure");
   for (const name of ["x", "y", "z"]) if (axes[name]) picture[name].ladders = axes[name];
   picture.edges = axes.edges;
   picture.words = words;
@@ -16,8 +17,8 @@ function chart(host, { stem, picture, axes, words }) {
   const drawing = element("div", { class: "drawing" });
   if (picture.kind === "curves") {
     const subject = new Curves(picture);
-    const plot = new Plot(drawing, subject, picture.title);
-    host.append(tools(plot, stem), element("div", { class: "beside" }, drawing, subject.legend(plot)));
+    const plot = linked(new Plot(drawing, subject, picture.title), figure);
+    host.append(element("div", { class: "beside" }, drawing, subject.legend(plot)), tools(plot, stem));
     return;
   }
   const under = element("div", { class: "slices" });
@@ -28,17 +29,31 @@ function chart(host, { stem, picture, axes, words }) {
       slices[at](title, figure);
     });
   });
-  const plot = new Plot(drawing, subject, picture.title);
+  const plot = linked(new Plot(drawing, subject, picture.title), figure);
   const zLog = button("z log", "Logarithmic or linear colours", (event) => {
     subject.zLog = !subject.zLog;
     event.currentTarget.setAttribute("aria-pressed", subject.zLog);
     plot.render();
   }, subject.zLog);
-  host.append(tools(plot, stem, subject.winners ? [] : [zLog]), element("div", { class: "beside" }, drawing, subject.legend()),
+  host.append(element("div", { class: "beside" }, drawing, subject.legend()), tools(plot, stem, subject.winners || subject.isYesOrNo ? [] : [zLog]),
     element("p", { class: "hint" }, "Click on a cell, or move by arrow keys, to see the slices through it."), under);
   plot.render();
   const middle = subject.told(plot, subject.across.shown.length >> 1, subject.up.shown.length >> 1);
   if (middle) subject.choose(middle);
+}
+
+/** A plot whose enlarged part is in the address of the page, as its part of the fragment says from the start. */
+function linked(plot, figure) {
+  const apply = () => {
+    const [id, query] = location.hash.slice(1).split("?");
+    if (id !== figure.id) return;
+    if (query) plot.restore(query);
+    figure.scrollIntoView();
+  };
+  plot.changed = () => history.replaceState(null, "", `#${figure.id}${plot.state()}`);
+  apply();
+  addEventListener("hashchange", apply);
+  return plot;
 }
 
 /** Room for a slice; what it returns draws one there. */
@@ -58,7 +73,7 @@ function sliced(host, file) {
       return;
     }
     plot = new Plot(drawing, subject, `slice at ${title}`);
-    made.insertBefore(tools(plot, file), drawing);
+    made.append(tools(plot, file));
   };
 }
 
@@ -68,11 +83,20 @@ function theme() {
   const switcher = document.getElementById("theme");
   const system = matchMedia("(prefers-color-scheme: dark)");
   const isDark = () => (root.dataset.theme ?? (system.matches ? "dark" : "light")) === "dark";
-  const label = () => {
-    switcher.textContent = isDark() ? "Light" : "Dark";
+  const label = () => switcher.setAttribute("aria-pressed", isDark());
+  // Pages in files may have no storage.
+  const kept = (act) => {
+    try {
+      return act(localStorage);
+    } catch {
+      return null;
+    }
   };
+  const chosen = kept((storage) => storage.getItem("sagnac-theme"));
+  if (chosen) root.dataset.theme = chosen;
   switcher.addEventListener("click", () => {
     root.dataset.theme = isDark() ? "light" : "dark";
+    kept((storage) => storage.setItem("sagnac-theme", root.dataset.theme));
     label();
   });
   system.addEventListener("change", label);
@@ -87,12 +111,29 @@ function files() {
   });
 }
 
+/** A button that copies the answer as text: its headline, its table with tabs, and its facts. */
+function answer() {
+  const card = document.getElementById("answer");
+  const headline = card?.querySelector(".headline");
+  if (!headline?.textContent) return;
+  const texts = (parent, selector) => [...parent.querySelectorAll(selector)].map((each) => each.textContent.trim());
+  const text = () => [headline.textContent, ...[...card.querySelectorAll(".options tr")].map((row) => texts(row, "th, td").join("\t")),
+    ...texts(card, ".facts dt").map((name, at) => `${name}\t${texts(card, ".facts dd")[at]}`)].join("\n") + "\n";
+  [...card.querySelectorAll("details.more")].at(-1).append(button("Copy answer", "Copy the answer with its table as text", (event) => copy(text(), event.currentTarget)));
+  // On phones the first chart comes before what else is worth knowing.
+  if (!matchMedia("(max-width: 700px)").matches) return;
+  card.querySelectorAll("details.more").forEach((each) => each.removeAttribute("open"));
+  const [best, head] = [".best", "thead"].map((of) => card.querySelector(`.options ${of}`));
+  if (best) best.closest(".scroll").scrollTop = best.offsetTop - head.offsetHeight;
+}
+
 theme();
 files();
+answer();
 
-/** Everything open, and pictures as wide as paper, or as before. */
+/** The facts open, and pictures as wide as paper, or as before. */
 function paper(isPrinted) {
-  document.querySelectorAll("details").forEach((each) => {
+  document.querySelectorAll("details.more").forEach((each) => {
     if (isPrinted) each.dataset.open = each.open;
     each.open = isPrinted || each.dataset.open === "true";
   });

@@ -18,6 +18,7 @@ class Plot {
   constructor(host, subject, name) {
     this.subject = subject;
     this.name = name;
+    this.pins = [];
     this.log = { x: subject.x.scale === "log", y: subject.y.scale === "log" };
     this.part = null;
     this.id = `plot-${++plots}`;
@@ -56,8 +57,10 @@ class Plot {
     const small = this.width < 480;
     this.small = small;
     const size = small ? 11 : 13;
-    const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.ladders);
-    const labels = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
+    const rows = subject.y.names ?? [];
+    const yTicks = rows.length > 0 ? this.ranges.y.names(rows) : this.ranges.y.ticks(small ? 6 : 8, subject.y.ladders);
+    const widest = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
+    const labels = rows.length > 0 ? Math.min(widest, this.width / 3) : widest;
     const top = 12;
     const names = subject.x.names ?? [];
     this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - (names.length > 0 ? 5.6 : 3.4) * size };
@@ -77,8 +80,10 @@ class Plot {
     const clip = shape("clipPath", { id: this.id }, shape("rect", { x: left, y: top, width: right - left, height: bottom - top }));
     this.mark = shape("g", { class: "mark" });
     this.box = shape("rect", { class: "box", width: 0, height: 0 });
-    picture.replaceChildren(clip, this.grid(xTicks, yTicks), under, this.axes(xTicks, yTicks, size), over, this.mark, this.box);
+    this.pinned = shape("g", { class: "pinned" });
+    picture.replaceChildren(clip, this.grid(xTicks, yTicks), under, this.axes(xTicks, yTicks, size), over, this.pinned, this.mark, this.box);
     subject.draw(this, under, over);
+    this.drawPins();
   }
 
   /** The names under the axis x, or about as many ticks as its width has room for. */
@@ -118,8 +123,16 @@ class Plot {
       group.append(shape("text", { x: at, y: bottom + size + 8, "text-anchor": "middle" }, label));
       end = at + width / 2;
     }
+    // Names take at most a third of the width.
+    const most = yTicks.named ? this.width / 3 : Infinity;
     for (const { value, label } of yTicks.major) {
       const at = this.down(value);
+      if (yTicks.named) {
+        const lines = inLines(label, size, most);
+        lines.forEach((line, row) => group.append(
+          shape("text", { x: left - 9, y: at + (0.36 + 1.2 * (row - (lines.length - 1) / 2)) * size, "text-anchor": "end" }, line)));
+        continue;
+      }
       group.append(shape("path", { d: `M${left},${at}h-5` }));
       group.append(shape("text", { x: left - 9, y: at + 0.36 * size, "text-anchor": "end" }, label));
     }
@@ -159,9 +172,7 @@ class Plot {
   /** Switches the scale of an axis. */
   setLog(axis, log) {
     this.log[axis] = log;
-    this.part = null;
-    this.tell(null);
-    this.render();
+    this.show(null);
   }
 
   whole() {
@@ -182,6 +193,7 @@ class Plot {
     this.part = part;
     this.tell(null);
     this.render();
+    this.changed?.();
     if (told?.again) this.tell(told.again(this));
   }
 
@@ -220,7 +232,10 @@ class Plot {
     const box = this.boxTo(...this.pointer(event));
     this.from = null;
     this.box.setAttribute("width", 0);
-    if (!box) return;
+    if (!box) {
+      this.pin();
+      return;
+    }
     const { left, top, right, bottom } = this.frame;
     const [u, v] = [(x) => (x - left) / (right - left), (y) => (bottom - y) / (bottom - top)];
     this.show({
@@ -248,7 +263,7 @@ class Plot {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const acts = {
       "+": () => this.enlarge(1.5), "=": () => this.enlarge(1.5), "-": () => this.enlarge(1 / 1.5), 0: () => this.whole(),
-      Escape: () => this.tell(null),
+      Escape: () => this.tell(null), Enter: () => this.pin(),
     };
     if (event.key.startsWith("Arrow")) {
       this.tell(this.subject.step(this, event.key.slice(5)));
@@ -256,6 +271,60 @@ class Plot {
     } else if (acts[event.key]) acts[event.key]();
     else return;
     event.preventDefault();
+  }
+
+  /** The part that is shown and the scales, as in the fragment of a link; empty for the whole. */
+  state() {
+    if (!this.part) return "";
+    const ends = ({ low, high }) => [low, high].map((end) => Number(end.toPrecision(4))).join();
+    const log = ["x", "y"].filter((axis) => this.log[axis]).join("");
+    return `?x=${ends(this.part.x)}&y=${ends(this.part.y)}&log=${log}`;
+  }
+
+  /** Shows the part of a fragment. */
+  restore(query) {
+    const given = new URLSearchParams(query);
+    const ends = (axis) => given.get(axis)?.split(",").map(Number) ?? [];
+    const log = given.get("log") ?? "";
+    const isGood = (axis) => ends(axis).length === 2 && ends(axis)[0] < ends(axis)[1] && ends(axis).every((end) => Range.shows(log.includes(axis), end));
+    if (!isGood("x") || !isGood("y")) return;
+    for (const axis of ["x", "y"]) this.log[axis] = log.includes(axis);
+    this.show({ x: new Range(this.log.x, ...ends("x")), y: new Range(this.log.y, ...ends("y")) });
+  }
+
+  /** Keeps what is read off below the chart; beside the first reading each further one has its differences from it. */
+  pin() {
+    if (!this.told || !this.subject.reading) return;
+    this.pins.push(this.subject.reading(this.told.found));
+    this.listPins();
+  }
+
+  listPins() {
+    this.drawPins();
+    const [first, ...others] = this.pins;
+    if (!first) {
+      this.pinList?.remove();
+      this.pinList = null;
+      return;
+    }
+    const { x, y } = this.subject;
+    const row = (pin, at) => element("tr", {}, ...[at + 1, pin.name, axisValue(x, pin.x), measured(pin.y, y.unit)].map((text) => element("td", {}, String(text))),
+      element("td", {}, at === 0 ? "" : `Δx ${measured(pin.x - first.x, x.unit)}, Δy ${measured(pin.y - first.y, y.unit)}, ratio ${significant(pin.y / first.y, READ)}`));
+    const list = element("div", { class: "pins", role: "status" }, element("table", {}, row(first, 0), ...others.map((pin, at) => row(pin, at + 1))),
+      button("Clear readings", "Remove the pinned readings", () => {
+        this.pins = [];
+        this.listPins();
+      }));
+    if (this.pinList) this.pinList.replaceWith(list);
+    else this.host.append(list);
+    this.pinList = list;
+  }
+
+  drawPins() {
+    const shown = this.pins.map((pin, at) => ({ ...pin, at })).filter(({ x, y }) => this.shows(x, y) && this.inFrame([this.across(x), this.down(y)]));
+    this.pinned.replaceChildren(...shown.flatMap(({ x, y, at }) => [
+      shape("circle", { class: "pin", cx: this.across(x), cy: this.down(y), r: 8 }),
+      shape("text", { class: "mark-label", x: this.across(x), y: this.down(y) - 12, "text-anchor": "middle" }, String(at + 1))]));
   }
 
   /** Shows what is read off, or nothing. */
@@ -293,15 +362,24 @@ function inLines(name, size, room) {
 
 /** The switches and buttons of a plot. */
 function tools(plot, file, more = []) {
-  const scale = (axis) => button(`${axis} log`, `Logarithmic or linear ${axis}`, (event) => {
-    plot.setLog(axis, !plot.log[axis]);
-    event.currentTarget.setAttribute("aria-pressed", plot.log[axis]);
-  }, plot.log[axis]);
-  const named = (plot.subject.x.names ?? []).length > 0;
-  return element("div", { class: "tools" }, named ? null : scale("x"), scale("y"), ...more,
-    button("+", "Enlarge", () => plot.enlarge(1.5)), button("−", "Show more", () => plot.enlarge(1 / 1.5)),
-    button("All", "Show all again", () => plot.whole()),
-    button("Save SVG", "Save what is shown as a picture", () => savePicture(`${file}.svg`, plot.picture)));
+  const { subject, picture } = plot;
+  const scale = (axis) => {
+    if ((subject[axis].names ?? []).length > 0 || !(subject.canBeLog?.(axis) ?? true)) return null;
+    return button(`${axis} log`, `Logarithmic or linear ${axis}`, (event) => {
+      plot.setLog(axis, !plot.log[axis]);
+      event.currentTarget.setAttribute("aria-pressed", plot.log[axis]);
+    }, plot.log[axis]);
+  };
+  const link = plot.changed ? button("Link", "Copy a link to this chart and the part that is shown", (event) => {
+    const { href } = Object.assign(new URL(location.href), { hash: file + plot.state() });
+    copy(href, event.currentTarget);
+  }) : null;
+  return element("div", { class: "tools", role: "toolbar", "aria-label": `Tools of ${plot.name}` }, scale("x"), scale("y"), ...more,
+    button("Zoom in", "Enlarge (+)", () => plot.enlarge(1.5)), button("Zoom out", "Show more (−)", () => plot.enlarge(1 / 1.5)),
+    button("Reset", "Show all again (0)", () => plot.whole()),
+    button("PNG", "Save what is shown as PNG", () => savePng(`${file}.png`, picture)),
+    button("SVG", "Save what is shown as SVG", () => save(`${file}.svg`, "image/svg+xml", standalone(picture))),
+    button("CSV", "Save the numbers of this chart as CSV", () => save(`${file}.csv`, "text/csv", subject.csv())), link);
 }
 
 /** Shows what is read off beside its place in a picture. */

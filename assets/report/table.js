@@ -2,13 +2,8 @@
 
 const PAGE = 25;
 
-/** The class of a cell, with that of columns for which paper has no room. */
-function kind(own, column) {
-  return [own, column.aside ? "aside" : null].filter(Boolean).join(" ") || null;
-}
-
 /** A cell in the unit in which people read it, which may be another one than that of the file. */
-function read(column, cell) {
+function inUnit(column, cell) {
   return typeof cell === "number" && column.factor !== 1 ? Number((cell * column.factor).toPrecision(12)) : cell;
 }
 
@@ -26,7 +21,7 @@ class Listing {
     this.said = element("p", { class: "hint said", role: "status" });
     // Instead of the first rows, which are there without a script.
     host.replaceChildren(this.filters(), this.said, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.file },
-      element("table", { style: `--columns: ${table.columns.filter((column) => !column.aside).length}` }, element("thead", {}, this.head), this.body)));
+      element("table", {}, element("thead", {}, this.head), this.body)));
     this.more = element("div", { class: "tools" },
       button("More rows", "Show more rows", () => this.list(this.page * 4)), button("All rows", "Show all rows", () => this.list(Infinity)));
     host.append(this.more);
@@ -39,7 +34,7 @@ class Listing {
     for (const column of this.table.columns) {
       const values = [...new Set(column.cells)].filter((value) => value !== null);
       if (values.length < 2 || values.length > 40 || !column.tells) continue;
-      const options = values.map((value, at) => element("option", { value: at }, typeof value === "number" ? significant(read(column, value)) : value));
+      const options = values.map((value, at) => element("option", { value: at }, typeof value === "number" ? significant(inUnit(column, value)) : value));
       const select = element("select", {
         change: (event) => {
           const at = event.currentTarget.value;
@@ -77,10 +72,10 @@ class Listing {
     const shown = rows.slice(0, page);
     this.head.replaceChildren(...this.table.columns.map((column) => this.heading(column)));
     this.body.replaceChildren(...shown.map((row) => element("tr", {}, ...this.table.columns.map((column) => {
-      const cell = read(column, this.cell(column, row));
-      if (typeof cell !== "number") return element("td", { class: kind("text", column) }, cell ?? "");
+      const cell = inUnit(column, this.cell(column, row));
+      if (typeof cell !== "number") return element("td", { class: "text" }, cell ?? "");
       const exact = Number.isInteger(cell) && Math.abs(cell) < 1e15;
-      return element("td", { title: String(cell), class: kind(null, column) }, exact ? minus(String(cell)) : significant(cell));
+      return element("td", { title: String(cell) }, exact ? minus(String(cell)) : significant(cell, READ));
     }))));
     this.said.textContent = rows.length > shown.length ? `${shown.length} of ${rows.length} rows` : `${rows.length} ${rows.length === 1 ? "row" : "rows"}`;
     this.more.hidden = rows.length <= shown.length;
@@ -98,13 +93,12 @@ class Listing {
     const made = button(`${column.title}${sign}`, column.about ? `${column.header}: ${column.about}` : column.header, act);
     made.dataset.header = column.header;
     const order = here ? (sorted.falling ? "descending" : "ascending") : "none";
-    return element("th", { scope: "col", class: kind(column.text ? "text" : null, column), "aria-sort": order }, made);
+    return element("th", { scope: "col", class: column.text ? "text" : null, "aria-sort": order }, made);
   }
 
   save() {
-    const quoted = (cell) => (typeof cell === "string" && /[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell ?? "");
-    const lines = [this.table.columns.map((column) => quoted(column.header)),
-      ...this.rows().map((row) => this.table.columns.map((column) => quoted(this.cell(column, row))))];
-    save(this.table.file.replace(".csv", "-chosen.csv"), "text/csv", lines.map((line) => line.join(",")).join("\n") + "\n");
+    const { columns, file } = this.table;
+    const rows = this.rows().map((row) => columns.map((column) => this.cell(column, row)));
+    save(file.replace(".csv", "-chosen.csv"), "text/csv", csvOf([columns.map((column) => column.header), ...rows]));
   }
 }

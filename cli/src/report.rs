@@ -133,9 +133,9 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     if let Some(sentence) = incomplete(lacking) {
         note!("{}: {sentence}", folder.display());
     }
-    let results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
+    let mut results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
     let answer =
-        of_study(&study, &tables, &results, decision(&study, &tables, lacking, &progress)?.as_ref())?;
+        of_study(&study, &tables, &mut results, decision(&study, &tables, lacking, &progress)?.as_ref())?;
     progress.clear();
     let card = results.card(&answer.headline);
     let path = folder.join(REPORT);

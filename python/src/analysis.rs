@@ -124,11 +124,10 @@ pub fn design<'py>(
             Ok(error) => Failure::Study(error),
             Err(error) => Failure::Run(RunError::Gpu(error)),
         })?;
-        let table = design_report::table(&found);
         let figure = design_report::figure(&found);
         let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
         let sheet = found.sheet()?;
-        let page = page::of_design(&found, sheet.as_ref(), &table, Picture::Curves(figure));
+        let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
         let document = design_report::json(&found, sheet.as_ref());
         Ok(Found { page, document, tables: vec![] })
     })?;
@@ -166,8 +165,7 @@ pub fn sensitivity<'py>(
             Err(error) => Failure::Usage(in_python(&error.to_string())),
         })?;
         let document = sensitivity_report::json(&study, &found);
-        let picture = Picture::Curves(sensitivity_report::figure(&study, &found));
-        let page = page::of_sensitivity(&study, &found, &sensitivity_report::table(&found), picture);
+        let page = page::of_sensitivity(&study, &found);
         Ok(Found { page, document, tables: vec![] })
     })?;
     found.into_python(py)
@@ -243,11 +241,7 @@ pub fn psd<'py>(
         let tables = vec![("psd.csv", spectrum::tables::table(&analysis))];
         let decision = analysis.decision(&limits);
         let document = spectrum::tables::document(&analysis, &decision);
-        Ok(Found {
-            page: page::of_log(&log, &analysis, decision.answer.clone(), None, vec![]),
-            document,
-            tables,
-        })
+        Ok(Found { page: page::of_log(&log, &analysis, decision.answer.clone(), None), document, tables })
     })?;
     found.into_python(py)
 }

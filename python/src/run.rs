@@ -165,10 +165,10 @@ impl Asked {
         }
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // A run that ended early has raised an exception before.
-        let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
-        let judged = results.verdicts()?;
+        let mut results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let sheet = decide(&study, &tables, listener)?;
-        let answer = of_study(&study, &tables, &results, sheet.as_ref())?;
+        let answer = of_study(&study, &tables, &mut results, sheet.as_ref())?;
+        let judged = results.verdicts()?;
         let decision = sheet.map(|sheet| sheet.json().to_string());
         let report = results.page(&answer, &digest);
         if let Some(folder) = &kept {

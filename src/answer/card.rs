@@ -27,13 +27,17 @@ impl Answer {
                 }
                 h2.headline { (self.headline) }
                 div.sides { (self.table.html()) (facts(&self.facts)) }
-                @for check in &self.checks {
-                    p.check .off[!check.holds()] { span.sign aria-hidden="true" { (if check.holds() { "✓" } else { "!" }) } (check.text()) }
-                }
-                @if let Some((first, more)) = notes.split_first() {
-                    p.note { (said(first)) }
-                    @if !more.is_empty() {
-                        details { summary { (more.len()) " more " (if more.len() == 1 { "note" } else { "notes" }) } @for note in more { p.note { (said(note)) } } }
+                // Open where there is room for them before the first chart.
+                details.more open {
+                    summary { "Checks and notes" }
+                    @for check in &self.checks {
+                        p.check .off[!check.holds()] { span.sign aria-hidden="true" { (if check.holds() { "✓" } else { "!" }) } (check.text()) }
+                    }
+                    @if let Some((first, more)) = notes.split_first() {
+                        p.note { (said(first)) }
+                        @if !more.is_empty() {
+                            details { summary { (more.len()) " more " (if more.len() == 1 { "note" } else { "notes" }) } @for note in more { p.note { (said(note)) } } }
+                        }
                     }
                 }
             }
@@ -69,7 +73,10 @@ impl AnswerTable {
 fn facts(facts: &[Fact]) -> Markup {
     html! {
         @if !facts.is_empty() {
-            dl.facts { @for fact in facts { dt { (fact.label()) } dd { (content(fact)) } } }
+            details.more open {
+                summary { "Facts" }
+                dl.facts { @for fact in facts { dt { (fact.label()) } dd { (content(fact)) } } }
+            }
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::analysis::compare::words::probability;
 use crate::answer::reading::{Reading, joined, number, percent_of, range};
+use crate::quantity::number::probability;
 use crate::quantity::number::{percent, significant};
 
 /// Parts of an error below this share are not shown.

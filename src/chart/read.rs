@@ -240,7 +240,8 @@ fn laws(table: &Table, x: &Named, known: Known) -> Result<Vec<Law>, Fault> {
         laws.push(law);
     }
     if let Some((item, law)) = written.iter().zip(&laws).find(|(_, law)| !known.ground.laws.contains(law)) {
-        let message = format!("chart.references: \"{}\" is a reference curve of {}", law.name(), law.subject());
+        let message =
+            format!("chart.references: \"{}\" is a reference curve of {}", law.name(), law.subject());
         return Err(item.fault(message, "not of this kind of study", "leave it out"));
     }
     if !laws.is_empty() {

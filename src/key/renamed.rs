@@ -90,9 +90,7 @@ fn of_entries(name: &str, table: &mut DeTable) -> Vec<String> {
 fn of_value(key: &str, value: &mut DeValue) -> Vec<String> {
     match value {
         DeValue::Table(table) => of_entries(key, table),
-        DeValue::Array(items) => {
-            items.iter_mut().flat_map(|item| of_value(key, item.get_mut())).collect()
-        }
+        DeValue::Array(items) => items.iter_mut().flat_map(|item| of_value(key, item.get_mut())).collect(),
         DeValue::String(text) if OF_NAMES.contains(&key) => {
             let Some(present) = present(text) else { return vec![] };
             let note = note(text, &present);
@@ -115,7 +113,8 @@ mod tests {
         let former: Vec<&str> = notes.iter().map(|note| note.split('`').nth(1).unwrap()).collect();
         assert_eq!(former, ["noise.quantisation", "oracle_rms", "chart.where.verdict"]);
         let chart = root.get_ref()["chart"].get_ref().as_array().unwrap()[0].get_ref().as_table().unwrap();
-        let ys: Vec<_> = chart["y"].get_ref().as_array().unwrap().iter().map(|y| y.get_ref().as_str()).collect();
+        let ys: Vec<_> =
+            chart["y"].get_ref().as_array().unwrap().iter().map(|y| y.get_ref().as_str()).collect();
         assert_eq!(ys, [Some("rms"), Some("theory_rms")]);
         assert_eq!(chart["where"].get_ref().as_table().unwrap()["status"].get_ref().as_str(), Some("law"));
         assert_eq!(root.get_ref()["title"].get_ref().as_str(), Some("oracle"));

@@ -70,7 +70,8 @@ impl Study {
             let message = "the study is not text in UTF-8: it contains a zero byte, as UTF-16 does";
             return Err(Fault::new(at..at + 1, message, "here", "save it as UTF-8").into());
         }
-        let mut root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
+        let mut root =
+            DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
         let notes = renamed::replace("", root.get_mut());
         let table = Table::root("", &root);
         let (kind, keys) = checked(&table)?;

@@ -142,6 +142,14 @@ pub(crate) fn joined(number: &str, unit: &str) -> String {
     }
 }
 
+/// Least probability that is stated; smaller ones belong to tails that no approximation describes.
+const LEAST_SAID: f64 = 1e-12;
+
+/// Formats a probability as `p = 0.03` or `p < 1e-12`.
+pub fn probability(p: f64) -> String {
+    if p < LEAST_SAID { format!("p < {LEAST_SAID:e}") } else { format!("p = {}", significant(p, 2)) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -40,8 +40,7 @@ impl Unit {
     /// Allan variances.
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
     /// Densities of rate, one-sided.
-    pub const ARCSEC2_PER_S2_PER_HZ: Unit =
-        Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
+    pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
     /// Response of a suspension.
     pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
     /// Accelerations.

@@ -78,6 +78,15 @@ impl Found {
         of(&self.estimates?.p99_73?)
     }
 
+    /// The 95 % interval of the mean.
+    pub(crate) fn mean_band(&self) -> Band {
+        let Estimates { mean, rms, .. } = self.estimates?;
+        let variance = (rms * rms - mean * mean).max(0.0);
+        let half = NORMAL_95
+            * libm::sqrt(variance / self.trials.checked_sub(1).filter(|&others| others > 0)? as f64);
+        Some((mean - half, mean + half))
+    }
+
     pub(crate) fn rms_band(&self) -> Band {
         let (rms, half) = (self.estimates?.rms, NORMAL_95 * self.rms_se()?);
         Some((rms - half, rms + half))

@@ -126,9 +126,7 @@ impl Column {
     pub fn valued(&self, value: &str) -> String {
         let unread = (value, self.unit.symbol);
         let (value, symbol) = match self.written.zip(value.parse::<f64>().ok()) {
-            Some((written, number)) => {
-                (&*significant(round_12(number * written.factor), 12), written.symbol)
-            }
+            Some((written, number)) => (&*significant(round_12(number * written.factor), 12), written.symbol),
             None => unread,
         };
         let value = match value.strip_prefix('-') {

@@ -39,17 +39,17 @@ mod log_formats;
 mod lowering;
 mod motions;
 mod navigation;
-mod theories;
 mod pairs;
 mod published;
 mod record_lowering;
-mod record_theories;
 mod record_switching;
+mod record_theories;
 mod records;
 mod relock;
 mod spectrum;
 mod switched_run;
 mod temperature;
+mod theories;
 mod twins;
 
 /// The root of the repository.

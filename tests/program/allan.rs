@@ -22,17 +22,17 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
     let words = "PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,tdev --confidence 0.683 \
                  --intervals stable32";
     let ended = done(&desk, words);
-    for piece in ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "in-run bias stability"]
+    for piece in
+        ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "in-run bias stability"]
     {
-        assert!(
-            ended.stdout.contains(piece),
-            "{piece} is missing in\n{}",
-            ended.stdout
-        );
+        assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let curve_rows = curve(&desk, "results/PHASE");
     let row = curve_rows.iter().find(|row| row["deviation"] == "oadev" && row["m"] == "8").unwrap();
-    assert_eq!((row["differences"].as_str(), row["alpha"].as_str(), row["tau_s"].as_str()), ("985", "0", "8"));
+    assert_eq!(
+        (row["differences"].as_str(), row["alpha"].as_str(), row["tau_s"].as_str()),
+        ("985", "0", "8")
+    );
     for (name, expected) in [("lower", 0.10038), ("value", 0.10570), ("upper", 0.11198)] {
         let found: f64 = row[name].parse().unwrap();
         assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found}, not {expected}");
@@ -125,13 +125,9 @@ fn gaps_outliers_and_what_was_done_are_said() {
     for piece in ["g: 6 of 160 samples are missing (3.8 %)", "1 outlier", "at 60 s: kept"] {
         assert!(kept.stderr.contains(piece), "{piece} is missing in\n{}", kept.stderr);
     }
-    for piece in [
-        "from 20 s; until 180 s",
-        "linear trend was removed",
-        "R is gone",
-        "above τ = 16 s",
-        "Removed trend",
-    ] {
+    for piece in
+        ["from 20 s; until 180 s", "linear trend was removed", "R is gone", "above τ = 16 s", "Removed trend"]
+    {
         assert!(kept.stdout.contains(piece), "{piece} is missing in\n{}", kept.stdout);
     }
     let treatment = &curve(&desk, "results/log")[0]["treatment"];

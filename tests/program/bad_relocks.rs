@@ -50,7 +50,11 @@ fn loops_and_biases_that_make_no_sense_are_refused() {
     refused(&replaced("80 kHz", "900000 kHz"), "9:18", &["too many"]);
     refused(&replaced("curvature = 40", "curvature = 400"), "11:13", &["leaves no bias", "χ·Δλ² = "]);
     refused(&replaced("adc_noise = 0.0002", "adc_noise = 1e-11"), "12:13", &["is lost beside", "or 0"]);
-    refused(&replaced("0.05\nhalf_wave_error = 0.002", "0"), "6:20", &["nothing to relock", "give an initial detuning"]);
+    refused(
+        &replaced("0.05\nhalf_wave_error = 0.002", "0"),
+        "6:20",
+        &["nothing to relock", "give an initial detuning"],
+    );
 }
 
 #[test]

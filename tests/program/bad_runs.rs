@@ -248,7 +248,11 @@ fn trajectories_out_of_range_and_charts_of_none_are_refused() {
         "16:17",
         &["no row has run = \"3\"", "accepted: 1, 2"],
     );
-    refused(&chart(&with("2"), "references = [\"noise\"]"), "16:9", &["is a reference curve of gap fillers", "leave it out"]);
+    refused(
+        &chart(&with("2"), "references = [\"noise\"]"),
+        "16:9",
+        &["is a reference curve of gap fillers", "leave it out"],
+    );
     refused(
         &replaced(&chart(&with("2"), ""), "\"error\"", "\"drift_rms\""),
         "15:5",

@@ -124,7 +124,9 @@ fn design_sensitivity_filler_allan_compare_lot_and_model_print_what_their_schema
         check(&schema("lot"), &desk.done(&words).stdout, &words);
     }
     let model = schema("model");
-    for more in ["--overbound", "--overbound=repeat --write all", "--overbound --quantization white --states 1"] {
+    for more in
+        ["--overbound", "--overbound=repeat --write all", "--overbound --quantization white --states 1"]
+    {
         check(&model, &desk.done(&format!("model {log} {read} {more}")).stdout, more);
     }
     desk.write("noise.toml", "angle_random_walk = \"0.003 deg/sqrt(h)\"\n");

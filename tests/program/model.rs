@@ -180,9 +180,21 @@ fn what_cannot_be_modelled_is_refused_with_what_to_do() {
     desk.fails("model noise.toml --overbound", 2, &["no averaging times of its own", "--from 1s"]);
     desk.fails("model noise.toml --from 100s --to 1s --overbound", 2, &["has to be the shorter one"]);
     desk.fails("model noise.toml --from 1s --to 100s --overbound=repeat", 2, &["give the log"]);
-    desk.fails("model broken.toml --from 1s --to 100s --overbound", 3, &["angle_random_wlak", "did you mean"]);
-    desk.fails("model absent.toml --from 1s --to 100s --overbound", 3, &["cannot read the noise absent.toml"]);
-    desk.fails(&format!("model gyro.csv {READ} --overbound --to 5000s"), 3, &["reaches from τ = 1 s", "--to"]);
+    desk.fails(
+        "model broken.toml --from 1s --to 100s --overbound",
+        3,
+        &["angle_random_wlak", "did you mean"],
+    );
+    desk.fails(
+        "model absent.toml --from 1s --to 100s --overbound",
+        3,
+        &["cannot read the noise absent.toml"],
+    );
+    desk.fails(
+        &format!("model gyro.csv {READ} --overbound --to 5000s"),
+        3,
+        &["reaches from τ = 1 s", "--to"],
+    );
     desk.fails(&format!("model gyro.csv {READ} --overbound --from 0.1s"), 3, &["reaches from τ = 1 s"]);
     desk.fails(&format!("model still.csv {READ} --overbound"), 3, &["constant"]);
     desk.fails(

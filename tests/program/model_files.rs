@@ -132,7 +132,9 @@ const GYROS: [&str; 3] = [
 fn every_file_has_the_deviation_of_the_model_at_1_s_and_bounds_it_elsewhere() {
     for gyro in GYROS {
         let desk = desk_with("noise.toml", gyro);
-        desk.done("model noise.toml --from 1s --to 10000s --overbound --filter-rate 100Hz --write all --out m");
+        desk.done(
+            "model noise.toml --from 1s --to 10000s --overbound --filter-rate 100Hz --write all --out m",
+        );
         let whole = read("json", &desk.read("m/model.json"));
         for writer in WRITERS {
             let text = desk.read(&format!("m/{}", writer.file));

@@ -21,12 +21,9 @@ fn text(rates: &[f64]) -> String {
 fn density_line_and_floor_of_a_log_are_in_files_text_chart_and_json() {
     let desk = desk_with("gyro.csv", text(&rates(16_384)));
     let ended = desk.full(&format!("allan gyro.csv {READ} --plot"));
-    for piece in [
-        "16384 samples at 100 Hz",
-        "one-sided, Hann window, 15 segments of 20.48 s",
-        "20.0",
-        "consistent",
-    ] {
+    for piece in
+        ["16384 samples at 100 Hz", "one-sided, Hann window, 15 segments of 20.48 s", "20.0", "consistent"]
+    {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     assert!(!ended.stderr.contains("note: 1: the density"), "{}", ended.stderr);

@@ -114,12 +114,17 @@ fn a_law_is_a_column_of_the_table_and_a_line_of_the_chart_that_asks_for_it() {
     let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n";
     let desk = Desk::with(&with(&format!("{sweep}{chart}")));
     desk.done("run study.toml --device cpu --trials 1000");
-    let header = format!("motion.frequency_hz,{HEADER},reference_taylor_extremum_arcsec,reference_noise_arcsec");
+    let header =
+        format!("motion.frequency_hz,{HEADER},reference_taylor_extremum_arcsec,reference_noise_arcsec");
     assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(header.as_str()));
     let rows = desk.points("results/study");
     let shown = |at: usize| {
         let number = |name: &str| rows[at][name].parse().map_or(String::new(), |x: f64| format!("{x:.2}"));
-        (rows[at]["filler"].as_str(), number("reference_taylor_extremum_arcsec"), number("reference_noise_arcsec"))
+        (
+            rows[at]["filler"].as_str(),
+            number("reference_taylor_extremum_arcsec"),
+            number("reference_noise_arcsec"),
+        )
     };
     // Of the second frequency, Δt·ν = 0.2, σ = 1 ″ and n = 3.
     assert_eq!(shown(4), ("const", "47.37".to_owned(), "4.50".to_owned()));

@@ -59,7 +59,9 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
     match &options.files[..] {
         [a, b] => pair(options, [a, b]),
         _ if options.max_ratio.is_empty() => batch::batch(options, "batch"),
-        _ => Err(Failure::Usage("--max-ratio is for two logs\nlimit the units of a batch by --limit".to_owned())),
+        _ => Err(Failure::Usage(
+            "--max-ratio is for two logs\nlimit the units of a batch by --limit".to_owned(),
+        )),
     }
 }
 
@@ -68,7 +70,8 @@ fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
     let [first, second] = files;
     let failure = |error: LimitError| Failure::Usage(format!("--max-ratio: {error}"));
     // Before 0.3, a limit of two logs was a ratio.
-    let is_ratio = |text: &&String| text.split_once('=').is_some_and(|(_, value)| value.trim().parse::<f64>().is_ok());
+    let is_ratio =
+        |text: &&String| text.split_once('=').is_some_and(|(_, value)| value.trim().parse::<f64>().is_ok());
     for former in options.limit.iter().filter(is_ratio) {
         note!("{}", note(&format!("--limit {former}"), &format!("--max-ratio {former}")));
     }

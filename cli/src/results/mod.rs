@@ -145,16 +145,16 @@ impl Ran<'_> {
     ) -> Result<Option<Value>, Failure> {
         let Ran { study, plan, folder, done, lacking, .. } = self;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        let results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
+        let mut results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
         folder.write(RESOLVED, results.resolved().as_bytes())?;
+        let sheet = decision(study, tables, *lacking, progress)?;
+        let answer = of_study(study, tables, &mut results, sheet.as_ref())?;
         let page = || {
             let verdicts = results.verdicts()?;
-            let sheet = decision(study, tables, *lacking, progress)?;
-            let answer = of_study(study, tables, &results, sheet.as_ref())?;
             // Without a word from the task that writes, it has panicked, and so does the scope that waits for it.
             let digest = written.recv().unwrap_or_else(|_| Ok(String::new()))?;
             folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
-            Ok::<_, Failure>((verdicts, sheet, answer))
+            Ok::<_, Failure>(verdicts)
         };
         // The picture of a chart of 10,000 points takes as long as the page.
         let (drawn, made) = thread::scope(|scope| {
@@ -163,7 +163,7 @@ impl Ran<'_> {
             (drawn.join().unwrap_or_else(|panic| resume_unwind(panic)), made)
         });
         drawn?;
-        let (verdicts, sheet, answer) = made?;
+        let verdicts = made?;
         folder.commit()?;
         progress.clear();
         if self.json {

@@ -1,17 +1,18 @@
 //! From which value on at least half of the records show a coefficient.
 
-use crate::analysis::answer::{Line, Outline, Question, at, headline, table};
+use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table};
 use crate::answer::reading::percent_of;
 use crate::answer::{AnswerCell, Kind, Reading};
 use crate::kinds::allan::columns::is_absent;
 use crate::table::Column;
+use crate::view::chart::figure::Shape;
 use crate::view::verdict::between;
 
 /// The part of records from which on a coefficient counts as shown.
 const HALF: f64 = 0.5;
 
 pub(super) fn outline(question: &Question, x: &Column) -> Outline {
-    let mut lines = Vec::new();
+    let (mut lines, mut marks) = (Vec::new(), Vec::new());
     let mut told: Option<(String, f64, bool)> = None;
     for choice in question.choices() {
         let rows: Vec<usize> = choice
@@ -28,7 +29,16 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
                 let part = (HALF - question.y.value(a)) / (question.y.value(b) - question.y.value(a));
                 let place = between(x.value(a), x.value(b), part);
                 told.get_or_insert((choice.long.clone(), place, is_more(b)));
-                format!("{} {}", if is_more(b) { "≥" } else { "≤" }, Reading::new(x, place, None).text())
+                let label = Reading::new(x, place, None).text();
+                let text = format!("{} {label}", if is_more(b) { "≥" } else { "≤" });
+                marks.push(Named {
+                    rows: rows.clone(),
+                    x: place,
+                    shape: Shape::Crossing,
+                    label,
+                    range: None,
+                });
+                text
             }
             _ if rows.is_empty() || is_absent(question.table, &rows) => "not in this noise".to_owned(),
             _ if is_more(rows[0]) => "everywhere".to_owned(),
@@ -58,5 +68,5 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
             (headline("", &format!("half of the records show {names}")), None)
         }
     };
-    Outline { kind: Kind::Threshold, headline, value, table }
+    Outline { kind: Kind::Threshold, headline, value, table, marks }
 }

@@ -74,7 +74,7 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         }
         _ => (headline("", &format!("{} has the least {} most often", shown.last()?.1, map.z.label)), None),
     };
-    Some(Outline { kind: Kind::Map, headline, value, table })
+    Some(Outline { kind: Kind::Map, headline, value, table, marks: vec![] })
 }
 
 /// Values at places along both axes.
@@ -104,7 +104,7 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]
         .map(|(axis, at)| valued(axis, at));
     let headline = headline("", &format!("{}: at most {} at {}", map.z.label, value.text(), at.join(", ")));
-    Some(Outline { kind: Kind::Map, headline, value: Some(value), table })
+    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, marks: vec![] })
 }
 
 /// The part of a label that names it in few words.

@@ -22,6 +22,8 @@ use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
+use crate::view::chart::figure::{Mark, Shape};
+use crate::view::chart::from_table::axis_unit;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::{Drawn, refused};
@@ -29,12 +31,15 @@ use crate::view::report::agreement::{Agreement, agreements, capitalized};
 use crate::view::report::bandless::Bandless;
 use crate::view::report::role::{apart, is_given, less_is_better};
 use crate::view::results::Results;
+use crate::view::verdict::{between, fraction};
 
 /// The rows that answer the question of a study.
 pub(super) struct Question<'t> {
     pub(super) table: &'t Table,
     /// The abscissa of the curves, where there is one.
     pub(super) x: Option<&'t Column>,
+    /// The abscissa of its chart, which may follow from `x`.
+    axis: Option<&'t Column>,
     /// The estimate.
     pub(super) y: &'t Column,
     /// The columns between whose values a designer chooses.
@@ -65,6 +70,19 @@ pub(super) struct Outline {
     pub(super) headline: String,
     pub(super) value: Option<Reading>,
     pub(super) table: AnswerTable,
+    /// Places on curves that the table or the headline names.
+    pub(super) marks: Vec<Named>,
+}
+
+/// A place on a curve that an answer names.
+pub(super) struct Named {
+    /// The rows of the curve by rising x.
+    pub(super) rows: Vec<usize>,
+    pub(super) x: f64,
+    pub(super) shape: Shape,
+    pub(super) label: String,
+    /// Values of x around it that are as good.
+    pub(super) range: Option<[f64; 2]>,
 }
 
 /// A row of the table before equal ones are joined.
@@ -74,20 +92,23 @@ pub(super) struct Line {
     pub(super) cells: Vec<AnswerCell>,
 }
 
-/// The answer of a study, with the facts of its decision.
+/// The answer of a study, with the facts of its decision; its values are marked on the charts of `results` from which they are.
 ///
 /// # Errors
 /// The table lacks something that a chart requires.
 pub fn of_study(
     study: &Study,
     tables: &Tables,
-    results: &Results,
+    results: &mut Results,
     decided: Option<&Sheet>,
 ) -> Result<Answer, StudyError> {
     let (drawn, curves, lacking) = (&results.charts, &results.curves, results.lacking);
-    let charts =
-        || study.charts.iter().zip(curves).zip(drawn).filter(|((chart, _), _)| study.is_judged_by(chart));
-    let has_curves = |drawn: &Drawn| matches!(drawn.picture, Picture::Curves(_));
+    let charts = || {
+        let all = study.charts.iter().zip(curves).zip(drawn.iter().enumerate());
+        all.filter(|((chart, _), _)| study.is_judged_by(chart))
+    };
+    let has_curves = |(_, drawn): &(usize, &Drawn)| matches!(drawn.picture, Picture::Curves(_));
+    let mut marks: Vec<(usize, Vec<Mark>)> = vec![];
     let role = |curves: &Shown| curves.table.column(&curves.estimate).map(|column| column.role);
     // Where records show a coefficient is what a study of records asks first.
     let asked = charts()
@@ -97,12 +118,16 @@ pub fn of_study(
         })
         .or_else(|| charts().next());
     let (mut outline, limit) = match asked {
-        Some(((chart, curves), drawn)) if !curves.is_supplied(chart) || chart.limit.is_some() => {
+        Some(((chart, curves), (at, drawn))) if !curves.is_supplied(chart) || chart.limit.is_some() => {
             let outline = match &drawn.picture {
-                Picture::Map(found) => Ok(map::of_map(found)),
-                _ => Question::of_chart(study, chart, curves).map(|question| question.outline(study)),
+                Picture::Map(found) => map::of_map(found),
+                Picture::Curves(_) => {
+                    let (outline, found) = Question::answered(study, chart, curves)?;
+                    marks.push((at, found));
+                    outline
+                }
             };
-            (outline.map_err(|error| refused(study, chart, &error.into()))?, chart.limit)
+            (outline, chart.limit)
         }
         _ => {
             let question = Question::of_points(study, &tables.points, decided);
@@ -114,13 +139,12 @@ pub fn of_study(
         && let [line] = &outline.table.rows[..]
         && line[0].text.is_empty()
     {
-        let found = continued.map(|((chart, curves), _)| {
-            let outline = Question::of_chart(study, chart, curves).map(|question| question.outline(study));
-            outline
-                .map(|outline| (chart, curves, outline))
-                .map_err(|error| refused(study, chart, &error.into()))
+        let found = continued.map(|((chart, curves), (at, _))| {
+            let (outline, found) = Question::answered(study, chart, curves)?;
+            marks.push((at, found));
+            Ok((chart, curves, outline))
         });
-        outline.continue_with(&found.collect::<Result<Vec<_>, _>>()?);
+        outline.continue_with(&found.collect::<Result<Vec<_>, StudyError>>()?);
     }
     let limit = limit.or(decided.and_then(|sheet| sheet.limit));
     let outline = outline.unwrap_or(Outline {
@@ -128,7 +152,13 @@ pub fn of_study(
         headline: String::new(),
         value: None,
         table: AnswerTable::default(),
+        marks: vec![],
     });
+    for (at, marks) in marks {
+        if let Picture::Curves(figure) = &mut results.charts[at].picture {
+            figure.marks = marks;
+        }
+    }
     let limit = limit.map(|limit| Reading::new(&limited(limit), limit.value, None));
     Ok(Answer {
         kind: outline.kind,
@@ -222,7 +252,55 @@ impl<'t> Question<'t> {
         let x = if whole.is_some() { x } else { key.unwrap_or(x) };
         let is_named = is_named || whole.is_some();
         let by = series.into_iter().chain(is_named.then_some(x)).collect();
-        Ok(Question::new(study, table, Some(x).filter(|_| !is_named), y, by, rows, chart.limit))
+        let question = Question::new(study, table, Some(x).filter(|_| !is_named), y, by, rows, chart.limit);
+        Ok(Question { axis: table.column(&chart.x.name).ok(), ..question })
+    }
+
+    /// The answer of a chart of curves, and what it names as marks.
+    fn answered(
+        study: &Study,
+        chart: &Chart,
+        curves: &Shown,
+    ) -> Result<(Option<Outline>, Vec<Mark>), StudyError> {
+        let question =
+            Question::of_chart(study, chart, curves).map_err(|error| refused(study, chart, &error.into()))?;
+        let outline = question.outline(study);
+        let marks = outline.as_ref().map_or(vec![], |outline| question.marks(chart, &outline.marks));
+        Ok((outline, marks))
+    }
+
+    /// The places that an answer names, in the units of the axes, each once.
+    fn marks(&self, chart: &Chart, named: &[Named]) -> Vec<Mark> {
+        let Some(axis) = self.axis else { return vec![] };
+        let [across, up] = [axis_unit(axis, chart.x_scale).0, axis_unit(self.y, chart.y_scale).0];
+        let mut marks: Vec<Mark> = vec![];
+        for Named { rows, x, shape, label, range } in named {
+            let place = |x: f64| self.place(rows, x).map(|(x, y)| (across * x, up * y));
+            let Some(place_of_mark) = place(*x) else { continue };
+            let range = range.and_then(|[from, to]| Some((place(from)?.0, place(to)?.0)));
+            let mark = Mark { shape: *shape, place: place_of_mark, range, label: label.clone() };
+            // Curves that coincide cross at the same place.
+            if !marks.contains(&mark) {
+                marks.push(mark);
+            }
+        }
+        marks
+    }
+
+    /// The place on the chart at a value of x on a curve, between whose points it runs as crossings of a limit are found.
+    fn place(&self, rows: &[usize], at: f64) -> Option<(f64, f64)> {
+        let (x, axis) = (self.x?, self.axis?);
+        let known: Vec<usize> =
+            rows.iter().copied().filter(|&row| self.y.cells[row].number().is_some()).collect();
+        let after = known.iter().position(|&row| x.value(row) >= at)?;
+        let b = known[after];
+        let Some(a) = after.checked_sub(1).map(|before| known[before]).filter(|_| x.value(b) > at) else {
+            return Some((axis.value(b), self.y.value(b)));
+        };
+        let part = fraction(x.value(a), x.value(b), at);
+        let [low, high] = [a, b].map(|row| self.y.value(row));
+        let y = if high < 0.0 && low < 0.0 { -between(-low, -high, part) } else { between(low, high, part) };
+        Some((between(axis.value(a), axis.value(b), part), y))
     }
 
     /// The points of a study without its own chart.
@@ -254,7 +332,17 @@ impl<'t> Question<'t> {
         let x = x.filter(varies);
         let by: Vec<&Column> = by.into_iter().filter(varies).collect();
         let (conditions, options) = by.into_iter().partition(|by| is_given(by));
-        Question { table, x, y, options, conditions, rows, limit, unusable: Bandless::of(study, table) }
+        Question {
+            table,
+            x,
+            axis: None,
+            y,
+            options,
+            conditions,
+            rows,
+            limit,
+            unusable: Bandless::of(study, table),
+        }
     }
 
     /// The answer in the shape of the question; `None` for rows without a value.

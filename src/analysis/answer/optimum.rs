@@ -1,9 +1,12 @@
 //! The value of a design choice at which an estimate is least.
 
-use crate::analysis::answer::{Line, Outline, Question, at, at_place, headline, joined_names, table, values};
+use crate::analysis::answer::{
+    Line, Named, Outline, Question, at, at_place, headline, joined_names, table, values,
+};
 use crate::answer::reading::span;
-use crate::answer::{AnswerCell, Kind, Reading};
+use crate::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
 use crate::table::Column;
+use crate::view::chart::figure::Shape;
 
 /// The excess over the least value up to which the cost counts as equal.
 const FLAT: f64 = 0.04;
@@ -13,6 +16,8 @@ struct Least {
     name: String,
     long: String,
     is_usable: bool,
+    /// The rows of the curve.
+    rows: Vec<usize>,
     row: usize,
     /// The values of x around it at which the cost is at most [`FLAT`] larger.
     flat: [f64; 2],
@@ -31,6 +36,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
                 name: named(&choice.name),
                 long: named(&choice.long),
                 is_usable: choice.is_usable,
+                rows: rows.clone(),
                 row,
                 flat,
                 alike,
@@ -92,6 +98,16 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
         lines = values::along(question, x, &choice.rows[0]);
         columns = vec![x.label.clone(), question.label(), "95 % interval".to_owned()];
     }
+    // The range is that of the headline alone, as several would cover each other.
+    let mark = |least: &Least| Named {
+        rows: least.rows.clone(),
+        x: x.value(least.row),
+        shape: Shape::Extremum,
+        label: Reading::new(x, x.value(least.row), None).text(),
+        range: Some(least.flat)
+            .filter(|[from, to]| from < to && told.is_some_and(|told| told.row == least.row)),
+    };
+    let marks = found.iter().take(MAX_ROWS).map(mark).collect();
     let mut table = table(columns, lines);
     if is_single {
         let name = at_place(x, x.value(found[0].row));
@@ -101,7 +117,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
         let name = told.map(|least| least.name.clone()).unwrap_or_default();
         table.best = table.rows.iter().position(|row| row[0].text == name);
     }
-    Outline { kind: Kind::Optimum, headline, value, table }
+    Outline { kind: Kind::Optimum, headline, value, table, marks }
 }
 
 fn heading(question: &Question) -> String {

@@ -1,12 +1,13 @@
 //! The places at which curves peak.
 
-use crate::analysis::answer::{Line, Outline, Question, at, headline, table};
+use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table};
 use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, Reading};
 use crate::table::Column;
+use crate::view::chart::figure::Shape;
 
 /// The peaks of curves of which each has some; `None` for others.
 pub(super) fn outline(question: &Question, x: &Column) -> Option<Outline> {
-    let (mut lines, mut first) = (Vec::new(), None);
+    let (mut lines, mut marks, mut first) = (Vec::new(), Vec::new(), None);
     for choice in question.choices() {
         let rows = choice.rows.concat();
         let is_peak = |three: &&[usize]| {
@@ -21,6 +22,10 @@ pub(super) fn outline(question: &Question, x: &Column) -> Option<Outline> {
             peaks.iter().copied().max_by(|&a, &b| question.y.value(a).total_cmp(&question.y.value(b)))?;
         first.get_or_insert((choice.long.clone(), highest));
         let cells = peaks.iter().map(|&row| AnswerCell::from(Reading::new(x, x.value(row), None)));
+        marks.extend(peaks.iter().map(|&row| {
+            let label = Reading::new(x, x.value(row), None).text();
+            Named { rows: rows.clone(), x: x.value(row), shape: Shape::Extremum, label, range: None }
+        }));
         lines.push(Line { name: choice.name, is_usable: true, cells: cells.collect() });
     }
     let (name, row) = first?;
@@ -30,5 +35,5 @@ pub(super) fn outline(question: &Question, x: &Column) -> Option<Outline> {
         std::iter::once(question.heading()).chain((1..=most).map(|peak| format!("peak {peak}"))).collect();
     let value = Reading::new(x, x.value(row), None);
     let headline = headline(&name, &format!("highest peak at {}", at(x, x.value(row))));
-    Some(Outline { kind: Kind::Estimate, headline, value: Some(value), table: table(columns, lines) })
+    Some(Outline { kind: Kind::Estimate, headline, value: Some(value), table: table(columns, lines), marks })
 }

@@ -1,10 +1,11 @@
 //! How far along the curves a value stays within its limit.
 
-use crate::analysis::answer::{Line, Outline, Question, at, headline, table, values};
+use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table, values};
 use crate::answer::reading::{Reading, joined, number, span};
-use crate::answer::{AnswerCell, Kind, MAX_COLUMNS};
+use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS};
 use crate::chart::Limit;
 use crate::table::Column;
+use crate::view::chart::figure::Shape;
 use crate::view::verdict::{between, counts_between, fraction};
 
 /// A stretch of a curve within the limit; an end is absent where the curve ends within it.
@@ -95,11 +96,16 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
             (values::requirement(question, &choices[best].long, verb, limit, &text), value)
         }
     };
+    let shown = order.iter().take(MAX_ROWS).flat_map(|&at| {
+        let extents = choices[at].rows.iter().zip(&extents[at]).take(MAX_COLUMNS - 1);
+        extents.flat_map(|(rows, extent)| ends(x, rows, &extent.windows))
+    });
+    let marks = shown.collect();
     let mut table = table(columns, lines);
     if !is_chosen && table.best.is_some() {
         table.best = table.rows.iter().position(|row| row[0].text == choices[best].name);
     }
-    Outline { kind: Kind::Threshold, headline, value, table }
+    Outline { kind: Kind::Threshold, headline, value, table, marks }
 }
 
 fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Extent {
@@ -179,6 +185,18 @@ fn interval(
     let (low, high) = (one.min(other), one.max(other));
     let is_known = known.iter().all(|&row| question.y.interval(row).is_some());
     (is_known && low < high && low <= place && place <= high).then_some([low, high])
+}
+
+/// The ends of the windows that a cell names, as marks; the first of two has the label of both.
+fn ends(x: &Column, rows: &[usize], windows: &[Window]) -> Vec<Named> {
+    let mark =
+        |x: f64, label: String| Named { rows: rows.to_vec(), x, shape: Shape::Crossing, label, range: None };
+    let of_window = |window: &Window| match *window {
+        [None, None] => vec![],
+        [None, Some(end)] | [Some(end), None] => vec![mark(end, Reading::new(x, end, None).text())],
+        [Some(from), Some(to)] => vec![mark(from, span(x, from, to)), mark(to, String::new())],
+    };
+    windows.iter().take(if windows.len() > 2 { 1 } else { 2 }).flat_map(of_window).collect()
 }
 
 /// A window as a cell.

@@ -1,12 +1,14 @@
 //! The values of options side by side, under the conditions or at places of the abscissa.
 
 use crate::analysis::answer::{
-    Choice, Line, Outline, Question, at_places, begun, headline, limited, place, sampled, spread, table,
+    Choice, Line, Named, Outline, Question, at_places, begun, headline, limited, place, sampled, spread,
+    table,
 };
 use crate::answer::reading::Reading;
 use crate::answer::{AnswerCell, Kind, MAX_ROWS, MAX_WORDS};
 use crate::chart::Limit;
 use crate::table::{Column, Role};
+use crate::view::chart::figure::Shape;
 use crate::view::report::role::less_is_better;
 
 pub(super) fn outline(question: &Question) -> Outline {
@@ -75,7 +77,18 @@ pub(super) fn outline(question: &Question) -> Outline {
     let (headline, value, kind) = told.unwrap_or_else(|| (String::new(), None, Kind::Estimate));
     let mut table = table(columns, lines);
     table.best = table.best.filter(|_| kind != Kind::Estimate && (single.is_none() || question.x.is_none()));
-    Outline { kind, headline, value, table }
+    // The largest value of a curve, where the answer has it.
+    let is_told = |label: &String| {
+        headline.contains(label.as_str()) || table.rows.iter().flatten().any(|cell| cell.text == *label)
+    };
+    let mark = |rows: &Vec<usize>| {
+        let (x, row) = (question.x?, question.largest(rows)?);
+        let label = question.reading(row).text();
+        Some(Named { rows: rows.clone(), x: x.value(row), shape: Shape::Extremum, label, range: None })
+    };
+    let curves = choices.iter().take(MAX_ROWS).flat_map(|choice| &choice.rows).filter(|_| is_error);
+    let marks = curves.filter_map(mark).filter(|mark| is_told(&mark.label)).collect();
+    Outline { kind, headline, value, table, marks }
 }
 
 /// A row for each of some places along a single curve.

@@ -3,12 +3,13 @@
 use crate::analysis::compare::limit::{Judged, RatioLimit};
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
-use crate::analysis::compare::words::{duration, length, probability, times};
+use crate::analysis::compare::words::{duration, length, times};
 use crate::analysis::compare::{Length, SIGNIFICANT};
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
 use crate::answer::reading::{number, range};
 use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
 use crate::fit::Term;
+use crate::quantity::number::probability;
 use crate::quantity::number::significant;
 
 /// The order in which coefficients are looked at.

@@ -3,11 +3,12 @@
 use crate::allan::{Deviation, Point};
 use crate::analysis::compare::Ratio;
 use crate::key::scale::Scale;
+use crate::quantity::number::probability;
 use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
-use crate::analysis::compare::words::{duration, probability, times};
+use crate::analysis::compare::words::{duration, times};
 use crate::analysis::log::figures::{described, line};
 
 /// Relative difference below which averaging times are the same.

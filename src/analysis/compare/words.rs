@@ -3,14 +3,6 @@
 use crate::analysis::compare::Length;
 use crate::quantity::number::significant;
 
-/// Least probability that is stated; smaller ones belong to tails that no approximation describes.
-const LEAST_SAID: f64 = 1e-12;
-
-/// Formats a probability as `p = 0.03` or `p < 1e-12`.
-pub fn probability(p: f64) -> String {
-    if p < LEAST_SAID { format!("p < {LEAST_SAID:e}") } else { format!("p = {}", significant(p, 2)) }
-}
-
 /// Formats a duration with two digits, such as `31 h`.
 pub fn duration(seconds: f64) -> String {
     const UNITS: [(f64, f64, &str); 5] = [

@@ -1,9 +1,9 @@
 //! Whether the noise of a column changes, as a sentence.
 
 use crate::allan::Deviation;
-use crate::analysis::compare::words::{duration, probability};
+use crate::analysis::compare::words::duration;
 use crate::fit::Quantity;
-use crate::quantity::number::{significant, with_unit};
+use crate::quantity::number::{probability, significant, with_unit};
 use crate::theory::allan::{Estimator, Process, Term};
 
 use crate::analysis::dynamic::Column;

@@ -268,9 +268,7 @@ fn method(filler: &Filler, inputs: &Inputs) -> String {
         0.0 => String::new(),
         lsb => format!(", read in pulses of {} arcsec", significant(lsb, 6)),
     };
-    format!(
-        "minimum variance for {rate} ″/s rms{spread} and {noise}″ rms of noise per tick{pulses}"
-    )
+    format!("minimum variance for {rate} ″/s rms{spread} and {noise}″ rms of noise per tick{pulses}")
 }
 
 fn too_large(study: &Study, filler: &Filler) -> StudyError {

@@ -2,13 +2,16 @@
 
 use crate::allan::{Deviation, Point, Unit};
 use crate::fit::{Fit, Quantity};
+use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Shape;
 use crate::theory::allan::{Part, Process, Term};
-use crate::view::chart::figure::{self, Axis, Figure, Grouping, Parts, Series, SeriesPoint};
+use crate::view::chart::figure::{self, Axis, Figure, Grouping, Mark, Parts, Series, SeriesPoint};
+use crate::view::verdict::{between, fraction};
 
 use crate::analysis::log::events::are_left_out;
 use crate::analysis::log::notes::heading;
+use crate::analysis::log::tables::{least, least_or_bound};
 use crate::analysis::log::{Analysis, Column, Curve};
 
 /// Points of a line per octave of τ: of a sine, whose hump has ripples, and of any other term.
@@ -67,7 +70,8 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
     let names = Grouping::of("deviations", names);
     // With one column, colours distinguish the deviations instead of the columns.
     let (colours, dashes) = match (others.is_empty(), several) {
-        (true, _) => (columns, Grouping::default()),
+        (true, false) => (Grouping::default(), Grouping::default()),
+        (true, true) => (columns, Grouping::default()),
         (false, true) => (columns, names),
         (false, false) => (names, Grouping::default()),
     };
@@ -82,6 +86,7 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
     };
     let series: Vec<Series> = all.iter().enumerate().flat_map(of_column).collect();
     let is_without_events = all.iter().any(|column| are_left_out(analysis, column));
+    let terms = if several { vec![] } else { terms(analysis, first, &deviations) };
     let is_fitted = series.iter().any(|series| !series.law.is_empty());
     Some(Figure {
         title,
@@ -94,9 +99,95 @@ fn figure(analysis: &Analysis, unit: Unit, wanted: &dyn Fn(Deviation) -> bool) -
         bands: format!("{} intervals", analysis.percent()),
         lines: if is_without_events { "fit without events" } else { "fit" }.to_owned(),
         series,
-        parts: if several { Parts::default() } else { parts(analysis, first, &deviations) },
+        marks: if several { vec![] } else { marks(analysis, first, &terms, wanted) },
+        slopes: !deviation.is_of_angle(),
+        parts: parts(first, &deviations, terms),
         ..Figure::default()
     })
+}
+
+/// The measured deviations over those of the fit, of the single column with one; the panel below its curve.
+pub fn residuals(analysis: &Analysis) -> Option<Figure> {
+    let [column] = &analysis.columns[..] else { return None };
+    let (fit, curve) =
+        (&column.noise()?.fit, column.curves.first().filter(|curve| !curve.deviation.is_of_angle())?);
+    if curve.deviation.is_modified() {
+        return None;
+    }
+    let point = |point: &Point| {
+        let estimator = curve.deviation.estimator();
+        let expected =
+            libm::sqrt(fit.process.expected(estimator, analysis.samples as u64, point.m as u64)?);
+        let band = point.interval.map(|(lower, upper)| (lower / expected, upper / expected));
+        Some(SeriesPoint { x: point.tau_s, y: point.value? / expected, band, key: None })
+    };
+    let points: Vec<SeriesPoint> = described(fit, &curve.points).iter().filter_map(point).collect();
+    let (first, last) = (points.first()?.x, points.last()?.x);
+    Some(Figure {
+        title: "Residuals of the fit".to_owned(),
+        x: Axis::new("averaging time τ", "s"),
+        y: Axis { scale: Scale::Linear, ..Axis::new("measured / fit", "") },
+        points: "measured".to_owned(),
+        bands: format!("{} intervals", analysis.percent()),
+        lines: "fit".to_owned(),
+        series: vec![Series { colour: 0, dash: 0, points, law: vec![(first, 1.0), (last, 1.0)] }],
+        is_panel: true,
+        ..Figure::default()
+    })
+}
+
+/// The averaging time at which the coefficient of a term is its deviation; `None` of terms that are read off elsewhere.
+fn read_at(term: Term) -> Option<f64> {
+    Some(match term {
+        Term::Quantization => libm::sqrt(3.0),
+        Term::AngleRandomWalk => 1.0,
+        Term::RateRandomWalk => 3.0,
+        Term::RateRamp => core::f64::consts::SQRT_2,
+        _ => return None,
+    })
+}
+
+/// The coefficients on the lines of their terms, the bias instability where the fit is least, and the minimum of the curve; each with
+/// its value as in the answer.
+fn marks(
+    analysis: &Analysis,
+    column: &Column,
+    terms: &[(Term, figure::Part)],
+    wanted: &dyn Fn(Deviation) -> bool,
+) -> Vec<Mark> {
+    let Some(curve) = column.curves.iter().find(|curve| wanted(curve.deviation)) else { return vec![] };
+    let total = column
+        .noise()
+        .map(|noise| line(&noise.fit.process, curve.deviation, &curve.points, analysis.samples));
+    let plateau =
+        total.and_then(|line| line.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))).map(|place| place.0);
+    let coefficient = |(term, part): &(Term, figure::Part)| {
+        let row =
+            column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
+        let tau_s = if *term == Term::BiasInstability { plateau } else { read_at(*term) };
+        let place = (tau_s?, along(&part.points, tau_s?)?);
+        let label = format!("{} {}", term.symbol(), row.cell().text);
+        Some(Mark { shape: figure::Shape::Coefficient, place, range: None, label })
+    };
+    let minimum = || {
+        let row = least_or_bound(column.unit, curve.deviation, &curve.points, analysis.samples)?;
+        let point = least(&curve.points, analysis.samples)?.point;
+        let place = (point.tau_s, point.value?);
+        Some(Mark { shape: figure::Shape::Extremum, place, range: None, label: row.cell().text })
+    };
+    let minimum = if curve.deviation.is_of_angle() { None } else { minimum() };
+    terms.iter().filter_map(coefficient).chain(minimum).collect()
+}
+
+/// The value of a line at x, where it is known.
+fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
+    let after = line.partition_point(|place| place.0 < x * (1.0 - 1e-9));
+    let (to, value) = *line.get(after)?;
+    if (to / x - 1.0).abs() < 1e-9 {
+        return Some(value);
+    }
+    let (from, before) = *line.get(after.checked_sub(1)?)?;
+    Some(between(before, value, fraction(from, to, x)))
 }
 
 fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (usize, usize)) -> Series {
@@ -137,13 +228,16 @@ pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: 
     ms.into_iter().filter_map(at).collect()
 }
 
-/// The terms of the fit of the single column, where its Allan deviation is among those of a figure.
-fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Parts {
-    let is_allan = |curve: &&Curve| {
+/// The curve of the Allan deviation of a column among those of a figure.
+fn allan<'a>(column: &'a Column, deviations: &[Deviation]) -> Option<&'a Curve> {
+    column.curves.iter().find(|curve| {
         deviations.contains(&curve.deviation) && matches!(curve.deviation, Deviation::Adev | Deviation::Oadev)
-    };
-    let curve = column.curves.iter().find(is_allan);
-    let (Some(curve), Some(noise)) = (curve, column.noise()) else { return Parts::default() };
+    })
+}
+
+/// The lines of the terms of the fit of the single column, where its Allan deviation is among those of a figure.
+fn terms(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Vec<(Term, figure::Part)> {
+    let (Some(curve), Some(noise)) = (allan(column, deviations), column.noise()) else { return vec![] };
     let of = |part: &Part| {
         // The contribution of a band limit is negative.
         let coefficient = noise.fit.coefficient(part.term).filter(|found| found.term != Term::BandLimit)?;
@@ -155,16 +249,21 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
         }
         let label = label(part, Quantity::Coefficient(part.term).unit(column.unit));
         let is_known = coefficient.value.is_some();
-        // Earlier colours are those of the curves.
-        let colour = deviations.len() + Term::ALL.iter().position(|other| *other == part.term)?;
+        // Earlier colours are those of the curves and of the fit.
+        let colour = deviations.len() + 1 + Term::ALL.iter().position(|other| *other == part.term)?;
         let label = if is_known { label } else { format!("{label}, not identified") };
-        Some(figure::Part { label, colour, points })
+        Some((part.term, figure::Part { label, colour, points }))
     };
-    let title = match deviations {
-        [_] => "parts of the fit".to_owned(),
-        _ => format!("parts of the fit of {}", curve.deviation.name()),
+    noise.fit.process.parts.iter().filter_map(of).collect()
+}
+
+/// The terms for the legend.
+fn parts(column: &Column, deviations: &[Deviation], terms: Vec<(Term, figure::Part)>) -> Parts {
+    let title = match (deviations, allan(column, deviations)) {
+        ([_, _, ..], Some(curve)) => format!("parts of the fit of {}", curve.deviation.name()),
+        _ => "parts of the fit".to_owned(),
     };
-    Parts { title, lines: noise.fit.process.parts.iter().filter_map(of).collect() }
+    Parts { title, lines: terms.into_iter().map(|(_, part)| part).collect() }
 }
 
 /// A label such as `N = 0.003 °/√h`.

@@ -168,11 +168,15 @@ pub(crate) fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum:
     }
 }
 
-/// The minimum of a curve up to an eighth of a record of `samples` samples. Where the curve still falls there, the row has no
+/// The minimum of a curve up to an eighth of a record of `samples` samples.
+pub(crate) fn least(points: &[Point], samples: usize) -> Option<Minimum> {
+    minimum(&points[..points.partition_point(|point| SHORTEST_RECORD * point.m <= samples)])
+}
+
+/// The same as a row. Where the curve still falls there, the row has no
 /// value, and its interval ends in an upper bound.
 pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samples: usize) -> Option<Row> {
-    let known = points.partition_point(|point| SHORTEST_RECORD * point.m <= samples);
-    let minimum = minimum(&points[..known])?;
+    let minimum = least(points, samples)?;
     let row = in_run_bias_stability(unit, deviation, &minimum);
     Some(match minimum.at_end {
         true => Row { value: None, interval: row.interval.map(|[_, upper]| [0.0, upper]), ..row },

@@ -2,13 +2,13 @@
 
 use std::cmp::Ordering;
 
-use crate::analysis::compare::words::probability;
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide, value_or_bound};
 use crate::answer::reading::number;
 use crate::answer::{AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
 use crate::quantity::list::listed;
+use crate::quantity::number::probability;
 use crate::quantity::number::significant;
 
 /// Most units that a caveat names.

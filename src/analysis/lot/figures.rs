@@ -2,10 +2,11 @@
 
 use crate::allan::{Deviation, Point};
 use crate::key::scale::Scale;
+use crate::quantity::number::probability;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 
 use crate::analysis::compare::figures::of_ratios;
-use crate::analysis::compare::words::{duration, probability};
+use crate::analysis::compare::words::duration;
 use crate::analysis::log;
 use crate::analysis::lot::{Coefficient, Found, Lot};
 

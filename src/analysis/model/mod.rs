@@ -269,7 +269,9 @@ pub enum ModelError {
         percent: Box<str>,
     },
     /// Noise without a record has no repetition.
-    #[error("a noise.toml has no record whose repetition could be bounded: give the log, or `overbound = true`")]
+    #[error(
+        "a noise.toml has no record whose repetition could be bounded: give the log, or `overbound = true`"
+    )]
     NoRecord,
 }
 

@@ -1,12 +1,12 @@
 //! The page of a batch.
 
-use crate::analysis::compare::words::probability;
 use crate::analysis::lot::answer::notes;
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Found, Lot, figures, tables};
 use crate::analysis::page::chart;
 use crate::analysis::page::values::interval;
 use crate::analysis::requirement::Decision;
+use crate::quantity::number::probability;
 use crate::quantity::number::significant;
 use crate::table::titled;
 use crate::view::chart::picture::Picture;

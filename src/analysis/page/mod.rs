@@ -97,8 +97,14 @@ fn deviations(noise: &log::Analysis) -> Section {
         }
         chart(&stem, Picture::Curves(figure))
     };
-    let charts = figures::figures(noise).into_iter().map(of_figure);
-    Section { id: "deviations", heading: "Deviations", blocks: charts.chain(curves::tables(noise)).collect() }
+    let residuals = figures::residuals(noise).map(|figure| chart("residuals", Picture::Curves(figure)));
+    let mut blocks: Vec<Block> = figures::figures(noise).into_iter().map(of_figure).collect();
+    // Right below the curve.
+    if let Some(residuals) = residuals {
+        blocks.insert(blocks.len().min(1), residuals);
+    }
+    blocks.extend(curves::tables(noise));
+    Section { id: "deviations", heading: "Deviations", blocks }
 }
 
 /// The text of a study, with this number of trials.

@@ -22,8 +22,8 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
         answer: found.answer(),
         notes: found.notes.clone(),
         sections: vec![
-            section("inputs", "Uncertain inputs", vec![Block::Grid(Grid { head, rows })]),
             section("tornado", "The answer as one input varies", vec![chart("sensitivity", picture)]),
+            section("inputs", "Uncertain inputs", vec![Block::Grid(Grid { head, rows })]),
             section("source", "How it was made", vec![made, study_file(study, study.trials)]),
         ],
         tables: vec![("sensitivity.csv", report::table(found))],

@@ -1,7 +1,6 @@
 //! The section on the spectrum of a log.
 
 use crate::allan::Deviation;
-use crate::analysis::compare::words::probability;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
 use crate::analysis::page::chart;
@@ -9,6 +8,7 @@ use crate::analysis::page::record::by_name;
 use crate::analysis::page::values::{in_unit, interval};
 use crate::analysis::spectrum::notes::{method, symbol};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
+use crate::quantity::number::probability;
 use crate::quantity::number::significant;
 use crate::spectrum::{FALSE_ALARM, Line, Point};
 use crate::table::titled;
@@ -110,14 +110,8 @@ fn white(analysis: &Analysis) -> Option<Block> {
             white.verdict().into(),
         ]
     };
-    let head = [
-        "white noise of",
-        "N of the floor",
-        "N of the fit",
-        "flat range, Hz",
-        "other terms there",
-        "status",
-    ];
+    let head =
+        ["white noise of", "N of the floor", "N of the fit", "flat range, Hz", "other terms there", "status"];
     let rows: Vec<Vec<Cell>> = analysis.columns().map(row).collect();
     (!rows.is_empty()).then(|| Block::Grid(Grid { head: head.map(str::to_owned).into(), rows }))
 }

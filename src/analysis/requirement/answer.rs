@@ -108,7 +108,8 @@ impl Row {
         Some(Reading::in_unit(self.name, self.value?, self.symbol, self.interval))
     }
 
-    fn cell(&self) -> AnswerCell {
+    /// The value, or the bound, as answers have it.
+    pub(crate) fn cell(&self) -> AnswerCell {
         match self.reading() {
             Some(reading) => reading.into(),
             None => value_or_bound(None, self.interval.map(|[_, most]| most), self.symbol),

@@ -121,10 +121,7 @@ pub(crate) fn named<'t>(
     let found = known.iter().copied().find(|limited| limited.is_called(name));
     let found = found.ok_or_else(|| {
         let names: Vec<&str> = known.iter().map(|limited| limited.name()).collect();
-        LimitError {
-            message: format!("unknown limit `{name}`"),
-            help: choices(name, &names),
-        }
+        LimitError { message: format!("unknown limit `{name}`"), help: choices(name, &names) }
     })?;
     Ok((found, value))
 }
@@ -270,10 +267,7 @@ mod tests {
     fn what_is_no_limit_is_named_with_what_is_accepted() {
         for (text, pieces) in [
             ("N", ["has no `=`", "N=0.003 deg/sqrt(h)"]),
-            (
-                "M=1 deg/h",
-                ["unknown limit `M`", "accepted: Q, N, B, K, R, markov, sine, in_run"],
-            ),
+            ("M=1 deg/h", ["unknown limit `M`", "accepted: Q, N, B, K, R, markov, sine, in_run"]),
             ("N=1 deg/h", ["is an angular rate", "deg/sqrt(h) for gyros, m/s/sqrt(h) for accelerometers"]),
             ("B=0 deg/h", ["0 is not a positive number", "deg/h for gyros"]),
             ("B=-1", ["-1 is not a positive number", "a number alone"]),

@@ -4,12 +4,15 @@ use serde_json::{Value, json};
 
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
+use crate::answer::Reading;
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::columns_of;
 use crate::table::{ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::{Axis, Figure as Drawing, Grouping, Series, SeriesPoint};
+use crate::view::chart::figure::{
+    Axis, Entry, Figure as Drawing, Grouping, Law, LawLine, Mark, Part, Parts, Series, SeriesPoint, Shape,
+};
 
 type Of<'a> = ColumnOf<&'a Input>;
 
@@ -95,34 +98,72 @@ pub fn effort(found: &Sensitivity) -> String {
     }
 }
 
-/// The tornado chart: the answer as each input goes from its 5 % to its 95 % quantile.
+/// The tornado chart: a bar for each input from the least to the largest answer between its 5 % and its 95 % quantile, the longest on top.
 pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
-    let inputs = found.by_total();
-    let series = |style: usize, y: &dyn Fn(&Input) -> f64| {
-        let band = |input: &Input| (style == 0).then_some((input.swing[0], input.swing[1]));
-        let point = |(place, input): (usize, &&Input)| SeriesPoint {
-            x: (place + 1) as f64,
-            y: y(input),
-            band: band(input),
+    /// Half the height of a bar, where inputs are 1 apart.
+    const HALF: f64 = 0.3;
+    let swing = |input: &&Input| input.swing[1] - input.swing[0];
+    let mut inputs = found.by_total();
+    inputs.sort_by(|a, b| swing(a).total_cmp(&swing(b)));
+    let rows = || (1..).map(f64::from).zip(&inputs);
+    let bar = |(row, input): (f64, &&Input)| {
+        let [low, high] = input.swing;
+        let corners = [(low, row - HALF), (high, row - HALF), (high, row + HALF), (low, row + HALF)];
+        LawLine { colours: vec![0], points: corners.into() }
+    };
+    let ends = |style: usize| {
+        let point = |(row, input): (f64, &&Input)| SeriesPoint {
+            x: input.ends[style - 1],
+            y: row,
+            band: None,
             key: None,
         };
-        let points = inputs.iter().enumerate().map(point).collect();
-        Series { colour: style, dash: style, points, law: vec![] }
+        Series { colour: style, dash: style, points: rows().map(point).collect(), law: vec![] }
     };
-    let names = inputs.iter().map(|input| input.label.to_owned()).collect();
-    let styles = ["nominal", "at 5 %", "at 95 %"].map(str::to_owned);
+    let unit = found.answer.unit.symbol;
+    let label = |shape: Shape, place: (f64, f64)| Mark {
+        shape,
+        place,
+        range: None,
+        label: Reading::in_unit(&found.answer.name, place.0, unit, None).text(),
+    };
+    let top = inputs.len() as f64 + 0.5;
     Drawing {
         title: study.title.clone(),
         subtitle: Some(found.answer().headline),
-        x: Axis { scale: Scale::Linear, whole: true, names, ..Axis::new("uncertain input", "") },
-        y: Axis { scale: Scale::Linear, ..Axis::new(&found.answer.label, found.answer.unit.symbol) },
-        colours: Grouping::of("the input", styles),
-        bands: "5 % to 95 % of the input".to_owned(),
-        series: vec![
-            series(0, &|_| found.nominal),
-            series(1, &|input| input.ends[0]),
-            series(2, &|input| input.ends[1]),
-        ],
+        x: Axis { scale: Scale::Linear, ..Axis::new(&found.answer.label, unit) },
+        y: Axis {
+            scale: Scale::Linear,
+            whole: true,
+            names: inputs.iter().map(|input| input.label.to_owned()).collect(),
+            ..Axis::new("uncertain input", "")
+        },
+        colours: Grouping {
+            title: "the input".to_owned(),
+            entries: [(1, "at 5 %"), (2, "at 95 %")]
+                .map(|(style, name)| Entry { style, name: name.to_owned() })
+                .into(),
+        },
+        laws: vec![Law {
+            label: "5 % to 95 % of the input".to_owned(),
+            lines: rows().map(bar).collect(),
+            is_area: true,
+        }],
+        parts: Parts {
+            title: String::new(),
+            lines: vec![Part {
+                label: "nominal".to_owned(),
+                colour: 6,
+                points: vec![(found.nominal, 0.5), (found.nominal, top)],
+            }],
+        },
+        marks: rows()
+            .flat_map(|(row, input)| {
+                let [low, high] = input.swing;
+                [label(Shape::Left, (low, row)), label(Shape::Right, (high, row))]
+            })
+            .collect(),
+        series: vec![ends(1), ends(2)],
         chosen: found.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect(),
         ..Drawing::default()
     }

@@ -62,7 +62,8 @@ pub(crate) fn columns<'a>(is_specified: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Trials, "Number of trials behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, labelled("mean error", "mean error on [motion]"), |row| row.found.cell(|found| found.mean))
             .is(Role::Estimate, "Mean error, ″, with its sign.")
-            .linear(),
+            .linear()
+            .within(|row| row.found.mean_band()),
         Of::new("rms", Unit::ARCSEC, labelled("rms error", "rms error on [motion]"), |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square error, ″, motion and noise together.")
             .brief()

@@ -92,7 +92,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "Number of switches behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean angle left", |row| row.found.cell(|found| found.mean))
-            .is(Role::Estimate, "Mean of the apparent angle minus its compensation, ″, with its sign."),
+            .is(Role::Estimate, "Mean of the apparent angle minus its compensation, ″, with its sign.")
+            .within(|row| row.found.mean_band()),
         Of::new("rms", Unit::ARCSEC, "rms angle left", |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square of the apparent angle minus its compensation, ″.")
             .usual(Usual::Estimate)

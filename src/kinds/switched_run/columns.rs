@@ -94,7 +94,8 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Trials, "Number of runs behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean error of the angle", |row| row.found.cell(|found| found.mean))
             .is(Role::Estimate, "Mean error of the angle, ″, with its sign.")
-            .brief(),
+            .brief()
+            .within(|row| row.found.mean_band()),
         Of::new("rms", Unit::ARCSEC, "rms error of the angle", |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square error of the angle, ″.")
             .within(|row| row.found.rms_band()),
@@ -111,7 +112,8 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is_of("p99_73", Role::Upper, found::LEVEL_UPPER),
         Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
             .is(Role::Estimate, "`mean` divided by the time, °/h; blank for the largest angle.")
-            .brief(),
+            .brief()
+            .within(|row| row.drift_band(row.found.mean_band())),
         Of::new("drift_rms", Unit::DEG_PER_H, "rms drift", |row| row.drift(row.found.value(|found| found.rms)))
             .is(Role::Error, "`rms` divided by the time, °/h; blank for the largest angle.")
             .brief()

@@ -110,7 +110,10 @@ fn keys_of_another_kind_are_refused() {
     refused(&chart(&format!("{AXES}of = \"filler\"")), &["a.toml:21:6", "chart.of", "kind = \"winner-map\""]);
     refused(&chart(&format!("{AXES}z_scale = \"log\"")), &["a.toml:21:11", "chart.z_scale"]);
     refused(&chart(&format!("{heat}series = [\"filler\"]")), &["a.toml:23:10", "chart.series", "\"curves\""]);
-    refused(&chart(&format!("{heat}references = []")), &["a.toml:23:8", "chart.references", "kind = \"heat-map\""]);
+    refused(
+        &chart(&format!("{heat}references = []")),
+        &["a.toml:23:8", "chart.references", "kind = \"heat-map\""],
+    );
     refused(&chart(&format!("{heat}of = \"error\"")), &["a.toml:23:6", "chart.of", "\"winner-map\""]);
     refused(&chart(&format!("{heat}z_scale = \"cubic\"")), &["a.toml:23:11", "\"cubic\"", "log, linear"]);
     refused(&chart(&format!("{AXES}z = 5")), &["a.toml:21:5", "`chart.z` is the number 5", "z = \"p99_73\""]);
@@ -146,10 +149,18 @@ fn laws_are_read_once_each_and_follow_what_is_swept() {
         &laws("dt_nu", "\"taylor\""),
         &["a.toml:21:9", "unknown value \"taylor\"", "taylor-zero-crossing", "noise-as-published"],
     );
-    refused(&laws("dt_nu", "\"noise\", \"noise\""), &["a.toml:21:18", "chart.references lists \"noise\" twice"]);
+    refused(
+        &laws("dt_nu", "\"noise\", \"noise\""),
+        &["a.toml:21:18", "chart.references lists \"noise\" twice"],
+    );
     refused(
         &laws("max", "\"noise\""),
-        &["a.toml:19:5", "reference curves cannot be drawn over `max`", "neither swept nor dt_nu", "motion.frequency"],
+        &[
+            "a.toml:19:5",
+            "reference curves cannot be drawn over `max`",
+            "neither swept nor dt_nu",
+            "motion.frequency",
+        ],
     );
 }
 

@@ -36,6 +36,12 @@ pub struct Figure {
     pub parts: Parts,
     /// Limit against which the curves are judged.
     pub limit: Option<Limit>,
+    /// What the answer names.
+    pub marks: Vec<Mark>,
+    /// Whether guides show the slopes of the noise terms, on two logarithmic axes.
+    pub slopes: bool,
+    /// Whether it is a low panel below another chart.
+    pub is_panel: bool,
     /// Rows selected from the table for the legend, such as `filler = const`.
     pub chosen: Vec<String>,
 }
@@ -55,6 +61,8 @@ pub struct Axis {
     pub whole: bool,
     /// Names at the places 1, 2, 3, … of the axis; empty for an axis of numbers.
     pub names: Vec<String>,
+    /// Whether it has times over a minute, whose ticks have units such as `15 min` and `1 d`.
+    pub times: bool,
 }
 
 impl Axis {
@@ -65,9 +73,10 @@ impl Axis {
 
     /// The axis title: `rms error, arcsec`.
     pub fn title(&self) -> String {
+        let unit = if self.times { "" } else { &self.unit };
         match self.defined.as_str() {
-            "" => titled(&self.label, &self.unit),
-            formula => format!("{} with {formula}", titled(&self.label, &self.unit)),
+            "" => titled(&self.label, unit),
+            formula => format!("{} with {formula}", titled(&self.label, unit)),
         }
     }
 }
@@ -179,6 +188,35 @@ pub struct Part {
     pub points: Vec<(f64, f64)>,
 }
 
+/// A place on a curve that the answer names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mark {
+    /// Its shape.
+    pub shape: Shape,
+    /// Its place, in the units of the axes.
+    pub place: (f64, f64),
+    /// Ends of a range of x around it, which is shaded.
+    pub range: Option<(f64, f64)>,
+    /// Its value, as in the answer; empty for a mark beside one with a label for both.
+    pub label: String,
+}
+
+/// The shape of a mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// A dot with a line to the axis x: a curve crosses its limit.
+    Crossing,
+    /// A diamond: a minimum or a peak.
+    Extremum,
+    /// A square: a coefficient is read here.
+    Coefficient,
+    /// A label alone, to the left of its place.
+    Left,
+    /// A label alone, to the right of its place.
+    Right,
+}
+
 /// A horizontal line against which the curves are judged. An axis that cannot show its value omits it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
@@ -214,21 +252,23 @@ impl Figure {
         sides.filter(|value| self.y.scale.shows(*value)).collect()
     }
 
-    /// Gives fractions in percent, as limits of them are.
-    pub(crate) fn in_percent(&mut self) {
-        "%".clone_into(&mut self.y.unit);
+    /// Multiplies all values of x and y by the factors of other units.
+    pub(crate) fn rescale(&mut self, [x, y]: [f64; 2]) {
+        let rescale = |place: &mut (f64, f64)| *place = (x * place.0, y * place.1);
         for series in &mut self.series {
             for point in &mut series.points {
-                point.y *= 100.0;
-                point.band = point.band.map(|(low, high)| (100.0 * low, 100.0 * high));
+                (point.x, point.y) = (x * point.x, y * point.y);
+                point.band = point.band.map(|(low, high)| (y * low, y * high));
             }
-            series.law.iter_mut().for_each(|place| place.1 *= 100.0);
+            series.law.iter_mut().for_each(rescale);
         }
-        for line in self.laws.iter_mut().flat_map(|law| &mut law.lines) {
-            line.points.iter_mut().for_each(|place| place.1 *= 100.0);
-        }
+        self.laws
+            .iter_mut()
+            .flat_map(|law| &mut law.lines)
+            .flat_map(|line| &mut line.points)
+            .for_each(rescale);
         if let Some(limit) = &mut self.limit {
-            limit.value *= 100.0;
+            limit.value *= y;
         }
     }
 
@@ -250,6 +290,11 @@ impl Figure {
     /// Whether any series has a closed form.
     pub(crate) fn has_laws(&self) -> bool {
         self.series.iter().any(|series| !series.law.is_empty())
+    }
+
+    /// The colour of the closed form of a series: its own, unless it is the only one.
+    pub(crate) fn law_colour(&self, series: &Series) -> usize {
+        series.colour + usize::from(self.colours.entries.is_empty())
     }
 
     /// The style of the dash and the marker of a series.

@@ -24,8 +24,11 @@ impl Figure {
         let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
         let law = chart.references().first().map(|law| ("law", law.about().unit));
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
-        let laws =
-            chart.references().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
+        let laws = chart
+            .references()
+            .iter()
+            .map(|law| numbers(table, law.column()))
+            .collect::<Result<Vec<_>, _>>()?;
         let theory = table.beside(y, Role::Theory);
         let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
         let key = table.columns.iter().find(is_key);
@@ -106,9 +109,9 @@ impl Figure {
         if figure.has_laws() && figure.x.names.is_empty() && !figure.series.iter().all(Series::has_law) {
             "closed form, else joined".clone_into(&mut figure.lines);
         }
-        if y.is_relative() {
-            figure.in_percent();
-        }
+        let units = [axis_unit(x, chart.x_scale), axis_unit(y, chart.y_scale)];
+        figure.rescale([units[0].0, units[1].0]);
+        [figure.x.unit, figure.y.unit] = units.map(|(_, unit)| unit.to_owned());
         notes.merged = figure.merge_coincident();
         notes.coincident = figure.coincident();
         figure.merge_laws();
@@ -145,7 +148,28 @@ pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
     let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
     let unit = column.unit.symbol.to_owned();
     let (label, defined) = (column.label.clone(), column.defined.to_owned());
-    Axis { label, defined, unit, scale, whole, names: vec![] }
+    let sizes = || column.cells.iter().filter_map(Cell::number);
+    let times = column.unit == Unit::S
+        && scale == Scale::Log
+        && sizes().all(|seconds| seconds >= 60.0)
+        && sizes().any(|seconds| seconds >= 3600.0);
+    Axis { label, defined, unit, scale, whole, names: vec![], times }
+}
+
+/// The factor and the sign of the unit in which an axis shows a column: fractions in percent as limits of them are, angle random
+/// walks in °/√h, large rates in °/s, and times on a linear axis by their size.
+pub(crate) fn axis_unit(column: &Column, scale: Scale) -> (f64, &'static str) {
+    let largest =
+        || column.cells.iter().filter_map(Cell::number).fold(0.0, |most: f64, value| most.max(value.abs()));
+    match (column.unit, scale) {
+        _ if column.is_relative() => (100.0, "%"),
+        (Unit::ARCSEC_PER_RT_S, _) => (1.0 / 60.0, "°/√h"),
+        (Unit::ARCSEC_PER_S, _) if largest() >= 36_000.0 => (1.0 / 3600.0, "°/s"),
+        (Unit::S, Scale::Linear) if largest() >= 259_200.0 => (1.0 / 86_400.0, "d"),
+        (Unit::S, Scale::Linear) if largest() >= 10_800.0 => (1.0 / 3600.0, "h"),
+        (Unit::S, Scale::Linear) if largest() >= 600.0 => (1.0 / 60.0, "min"),
+        (unit, _) => (1.0, unit.symbol),
+    }
 }
 
 /// An axis with the different texts of a column side by side, in the order of their first rows; `None` for numbers.

@@ -191,10 +191,13 @@ fn colour_of(law: &Law) -> Option<usize> {
     first.filter(|_| colours.all(|colour| colour == first))
 }
 
-/// The style of the lines of a law: broad and pale, in the colour of the curves to which it applies if they have one.
+/// The style of the lines of a law: broad and pale in the colour of the curves to which it applies if they have one, which cover it;
+/// else a thin line for reference.
 pub(crate) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
-    let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
-    Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+    match colour {
+        Some(colour) => Stroke { colour: palette::pale(colour), width: 4.5, dash: palette::broad_dash(law) },
+        None => Stroke { colour: MUTED, width: 1.0, dash: palette::broad_dash(law) },
+    }
 }
 
 /// The colour of the areas of a law.
@@ -230,8 +233,9 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
     }
     // Without a name for the points there is no need to explain them.
     if figure.has_laws() && !figure.points.is_empty() {
-        let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
-        rows.push(Row::Entry(Sample::Line(line), figure.lines.clone()));
+        let own = figure.series.first().filter(|_| figure.colours.entries.is_empty());
+        let colour = own.map_or(MUTED, |series| palette::colour(figure.law_colour(series)));
+        rows.push(Row::Entry(Sample::Line(Stroke { colour, width: 1.4, dash: "" }), figure.lines.clone()));
     }
     if has_band {
         rows.push(Row::Entry(Sample::Band(MUTED), figure.bands.clone()));

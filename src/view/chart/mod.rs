@@ -67,6 +67,7 @@ pub(crate) mod laws;
 pub(crate) mod layout;
 pub(crate) mod legend;
 pub mod map;
+pub(crate) mod marks;
 pub(crate) mod mixed;
 pub mod notes;
 pub(crate) mod palette;

@@ -8,6 +8,7 @@ use crate::view::chart::figure::{Axis, Figure};
 use crate::view::chart::map::Map;
 #[cfg(feature = "png")]
 use crate::view::chart::png::PngError;
+use crate::view::report::agreement::capitalized;
 
 /// The content of a chart, drawn as a picture or, as JSON, by pages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -67,12 +68,39 @@ impl Picture {
         }
     }
 
+    /// Whether it is a single point.
+    pub(crate) fn is_single(&self) -> bool {
+        match self {
+            Picture::Curves(figure) => {
+                figure.all_points().count() == 1 && figure.law_places().next().is_none()
+            }
+            Picture::Map(_) => false,
+        }
+    }
+
+    /// Whether the answer marks places on it.
+    pub(crate) fn is_marked(&self) -> bool {
+        matches!(self, Picture::Curves(figure) if !figure.marks.is_empty())
+    }
+
     /// The title.
     pub fn title(&self) -> &str {
         match self {
             Picture::Curves(figure) => &figure.title,
             Picture::Map(map) => &map.title,
         }
+    }
+
+    /// What it shows, such as `99.73 % error by Δt·ν`.
+    pub fn contents(&self) -> String {
+        let (shown, by) = match self {
+            Picture::Curves(figure) if !figure.y.names.is_empty() => {
+                (&figure.x.label, figure.y.label.clone())
+            }
+            Picture::Curves(figure) => (&figure.y.label, figure.x.label.clone()),
+            Picture::Map(map) => (&map.z.label, format!("{} and {}", map.x.label, map.y.label)),
+        };
+        format!("{} by {by}", capitalized(shown))
     }
 
     /// The second line, if any.

@@ -5,7 +5,7 @@ use crate::view::chart::canvas::{Canvas, Lettering, Set, Stroke};
 use crate::view::chart::figure::{Figure, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::layout::{Area, Frame};
 use crate::view::chart::legend::{area_colour, law_stroke, part_stroke};
-use crate::view::chart::palette::{self, LIMIT};
+use crate::view::chart::palette::{self, LIMIT, MUTED};
 use crate::view::chart::scale::{Range, extent};
 use crate::view::chart::text;
 
@@ -14,6 +14,9 @@ pub(crate) const MOST_MARKED: usize = 200;
 
 /// Largest number of markers of a line with more points.
 pub(crate) const MARKED: usize = 40;
+
+/// Most points beside a closed form that have a bar each instead of a band.
+const FEW: usize = 15;
 
 /// Half the width of a closed form where names stand side by side.
 const LAW_WIDTH: f64 = 12.0;
@@ -56,7 +59,7 @@ fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
     }
 }
 
-fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
+pub(crate) fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
     figure.all_points().filter(|point| figure.shows((point.x, point.y)))
 }
 
@@ -66,6 +69,7 @@ impl Plot<'_> {
         let Frame { left, right, .. } = self.area.frame;
         let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
         canvas.window(self.area.frame, |canvas| {
+            self.draw_ranges(canvas);
             for (i, law) in self.figure.laws.iter().enumerate() {
                 canvas.group(&law.label, |canvas| {
                     for line in &law.lines {
@@ -94,8 +98,11 @@ impl Plot<'_> {
             let size = 1.0 + 0.45 * self.figure.covering(i).count() as f64;
             self.draw_markers(canvas, series, size);
         }
-        if let Some(limit) = limit {
-            self.draw_limit_label(canvas, limit);
+        self.draw_law_labels(canvas);
+        let taken = limit.map(|limit| self.draw_limit_label(canvas, limit));
+        self.draw_marks(canvas, taken.into_iter().collect());
+        if self.figure.slopes {
+            self.draw_slopes(canvas);
         }
     }
 
@@ -109,13 +116,14 @@ impl Plot<'_> {
 
     /// Whether one point leads to the next, unlike names.
     fn is_joined(&self) -> bool {
-        self.figure.x.names.is_empty()
+        self.figure.x.names.is_empty() && self.figure.y.names.is_empty()
     }
 
     fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
         let colour = palette::colour(series.colour);
+        let is_scattered = series.has_law() && series.points.len() <= FEW;
         for run in self.runs(series) {
-            for run in run.chunk_by(|a, b| a.band.is_some() && b.band.is_some()) {
+            for run in run.chunk_by(|a, b| !is_scattered && a.band.is_some() && b.band.is_some()) {
                 let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));
                 let upper =
                     run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
@@ -137,7 +145,11 @@ impl Plot<'_> {
 
     /// Draws the closed form, or a line through the points of a series that has none.
     fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
-        let (colour, dash) = (palette::colour(series.colour), palette::dash(self.figure.dash_of(series)));
+        let colour = match series.law.is_empty() {
+            true => palette::colour(series.colour),
+            false => palette::colour(self.figure.law_colour(series)),
+        };
+        let dash = palette::dash(self.figure.dash_of(series));
         if !self.is_joined() {
             let stroke = Stroke { colour, width: 1.3, dash: "" };
             for (x, y) in series
@@ -158,7 +170,7 @@ impl Plot<'_> {
                 canvas
                     .line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], Stroke { colour, width: 1.3, dash: "" });
             }
-        } else {
+        } else if self.figure.y.names.is_empty() {
             let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();
             self.draw_line(canvas, &places, Stroke { colour, width: 1.8, dash });
         }
@@ -196,8 +208,28 @@ impl Plot<'_> {
         });
     }
 
+    /// Writes the labels of thin lines for reference at their ends within the frame.
+    fn draw_law_labels(&self, canvas: &mut Canvas) {
+        let Frame { right, top, .. } = self.area.frame;
+        let lines = self.figure.laws.iter().filter(|law| !law.is_area && law.lines.len() == 1);
+        for (law, line) in
+            lines.filter_map(|law| Some((law, law.lines.first().filter(|line| line.colour().is_none())?)))
+        {
+            let mut shown = line
+                .points
+                .iter()
+                .filter(|place| self.figure.shows(**place))
+                .map(|&place| self.area.place(place));
+            let lettering = Lettering { size: 11.0, bold: false, colour: MUTED, anchor: "end" };
+            if let Some((x, y)) = shown.rfind(|(x, y)| *x <= right && *y >= top + 14.0) {
+                canvas.set_text(Set::OnWhite, (x, y - 5.0), &law.label, lettering);
+            }
+        }
+    }
+
     /// Writes the label over the limit line, at the end or in the middle, wherever it covers the fewest points.
-    fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) {
+    /// Returns the place that it takes.
+    fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) -> Frame {
         const SIZE: f64 = 13.0;
         let Frame { left, right, .. } = self.area.frame;
         let y = self.area.down(limit.value) - 7.0;
@@ -216,5 +248,6 @@ impl Plot<'_> {
         let start = starts.into_iter().min_by_key(|&start| covered(start)).unwrap_or(left);
         let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
         canvas.set_text(Set::OnWhite, (start, y), &label, lettering);
+        Frame { left: start - 3.0, top: y - SIZE, right: start + width + 3.0, bottom: y + 4.0 }
     }
 }

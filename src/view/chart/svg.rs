@@ -65,7 +65,7 @@ mod tests {
             unit: unit.to_owned(),
             scale: Scale::Log,
             whole: false,
-            names: vec![],
+            ..Axis::default()
         }
     }
 
@@ -100,6 +100,9 @@ mod tests {
             }],
             parts: Parts::default(),
             limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".to_owned() }),
+            marks: vec![],
+            slopes: false,
+            is_panel: false,
             chosen: vec![],
         }
     }

@@ -31,6 +31,8 @@ pub(crate) enum Steps {
     Decimal,
     /// Above 10°, the half of a right angle, a right angle, a half turn and a whole one.
     Phase,
+    /// Seconds, minutes, hours and days on a logarithmic axis.
+    Time,
 }
 
 impl Steps {
@@ -119,7 +121,7 @@ impl Range {
     /// Ticks inside the range, with at most about `most` labels.
     pub(crate) fn ticks(&self, most: usize, steps: Steps) -> Ticks {
         match self.scale {
-            Scale::Log => self.log_ticks(most),
+            Scale::Log => self.log_ticks(most, steps),
             Scale::Linear => self.linear_ticks(most, steps),
         }
     }
@@ -128,12 +130,12 @@ impl Range {
         (-1e-9..=1.0 + 1e-9).contains(&self.fraction(tick.value()))
     }
 
-    fn log_ticks(&self, most: usize) -> Ticks {
+    fn log_ticks(&self, most: usize, steps: Steps) -> Ticks {
         let suits = |ticks: &Ticks| (3..=most).contains(&ticks.major.len()) && self.is_spread(ticks);
         let even = |most: usize| self.linear_ticks(most, Steps::Decimal);
         let of_even =
             || Some(even(most)).filter(|ticks| ticks.major.len() > 2).unwrap_or_else(|| even(2 * most));
-        self.log_levels().into_iter().find(suits).unwrap_or_else(of_even)
+        self.log_levels(steps).into_iter().find(suits).unwrap_or_else(of_even)
     }
 
     /// Whether labels leave no more than three fifths of the axis without one.
@@ -146,7 +148,10 @@ impl Range {
     /// Ticks of a logarithmic axis: all decades, some of them, some digits of each, or every digit. The first with at least
     /// three labels that are spread over the axis, but not too many, are the best. If there are none, ticks at even distances
     /// are used.
-    fn log_levels(&self) -> Vec<Ticks> {
+    fn log_levels(&self, steps: Steps) -> Vec<Ticks> {
+        if steps == Steps::Time {
+            return TIMES.map(|times| self.times(times)).into();
+        }
         let [first, last] = [self.low, self.high].map(|end| libm::floor(libm::log10(end)) as i32);
         let digits = |digits: &[i64]| -> Vec<Decimal> {
             let all = (first..=last)
@@ -171,6 +176,19 @@ impl Range {
         levels
     }
 
+    /// Labelled times, and all times without a label.
+    fn times(&self, labelled: &[(f64, &str)]) -> Ticks {
+        let held = |seconds: &f64| (0.0..=1.0).contains(&self.fraction(*seconds));
+        let all = TIMES.iter().flat_map(|times| times.iter().map(|(seconds, _)| *seconds)).filter(held);
+        let major: Vec<(f64, String)> = labelled
+            .iter()
+            .map(|&(seconds, label)| (seconds, label.to_owned()))
+            .filter(|(seconds, _)| held(seconds))
+            .collect();
+        let minor = all.filter(|seconds| major.iter().all(|(other, _)| other != seconds)).collect();
+        Ticks { major, minor }
+    }
+
     fn linear_ticks(&self, most: usize, steps: Steps) -> Ticks {
         let major = steps.step((self.high / most as f64) - (self.low / most as f64));
         let labels = linear_labels(&self.multiples(major));
@@ -182,7 +200,7 @@ impl Range {
         /// Factor by which a reader may go beyond a logarithmic axis.
         const BEYOND: f64 = 100.0;
         let wider = Range { low: self.low / BEYOND, high: self.high * BEYOND, ..*self };
-        let mut levels = if self.scale == Scale::Log { wider.log_levels() } else { vec![] };
+        let mut levels = if self.scale == Scale::Log { wider.log_levels(of) } else { vec![] };
         if whole {
             levels.iter_mut().for_each(Ticks::keep_whole);
         }
@@ -195,10 +213,16 @@ impl Range {
         while steps.is_empty() || step.value() < self.high - self.low {
             // A logarithmic axis has even distances only within less than a decade.
             let shown = if self.scale == Scale::Log { largest.min(30.0 * step.value()) } else { largest };
-            steps.push(Step::new(step, shown));
+            let mut next = Step::new(step, shown);
+            if of == Steps::Time {
+                next.power += " s";
+            }
+            steps.push(next);
             step = of.step(1.001 * step.value());
         }
-        Ladder { levels, steps, in_full: IN_FULL }
+        // Times have their labels on each axis.
+        let in_full = if of == Steps::Time { [1.0, 0.0] } else { IN_FULL };
+        Ladder { levels, steps, in_full }
     }
 
     /// The multiples of `step` inside the range.
@@ -209,6 +233,43 @@ impl Range {
         all.filter(|tick| self.holds(*tick)).collect()
     }
 }
+
+/// Times that are labelled together, the most usual first.
+const TIMES: [&[(f64, &str)]; 3] = [
+    &[
+        (60.0, "1 min"),
+        (900.0, "15 min"),
+        (3600.0, "1 h"),
+        (36e3, "10 h"),
+        (86_400.0, "1 d"),
+        (864e3, "10 d"),
+        (864e4, "100 d"),
+        (864e5, "1000 d"),
+    ],
+    &[
+        (60.0, "1 min"),
+        (600.0, "10 min"),
+        (3600.0, "1 h"),
+        (86_400.0, "1 d"),
+        (864e3, "10 d"),
+        (864e4, "100 d"),
+        (864e5, "1000 d"),
+    ],
+    &[
+        (60.0, "1 min"),
+        (120.0, "2 min"),
+        (300.0, "5 min"),
+        (600.0, "10 min"),
+        (1200.0, "20 min"),
+        (1800.0, "30 min"),
+        (3600.0, "1 h"),
+        (7200.0, "2 h"),
+        (14_400.0, "4 h"),
+        (28_800.0, "8 h"),
+        (57_600.0, "16 h"),
+        (115_200.0, "32 h"),
+    ],
+];
 
 /// Digits of each decade that are labelled together, the most usual first.
 const DIGITS: [&[i64]; 5] = [&[1, 2, 5], &[1, 3], &[1, 2, 3, 5], &[1, 2, 4, 7], &[1, 5]];

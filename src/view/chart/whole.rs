@@ -53,7 +53,11 @@ impl Axis {
 
     /// The distances between even ticks.
     fn steps(&self) -> Steps {
-        if self.unit == Unit::DEG.symbol { Steps::Phase } else { Steps::Decimal }
+        match self.times {
+            true => Steps::Time,
+            false if self.unit == Unit::DEG.symbol => Steps::Phase,
+            false => Steps::Decimal,
+        }
     }
 }
 
@@ -63,14 +67,7 @@ mod tests {
 
     /// Labels, and the ticks without one, of an axis around these values.
     fn ticks(scale: Scale, whole: bool, values: &[f64]) -> (Vec<String>, Vec<f64>) {
-        let axis = Axis {
-            label: String::new(),
-            defined: String::new(),
-            unit: String::new(),
-            scale,
-            whole,
-            names: vec![],
-        };
+        let axis = Axis { scale, whole, ..Axis::default() };
         let ticks = axis.ticks(axis.around(values.iter().copied()));
         (ticks.major.into_iter().map(|(_, label)| label).collect(), ticks.minor)
     }

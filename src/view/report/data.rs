@@ -26,9 +26,6 @@ const DIGITS: usize = 9;
 /// Most cells of a table in a page, which keep it below 1.5 MB and fast to draw.
 const MOST_CELLS: usize = 80_000;
 
-/// Most columns of a table that paper has room for.
-const MOST_PRINTED: usize = 28;
-
 /// Whole numbers below this are shown in full.
 const MOST_WHOLE: f64 = 1e15;
 
@@ -78,8 +75,6 @@ struct Listing<'t> {
     text: bool,
     /// Whether it distinguishes rows.
     tells: bool,
-    /// Whether paper, which has no room for all columns, leaves it out.
-    aside: bool,
     /// Cells; a single one if all are equal.
     cells: Box<RawValue>,
     /// The first cells as people read them.
@@ -97,22 +92,6 @@ impl Listed<'_> {
     pub(crate) fn first_rows(&self) -> impl Iterator<Item = Vec<(&str, Option<&'static str>)>> {
         let rows = self.columns.first().map_or(0, |column| column.first.len());
         (0..rows).map(|row| self.columns.iter().map(|column| (&*column.first[row], column.class())).collect())
-    }
-
-    /// Number of columns on paper.
-    pub(crate) fn printed(&self) -> usize {
-        self.columns.iter().filter(|column| !column.aside).count()
-    }
-
-    /// What paper leaves out, if anything.
-    pub(crate) fn unprinted(&self) -> Option<String> {
-        let (printed, all) = (self.printed(), self.columns.len());
-        (printed < all).then(|| {
-            format!(
-                "Printed are the {printed} columns that charts show or that tell rows apart, of {all}; all are in {}.",
-                self.file
-            )
-        })
     }
 
     /// How many of the rows the page shows at first.
@@ -138,12 +117,7 @@ impl Listed<'_> {
 
 impl Listing<'_> {
     fn class(&self) -> Option<&'static str> {
-        match (self.text, self.aside) {
-            (false, false) => None,
-            (true, false) => Some("text"),
-            (false, true) => Some("aside"),
-            (true, true) => Some("text aside"),
-        }
+        self.text.then_some("text")
     }
 }
 
@@ -155,7 +129,8 @@ pub(crate) struct Packed<'t> {
     pub(crate) thinned: usize,
 }
 
-pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Packed<'t> {
+/// The data of the charts that a page has; tables have the columns of `all` charts first.
+pub(crate) fn data<'t>(charts: &[&Drawn], all: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Packed<'t> {
     let points = charts.iter().map(|drawn| match &drawn.picture {
         Picture::Curves(figure) => figure.all_points().count(),
         Picture::Map(_) => 0,
@@ -170,7 +145,7 @@ pub(crate) fn data<'t>(charts: &[&Drawn], tables: &[(&'t str, &'t Table)]) -> Pa
             Picture::Map(map) => Some(map.words()),
         },
     });
-    let tables: Vec<Listed> = tables.iter().map(|(file, table)| listed(file, table, charts)).collect();
+    let tables: Vec<Listed> = tables.iter().map(|(file, table)| listed(file, table, all)).collect();
     let data = Data { looks: Looks::new(), charts: packed_charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
 }
@@ -208,10 +183,10 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
     let small = table.rows() * all.len() <= MOST_CELLS;
     let columns: Vec<&Column> =
         all.iter().copied().filter(|column| small || is_charted(column, table, charts)).collect();
+    // What distinguishes the rows is first, and beside it what charts show.
+    let mut columns = columns;
+    columns.sort_by_key(|column| (!tells(column), !is_charted(column, table, charts)));
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
-    // Without an estimate that a chart shows, nothing says which columns matter.
-    let is_shown = |column: &&Column| !tells(column) && is_charted(column, table, charts);
-    let is_wide = columns.len() > MOST_PRINTED && columns.iter().any(is_shown);
     let in_units = table.read();
     let listing = |column: &&'t Column| {
         let cells: Vec<&Cell> = column.cells.iter().take(rows).collect();
@@ -223,7 +198,6 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
             about: &column.meaning,
             text: column.cells.any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
-            aside: is_wide && !is_charted(column, table, charts),
             cells: json(if one { &cells[..1] } else { &cells[..] }),
             first: column.read().cells.iter().take(rows.min(FIRST_ROWS)).map(read).collect(),
         }
@@ -237,14 +211,14 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
     }
 }
 
-/// A cell as people read it: a name as it is, a whole number in full, and others with five digits.
+/// A cell as people read it: a name as it is, a whole number in full, and others with four digits.
 fn read(cell: &Cell) -> String {
     let Some(number) = cell.number() else { return cell.text() };
     if number.fract() == 0.0 && number.abs() < MOST_WHOLE {
         // Plus 0, because −0 has a sign.
         return format!("{:.0}", number + 0.0).replace('-', "−");
     }
-    let text = significant(number, 5);
+    let text = significant(number, 4);
     match text.split_once('e') {
         Some((figures, exponent)) => {
             let exponent = exponent.parse().map_or_else(|_| exponent.to_owned(), superscript);

@@ -16,20 +16,23 @@ use crate::view::report::source::Source;
 pub(crate) fn page(report: &Report) -> String {
     let points =
         report.tables.iter().find(|(source, _)| *source == chart::Source::Points).map(|(_, table)| *table);
-    let charts: Vec<&Drawn> = report.charts.iter().collect();
+    // The chart that the answer marks is first; a single point is in the answer.
+    let all: Vec<&Drawn> = report.charts.iter().collect();
+    let mut charts: Vec<&Drawn> = all.iter().copied().filter(|drawn| !drawn.picture.is_single()).collect();
+    charts.sort_by_key(|drawn| !drawn.picture.is_marked());
     let tables: Vec<(&str, &Table)> =
         report.tables.iter().map(|(source, table)| (source.file(), *table)).collect();
-    let Packed { text: packed, tables, thinned } = data(&charts, &tables);
+    let Packed { text: packed, tables, thinned } = data(&charts, &all, &tables);
     let agreements = points.map(agreements).unwrap_or_default();
     let links = [
-        (!report.charts.is_empty()).then_some(("charts", "Charts")),
+        (!charts.is_empty()).then_some(("charts", "Charts")),
         (!agreements.is_empty()).then_some(("closed-forms", "Closed forms")),
         Some(("tables", "Tables")),
         Some(("source", "How it was made")),
     ];
     let links: Vec<(&str, &str)> = links.into_iter().flatten().collect();
     let sections = html! {
-        (study_charts(report, thinned))
+        (study_charts(report, &charts, thinned))
         @if let Some(table) = points.filter(|_| !agreements.is_empty()) {
             (closed_forms(table, &agreements))
         }
@@ -56,16 +59,16 @@ fn scope(source: &Source) -> String {
     }
 }
 
-fn study_charts(report: &Report, thinned: usize) -> Markup {
+fn study_charts(report: &Report, charts: &[&Drawn], thinned: usize) -> Markup {
     html! {
-        @if !report.charts.is_empty() {
+        @if !charts.is_empty() {
             section #charts {
                 h2 { "Charts" }
-                p.hint.reading { (READING) }
                 @if thinned > 1 {
                     p.note { "Curves show one point in " (thinned) "; the tables and chart.svg in the results folder have all points." }
                 }
-                @for (at, drawn) in report.charts.iter().enumerate() { (chart(at, drawn, "chart", &[report.question])) }
+                @for (at, drawn) in charts.iter().enumerate() { (chart(at, drawn, "chart", &[report.title, report.question])) }
+                p.hint.reading { (READING) }
             }
         }
     }

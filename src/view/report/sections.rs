@@ -108,7 +108,7 @@ impl Page {
             .filter(|(_, table)| table.rows() > 0)
             .map(|(file, table)| (*file, table))
             .collect();
-        let Packed { text, tables, thinned } = data(&charts, &tables);
+        let Packed { text, tables, thinned } = data(&charts, &charts, &tables);
         let links: Vec<(&str, &str)> = sections
             .iter()
             .map(|section| (section.id, section.heading))
@@ -118,7 +118,6 @@ impl Page {
         let mut places = 0..;
         let told = [&*self.title, &*self.subtitle, &self.answer.headline];
         let body = html! {
-            @if !charts.is_empty() { p.hint.reading { (READING) } }
             @if thinned > 1 { p.note { "Curves show one point in " (thinned) "." } }
             @for section in sections {
                 section id=(section.id) {
@@ -126,6 +125,7 @@ impl Page {
                     @for block in &section.blocks { (self::block(block, &mut places, &told, &said)) }
                 }
             }
+            @if !charts.is_empty() { p.hint.reading { (READING) } }
             (listings(&tables))
         };
         let notes: Vec<String> = self.notes.iter().map(|note| spell(note)).collect();

@@ -47,13 +47,14 @@ impl Shell<'_> {
             html lang="en" {
                 (head(self.title, self.style))
                 body {
+                    a.skip href="#answer" { "To the answer" }
                     header {
                         div.bar {
                             span.brand { "sagnac " (env!("CARGO_PKG_VERSION")) }
                             nav {
                                 @for (id, name) in self.links { a href=(format!("#{id}")) { (name) } }
                             }
-                            button #theme type="button" { "Dark" }
+                            button #theme type="button" aria-pressed="false" title="Dark or light" { "◐" span.unseen { "Dark" } }
                         }
                         h1 { (self.title) }
                         @if !self.question.is_empty() { p.question { (self.question) } }
@@ -99,17 +100,19 @@ pub(crate) fn head(title: &str, style: &str) -> Markup {
 }
 
 /// How charts are read.
-pub(crate) const READING: &str = "Point at a chart or use the arrow keys to read values. Drag to enlarge a part, and double-click to return to \
-                                  the whole. Names in the legend switch curves off and on.";
+pub(crate) const READING: &str = "Point at a chart or use the arrow keys to read values; click or press Enter to pin a reading. Drag to \
+                                  enlarge a part, and double-click to return to the whole. Names in the legend switch curves off and on.";
 
 /// The place of chart `at` of the data, with a still picture of it that stays where no script draws it. The second line is left out
-/// where the page has `said` it before.
+/// where the page has `said` it before; for a title that it has said, the heading is what the chart shows.
 pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str, said: &[&str]) -> Markup {
     let subtitle = drawn.picture.subtitle().filter(|subtitle| !said.contains(subtitle));
+    let title = drawn.picture.title();
+    let title = if said.contains(&title) { drawn.picture.contents() } else { title.to_owned() };
     html! {
-        figure class=(class) data-chart=(at) {
+        figure id=(drawn.stem) class=(class) data-chart=(at) {
             figcaption {
-                h3 { (drawn.picture.title()) }
+                h3 { a href=(format!("#{}", drawn.stem)) { (title) } }
                 @if let Some(subtitle) = subtitle { p.subtitle { (subtitle) } }
             }
             div.plot { div.still { (PreEscaped(still(&drawn.picture))) } }
@@ -127,12 +130,11 @@ pub(crate) fn listings(tables: &[Listed]) -> Markup {
                 div.table data-table=(at) {
                     h3 { (table.file) }
                     @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
-                    @if let Some(sentence) = table.unprinted() { p.note.paper { (sentence) } }
-                    // Stays where no script makes a table to sort of it, and on paper.
+                    // Stays where no script makes a table to sort of it.
                     div.listing {
                         p.hint.said { (table.counted()) }
                         div.scroll tabindex="0" role="region" aria-label=(table.file) {
-                            table style=(format!("--columns: {}", table.printed())) {
+                            table {
                                 thead {
                                     tr { @for (title, class) in table.headings() { th class=[class] scope="col" { span { (title) } } } }
                                 }

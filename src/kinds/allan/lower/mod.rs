@@ -12,9 +12,9 @@ pub(crate) mod drift;
 pub(crate) mod enough;
 pub(crate) mod fixed;
 pub(crate) mod model;
-pub(crate) mod theory;
 pub(crate) mod physical_theory;
 pub(crate) mod representation;
+pub(crate) mod theory;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::model::too_long;

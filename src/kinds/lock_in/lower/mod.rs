@@ -2,8 +2,8 @@
 
 pub(crate) mod fixed;
 pub(crate) mod lowered_theory;
-pub(crate) mod theory;
 pub(crate) mod steps;
+pub(crate) mod theory;
 
 use std::sync::Arc;
 

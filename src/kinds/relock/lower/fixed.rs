@@ -69,7 +69,8 @@ impl FixedRelock {
         check_loop(loop_s, tick_s)?;
         let largest = inputs.largest_miss();
         if largest == 0.0 {
-            let message = "relock.initial_detuning is 0, and so are its errors: there is nothing to relock".to_owned();
+            let message =
+                "relock.initial_detuning is 0, and so are its errors: there is nothing to relock".to_owned();
             let help = "give an initial detuning, or one of half_wave_error, dac_step and hysteresis";
             return Err(Refusal { key: "relock.initial_detuning", message, help });
         }

@@ -164,7 +164,11 @@ impl LoweredRelock {
             shown(inputs.1),
             shown(most)
         );
-        Err(Refusal::new("relock.initial_detuning", found, "this is a fault of the program: please report the study"))
+        Err(Refusal::new(
+            "relock.initial_detuning",
+            found,
+            "this is a fault of the program: please report the study",
+        ))
     }
 
     /// Lets histograms start at a quarter of the rms of the first trials.

@@ -5,9 +5,9 @@
 pub(crate) mod drift;
 pub(crate) mod fixed;
 pub(crate) mod launch;
-pub(crate) mod theory;
 pub(crate) mod physical_theory;
 pub(crate) mod relocking;
+pub(crate) mod theory;
 pub(crate) mod warm_up;
 
 pub use crate::kinds::switched_run::lower::theory::RunTheory;

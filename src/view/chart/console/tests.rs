@@ -9,14 +9,7 @@ use crate::view::chart::picture::Picture;
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 
 fn axis(label: &str, unit: &str) -> Axis {
-    Axis {
-        label: label.to_owned(),
-        defined: String::new(),
-        unit: unit.to_owned(),
-        scale: Scale::Log,
-        whole: false,
-        names: vec![],
-    }
+    Axis { label: label.to_owned(), unit: unit.to_owned(), ..Axis::default() }
 }
 
 /// y = x² and y = x over two decades, with a limit of 10.
@@ -42,6 +35,9 @@ fn figure() -> Figure {
         laws: vec![],
         parts: Parts::default(),
         limit: Some(Limit { value: 10.0, label: "limit 10 arcsec".to_owned() }),
+        marks: vec![],
+        slopes: false,
+        is_panel: false,
         chosen: vec![],
     }
 }

@@ -36,6 +36,10 @@ impl Edges {
 /// Draws the cells: values in the colour of their place on the `range`, winners in their own colour.
 pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, (shades, range): (Shades, Range)) {
     let colours: Vec<Option<Colour>> = match &map.cells {
+        Cells::Values(values) if map.is_yes_or_no() => {
+            let style = |value: f64| if value == 1.0 { 1 } else { 2 };
+            values.iter().map(|value| Some(palette::area_colour(style((*value)?)).into())).collect()
+        }
         Cells::Values(values) => values
             .iter()
             .map(|value| value.map(|value| shades.colour(range.fraction(value)).into()))

@@ -96,6 +96,15 @@ impl Map {
         }
     }
 
+    /// Whether its values are only no and yes, as 0 and 1, and both occur.
+    pub(crate) fn is_yes_or_no(&self) -> bool {
+        let Cells::Values(values) = &self.cells else { return false };
+        let known = || values.iter().flatten();
+        known().all(|value| [0.0, 1.0].contains(value))
+            && known().any(|value| *value == 0.0)
+            && known().any(|value| *value == 1.0)
+    }
+
     /// Number of cells with a value.
     pub fn known(&self) -> usize {
         self.values().iter().flatten().count()

@@ -21,7 +21,8 @@ impl Map {
         let (shades, colours) = self.colours();
         let colour_ticks = self.z.ticks(colours);
         let (z_title, limit) = (self.z.title(), self.limit.as_ref().map(|limit| limit.value));
-        let bar = matches!(self.cells, Cells::Values(_)).then_some(ColourBar {
+        let has_bar = matches!(self.cells, Cells::Values(_)) && !self.is_yes_or_no();
+        let bar = has_bar.then_some(ColourBar {
             range: colours,
             shades,
             ticks: &colour_ticks,
@@ -90,12 +91,16 @@ impl Map {
     fn legend(&self) -> Legend {
         let mut legend = Legend::default();
         let words = self.words();
-        if let Cells::Winners { of, .. } = &self.cells {
+        let title = match &self.cells {
+            Cells::Winners { of, .. } => Some(&of.title),
+            Cells::Values(_) => self.is_yes_or_no().then_some(&self.z.label),
+        };
+        if let Some(title) = title {
             let entry = |(style, text): &(usize, String)| {
                 wrapped_entry(Sample::Area(palette::area_colour(*style), false), text)
             };
             let judged = words.judged.iter().flat_map(|text| remark(text));
-            legend.part(Some(&of.title), judged.chain(words.entries.iter().flat_map(entry)).collect());
+            legend.part(Some(title), judged.chain(words.entries.iter().flat_map(entry)).collect());
         }
         let close = words.close.iter().flat_map(|text| wrapped_entry(Sample::Area(PALE_MUTED, false), text));
         legend.part(None, words.unjudged.iter().flat_map(|text| remark(text)).chain(close).collect());
@@ -138,7 +143,7 @@ mod tests {
                 unit: String::new(),
                 scale: Scale::Linear,
                 whole,
-                names: vec![],
+                ..Axis::default()
             };
             let range = Range::between(axis.scale, &axis.scale.edges(values));
             ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()

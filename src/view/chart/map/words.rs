@@ -32,6 +32,12 @@ impl Map {
             limit: self.limit_words(),
             blank: (self.known() < self.columns.len() * self.rows.len()).then_some("blank: not known"),
         };
+        if self.is_yes_or_no() {
+            let values = self.values();
+            let count = |wanted: f64| values.iter().flatten().filter(|value| **value == wanted).count();
+            let entry = |name: &str, value: f64| format!("{name}: {}", share(count(value), self.known()));
+            words.entries = vec![(1, entry("yes", 1.0)), (2, entry("no", 0.0))];
+        }
         if let Cells::Winners { of, won, banded } = &self.cells {
             let won: Vec<Won> = won.iter().copied().flatten().collect();
             let count = |style: usize| won.iter().filter(|won| won.style == style).count();
