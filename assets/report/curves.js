@@ -152,6 +152,11 @@ class Curves {
     if (d) group.append(shape("path", { fill: "none", d, ...look }));
   }
 
+  /** Whether each interval is a bar of its own: of names, and of a few points beside a closed form. */
+  hasBars(series) {
+    return this.named || (series.law.length > 1 && series.points.length <= 15);
+  }
+
   bands(plot, group, series) {
     const colour = `c${series.colour % 8}`;
     let [areas, bars] = ["", ""];
@@ -169,8 +174,7 @@ class Curves {
     };
     let run = [];
     for (const point of series.points) {
-      // A few points beside a closed form have a bar each.
-      if (this.named || (series.law.length > 1 && series.points.length <= 15)) flush(run.splice(0));
+      if (this.hasBars(series)) flush(run.splice(0));
       if (point.band && plot.shows(point.x, point.y)) run.push(point);
       else {
         flush(run);
@@ -408,7 +412,8 @@ class Curves {
     const lines = this.alone ? `curve c${(figure.series[0]?.colour ?? 0) + 1}` : "curve grey";
     if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: lines })], figure.lines));
     if (figure.series.some((series) => series.points.some((point) => point.band))) {
-      reading.push(entry("bands", [sampleBand("grey")], figure.bands || "interval"));
+      const sample = figure.series.every((series) => this.hasBars(series)) ? sampleBar("grey") : sampleBand("grey");
+      reading.push(entry("bands", [sample], figure.bands || "interval"));
     }
     if (figure.limit) reading.push(entry("limit", [sampleLine({ class: "limit" })], figure.limit.label));
     const chosen = figure.chosen.map((text) => element("p", {}, text));
@@ -460,6 +465,10 @@ function sampleLine(look) {
 
 function sampleBand(colour) {
   return shape("rect", { class: `band ${colour}`, x: 0, y: 4, width: 36, height: 10 });
+}
+
+function sampleBar(colour) {
+  return shape("path", { class: `bar ${colour}`, d: "M18,2V16M13,2h10M13,16h10" });
 }
 
 function sampleMarker(look, style) {

@@ -24,9 +24,9 @@ function raised(exponent) {
 /** Digits of values that are read off. */
 const READ = 4;
 
-/** A value with its unit. */
+/** A value with its unit; signs of an angle stand beside the number. */
 function measured(x, unit, digits = READ) {
-  return unit ? `${significant(x, digits)} ${unit}` : significant(x, digits);
+  return `${significant(x, digits)}${!unit || "″°".includes(unit) ? "" : " "}${unit}`;
 }
 
 /** The title of an axis. */

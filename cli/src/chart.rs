@@ -7,7 +7,6 @@ use sagnac::run::RESOLVED;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::table::Column;
-use sagnac::view::picture::verdict::verdicts;
 use sagnac::view::picture::{incomplete, pictures, shown};
 use serde::Serialize;
 use toml::{Table, Value};
@@ -17,7 +16,7 @@ use crate::failure::Failure;
 use crate::limits::on;
 use crate::output::{print, print_drawn};
 use crate::progress::{self, How, Shown};
-use crate::results::summary::{crossings, summary};
+use crate::results::summary::summary;
 use crate::results::{held, lacking};
 use crate::run::checked;
 use crate::{folders, look};
@@ -187,8 +186,7 @@ pub fn redraw(
         print_drawn(&format!("{}\n", drawn.picture.text(look::of_output())))?;
     }
     let curves = shown(&study, &tables)?;
-    let verdicts = verdicts(&study, &curves)?;
-    print(&format!("{}\n{}", summary(&study, &tables, &curves)?, crossings(&verdicts)))?;
+    print(&summary(&study, &tables, &curves)?)?;
     say!("{name}.svg and .png are in {}", folder.display());
     Ok(())
 }

@@ -1,6 +1,6 @@
 """Monte Carlo studies for laser gyroscopes and related analyses, with NumPy arrays as input and output.
 
-- :func:`run` runs a study: the tables, charts and verdicts of the program ``sagnac``, bit for bit.
+- :func:`run` runs a study: the tables and charts of the program ``sagnac``, bit for bit.
 - :func:`allan` computes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
 - :func:`psd` computes the spectrum of a record, and :func:`compare` tells whether the noise of two records differs.
@@ -40,7 +40,7 @@ from .fillers import Filler, Fillers, Rule, filler
 from .models import model
 from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .records import allan, fit
-from .results import Answer, Results, Table, Verdict
+from .results import Answer, Results, Table
 from .studies import run
 
 __all__ = [
@@ -63,7 +63,6 @@ __all__ = [
     "StudyError",
     "Table",
     "UsageError",
-    "Verdict",
     "__version__",
     "allan",
     "compare",

@@ -44,7 +44,6 @@ class RawResults(TypedDict):
     sampled_trials: int | None
     seconds: float | None
     notes: list[str]
-    verdicts: list[tuple[str, str]]
     charts: list[RawChart]
     report: str
     points: list[RawColumn]

@@ -72,20 +72,6 @@ class Table(Mapping[str, Column]):
         return pandas.DataFrame(self._columns)
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """The relation of the curves of a chart to its limit."""
-
-    text: str
-    """A heading, and a sentence for each curve."""
-    data: dict[str, Any]
-    """The same for programs: ``charts``, ``of``, ``where``, the limit, and in ``series`` for each curve its ``outcome`` and
-    the places ``at`` and ``until``."""
-
-    def __str__(self) -> str:
-        return self.text
-
-
 class Answer(str):
     """An answer: its headline as a text, with what stands behind it. A notebook shows it as the card of the page."""
 
@@ -182,7 +168,6 @@ class Results(Charted):
     """The recovered coefficients, if the study fits any: coefficients.csv."""
     trajectories: Table | None
     """The runs that the study keeps as curves, if any: trajectories.csv."""
-    verdicts: tuple[Verdict, ...]
     decision: dict[str, Any] | None
     """The decision sheet: ``met``, ``best``, ``margin``, the error ``budget``, and the next ``lever``; None if the study
     judges no error."""

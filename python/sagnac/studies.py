@@ -14,7 +14,7 @@ from . import _sagnac
 from ._raw import RawResults
 from ._toml import text_of
 from .errors import StorageError, UsageError
-from .results import Results, Table, Verdict, answer_of
+from .results import Results, Table, answer_of
 
 #: Most trials at a point.
 MOST_TRIALS = 1 << 40
@@ -33,7 +33,7 @@ def run(
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int, str], object] | None = None,
 ) -> Results:
-    """Runs a study: samples the trials that its results folder lacks, and returns all tables, charts and verdicts.
+    """Runs a study: samples the trials that its results folder lacks, and returns all tables and charts.
 
     The numbers are those of ``sagnac run``, to the last bit, on every device and with any number of threads.
 
@@ -141,7 +141,6 @@ def _results(found: RawResults, folder: Path | None) -> Results:
         points=Table(found["points"]),
         coefficients=None if coefficients is None else Table(coefficients),
         trajectories=None if trajectories is None else Table(trajectories),
-        verdicts=tuple(Verdict(text, json.loads(data)) for text, data in found["verdicts"]),
         notes=tuple(found["notes"]),
         charts={name: svg for name, svg, _ in found["charts"]},
         report=found["report"],

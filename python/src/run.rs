@@ -15,7 +15,6 @@ use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::verify::select;
-use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::picture::{Drawn, pictures};
 use sagnac::view::report::FILE as REPORT;
 use sagnac::view::results::Results;
@@ -72,13 +71,11 @@ struct Ran {
     decision: Option<String>,
     /// The report as HTML.
     report: String,
-    /// Verdicts, each as text and as JSON.
-    verdicts: Vec<(String, String)>,
     notes: Vec<String>,
     done: Option<(Done, String)>,
 }
 
-/// Runs a study from a file, or from its text if there is no `path`, and returns its tables, verdicts and report.
+/// Runs a study from a file, or from its text if there is no `path`, and returns its tables and report.
 #[pyfunction]
 #[pyo3(signature = (path, text, trials, seed, device, threads, folder, is_kept, progress))]
 #[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
@@ -109,7 +106,6 @@ pub fn run<'py>(
     document.set_item("sampled_trials", done.map(|done| done.trials))?;
     document.set_item("seconds", done.map(|done| done.seconds))?;
     document.set_item("notes", &ran.notes)?;
-    document.set_item("verdicts", &ran.verdicts)?;
     document.set_item(
         "charts",
         ran.pictures.iter().map(|drawn| chart(&drawn.stem, &drawn.picture)).collect::<Vec<_>>(),
@@ -168,7 +164,6 @@ impl Asked {
         let mut results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let sheet = decide(&study, &tables, listener)?;
         let answer = of_study(&study, &tables, &mut results, sheet.as_ref())?;
-        let judged = results.verdicts()?;
         let decision = sheet.map(|sheet| sheet.json().to_string());
         let report = results.page(&answer, &digest);
         if let Some(folder) = &kept {
@@ -176,23 +171,9 @@ impl Asked {
             folder.write(REPORT, report.as_bytes())?;
             folder.commit()?;
         }
-        let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
-        let verdicts = judged.iter().map(said).collect();
-        drop(judged);
         let (notes, pictures, is_sampled) = (results.notes(), results.charts, plan.is_sampled());
         drop(results.curves);
         drop(plan);
-        Ok(Ran {
-            is_sampled,
-            tables,
-            pictures,
-            answer: shown(&answer),
-            decision,
-            report,
-            verdicts,
-            notes,
-            done,
-            study,
-        })
+        Ok(Ran { is_sampled, tables, pictures, answer: shown(&answer), decision, report, notes, done, study })
     }
 }

@@ -99,7 +99,7 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 29] = [
 ];
 
 /// Units in which quantities are shown as they are written, each with its symbol.
-const SHOWN: [(&str, &str); 20] = [
+const SHOWN: [(&str, &str); 22] = [
     ("arcsec", "″"),
     ("arcmin", "′"),
     ("deg", "°"),
@@ -120,6 +120,8 @@ const SHOWN: [(&str, &str); 20] = [
     ("km/h", "km/h"),
     ("kn", "kn"),
     ("km", "km"),
+    ("m", "m"),
+    ("m/s", "m/s"),
 ];
 
 /// The symbol of a unit of this size; `None` for one that is not shown as it is written.

@@ -93,47 +93,6 @@ pub fn short(number: f64) -> String {
     format!("{}{unit}", significant(number / scale, 3))
 }
 
-/// The side to which a number is rounded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Side {
-    Down,
-    Up,
-    Nearest,
-}
-
-/// Relative difference below which a number is taken for its rounded one, as after a logarithm and back.
-const ROUNDING: f64 = 1e-9;
-
-/// Digits beyond which numbers of floating point do not differ.
-const MOST_DIGITS: usize = 16;
-
-/// The least number of significant digits, at least `digits`, with which a range that is rounded inwards keeps its ends in order.
-pub(crate) fn digits_within(from: f64, to: f64, digits: usize) -> usize {
-    let parsed = |side, x, digits| rounded_to(side, x, digits).parse::<f64>();
-    let is_in_order =
-        |digits: &usize| match (parsed(Side::Up, from, *digits), parsed(Side::Down, to, *digits)) {
-            (Ok(low), Ok(high)) => low <= high,
-            _ => true,
-        };
-    (digits..MOST_DIGITS).find(is_in_order).unwrap_or(MOST_DIGITS)
-}
-
-/// A number above 0 with `digits` significant digits, rounded to one side; others are rounded to the nearest.
-pub(crate) fn rounded_to(side: Side, x: f64, digits: usize) -> String {
-    let nearest = significant(x, digits);
-    let Ok(found) = nearest.parse::<f64>() else { return nearest };
-    let is_beyond = match side {
-        Side::Down => found > x * (1.0 + ROUNDING),
-        Side::Up => found < x * (1.0 - ROUNDING),
-        Side::Nearest => false,
-    };
-    if !is_beyond || x <= 0.0 || !x.is_finite() {
-        return nearest;
-    }
-    let last = libm::pow(10.0, libm::floor(libm::log10(x)) + 1.0 - digits as f64);
-    significant(if side == Side::Up { found + last } else { found - last }, digits)
-}
-
 /// A number with its unit.
 pub(crate) fn joined(number: &str, unit: &str) -> String {
     match unit {
@@ -170,31 +129,6 @@ mod tests {
         ] {
             assert_eq!(with_ends(value, ends), shown, "{value}");
         }
-    }
-
-    #[test]
-    fn numbers_are_rounded_to_a_side_unless_they_have_so_few_digits() {
-        let shown = [Side::Down, Side::Nearest, Side::Up].map(|side| rounded_to(side, 2.2361, 3));
-        assert_eq!(shown, ["2.23", "2.24", "2.24"]);
-        let shown = [Side::Down, Side::Up]
-            .map(|side| [382.4, 0.019_97, 9.996, 99_960.0].map(|x| rounded_to(side, x, 3)));
-        assert_eq!(shown, [["382", "0.0199", "9.99", "99900"], ["383", "0.02", "10", "100000"]]);
-        assert_eq!(
-            [Side::Down, Side::Up].map(|side| rounded_to(side, 40.0 * (1.0 - 1e-12), 3)),
-            ["40", "40"]
-        );
-        assert_eq!([0.0, f64::INFINITY].map(|x| rounded_to(Side::Down, x, 3)), ["0", "inf"]);
-    }
-
-    #[test]
-    fn narrow_ranges_have_more_digits() {
-        let digits = [(382.4, 417.6), (400.2, 400.7), (400.21, 400.24), (7.0, 7.0)]
-            .map(|(from, to)| digits_within(from, to, 3));
-        assert_eq!(digits, [3, 4, 5, 3]);
-        assert_eq!(
-            [rounded_to(Side::Up, 400.21, 5), rounded_to(Side::Down, 400.24, 5)],
-            ["400.21", "400.24"]
-        );
     }
 
     #[test]

@@ -173,7 +173,7 @@ impl Quantity {
 
     /// The value in the unit in which people read it.
     pub fn read(self) -> f64 {
-        round_12(self.shown() * self.written.map_or(1.0, |written| written.factor))
+        self.written.map_or(self.shown(), |written| written.of(self.shown()))
     }
 
     /// The value in the unit of tables.
@@ -193,6 +193,16 @@ impl fmt::Display for Quantity {
 /// Rounds to 12 significant decimal digits through text, which is exact and the same everywhere. −0 becomes 0.
 pub(crate) fn round_12(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x) + 0.0
+}
+
+impl Written {
+    /// A number of the unit of tables in this unit. It has 11 digits, because 12 were kept of that number.
+    pub(crate) fn of(self, x: f64) -> f64 {
+        if self.factor == 1.0 {
+            return x;
+        }
+        format!("{:.10e}", x * self.factor).parse().unwrap_or(x) + 0.0
+    }
 }
 
 /// Reads `"<number> <unit>"` as a quantity of one of the `wanted` dimensions.

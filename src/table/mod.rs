@@ -3,6 +3,7 @@
 mod cell;
 pub(crate) mod cells;
 pub(crate) mod column;
+pub(crate) mod crossing;
 pub(crate) mod file;
 pub mod text;
 
@@ -12,7 +13,6 @@ use std::hash::Hash;
 
 use crate::quantity::number::{joined, significant};
 pub use crate::quantity::unit::{Unit, Written};
-use crate::quantity::units::round_12;
 pub use crate::table::cell::Cell;
 pub use crate::table::cells::Cells;
 pub use crate::table::column::{About, ColumnOf, Role, Usual};
@@ -76,13 +76,13 @@ impl Column {
 
     /// The column in the unit in which people read it.
     pub fn read(&self) -> Column {
-        let Some(Written { factor, symbol }) = self.written else { return self.clone() };
+        let Some(written) = self.written else { return self.clone() };
         let read = |cell: &Cell| match cell.number() {
-            Some(number) if factor != 1.0 => Cell::Number(round_12(number * factor)),
+            Some(number) if written.factor != 1.0 => Cell::Number(written.of(number)),
             _ => cell.clone(),
         };
         Column {
-            unit: Unit { symbol, ..self.unit },
+            unit: Unit { symbol: written.symbol, ..self.unit },
             written: None,
             cells: self.cells.iter().map(read).collect(),
             ..self.clone()
@@ -126,7 +126,7 @@ impl Column {
     pub fn valued(&self, value: &str) -> String {
         let unread = (value, self.unit.symbol);
         let (value, symbol) = match self.written.zip(value.parse::<f64>().ok()) {
-            Some((written, number)) => (&*significant(round_12(number * written.factor), 12), written.symbol),
+            Some((written, number)) => (&*significant(written.of(number), 12), written.symbol),
             None => unread,
         };
         let value = match value.strip_prefix('-') {

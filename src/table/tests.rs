@@ -92,7 +92,7 @@ fn files_have_no_formulas_and_their_numbers_stay() {
 fn a_value_is_said_with_label_and_unit() {
     assert_eq!(column("upper frequency", Unit::HZ).valued("4.36"), "upper frequency 4.36 Hz");
     assert_eq!(column("lost ticks n", Unit::NONE).valued("3"), "lost ticks n = 3");
-    assert_eq!(column("error", Unit::ARCSEC).title(), "error, arcsec");
+    assert_eq!(column("error", Unit::ARCSEC).title(), "error, ″");
 }
 
 #[test]

@@ -9,7 +9,6 @@ use crate::store::error::StoreError;
 use crate::study::Study;
 use crate::table::{Cell, Role, Table};
 use crate::view::chart::stack::Shown;
-use crate::view::picture::verdict::{Verdict, verdicts};
 use crate::view::picture::{Drawn, incomplete, pictures, shown};
 use crate::view::report::Report;
 use crate::view::report::gallery::Card;
@@ -81,14 +80,6 @@ impl<'a> Results<'a> {
         }
         let of_charts = of_charts.into_iter().map(|(note, stems)| format!("{stems}: {note}"));
         of_charts.chain(self.notes.iter().cloned()).collect()
-    }
-
-    /// The verdicts on all curves with a limit.
-    ///
-    /// # Errors
-    /// The table lacks something that a chart requires.
-    pub fn verdicts(&self) -> Result<Vec<Verdict<'_>>, StudyError> {
-        verdicts(self.study, &self.curves)
     }
 
     /// The card of the study in galleries.

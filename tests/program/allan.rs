@@ -23,7 +23,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
                  --intervals stable32";
     let ended = done(&desk, words);
     for piece in
-        ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "in-run bias stability"]
+        ["1001 samples at 1 Hz", "0.1057", "68.3 % intervals", "time deviation", "In-run bias stability"]
     {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
@@ -55,7 +55,7 @@ fn the_header_of_the_csv_is_the_documented_one() {
     let desk = desk_with("log.csv", log());
     done(&desk, "log.csv --data rate --time time --column gz --out out");
     let header =
-        "column,deviation,m,tau_s,terms,alpha,lower,value,upper,unit,alpha_from,treatment,edf,edf_from";
+        "column,deviation,m,tau_s,differences,alpha,lower,value,upper,unit,alpha_from,treatment,edf,edf_from";
     assert_eq!(desk.read("out/curve.csv").lines().next(), Some(header));
 }
 

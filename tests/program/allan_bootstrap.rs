@@ -111,7 +111,7 @@ fn every_output_says_where_the_intervals_come_from() {
     assert!(report.contains("from 1000 simulated records of the fit"), "{report}");
     assert!(
         csv.lines()
-            .any(|line| line.starts_with("1,N,") && line.contains("identified,bootstrap of 1000,1,2048,")),
+            .any(|line| line.starts_with("1,N,") && line.contains("estimated,bootstrap of 1000,1,2048,")),
         "{csv}"
     );
     assert!(desk.read("out/noise.toml").contains("# 95 % intervals from 1000 simulated records of the fit."));
@@ -120,9 +120,7 @@ fn every_output_says_where_the_intervals_come_from() {
     let (report, closed) = outputs(&desk, "--bootstrap 0");
     assert!(report.contains("in closed form"), "{report}");
     assert!(
-        closed
-            .lines()
-            .any(|line| line.starts_with("1,N,") && line.contains("identified,closed form,1,2048,"))
+        closed.lines().any(|line| line.starts_with("1,N,") && line.contains("estimated,closed form,1,2048,"))
     );
     assert_ne!(closed.replace("closed form", "bootstrap of 1000"), csv);
 

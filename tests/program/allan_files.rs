@@ -79,7 +79,7 @@ fn the_chart_of_one_column_has_the_fit_and_its_parts() {
     for piece in [">measured<", ">fit, τ from ", ">parts of the fit of oadev<"] {
         assert!(svg.contains(piece), "{piece} is missing in the chart");
     }
-    for (name, unit) in [("Q", "arcsec"), ("N", "°/√h"), ("B", "°/h")] {
+    for (name, unit) in [("Q", "″"), ("N", "°/√h"), ("B", "°/h")] {
         let label = svg.lines().find(|line| line.contains(&format!(">{name} = "))).unwrap_or_default();
         assert!(label.contains(unit), "{name} in {unit}: `{label}`");
     }

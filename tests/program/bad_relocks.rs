@@ -81,7 +81,7 @@ fn what_belongs_to_other_kinds_is_refused() {
         &["relock.ticks holds for the whole study", "relock.adc_noise"],
     );
     let chart = |more: &str| format!("{STUDY}[chart]\nx = \"tick_number\"\ny = \"rms\"\n{more}");
-    refused(&chart("references = [\"noise\"]"), "16:9", &["\"noise\" is a reference curve of gap fillers"]);
+    refused(&chart("references = [\"noise\"]"), "16:15", &["\"noise\" is a reference curve of gap fillers"]);
     refused(&chart("where = { tick = \"5\" }"), "16:18", &["no row has tick = \"5\"", "all"]);
     refused(&chart("where = { compensation = \"both\" }"), "16:26", &["no row has compensation", "detuning"]);
 }

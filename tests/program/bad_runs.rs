@@ -250,7 +250,7 @@ fn trajectories_out_of_range_and_charts_of_none_are_refused() {
     );
     refused(
         &chart(&with("2"), "references = [\"noise\"]"),
-        "16:9",
+        "16:15",
         &["is a reference curve of gap fillers", "leave it out"],
     );
     refused(

@@ -198,11 +198,11 @@ fn charts_that_name_what_is_not_there_are_refused() {
         "15:23",
         &["no point has motion.frequency = 6 Hz", "accepted: 5 Hz, 20 Hz"],
     );
-    refused(&chart("y = \"rms\"\nlimit = \"0 arcsec\""), "15:9", &["chart.limit = 0 arcsec", "not above 0"]);
+    refused(&chart("y = \"rms\"\nlimit = \"0 arcsec\""), "15:9", &["chart.limit = 0″", "not above 0"]);
     refused(
         &chart("y = \"z\"\nlimit = \"10 arcsec\""),
         "14:5",
-        &["`z` is a number without unit, a limit in arcsec cannot be drawn on it", "leave out the limit"],
+        &["`z` is a number without unit, a limit in ″ cannot be drawn on it", "leave out the limit"],
     );
     refused(&swept("y = \"frequency_hz\"\nlimit = \"10 arcsec\""), "14:5", &["`frequency_hz` is in Hz"]);
 }
@@ -225,10 +225,7 @@ fn charts_with_keys_of_another_kind_are_refused() {
     refused(
         &swept_chart(&format!("{map}z = \"z\"\nlimit = \"10 arcsec\"")),
         "22:5",
-        &[
-            "a limit in arcsec cannot be drawn on it",
-            "name an estimate in arcsec instead, or leave out the limit",
-        ],
+        &["a limit in ″ cannot be drawn on it", "name an estimate in ″ instead, or leave out the limit"],
     );
     let twice = map.replace("amplitude", "frequency_hz");
     refused(&swept_chart(&format!("{twice}z = \"rms\"")), "21:5", &["both x and y", "another column as y"]);
@@ -256,21 +253,21 @@ fn a_map_of_several_rows_on_one_cell_is_refused_with_what_tells_them_apart() {
 }
 
 #[test]
-fn laws_are_refused_where_they_cannot_be_drawn() {
-    let laws = |lines: &str| swept_chart(&format!("{lines}\nlaws = [\"noise\"]"));
+fn references_are_refused_where_they_cannot_be_drawn() {
+    let references = |lines: &str| swept_chart(&format!("{lines}\nreferences = [\"noise\"]"));
     refused(
-        &laws("x = \"max\"\ny = \"rms\""),
+        &references("x = \"max\"\ny = \"rms\""),
         "19:5",
         &["reference curves cannot be drawn over `max`", "motion.frequency"],
     );
     refused(
-        &laws("x = \"dt_nu\"\ny = \"z\""),
+        &references("x = \"dt_nu\"\ny = \"z\""),
         "20:5",
-        &["a law in arcsec cannot be drawn on it", "leave out the law"],
+        &["a law in ″ cannot be drawn on it", "leave out the law"],
     );
     refused(
-        &laws("x = \"dt_nu\"\ny = \"rms\"").replace("noise\"]", "nose\"]"),
-        "21:9",
+        &references("x = \"dt_nu\"\ny = \"rms\"").replace("noise\"]", "nose\"]"),
+        "21:15",
         &["unknown value \"nose\"", "did you mean `noise`?"],
     );
 }
@@ -304,8 +301,7 @@ fn a_last_point_that_does_not_fit_is_refused_before_anything_is_written() {
         with(&sweep).replace("\"1 arcsec\"", "\"0.05 arcsec\"")
     };
     let desk = Desk::with(&study("9e8 arcsec/s"));
-    let refused =
-        ["gyro.tick_noise: 0.05 arcsec of noise", "motion.amplitude = 900000000 arcsec/s", "study.toml:5:22"];
+    let refused = ["gyro.tick_noise: 0.05″ of noise", "motion.amplitude = 900000000 ″/s", "study.toml:5:22"];
     desk.fails("run study.toml --device cpu --trials 64 --out out", 3, &refused);
     assert_eq!(desk.names(""), ["study.toml"]);
     // The results of the points that fit stay as they are.

@@ -92,10 +92,10 @@ fn the_headers_of_the_files_are_the_documented_ones() {
     let desk = two(lines(&white(200, 1.0, 1)), lines(&white(200, 1.0, 2)));
     done(&desk, &format!("a.csv b.csv {RATE} --out out --quiet"));
     let header = |name: &str| desk.read(name).lines().next().unwrap().to_owned();
-    assert_eq!(header("out/compare.csv"), "tau_s,m_a,m_b,a,b,ratio,lower,upper,unit,p,verdict");
+    assert_eq!(header("out/compare.csv"), "tau_s,m_a,m_b,a,b,ratio,lower,upper,unit,p,status");
     assert_eq!(
         header("out/coefficients.csv"),
-        "coefficient,unit,a,b,difference,lower,upper,p,length_needed_s,verdict,ratio,ratio_lower,ratio_upper,\
+        "coefficient,unit,a,b,difference,lower,upper,p,length_needed_s,status,ratio,ratio_lower,ratio_upper,\
          a_at_most,b_at_most,length_beyond_s,described"
     );
 }

@@ -277,7 +277,7 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
         .map(|(seed, (name, sigma))| (name, white(4096, sigma, seed)))
         .collect();
     let desk = desk_with("batch.csv", text(&columns));
-    let lot = format!("lot lot.csv {READ} --column g1,g2,g3,g4,g5,g6");
+    let lot = format!("lot batch.csv {READ} --column g1,g2,g3,g4,g5,g6");
     let found = document(&desk, &lot, &["N=0.12 deg/sqrt(h)"]);
     assert_eq!(found["decision"]["met"], json!(false));
     assert!(headline(&found).starts_with("g4: N 0.19") && rows(&found)[0][0] == "g4", "{found:#}");

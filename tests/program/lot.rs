@@ -40,17 +40,20 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     }
     let units = desk.table("results/lot/units.csv");
     let odd = row(&units, &[("label", "g4"), ("coefficient", "N")]);
-    assert_eq!((odd["odd"].as_str(), odd["unit"].as_str()), ("higher", "deg/sqrt(h)"));
+    assert_eq!((odd["outlier"].as_str(), odd["unit"].as_str()), ("higher", "deg/sqrt(h)"));
     assert!(number(odd, "p") < 0.01, "{odd:?}");
-    assert_eq!(units.iter().filter(|row| !row["odd"].is_empty()).count(), 1);
+    assert_eq!(units.iter().filter(|row| !row["outlier"].is_empty()).count(), 1);
     let lot = desk.table("results/lot/batch.csv");
     let all = row(&lot, &[("coefficient", "N"), ("of", "all")]);
     let rest = row(&lot, &[("coefficient", "N"), ("of", "without outliers")]);
     assert_eq!((all["units"].as_str(), rest["units"].as_str()), ("6", "5"));
     // 6 °/h in samples of 1 s are 0.1 °/√h.
     assert!((number(rest, "value") / 0.1 - 1.0).abs() < 0.05, "{rest:?}");
-    assert!(number(rest, "next_upper") < 0.15 && number(all, "next_upper") > 0.2, "{rest:?} {all:?}");
-    assert!(number(rest, "spread") < 0.06 && number(all, "spread") > 0.2, "{rest:?} {all:?}");
+    assert!(
+        number(rest, "prediction_upper") < 0.15 && number(all, "prediction_upper") > 0.2,
+        "{rest:?} {all:?}"
+    );
+    assert!(number(rest, "unit_sd") < 0.06 && number(all, "unit_sd") > 0.2, "{rest:?} {all:?}");
     for chart in ["chart-1.svg", "chart-1.png", "chart-2.svg", "chart-2.png"] {
         assert!(desk.path(&format!("results/lot/{chart}")).is_file(), "{chart} is missing");
     }
@@ -60,8 +63,8 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     let n = |of: &Value| {
         of["coefficients"].as_array().unwrap().iter().find(|one| one["coefficient"] == "N").unwrap().clone()
     };
-    assert_eq!(n(&document["units"][3])["odd"], "higher");
-    assert_eq!(n(&document)["without_odd"]["units"], 5);
+    assert_eq!(n(&document["units"][3])["outlier"], "higher");
+    assert_eq!(n(&document)["without_outliers"]["units"], 5);
 }
 
 #[test]
@@ -75,9 +78,9 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
     assert!(ended.stdout.contains("No outlier in 3 units: median N 0.1"), "{}", ended.stdout);
     let n = desk.table("even/batch.csv");
     let n = row(&n, &[("coefficient", "N")]);
-    assert!(number(n, "p_equal") > 0.01 && number(n, "spread_lower") == 0.0, "{n:?}");
+    assert!(number(n, "p_equal") > 0.01 && number(n, "unit_sd_lower") == 0.0, "{n:?}");
     // The errors of the records allow some spread, whatever was found.
-    assert!(number(n, "spread_upper") > 0.01, "{n:?}");
+    assert!(number(n, "unit_sd_upper") > 0.01, "{n:?}");
     assert!(number(n, "lower") < 0.1 && 0.1 < number(n, "upper"), "{n:?}");
     let labels: Vec<String> = desk.table("even/units.csv").iter().map(|row| row["label"].clone()).collect();
     assert!(labels.iter().all(|label| ["a", "b", "c"].contains(&label.as_str())), "{labels:?}");

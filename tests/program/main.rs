@@ -35,6 +35,7 @@ mod bad_runs;
 mod bad_studies;
 mod cli;
 mod compare;
+mod curves_of_rows;
 mod damages;
 mod decisions;
 mod descriptions;
@@ -73,7 +74,6 @@ mod strangers;
 mod tables;
 mod temperature;
 mod terminal;
-mod verdicts;
 #[cfg(unix)]
 mod written_files;
 

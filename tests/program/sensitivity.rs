@@ -160,13 +160,13 @@ fn inputs_that_are_none_are_refused_at_their_place() {
         &NOISE.replace("gyro.tick_noise.std", "drift.magnetic"),
         &["there is no key `drift.magnetic` to vary"],
     );
-    refused(&NOISE.replace("\"0.1", "\"-0.1"), &["gyro.tick_noise.std = -0.1 arcsec", "negative", "above 0"]);
+    refused(&NOISE.replace("\"0.1", "\"-0.1"), &["gyro.tick_noise.std = -0.1″", "negative", "above 0"]);
     refused(&NOISE.replace("0.1 arcsec", "0.1 Hz"), &["gyro.tick_noise.std"]);
     refused(&FREQUENCY.replace("19 Hz", "22 Hz"), &["to = 21 Hz is not above from = 22 Hz", "backwards"]);
     refused(&FREQUENCY.replace("\"19", "\"-19"), &["motion.frequency = -19 Hz is out of range"]);
     let log =
         NOISE.replace("normal", "log").replace("mean = \"1", "from = \"0").replace("sd = \"0.1", "to = \"1");
-    refused(&log, &["a log range of gyro.tick_noise.std cannot contain 0 arcsec"]);
+    refused(&log, &["a log range of gyro.tick_noise.std cannot contain 0″"]);
     refused(
         "[[sensitivity]]\nkey = \"motion.frequency\"\n",
         &["exactly one of uniform, log, normal, interval"],
@@ -212,7 +212,7 @@ fn answers_that_are_none_say_what_to_do() {
     let coarse =
         "[[sensitivity]]\nkey = \"gyro.readout_lsb\"\nlog = { from = \"1e-6 arcsec\", to = \"1 arcsec\" }\n";
     desk.write("study.toml", &study(coarse));
-    let lost = ["gyro.readout_lsb = ", "arcsec is less than a unit"];
+    let lost = ["gyro.readout_lsb = ", "″ is less than a unit"];
     desk.fails("sensitivity study.toml --device cpu --by theory_rms --samples 256", 3, &lost[1..]);
     desk.fails("sensitivity study.toml --samples 0", 2, &["--samples"]);
 }

@@ -96,8 +96,7 @@ fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
         ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"]
     );
     let heat = desk.read("results/study/chart-1.svg").replace('\u{a0}', " ");
-    for piece in
-        ["vibration amplitude, arcsec/s", "99.73 % error, arcsec", "within: 75 % of cells", "filler = const"]
+    for piece in ["vibration amplitude, ″/s", "99.73 % error, ″", "within: 75 % of cells", "filler = const"]
     {
         assert!(heat.contains(piece), "{piece} is missing in\n{heat}");
     }
@@ -105,7 +104,6 @@ fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
     for piece in ["const = linear: 50 % of cells", "quadratic: 50 % of cells", "even the least is over"] {
         assert!(winners.contains(piece), "{piece} is missing in\n{winners}");
     }
-    assert!(!ended.stdout.contains("against the limit"), "a map has no verdict:\n{}", ended.stdout);
 }
 
 #[test]
@@ -253,7 +251,6 @@ fn json_has_the_numbers_of_the_table() {
     let json: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!((json["trials"].as_u64(), json["seed"].as_u64()), (Some(1000), Some(1)));
     assert_eq!(json["sampled_trials"].as_u64(), Some(72_000));
-    assert_eq!(json["verdicts"][0]["limit_arcsec"].as_f64(), Some(10.0));
     let rows = desk.points("results/study");
     let points = json["points"].as_array().unwrap();
     assert_eq!(points.len(), rows.len());

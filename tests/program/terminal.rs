@@ -23,15 +23,9 @@ const RUN: &str = "run study.toml --trials 256 --device cpu";
 fn a_plot_has_axes_with_units_ticks_the_limit_and_a_legend_within_eighty_columns() {
     let desk = swept();
     let ended = desk.sagnac_with(&format!("{RUN} --plot"), &[UTF8]);
-    for piece in [
-        "rms error, arcsec",
-        "vibration frequency, Hz",
-        "● const",
-        "■ quadratic",
-        "limit 10 arcsec",
-        "────────",
-        "⠤",
-    ] {
+    for piece in
+        ["rms error, ″", "vibration frequency, Hz", "● const", "■ quadratic", "limit 10″", "────────", "⠤"]
+    {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
     let widest = ended.stdout.lines().map(|line| line.chars().count()).max().unwrap();

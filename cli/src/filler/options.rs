@@ -26,8 +26,8 @@ Examples:
   sagnac filler my.toml --at gap_ticks=3 --limit \"residual=20 arcsec\" --latency \"40 ms\"
   sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --fit-ticks=\"-7..0,n+1,n+2\" \\
     --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"
-  sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --limit \"residual=8 arcsec\" --latency \"20 ms\" \\
-    --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"";
+  sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --limit \"residual=8 arcsec\" \\
+    --latency \"20 ms\" --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]

@@ -18,7 +18,6 @@ use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::chart_stem;
-use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::report::FILE as REPORT;
 use sagnac::view::results::Results;
 use serde_json::{Value, json};
@@ -28,7 +27,7 @@ use crate::failure::Failure;
 use crate::look;
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
-use crate::results::summary::{crossings, summary};
+use crate::results::summary::summary;
 
 /// Whether a run of a study may write the files that it always writes into its folder.
 ///
@@ -150,11 +149,10 @@ impl Ran<'_> {
         let sheet = decision(study, tables, *lacking, progress)?;
         let answer = of_study(study, tables, &mut results, sheet.as_ref())?;
         let page = || {
-            let verdicts = results.verdicts()?;
             // Without a word from the task that writes, it has panicked, and so does the scope that waits for it.
             let digest = written.recv().unwrap_or_else(|_| Ok(String::new()))?;
             folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
-            Ok::<_, Failure>(verdicts)
+            Ok::<_, Failure>(())
         };
         // The picture of a chart of 10,000 points takes as long as the page.
         let (drawn, made) = thread::scope(|scope| {
@@ -163,11 +161,11 @@ impl Ran<'_> {
             (drawn.join().unwrap_or_else(|panic| resume_unwind(panic)), made)
         });
         drawn?;
-        let verdicts = made?;
+        made?;
         folder.commit()?;
         progress.clear();
         if self.json {
-            let mut document = self.to_json(tables, &verdicts, &results.notes());
+            let mut document = self.to_json(tables, &results.notes());
             document["answer"] = json!(answer);
             document["decision"] = json!(sheet.as_ref().map(Sheet::json));
             return Ok(Some(document));
@@ -182,9 +180,7 @@ impl Ran<'_> {
         };
         let details = || {
             let table = if shown.table { summary(study, tables, &results.curves)? } else { String::new() };
-            let crossings = if shown.verbose { crossings(&verdicts) } else { String::new() };
-            let both = [table, crossings].into_iter().filter(|text| !text.is_empty());
-            Ok(both.collect::<Vec<_>>().join("\n"))
+            Ok(table)
         };
         shown.show(&self.heading(), &answer, &results.notes(), plot, details).map(|()| None)
     }
@@ -197,7 +193,7 @@ impl Ran<'_> {
         format!("{} · {points}{}", self.study.title, trials.unwrap_or_default())
     }
 
-    fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
+    fn to_json(&self, tables: &Tables, notes: &[String]) -> Value {
         let done = self.done.as_ref().map(|(done, _)| done);
         let sampled = self.plan.is_sampled().then_some(());
         let rows = |table: &Table| -> Vec<Value> {
@@ -215,7 +211,6 @@ impl Ran<'_> {
             "sampled_trials": done.map(|done| done.trials),
             "seconds": done.map(|done| done.seconds),
             "notes": notes,
-            "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
             "points": rows(&tables.points),
         });
         if self.lacking > 0 {

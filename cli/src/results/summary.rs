@@ -10,7 +10,6 @@ use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::view::chart::notes::ChartError;
 use sagnac::view::chart::stack::Shown as Curves;
-use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::picture::{refused, written};
 
 use crate::failure::Failure;
@@ -35,17 +34,6 @@ pub(crate) fn summary(study: &Study, tables: &Tables, curves: &[Curves]) -> Resu
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }
     Ok(text)
-}
-
-/// Where each curve crosses its limit.
-pub(crate) fn crossings(verdicts: &[Verdict]) -> String {
-    // A pipe gets unbroken lines.
-    let width = look::columns().unwrap_or(usize::MAX);
-    let text = |verdict: &Verdict| {
-        let lines: Vec<String> = verdict.text("").lines().map(|line| look::wrapped(line, width)).collect();
-        format!("{}\n", lines.join("\n"))
-    };
-    verdicts.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
 /// Each column of a table on its own line, with its values.

@@ -5,8 +5,8 @@ use crate::answer::reading::percent_of;
 use crate::answer::{AnswerCell, Kind, Reading};
 use crate::kinds::allan::columns::is_absent;
 use crate::table::Column;
+use crate::table::crossing::between;
 use crate::view::chart::figure::Shape;
-use crate::view::verdict::between;
 
 /// The part of records from which on a coefficient counts as shown.
 const HALF: f64 = 0.5;

@@ -21,6 +21,7 @@ use crate::quantity::list::listed;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
+use crate::table::crossing::{between, fraction};
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
 use crate::view::chart::figure::{Mark, Shape};
 use crate::view::chart::from_table::axis_unit;
@@ -31,7 +32,6 @@ use crate::view::report::agreement::{Agreement, agreements, capitalized};
 use crate::view::report::bandless::Bandless;
 use crate::view::report::role::{apart, is_given, less_is_better};
 use crate::view::results::Results;
-use crate::view::verdict::{between, fraction};
 
 /// The rows that answer the question of a study.
 pub(super) struct Question<'t> {

@@ -5,11 +5,8 @@ use crate::answer::reading::{Reading, joined, number, span};
 use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS};
 use crate::chart::Limit;
 use crate::table::Column;
+use crate::table::crossing::{Window, windows};
 use crate::view::chart::figure::Shape;
-use crate::view::verdict::{between, counts_between, fraction};
-
-/// A stretch of a curve within the limit; an end is absent where the curve ends within it.
-type Window = [Option<f64>; 2];
 
 /// The stretches of a curve that are within the limit.
 struct Extent {
@@ -111,7 +108,7 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
 fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Extent {
     let known: Vec<usize> =
         rows.iter().copied().filter(|&row| question.y.cells[row].number().is_some()).collect();
-    let mut windows = windows(question, x, &known, limit, |row| question.y.value(row));
+    let mut windows = windows(question.table, x, &known, limit.value, |row| question.y.value(row));
     // Beyond values that are missing, nothing is known.
     let [first, last] = [known.first(), known.last()].map(|row| row.map(|&row| x.value(row)));
     let is_missing = |is_beyond: &dyn Fn(f64) -> bool| rows.iter().any(|&row| is_beyond(x.value(row)));
@@ -129,35 +126,6 @@ fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Exte
     }
     let within = known.iter().filter(|&&row| question.size(row) <= limit.value).count();
     Extent { windows, within, largest: question.largest(&known) }
-}
-
-/// The stretches within the limit of a curve with some value in each row.
-fn windows(
-    question: &Question,
-    x: &Column,
-    rows: &[usize],
-    limit: Limit,
-    value: impl Fn(usize) -> f64,
-) -> Vec<Window> {
-    let is_above = |row: usize| value(row).abs() > limit.value;
-    let stretches: Vec<&[usize]> = rows.chunk_by(|&a, &b| is_above(a) == is_above(b)).collect();
-    let crossing =
-        |before: usize, after: usize, inner: usize| match counts_between(question.table, before, after) {
-            true => x.value(inner),
-            false => {
-                let part = fraction(value(before), value(after), limit.value);
-                between(x.value(before), x.value(after), part)
-            }
-        };
-    let window = |at: usize| {
-        let rows = stretches[at];
-        let (first, last) = (rows[0], rows[rows.len() - 1]);
-        let before =
-            at.checked_sub(1).map(|at| crossing(stretches[at][stretches[at].len() - 1], first, first));
-        let after = stretches.get(at + 1).map(|next| crossing(last, next[0], last));
-        [before, after]
-    };
-    (0..stretches.len()).filter(|&at| !is_above(stretches[at][0])).map(window).collect()
 }
 
 /// The range of the end of the first window of a curve between the places where both ends of its 95 % band cross the limit;
@@ -178,7 +146,7 @@ fn interval(
     let place = end(extent.windows.first()?)?;
     let of_band = |pick: fn((f64, f64)) -> f64| {
         let value = |row: usize| question.y.interval_of_magnitude(row).map_or(f64::NAN, pick);
-        let found = windows(question, x, &known, limit, value);
+        let found = windows(question.table, x, &known, limit.value, value);
         (found.len() == extent.windows.len()).then(|| end(&found[0])).flatten()
     };
     let [one, other] = [of_band(|(low, _)| low)?, of_band(|(_, high)| high)?];

@@ -3,11 +3,11 @@
 use crate::allan::{Deviation, Point, Unit};
 use crate::fit::{Fit, Quantity};
 use crate::key::scale::Scale;
-use crate::quantity::number::significant;
+use crate::quantity::number::{joined, significant};
+use crate::table::crossing::{between, fraction};
 use crate::theory::allan::terms::Shape;
 use crate::theory::allan::{Part, Process, Term};
 use crate::view::chart::figure::{self, Axis, Figure, Grouping, Mark, Parts, Series, SeriesPoint};
-use crate::view::verdict::{between, fraction};
 
 use crate::analysis::log::events::are_left_out;
 use crate::analysis::log::notes::heading;
@@ -269,11 +269,11 @@ fn parts(column: &Column, deviations: &[Deviation], terms: Vec<(Term, figure::Pa
 /// A label such as `N = 0.003 °/√h`.
 fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
     let shown = |value: f64| significant(value, 3);
-    let value = format!("{} {unit}", shown(factor * part.size));
+    let value = joined(&shown(factor * part.size), unit);
     // No-break spaces keep each value with its unit.
     let text = match part.term.shape() {
         Some(Shape { letters: [size, letter], unit, .. }) => {
-            format!("{size} = {value}, {letter} = {} {unit}", shown(part.shape))
+            format!("{size} = {value}, {letter} = {}", joined(&shown(part.shape), unit))
         }
         None => format!("{} = {value}", part.term.symbol()),
     };

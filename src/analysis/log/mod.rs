@@ -297,6 +297,13 @@ impl Treatment {
         (self.left_out() + trend).trim_start_matches("; ").to_owned()
     }
 
+    /// The parts left out, if any, and the effect of the trend.
+    pub(crate) fn lines(&self, length_s: f64) -> Vec<String> {
+        let left_out = Some(self.left_out()).filter(|text| !text.is_empty());
+        let left_out = left_out.map(|text| text.trim_start_matches("; ").to_owned());
+        left_out.into_iter().chain([self.effect(length_s)]).collect()
+    }
+
     /// The effect of the trend on the coefficients R and K.
     pub fn effect(&self, length_s: f64) -> String {
         match self.trend {

@@ -173,7 +173,7 @@ pub fn document(lot: &Lot, decision: &Decision) -> Value {
 fn of_found(found: &Found) -> Value {
     let mut document = document_of(&found.row);
     document["p"] = json!(found.p);
-    document["odd"] = json!(found.odd.map(Odd::name));
+    document["outlier"] = json!(found.odd.map(Odd::name));
     document
 }
 
@@ -190,6 +190,6 @@ fn of_coefficient(one: &Coefficient) -> Value {
         "bounded": one.bounds().len(),
         "missing": one.silent().count(),
         "all": one.pooled.map(of),
-        "without_odd": one.without_odd.map(of),
+        "without_outliers": one.without_odd.map(of),
     })
 }

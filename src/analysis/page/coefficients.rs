@@ -23,7 +23,7 @@ pub(crate) fn section(noise: &Analysis) -> Section {
     let facts = [
         ("Fit", of(&fit)),
         ("95 % intervals", of(&|column| Some(column.noise()?.intervals.words()))),
-        ("In-run stability", of(&stability)),
+        ("In-run bias stability", of(&stability)),
         ("Record that would show B", by_name(longer::records(noise))),
     ];
     let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
@@ -78,7 +78,7 @@ fn cell(row: &Row) -> Cell {
 
 /// The upper end of the interval of a coefficient without a value.
 fn bound(row: &Row) -> String {
-    row.interval.map_or_else(|| "–".to_owned(), |[_, most]| format!("< {}", significant(most, 3)))
+    row.interval.map_or_else(|| "–".to_owned(), |[_, most]| format!("≤ {}", significant(most, 3)))
 }
 
 /// The range of a fit, and how well it describes the curve.

@@ -76,7 +76,7 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
     blocks.push(Block::Facts(vec![
         ("Files", of(&|side, _| format!("{}, column {}", side.path.display(), side.column))),
         ("Samples", of(&|side, _| sampling(side.samples, side.step_s))),
-        ("Treatment", vec![analysis.treatment().effect(analysis.shorter_s())]),
+        ("Treatment", analysis.treatment().lines(analysis.shorter_s())),
         ("Gaps", of(&|_, record| gaps(record.gaps, record.log.step_s, |sample| record.time(sample as f64)))),
         ("Outliers", of(&|_, record| outliers(record.outliers, |sample| record.time(sample as f64)))),
     ]));
@@ -93,7 +93,7 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
         let found = &row.found;
         let value = |k: usize| match (found.values[k], found.at_most[k]) {
             (Some(value), _) => significant(value, 4),
-            (None, Some(most)) => format!("< {}", significant(most, 3)),
+            (None, Some(most)) => format!("≤ {}", significant(most, 3)),
             (None, None) => "–".to_owned(),
         };
         let within = |value: Option<f64>, ends: [Option<f64>; 2], shown: &dyn Fn(f64) -> String| Cell {

@@ -43,8 +43,8 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
 /// The fillers with the errors of their residuals.
 fn of_designs(firmware: &Firmware) -> Grid {
     let size = if firmware.shift.is_none() { "99.73 %" } else { "rms" };
-    let shifted = format!("{size} with {}, arcsec", deviation(firmware.shift));
-    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, arcsec", &shifted];
+    let shifted = format!("{size} with {}, ″", deviation(firmware.shift));
+    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, ″", &shifted];
     let of_shifted = |Judged { shifted, .. }: Judged| match firmware.shift {
         None => shifted.level,
         Some(_) => shifted.rms,
@@ -67,7 +67,7 @@ fn of_designs(firmware: &Firmware) -> Grid {
 
 /// The best numbers of ticks before the gap for each number after it.
 fn of_trade(trade: &Trade) -> Grid {
-    let head = ["ticks after", "latency, ms", "ticks before", "rms, arcsec", "99.73 %, arcsec"];
+    let head = ["ticks after", "latency, ms", "ticks before", "rms, ″", "99.73 %, ″"];
     let row = |one: Candidate| {
         let Candidate { before, after, rms, level, .. } = one;
         let [latency, rms, level] =

@@ -30,8 +30,15 @@ pub fn of_temperature(found: &Temperature, [before, after]: [&Analysis; 2]) -> S
     let grid = Grid { head: head.map(str::to_owned).into(), rows };
     let grids = [Some(grid), compensated(found, [before, after])].into_iter().flatten();
     let grids = grids.filter(|grid| !grid.rows.is_empty()).map(Block::Grid);
+    let range = found.columns.iter().filter_map(|column| {
+        let [low, high] = column.found.as_ref().ok()?.averages.range_c.map(|end| significant(end, 4));
+        Some((&*column.name, format!("{low} to {high} °C")))
+    });
+    let range = by_name(range.collect());
+    let range = (!range.is_empty()).then(|| Block::Facts(vec![("Range", range)]));
     let notes = notes(found).into_iter().map(Block::Note);
-    Section { id: "temperature", heading: "Temperature", blocks: charts.chain(grids).chain(notes).collect() }
+    let blocks = charts.chain(grids).chain(range).chain(notes).collect();
+    Section { id: "temperature", heading: "Temperature", blocks }
 }
 
 /// The coefficients of the noise before and after compensation, in the order before.

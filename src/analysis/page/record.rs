@@ -55,7 +55,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {
     let facts = [
         ("File", vec![analysis.path.display().to_string()]),
         ("Samples", vec![sampling(analysis.samples, analysis.step_s)]),
-        ("Treatment", vec![analysis.treatment.effect(analysis.length_s())]),
+        ("Treatment", analysis.treatment.lines(analysis.length_s())),
         ("Mean", of(&mean)),
         ("Removed trend", of(&|column| (analysis.treatment.trend == Trend::Linear).then(|| slope(column)))),
         ("Gaps", of(&|column| Some(gaps(&column.gaps, analysis.step_s, |sample| analysis.time(sample))))),

@@ -22,7 +22,7 @@ pub(crate) fn blocks(firmware: &Firmware, design: &Design) -> Vec<Block> {
     });
     let exported = design.exported_rms.map(|rms| {
         let rms = significant(rms, 5);
-        Block::Note(format!("{}: the C header, given whole pulses, leaves {rms} arcsec rms.", design.name))
+        Block::Note(format!("{}: the C header, given whole pulses, leaves {rms}″ rms.", design.name))
     });
     let single = design.rules().any(|(_, rule, _)| rule.rows.len() != firmware.gap_ticks as usize);
     let single = single.then(|| Block::Note(format!("{}: only the sum over the gap.", design.name)));
@@ -67,9 +67,9 @@ fn facts(firmware: &Firmware, rule: &Rule, closed: Closed) -> Vec<(&'static str,
         number(whole.largest_gain())
     );
     let amplitude = closed.amplitude.zip(firmware.tone).map(|(amplitude, (rate, nu))| {
-        format!("{} arcsec at {} Hz and {} arcsec/s", number(amplitude), number(nu), number(rate))
+        format!("{}″ at {} Hz and {} ″/s", number(amplitude), number(nu), number(rate))
     });
-    let rms = closed.rms.filter(|rms| *rms > 0.0).map(|rms| format!("{} arcsec", number(rms)));
+    let rms = closed.rms.filter(|rms| *rms > 0.0).map(|rms| format!("{}″", number(rms)));
     let optional = [("Amplitude of the error", amplitude), ("rms error with noise", rms)];
     let optional = optional.into_iter().filter_map(|(name, text)| Some((name, vec![text?])));
     let weights = format!("{how}, over {}", denominator(rule.denominator));

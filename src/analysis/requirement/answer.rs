@@ -326,7 +326,7 @@ fn title(symbol: &str, unit: Unit) -> String {
             Some(words) => format!("{symbol}, {}", words.trim_end()),
             None => title.to_owned(),
         },
-        None => symbol.replace('_', " "),
+        None => symbol.replace("in_run", "in-run").replace('_', " "),
     }
 }
 

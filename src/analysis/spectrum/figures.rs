@@ -7,7 +7,7 @@ use crate::analysis::log::figures::{of_columns, per_unit};
 use crate::analysis::log::notes::heading;
 use crate::analysis::spectrum::notes::symbol;
 use crate::analysis::spectrum::{Analysis, Spectrum};
-use crate::quantity::number::significant;
+use crate::quantity::number::{joined, significant};
 use crate::spectrum::Point;
 use crate::theory::allan::spectrum::density;
 use crate::theory::allan::{Part, Term};
@@ -90,7 +90,7 @@ fn parts(column: &Column, spectrum: &Spectrum) -> Parts {
 
 /// A label such as `N = 0.003 °/√h`, with no-break spaces that keep the value with its unit.
 fn label(row: &Row) -> Option<String> {
-    let label = format!("{} = {} {}", row.name, significant(row.fitted?, 3), row.symbol);
+    let label = format!("{} = {}", row.name, joined(&significant(row.fitted?, 3), row.symbol));
     let label = label.trim_end().replace(' ', "\u{a0}");
     Some(if row.value.is_some() { label } else { format!("{label}, not identified") })
 }

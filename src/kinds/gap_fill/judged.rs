@@ -214,7 +214,7 @@ pub(crate) fn note(points: &[Point], fillers: &[Filler]) -> Option<String> {
         .zip(point.fills.iter())
         .filter_map(|(filler, fill)| Some((filler, Judged::of(&point.inputs, filler, fill)?)))
         .map(|(filler, Judged { own, shifted })| {
-            format!("{} {}″ and {} arcsec", filler.name, number(own.rms), number(shifted.rms))
+            format!("{} {}″ and {}″", filler.name, number(own.rms), number(shifted.rms))
         })
         .collect();
     (!judged.is_empty()).then(|| {
@@ -257,7 +257,7 @@ mod tests {
         assert!((own_rms - 1.133).abs() < 2e-3, "{own_rms}");
         assert!(shifted_rms > 21.5 && shifted_rms < 30.0, "{shifted_rms}");
         assert!(
-            study.notes.iter().any(|note| note.contains("5 % lower or higher: mv 1.13 arcsec and 2")),
+            study.notes.iter().any(|note| note.contains("5 % lower or higher: mv 1.13″ and 2")),
             "{:?}",
             study.notes
         );

@@ -112,7 +112,7 @@ fn keys_of_another_kind_are_refused() {
     refused(&chart(&format!("{heat}series = [\"filler\"]")), &["a.toml:23:10", "chart.series", "\"curves\""]);
     refused(
         &chart(&format!("{heat}references = []")),
-        &["a.toml:23:8", "chart.references", "kind = \"heat-map\""],
+        &["a.toml:23:14", "chart.references", "kind = \"heat-map\""],
     );
     refused(&chart(&format!("{heat}of = \"error\"")), &["a.toml:23:6", "chart.of", "\"winner-map\""]);
     refused(&chart(&format!("{heat}z_scale = \"cubic\"")), &["a.toml:23:11", "\"cubic\"", "log, linear"]);

@@ -111,9 +111,11 @@ fn tables_show_what_is_on_the_earth_in_the_units_of_navigators() {
     for (text, dimension, shown) in [
         ("463 m", Dimension::Distance, "0.25 nmi"),
         ("36 km/h", Dimension::Speed, "10 m/s"),
-        ("60 ′", Dimension::Bearing, "1 °"),
+        ("60 ′", Dimension::Bearing, "1°"),
     ] {
-        assert_eq!(parse(text, &[dimension]).unwrap().to_string(), shown);
+        let quantity = parse(text, &[dimension]).unwrap();
+        assert_eq!(Quantity { written: None, ..quantity }.to_string(), shown);
+        assert_eq!(quantity.to_string(), text);
     }
 }
 

@@ -126,7 +126,15 @@ impl Series {
     pub(crate) fn has_law(&self) -> bool {
         self.law.len() > 1
     }
+
+    /// Whether each interval is a bar of its own instead of a part of a band.
+    pub(crate) fn has_bars(&self) -> bool {
+        self.has_law() && self.points.len() <= MAX_BARS
+    }
 }
+
+/// Most points beside a closed form that have a bar each instead of a band.
+const MAX_BARS: usize = 15;
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

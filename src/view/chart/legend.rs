@@ -43,6 +43,8 @@ pub(crate) enum Sample {
         style: usize,
         colour: &'static str,
     },
+    /// The colour of the bars of single intervals.
+    Bar(&'static str),
     /// The colour of a band.
     Band(&'static str),
     /// The colour of an area, and whether it is hatched.
@@ -238,7 +240,9 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
         rows.push(Row::Entry(Sample::Line(Stroke { colour, width: 1.4, dash: "" }), figure.lines.clone()));
     }
     if has_band {
-        rows.push(Row::Entry(Sample::Band(MUTED), figure.bands.clone()));
+        let is_bars = !figure.x.names.is_empty() || figure.series.iter().all(Series::has_bars);
+        let sample = if is_bars { Sample::Bar(MUTED) } else { Sample::Band(MUTED) };
+        rows.push(Row::Entry(sample, figure.bands.clone()));
     }
     rows
 }
@@ -256,6 +260,16 @@ impl Sample {
             Sample::Markers { line: joined, style, colour } => {
                 joined.into_iter().for_each(|stroke| line(canvas, stroke));
                 canvas.marker((left + 0.5 * SAMPLE, middle), 4.2, style, colour);
+            }
+            Sample::Bar(colour) => {
+                let (x, [upper, lower]) = (left + 0.5 * SAMPLE, [-7.0, 7.0].map(|half| middle + half));
+                for ends in [
+                    [(x, upper), (x, lower)],
+                    [(x - 5.0, upper), (x + 5.0, upper)],
+                    [(x - 5.0, lower), (x + 5.0, lower)],
+                ] {
+                    canvas.line(&ends, Stroke { colour, width: 1.4, dash: "" });
+                }
             }
             Sample::Band(colour) => canvas.area(corners(5.0).to_vec(), colour),
             Sample::Area(colour, hatched) => {

@@ -15,9 +15,6 @@ pub(crate) const MOST_MARKED: usize = 200;
 /// Largest number of markers of a line with more points.
 pub(crate) const MARKED: usize = 40;
 
-/// Most points beside a closed form that have a bar each instead of a band.
-const FEW: usize = 15;
-
 /// Half the width of a closed form where names stand side by side.
 const LAW_WIDTH: f64 = 12.0;
 
@@ -121,7 +118,7 @@ impl Plot<'_> {
 
     fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
         let colour = palette::colour(series.colour);
-        let is_scattered = series.has_law() && series.points.len() <= FEW;
+        let is_scattered = series.has_bars();
         for run in self.runs(series) {
             for run in run.chunk_by(|a, b| !is_scattered && a.band.is_some() && b.band.is_some()) {
                 let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));

@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn each_column_is_a_curve_of_the_quantity_that_the_labels_share() {
         let stacked = stacked(&table(), &["bound", "mean_arcsec_per_s"]).unwrap();
-        assert_eq!(stacked.column("bound").unwrap().title(), "drift, arcsec/s");
+        assert_eq!(stacked.column("bound").unwrap().title(), "drift, ″/s");
         assert_eq!(texts(&stacked, "bound"), ["3", "4", "5", "6"]);
         assert_eq!(texts(&stacked, CURVE), ["bound", "bound", "mean", "mean"]);
         assert_eq!(texts(&stacked, "duration"), ["1", "2", "1", "2"]);
@@ -192,10 +192,7 @@ mod tests {
     #[test]
     fn another_unit_and_the_same_column_twice_are_refused() {
         let error = |names: &[&str]| stacked(&table(), names).unwrap_err().to_string();
-        assert_eq!(
-            error(&["bound", "duration"]),
-            "`duration` is in s, a curve in arcsec/s cannot be drawn on it"
-        );
+        assert_eq!(error(&["bound", "duration"]), "`duration` is in s, a curve in ″/s cannot be drawn on it");
         assert_eq!(
             error(&["bound", "bound_arcsec_per_s"]),
             "`bound_arcsec_per_s` is listed twice among the columns of y"

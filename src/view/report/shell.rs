@@ -109,10 +109,13 @@ pub(crate) fn chart(at: usize, drawn: &Drawn, class: &str, said: &[&str]) -> Mar
     let subtitle = drawn.picture.subtitle().filter(|subtitle| !said.contains(subtitle));
     let title = drawn.picture.title();
     let title = if said.contains(&title) { drawn.picture.contents() } else { title.to_owned() };
+    // Apart from the sections, which may have the same names.
+    let id =
+        if drawn.stem.starts_with("chart") { drawn.stem.clone() } else { format!("chart-{}", drawn.stem) };
     html! {
-        figure id=(drawn.stem) class=(class) data-chart=(at) {
+        figure id=(id) class=(class) data-chart=(at) {
             figcaption {
-                h3 { a href=(format!("#{}", drawn.stem)) { (title) } }
+                h3 { a href=(format!("#{id}")) { (title) } }
                 @if let Some(subtitle) = subtitle { p.subtitle { (subtitle) } }
             }
             div.plot { div.still { (PreEscaped(still(&drawn.picture))) } }

@@ -60,8 +60,8 @@ fn switches_in_the_noise_are_left_out_and_that_is_said() {
                  arcsec\" }\n";
     let filled = replaced(FILLED, "tick_noise = { three_sigma = \"1.6 arcsec\" }\n", "");
     let said = noted(&format!("{filled}{noise}"));
-    assert!(said.contains("left out") && said.contains("fill residuals (7.1 arcsec)"), "{said}");
+    assert!(said.contains("left out") && said.contains("fill residuals (7.1″)"), "{said}");
     let gap_fill = replaced(&replaced(&filled, "switched-run", "gap-fill"), "interval = \"40 s\"\n", "");
     let said = noted(&format!("{}{noise}", replaced(&gap_fill, "[run]\nduration = \"10 min\"\n", "")));
-    assert!(said.contains("left out") && said.contains("fill residuals (7.1 arcsec)"), "{said}");
+    assert!(said.contains("left out") && said.contains("fill residuals (7.1″)"), "{said}");
 }

@@ -117,16 +117,16 @@ fn the_terminal_shows_exact_fractions_and_says_what_a_filler_does_not_give() {
     let ended = desk.full("filler study.toml");
     for piece in [
         "n = 3 lost ticks of 5 ms",
-        "sum  −1  5/2  5/2  −1",
+        "given: only the sum over the gap",
+        "given: no value while the gap is open",
+        "tick E1 E2 E3 sum −3 3/4",
         "127/20",
         "√Σw² = 3.8079",
         "√Σw² = 18.181",
-        "amplitude 26.848 arcsec at 20 Hz and 12000 arcsec/s, rms with noise 19.09",
-        "× 2^24",
+        "Amplitude of the error 26.848″ at 20 Hz and 12000 ″/s",
+        "rms error with noise 19.093″",
         "rounded to the nearest with Σw kept, over 2^24",
         "exact, over 130",
-        "it gives the sum over the gap alone",
-        "it has no extrapolation",
     ] {
         let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
         let piece = piece.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -68,7 +68,7 @@ fn reads_as_in_the_table(
             let whole: Vec<(&str, &str)> = filter.iter().copied().chain(named).collect();
             let row = results.row(&[(x, number)], &whole);
             let row = row.unwrap_or_else(|| panic!("no single row has {x} = {number} and {whole:?}"));
-            let value = said.split(' ').next().unwrap();
+            let value = said.split([' ', '″']).next().unwrap();
             assert_eq!(value, row.shown(&y), "{name} at {number}: {said}");
             // `95 % band: 14.25 … 14.313`
             let [low, high] = ["lo", "hi"].map(|end| row.shown(&format!("{estimate}_{end}_{unit}")));
@@ -131,7 +131,8 @@ fn what_is_read_off_switched_enlarged_and_sorted_is_what_the_table_has() {
     let (second, lines) = tip(&browser).unwrap();
     let of_curve = [("error", "residual"), ("filler", "const"), ("switching.gap_ticks", "1")];
     let [xs, hertz] = ["dt_nu", "motion.frequency_hz"].map(|name| results.column(name, &of_curve));
-    let place = |at: usize| format!("Δt·ν = {} (vibration frequency {} Hz)", shown(xs[at]), shown(hertz[at]));
+    let place =
+        |at: usize| format!("Δt·ν = {} (vibration frequency {} Hz)", shown(xs[at], 5), shown(hertz[at], 5));
     assert_eq!([&first[0], &second[0]], [&place(0), &place(1)]);
     browser.press(PICTURE, key::DOWN);
     assert_ne!(tip(&browser).unwrap().1[0].0, lines[0].0, "the next curve");
@@ -177,7 +178,7 @@ fn a_map_tells_its_cells_and_the_slices_through_them() {
             let row = results.row(&[("dt_nu", &x), ("amplitude_noise", &y)], &filter).unwrap();
             let [level, low, high] =
                 ["p99_73_arcsec", "p99_73_lo_arcsec", "p99_73_hi_arcsec"].map(|name| row.shown(name));
-            assert_eq!(*said, format!("{level} arcsec 95 %: {low} … {high}"), "{name} at {x}, {y}");
+            assert_eq!(*said, format!("{level}″ 95 %: {low} … {high}"), "{name} at {x}, {y}");
         }
         let slices = browser.ask(
             "return [...document.querySelectorAll(\"[data-chart='0'] .slice h4\")].map((h) => h.textContent)",
@@ -225,6 +226,10 @@ fn pages_suit_the_dark_phones_and_paper() {
     browser.click("#theme");
     assert_eq!(paper(), "rgb(20, 23, 26)");
     browser.click("#theme");
+    // The choice is kept, until there is none.
+    browser.open(&results.page());
+    assert_eq!(paper(), "rgb(255, 255, 255)");
+    browser.text("localStorage.clear(); return ''");
     let features = json!([{ "name": "prefers-color-scheme", "value": "dark" }]);
     browser.chromium("Emulation.setEmulatedMedia", &json!({ "features": features }));
     browser.open(&results.page());

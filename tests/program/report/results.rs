@@ -62,7 +62,7 @@ impl Results {
                 .unwrap_or_else(|| panic!("no column {name}"))
         };
         let shows = |row: &&Vec<String>| {
-            values.iter().all(|(name, value)| shown(&row[at(name)]) == *value)
+            values.iter().all(|(name, value)| shown(&row[at(name)], 5) == *value)
                 && filter.iter().all(|(name, value)| row[at(name)] == *value)
         };
         let mut found = self.rows.iter().filter(shows);
@@ -85,19 +85,20 @@ impl Row<'_> {
             .iter()
             .position(|header| header == name)
             .unwrap_or_else(|| panic!("no column {name}"));
-        shown(&self.cells[at])
+        shown(&self.cells[at], 4)
     }
 }
 
-/// A number with five digits, as pages show it; a text as it is.
-pub fn shown(cell: &str) -> String {
+/// A number with so many digits, as pages show it; a text as it is.
+pub fn shown(cell: &str, digits: usize) -> String {
     let Ok(number) = cell.parse::<f64>() else { return cell.to_owned() };
     // What lies exactly in the middle between two, browsers round away from zero, and Rust to even figures.
     let exact = format!("{number:.40e}");
-    let figures: String = exact.chars().filter(char::is_ascii_digit).skip(5).take(30).collect();
+    let figures: String = exact.chars().filter(char::is_ascii_digit).skip(digits).take(30).collect();
     let is_tie = figures.starts_with('5') && figures[1..].bytes().all(|figure| figure == b'0');
-    let text = sagnac::quantity::number::significant(if is_tie { number * (1.0 + 1e-12) } else { number }, 5)
-        .replace('-', "−");
+    let text =
+        sagnac::quantity::number::significant(if is_tie { number * (1.0 + 1e-12) } else { number }, digits)
+            .replace('-', "−");
     match text.split_once('e') {
         None => text,
         Some((mantissa, exponent)) => {

@@ -53,7 +53,7 @@ fn spec() -> Chart {
 fn rows_become_curves_in_order_of_appearance_sorted_by_x_with_band_law_unit_and_limit() {
     let (figure, notes) = Figure::from_table(&table(), &spec()).unwrap();
     assert_eq!(figure.x.title(), "motion.frequency, Hz");
-    assert_eq!(figure.limit.unwrap().label, "limit 10 arcsec");
+    assert_eq!(figure.limit.unwrap().label, "limit 10″");
     let names = |grouping: &Grouping| grouping.entries.iter().map(|e| e.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&figure.colours), ["const = copy", "quad"]);
     assert_eq!(names(&figure.dashes), ["2", "1"]);
@@ -180,14 +180,14 @@ fn laws_are_lines_of_each_curve_joined_where_they_are_one_and_coloured_where_the
 fn limits_and_laws_are_drawn_on_angles_only() {
     let frequency = Chart { y: "frequency".into(), ..spec() };
     let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
-    assert_eq!(error, "`frequency` is in Hz, a limit in arcsec cannot be drawn on it");
+    assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
     let law = Chart {
         limit: None,
         shows: Shows::Curves { series: vec![], laws: vec![Law::Noise] },
         ..frequency.clone()
     };
     let error = Figure::from_table(&table(), &law).unwrap_err().to_string();
-    assert_eq!(error, "`frequency` is in Hz, a law in arcsec cannot be drawn on it");
+    assert_eq!(error, "`frequency` is in Hz, a law in ″ cannot be drawn on it");
     assert!(Figure::from_table(&table(), &Chart { limit: None, ..frequency }).is_ok());
 }
 

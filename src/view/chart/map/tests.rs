@@ -83,12 +83,12 @@ fn rows_become_cells_by_rising_x_and_y_with_units_limit_and_what_was_chosen() {
     let (map, notes) = Map::from_table(&table(), &heat()).unwrap();
     assert_eq!((&map.columns[..], &map.rows[..]), (&[1.0, 10.0, 100.0][..], &[1.0, 10.0][..]));
     assert_eq!(map.cells, Cells::Values([1.0, 10.0, 100.0, 10.0, 100.0, 1000.0].map(Some).to_vec()));
-    assert_eq!((map.z.title().as_str(), map.x.title().as_str()), ("the rms, arcsec", "the frequency, Hz"));
+    assert_eq!((map.z.title().as_str(), map.x.title().as_str()), ("the rms, ″", "the frequency, Hz"));
     assert_eq!(map.chosen, ["the filler = const"]);
     assert_eq!((map.within_limit(), notes.within_limit), (Some(3), Some((3, 6))));
     let svg = map.canvas().svg();
     assert_eq!(elements(&svg, "polygon", "cells"), 6);
-    assert_eq!(elements(&svg, "polyline", "limit 20 arcsec"), 2, "one line, with its rim");
+    assert_eq!(elements(&svg, "polyline", "limit 20″"), 2, "one line, with its rim");
     assert!(!svg.contains(" id=") && !svg.contains("NaN") && svg == map.canvas().svg());
 }
 
@@ -187,7 +187,7 @@ fn text_on_an_axis_one_column_twice_and_a_limit_beside_another_unit_are_refused(
     let same = error(Chart { y: "frequency_hz".into(), ..heat() });
     assert_eq!(same.to_string(), "`frequency_hz` is both x and y; a map needs two different columns");
     let limit = error(heat_of("frequency", Scale::Log));
-    assert_eq!(limit.to_string(), "`frequency` is in Hz, a limit in arcsec cannot be drawn on it");
+    assert_eq!(limit.to_string(), "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
 }
 
 #[test]

@@ -1,11 +1,4 @@
-//! The charts of a study: its pictures, and their verdicts against limits.
-//!
-//! ```text
-//! Study, Tables ─┬─ pictures ─▶ what is drawn
-//!                └─ shown ─ verdicts ─▶ Verdicts
-//! ```
-
-pub mod verdict;
+//! The charts of a study.
 
 use crate::chart::{Chart, Named, Shows};
 use crate::key::setting::Swept;
@@ -22,8 +15,6 @@ use crate::view::chart::map::Map;
 use crate::view::chart::notes::ChartError;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
-
-pub use crate::view::picture::verdict::{Verdict, verdicts};
 
 /// The names of a chart's files, without their endings.
 pub fn chart_stem(index: usize, charts: usize) -> String {
@@ -175,7 +166,7 @@ fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str)
     let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
     let value = match shown {
         Some(Swept::Quantity(quantity)) if quantity.dimension == Dimension::Count => quantity.to_string(),
-        Some(swept) => format!("\"{swept}\""),
+        Some(swept) => format!("\"{}\"", swept.to_string().replace(" ″", " arcsec").replace('″', " arcsec")),
         None => format!("\"{value}\""),
     };
     // The last part of a key suffices where no other sweep has the same ending; a key with dots is quoted.
