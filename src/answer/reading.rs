@@ -206,6 +206,22 @@ pub(crate) fn naming<'t>(columns: &[&'t Column]) -> impl Fn(usize) -> String + u
     }
 }
 
+/// A text as the start of a sentence.
+pub(crate) fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A text as the start of a headline: a name with figures keeps its letters.
+pub(crate) fn begun(text: &str) -> String {
+    let first = text.split([' ', ':', ',']).next().unwrap_or_default();
+    if first.len() > 3 && first.chars().all(|letter| letter.is_alphabetic() || letter == '-') {
+        capitalized(text)
+    } else {
+        text.to_owned()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

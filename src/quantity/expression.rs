@@ -124,12 +124,16 @@ const SHOWN: [(&str, &str); 22] = [
     ("m/s", "m/s"),
 ];
 
-/// The symbol of a unit of this size; `None` for one that is not shown as it is written.
-pub(crate) fn symbol(size: Size) -> Option<&'static str> {
+/// The symbol of a unit of this size; `None` for one that is not shown as it is written. Of symbols of the same size, as ″/s and
+/// °/h, it is that of the unit `text`.
+pub(crate) fn symbol(text: &str, size: Size) -> Option<&'static str> {
     static SIZES: LazyLock<Vec<(Size, &str)>> = LazyLock::new(|| {
         SHOWN.iter().filter_map(|(text, symbol)| Some((parse(text).ok()?, *symbol))).collect()
     });
-    SIZES.iter().find(|(known, _)| *known == size).map(|(_, symbol)| *symbol)
+    let is_in_degrees = text.starts_with("deg") || text.starts_with('°');
+    let mut symbols = SIZES.iter().filter(|(known, _)| *known == size).map(|(_, symbol)| *symbol);
+    let first = symbols.next()?;
+    Some(symbols.find(|_| is_in_degrees).unwrap_or(first))
 }
 
 /// Reads a whole unit expression.

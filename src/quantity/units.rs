@@ -225,7 +225,7 @@ impl Written {
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let (number, unit) = number_and_unit(text)?;
     let (factor, dimension) = unit_of(unit, text.trim(), wanted)?;
-    let symbol = expression::symbol(Size { factor, exponents: dimension.row().exponents });
+    let symbol = expression::symbol(unit, Size { factor, exponents: dimension.row().exponents });
     // Angle random walks are read in °/√h, times by their size.
     let written = symbol.map(|symbol| Written { factor: 1.0 / (factor * dimension.base_shown()), symbol });
     Ok(Quantity { written, ..Quantity::new(finite(number * factor, text)?, dimension) })

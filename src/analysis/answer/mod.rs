@@ -12,7 +12,7 @@ mod threshold;
 mod values;
 
 use crate::analysis::decision::Sheet;
-use crate::answer::reading::{joined, labelled, place, shown, symbol};
+use crate::answer::reading::{begun, joined, labelled, place, shown, symbol};
 use crate::answer::{
     Answer, AnswerCell, AnswerTable, Check, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status,
 };
@@ -28,7 +28,7 @@ use crate::view::chart::from_table::axis_unit;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::{Drawn, refused};
-use crate::view::report::agreement::{Agreement, agreements, capitalized};
+use crate::view::report::agreement::{Agreement, agreements};
 use crate::view::report::bandless::Bandless;
 use crate::view::report::role::{apart, is_given, less_is_better};
 use crate::view::results::Results;
@@ -508,16 +508,6 @@ pub(super) fn spread(count: usize, most: usize) -> Vec<usize> {
 pub(super) fn headline(name: &str, result: &str) -> String {
     let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
     compact(&begun(&format!("{name}{result}")))
-}
-
-/// A text as the start of a headline: a name with figures keeps its letters.
-pub(super) fn begun(text: &str) -> String {
-    let first = text.split([' ', ':', ',']).next().unwrap_or_default();
-    if first.len() > 3 && first.chars().all(|letter| letter.is_alphabetic() || letter == '-') {
-        capitalized(text)
-    } else {
-        text.to_owned()
-    }
 }
 
 /// A text without the spaces around signs of equality.

@@ -1,7 +1,7 @@
 //! The answer of fillers at a point: what each leaves, or the ticks that a search has chosen.
 
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
-use crate::answer::reading::number;
+use crate::answer::reading::{begun, number};
 use crate::answer::{
     Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Part, Reading, Status,
 };
@@ -74,13 +74,13 @@ impl Firmware {
         let headline = match (first, level, size) {
             (Some(best), Some(level), _) => headline(&best.name, level, limit),
             (Some(best), None, Some(rms)) => {
-                format!("{}: {} rms residual", best.name, arcsec("", rms).text())
+                begun(&format!("{}: {} rms residual", best.name, arcsec("", rms).text()))
             }
             _ => {
                 let gain = |design: &Design| design.interpolation.whole().noise_gain();
                 let least = self.designs.iter().min_by(|a, b| gain(a).total_cmp(&gain(b)));
                 least.map_or_else(String::new, |least| {
-                    format!("{}: least noise gain √Σw², {}", least.name, number(gain(least)))
+                    begun(&format!("{}: least noise gain √Σw², {}", least.name, number(gain(least))))
                 })
             }
         };

@@ -1,6 +1,7 @@
 //! The charts of `sagnac allan`.
 
 use crate::allan::{Deviation, Point, Unit};
+use crate::answer::reading::capitalized;
 use crate::fit::{Fit, Quantity};
 use crate::key::scale::Scale;
 use crate::quantity::number::{joined, significant};
@@ -278,9 +279,4 @@ fn label(part: &Part, (factor, _, unit): (f64, &str, &str)) -> String {
         None => format!("{} = {value}", part.term.symbol()),
     };
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
-}
-
-pub(crate) fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, Sensitivity};
-use crate::answer::reading::{joined, number, percent_of, range};
+use crate::answer::reading::{begun, joined, number, percent_of, range};
 use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading, Status};
 use crate::quantity::number::with_unit;
 
@@ -33,7 +33,7 @@ impl Sensitivity {
                 Some((limit, _)) if most <= limit.value => Status::Met,
                 Some(_) => Status::NotMet,
             },
-            headline: format!("{} drives {} of the variance{ends}", decisive.label, value.text()),
+            headline: begun(&format!("{} drives {} of the variance{ends}", decisive.label, value.text())),
             value: Some(value),
             limit: self.within.as_ref().map(|(limit, _)| self.reading(limit.value, None)),
             table: self.table(),

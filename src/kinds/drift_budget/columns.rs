@@ -100,7 +100,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Error, "The same with residuals of one phase, which add up as n, ″/s."),
         Of::new("rms_switching", RATE, "drift: left by switching, rms", |row| row.over(row.switched(), libm::sqrt)[1].into())
             .is(Role::Error, "`rms_drift` without the non-magnetic drift, ″/s: the part that depends on the choice of the interval."),
-        Of::new("optimum", Unit::S, "best interval: of the bound, Z(8)", |row| row.optimum.map(|best| best.interval_s).into())
+        Of::new("optimum", Unit::S, "best interval: bound, Z(8)", |row| row.optimum.map(|best| best.interval_s).into())
             .is(Role::Estimate, "The interval with the least bound, s: the root of Z(8).")
             .usual(Usual::Answer),
         Of::new("optimum_bound", RATE, "drift: least bound, Z(7)", |row| row.optimum.map(|best| best.bound).into())
@@ -113,7 +113,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Estimate, "√(δP_max t/Ω_m) as printed, s; blank without residuals."),
         Of::new("optimum_limit_small", Unit::S, "best interval: limit corrected", |row| row.budget.limit(row.t_s).into())
             .is(Role::Estimate, "The corrected limit for a small A or a large τ, s; blank without residuals."),
-        Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s, row.ending()).into())
+        Of::new("optimum_true", Unit::S, "best interval: rms drift", |row| row.spread.best_interval(row.t_s, row.ending()).into())
             .is(Role::Estimate, "The interval with the least `rms_switching`, s; if `run.end` is `exact`, among those of which an even \
                                  number makes the run. Blank where it would be longer than half the run, or not far below τ."),
         Of::new("optimum_true_rms", RATE, "drift: least rms left by switching", |row| row.spread.least_rms(row.t_s, row.ending()).into())

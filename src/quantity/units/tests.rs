@@ -120,6 +120,15 @@ fn tables_show_what_is_on_the_earth_in_the_units_of_navigators() {
 }
 
 #[test]
+fn quantities_are_written_in_their_unit() {
+    for text in ["200 °/s", "0.0013 °/h", "14 ″/s", "5 ms", "2 kHz", "10″"] {
+        let dimensions = [Dimension::Rate, Dimension::Time, Dimension::Frequency, Dimension::Angle];
+        assert_eq!(parse(text, &dimensions).unwrap().to_string(), text);
+    }
+    assert_eq!(parse("0.01 deg/h", &[Dimension::DriftRate]).unwrap().to_string(), "0.01 °/h");
+}
+
+#[test]
 fn values_keep_twelve_digits() {
     assert_eq!(round_12(0.1 + 0.2), 0.3);
     assert_eq!(round_12(1.0 / 3.0), 0.333_333_333_333);

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
+use crate::answer::reading::capitalized;
 use crate::view::chart::canvas::Canvas;
 use crate::view::chart::console::{self, Look};
 use crate::view::chart::figure::{Axis, Figure};
 use crate::view::chart::map::Map;
 #[cfg(feature = "png")]
 use crate::view::chart::png::PngError;
-use crate::view::report::agreement::capitalized;
 
 /// The content of a chart, drawn as a picture or, as JSON, by pages.
 #[derive(Debug, Clone, PartialEq, Serialize)]

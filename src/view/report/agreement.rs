@@ -2,6 +2,7 @@
 
 use statrs::function::erf::erfc_inv;
 
+use crate::answer::reading::capitalized;
 use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table};
 
@@ -102,12 +103,6 @@ fn place(table: &Table, row: usize) -> String {
         cell => Some(column.valued(&cell.number().map_or_else(String::new, |x| significant(x, 4)))),
     };
     unlike.filter_map(value).collect::<Vec<String>>().join(", ")
-}
-
-/// A text as the start of a sentence.
-pub(crate) fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]
