@@ -199,6 +199,6 @@ fn a_record_in_straight_lines_has_a_golden_table_of_its_own() {
     std::fs::copy(studies.join(record), folder.path().join(record)).unwrap();
     let study = folder.path().join("recorded_profile.toml");
     std::fs::write(&study, lines).unwrap();
-    let expected = "fc2e9637e7e64891a57d6277973c510edca102b225ce8f335d1d47c17e76b8eb";
+    let expected = "acb68a7518d8f9533962f4ad0e2ade155a892833466530c56450cfdfe36ecfe2";
     assert_eq!(digests(&study).1["recorded_profile/points.csv"], expected);
 }
