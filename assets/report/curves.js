@@ -267,7 +267,7 @@ class Curves {
     const curves = this.series().flatMap((series) => this.traced(plot, series));
     for (const { at: [x0, y0], label, shape: mark } of shown.filter((mark) => mark.label)) {
       const width = textWidth(label, size) * 1.08;
-      const beside = { left: [[-9, 4.5, "end"]], right: [[9, 4.5, "start"]] }[mark] ?? BESIDE;
+      const beside = { left: [[-9, 4.5, "end"], [0, -14, "start"]], right: [[9, 4.5, "start"], [0, -14, "end"]] }[mark] ?? BESIDE;
       const places = beside.map(([across, down, anchor]) => {
         const [x, y] = [x0 + across, y0 + down];
         const from = anchor === "start" ? x : anchor === "end" ? x - width : x - width / 2;

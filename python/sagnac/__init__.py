@@ -21,7 +21,7 @@ Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 >>> rates = np.random.default_rng(1).normal(0.0, 0.03, 36_000)      # deg/h, at 100 Hz
 >>> found = sagnac.fit(rates, 100.0, unit="deg/h")
 >>> found["N"].status, round(found["N"].value, 7)                  # deg/sqrt(h): 0.03/60/sqrt(100)
-('identified', 4.96e-05)
+('estimated', 4.96e-05)
 """
 
 from . import errors, theory

@@ -122,15 +122,15 @@ class Coefficient:
     """Unit as in data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``; of accelerometers
     Q ``m/s``, N ``m/s/sqrt(h)``, B ``ug``, K ``ug/sqrt(h)``, R ``ug/h``."""
     value: float | None
-    """Value; None if it is not identified."""
+    """Value; None if it is not estimable."""
     lower: float | None
     upper: float | None
     """Ends of the 95 % interval; without a value, ``upper`` is an upper bound."""
     status: str
-    """``identified``, or another statement."""
+    """``estimated``, or another statement."""
 
     @property
-    def is_identified(self) -> bool:
+    def is_estimated(self) -> bool:
         """Whether the interval of its square does not contain 0, and no other term fits equally well."""
         return self.status == "estimated"
 

@@ -171,7 +171,7 @@ def fit(
     -----
     Least squares on the overlapping Allan variances at the octaves of τ up to an eighth of the record, with the
     covariance between them; each term is that of sampled noise. The fit takes the octaves that the terms describe; if they
-    describe none, all coefficients are ``model rejected`` and have no value. Otherwise a value is given if it is identified, else a
+    describe none, all coefficients are ``model rejected`` and have no value. Otherwise a value is given if it is estimable, else a
     bound.
     Intervals are those of a record without gaps.
 
@@ -186,7 +186,7 @@ def fit(
     --------
     >>> rates = np.random.default_rng(1).normal(0.0, 1.0, 10_000)       # white: N = 1/sqrt(100) arcsec/sqrt(s)
     >>> found = fit(rates, 100.0, unit="deg/h", bootstrap=0)
-    >>> [name for name, coefficient in found.items() if coefficient.is_identified]
+    >>> [name for name, coefficient in found.items() if coefficient.is_estimated]
     ['N']
     >>> found["N"].unit, found["N"].lower < 0.1 / 60 < found["N"].upper
     ('deg/sqrt(h)', True)

@@ -86,9 +86,11 @@ pub struct Limit {
 impl Limit {
     /// Text for sentences, such as `10 ″` or `5 %`.
     pub fn text(&self) -> String {
-        match self.unit.symbol {
-            "" => format!("{} %", significant(100.0 * self.value, 6)),
-            symbol => joined(&significant(self.value, 6), symbol),
+        match self.unit {
+            Unit::NONE => format!("{} %", significant(100.0 * self.value, 6)),
+            // As axes have it.
+            Unit::ARCSEC_PER_RT_S => joined(&significant(self.value / 60.0, 6), Unit::DEG_PER_SQRT_H.symbol),
+            unit => joined(&significant(self.value, 6), unit.symbol),
         }
     }
 }

@@ -89,7 +89,7 @@ fn the_result_has_its_files_and_words_and_repeats_with_its_seed() {
     let ended =
         desk.done("sensitivity study.toml --device cpu --by rms --samples 64 --trials 256 --quiet --out out");
     assert_eq!(ended.stderr, "");
-    assert!(ended.stdout.starts_with("vibration frequency drives "), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("Vibration frequency drives "), "{}", ended.stdout);
     let ended = desk.done("sensitivity study.toml --device cpu --by rms --samples 64 --trials 256 --out out");
     for piece in ["of the variance", "Nominal", "Within the limit", "limit 30″"] {
         assert!(ended.stdout.contains(piece), "`{piece}` is missing:\n{}", ended.stdout);
@@ -139,7 +139,7 @@ fn whole_numbers_and_truncated_distributions_are_inputs_too() {
     let ended = desk.done("sensitivity study.toml --device cpu --by theory_rms --samples 256 --out out");
     let note = "% of the distribution of gyro.tick_noise.std lies outside its limits";
     assert!(ended.stderr.contains(note), "{}", ended.stderr);
-    assert!(ended.stdout.contains("\nlost ticks n drives "), "{}", ended.stdout);
+    assert!(ended.stdout.contains("\nLost ticks n drives "), "{}", ended.stdout);
     assert!(
         desk.read("out/sensitivity.csv").contains("switching.gap_ticks,,1,3,"),
         "{}",

@@ -34,6 +34,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
                 marks.push(Named {
                     rows: rows.clone(),
                     x: place,
+                    y: Some(HALF),
                     shape: Shape::Crossing,
                     label,
                     range: None,
@@ -51,9 +52,12 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
             cells: vec![text.into(), AnswerCell::from(most)],
         });
     }
-    let columns =
-        vec![question.heading(), format!("in half of the records for {}", x.label), "in at most".to_owned()];
-    let table = table(columns, lines);
+    let columns = vec![question.heading(), "half of records show it".to_owned(), "largest share".to_owned()];
+    let mut table = table(columns, lines);
+    if let Some((name, ..)) = &told {
+        let is_told = |row: &Vec<AnswerCell>| row[0].text.split(" = ").any(|one| one == name.as_str());
+        table.best = table.rows.iter().position(is_told).or(table.best);
+    }
     let (headline, value) = match &told {
         Some((name, place, is_from)) => {
             let way = if *is_from { "from" } else { "up to" };
@@ -68,5 +72,5 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
             (headline("", &format!("half of the records show {names}")), None)
         }
     };
-    Outline { kind: Kind::Threshold, headline, value, table, marks }
+    Outline { kind: Kind::Threshold, headline, value, table, marks, met: None }
 }

@@ -57,8 +57,8 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         omitted: 0,
     };
     let (style, name) = *shown.first()?;
-    // Where it begins to win at the lowest y.
-    let begins = (0..columns).filter_map(|column| Some((column, stretch(style, column).1?)));
+    // Where it begins to win at the lowest y, of the places in the table.
+    let begins = places.iter().filter_map(|&column| Some((column, stretch(style, column).1?)));
     let (headline, value) = match begins.min_by_key(|&(_, row)| row) {
         Some((column, row)) if row > 0 => {
             let y = range(&number(map.rows[row - 1]), &number(map.rows[row]));
@@ -74,7 +74,7 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         }
         _ => (headline("", &format!("{} has the least {} most often", shown.last()?.1, map.z.label)), None),
     };
-    Some(Outline { kind: Kind::Map, headline, value, table, marks: vec![] })
+    Some(Outline { kind: Kind::Map, headline, value, table, marks: vec![], met: None })
 }
 
 /// Values at places along both axes.
@@ -104,7 +104,7 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]
         .map(|(axis, at)| valued(axis, at));
     let headline = headline("", &format!("{}: at most {} at {}", map.z.label, value.text(), at.join(", ")));
-    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, marks: vec![] })
+    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, marks: vec![], met: None })
 }
 
 /// The part of a label that names it in few words.

@@ -39,6 +39,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
     let mark = |(.., row, rows): &(String, String, bool, usize, &[usize])| Named {
         rows: rows.to_vec(),
         x: x.value(*row),
+        y: None,
         shape: Shape::Extremum,
         label: question.reading(*row).text(),
         range: None,
@@ -65,5 +66,5 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
         }
         None => (String::new(), None),
     };
-    Outline { kind: Kind::Choice, headline, value, table: table(columns, lines), marks }
+    Outline { kind: Kind::Choice, headline, value, table: table(columns, lines), marks, met: None }
 }

@@ -72,6 +72,8 @@ pub(super) struct Outline {
     pub(super) table: AnswerTable,
     /// Places on curves that the table or the headline names.
     pub(super) marks: Vec<Named>,
+    /// Points of curves within the limit, and all of them, where that is what the answer is about.
+    pub(super) met: Option<[usize; 2]>,
 }
 
 /// A place on a curve that an answer names.
@@ -79,6 +81,8 @@ pub(super) struct Named {
     /// The rows of the curve by rising x.
     pub(super) rows: Vec<usize>,
     pub(super) x: f64,
+    /// The value there where it is known; else it is that of the curve.
+    pub(super) y: Option<f64>,
     pub(super) shape: Shape,
     pub(super) label: String,
     /// Values of x around it that are as good.
@@ -153,25 +157,34 @@ pub fn of_study(
         value: None,
         table: AnswerTable::default(),
         marks: vec![],
+        met: None,
     });
     for (at, marks) in marks {
         if let Picture::Curves(figure) = &mut results.charts[at].picture {
             figure.marks = marks;
         }
     }
+    let is_free = limit.is_none();
     let limit = limit.map(|limit| Reading::new(&limited(limit), limit.value, None));
+    // The sheet judges the best point of each curve alone.
+    let judged = decided.map_or(Status::NoLimit, Sheet::status);
+    let partly = outline.met.filter(|[met, of]| judged == Status::Met && met < of);
+    let mut facts = facts(study, tables, decided);
+    if partly.is_some() || is_free && outline.kind == Kind::Optimum {
+        facts.retain(|fact| !matches!(fact, Fact::WorstCase { .. }));
+    }
     Ok(Answer {
         kind: outline.kind,
         status: if lacking > 0 {
             Status::Incomplete { missing: lacking }
         } else {
-            decided.map_or(Status::NoLimit, Sheet::status)
+            partly.map_or(judged, |[met, of]| Status::PartlyMet { met, of })
         },
         headline: outline.headline,
         value: outline.value,
         limit,
         table: outline.table,
-        facts: facts(study, tables, decided),
+        facts,
         checks: theory(tables).into_iter().collect(),
     })
 }
@@ -179,12 +192,16 @@ pub fn of_study(
 impl Outline {
     /// Gives an answer of a single curve a row for each of several charts of such a curve, under other conditions.
     fn continue_with(&mut self, charts: &[(&Chart, &Shown, Option<Outline>)]) {
+        let limits = || charts.iter().map(|(chart, ..)| chart.limit);
+        let differ = limits().any(|limit| Some(limit) != limits().next());
         let name = |chart: &Chart, curves: &Shown| {
             let value = |(column, value): (String, String)| {
                 let column = curves.table.column(&column).ok()?;
                 Some(shown(column, &Cell::Text(value.clone())))
             };
-            chart.filter().into_iter().filter_map(value).collect::<Vec<_>>().join(", ")
+            let of_rows = chart.filter().into_iter().filter_map(value);
+            let limit = chart.limit.filter(|_| differ).map(|limit| format!("limit {}", limit.text()));
+            of_rows.chain(limit).collect::<Vec<_>>().join(", ")
         };
         let row = |(chart, curves, outline): &(&Chart, &Shown, Option<Outline>)| {
             let table = &outline.as_ref()?.table;
@@ -195,7 +212,14 @@ impl Outline {
         };
         let rows: Vec<Vec<AnswerCell>> = charts.iter().filter_map(row).collect();
         if let [first, _, ..] = &rows[..] {
-            self.headline = headline(&first[0].text, &uncapitalized(&self.headline));
+            let name = first[0].text.split(", limit").next().unwrap_or_default();
+            self.headline = headline(name, &uncapitalized(&self.headline));
+            if let Some((chart, curves, _)) = charts.first() {
+                let column =
+                    |(name, _): (String, String)| Some(curves.table.column(&name).ok()?.label.clone());
+                self.table.columns[0] =
+                    chart.filter().into_iter().filter_map(column).collect::<Vec<_>>().join(", ");
+            }
             self.table.rows = rows;
         }
     }
@@ -274,9 +298,10 @@ impl<'t> Question<'t> {
         let Some(axis) = self.axis else { return vec![] };
         let [across, up] = [axis_unit(axis, chart.x_scale).0, axis_unit(self.y, chart.y_scale).0];
         let mut marks: Vec<Mark> = vec![];
-        for Named { rows, x, shape, label, range } in named {
+        for Named { rows, x, y, shape, label, range } in named {
             let place = |x: f64| self.place(rows, x).map(|(x, y)| (across * x, up * y));
-            let Some(place_of_mark) = place(*x) else { continue };
+            let Some((across_x, up_y)) = place(*x) else { continue };
+            let place_of_mark = (across_x, y.map_or(up_y, |y| up * y));
             let range = range.and_then(|[from, to]| Some((place(from)?.0, place(to)?.0)));
             let mark = Mark { shape: *shape, place: place_of_mark, range, label: label.clone() };
             // Curves that coincide cross at the same place.

@@ -102,6 +102,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
     let mark = |least: &Least| Named {
         rows: least.rows.clone(),
         x: x.value(least.row),
+        y: None,
         shape: Shape::Extremum,
         label: Reading::new(x, x.value(least.row), None).text(),
         range: Some(least.flat)
@@ -117,7 +118,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
         let name = told.map(|least| least.name.clone()).unwrap_or_default();
         table.best = table.rows.iter().position(|row| row[0].text == name);
     }
-    Outline { kind: Kind::Optimum, headline, value, table, marks }
+    Outline { kind: Kind::Optimum, headline, value, table, marks, met: None }
 }
 
 fn heading(question: &Question) -> String {

@@ -24,7 +24,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Option<Outline> {
         let cells = peaks.iter().map(|&row| AnswerCell::from(Reading::new(x, x.value(row), None)));
         marks.extend(peaks.iter().map(|&row| {
             let label = Reading::new(x, x.value(row), None).text();
-            Named { rows: rows.clone(), x: x.value(row), shape: Shape::Extremum, label, range: None }
+            Named { rows: rows.clone(), x: x.value(row), y: None, shape: Shape::Extremum, label, range: None }
         }));
         lines.push(Line { name: choice.name, is_usable: true, cells: cells.collect() });
     }
@@ -35,5 +35,12 @@ pub(super) fn outline(question: &Question, x: &Column) -> Option<Outline> {
         std::iter::once(question.heading()).chain((1..=most).map(|peak| format!("peak {peak}"))).collect();
     let value = Reading::new(x, x.value(row), None);
     let headline = headline(&name, &format!("highest peak at {}", at(x, x.value(row))));
-    Some(Outline { kind: Kind::Estimate, headline, value: Some(value), table: table(columns, lines), marks })
+    Some(Outline {
+        kind: Kind::Estimate,
+        headline,
+        value: Some(value),
+        table: table(columns, lines),
+        marks,
+        met: None,
+    })
 }

@@ -13,6 +13,8 @@ struct Extent {
     windows: Vec<Window>,
     /// Number of points within the limit.
     within: usize,
+    /// Number of points with a value.
+    known: usize,
     /// The row with the largest value.
     largest: Option<usize>,
 }
@@ -102,7 +104,9 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
     if !is_chosen && table.best.is_some() {
         table.best = table.rows.iter().position(|row| row[0].text == choices[best].name);
     }
-    Outline { kind: Kind::Threshold, headline, value, table, marks }
+    let of = |count: fn(&Extent) -> usize| extents.iter().flatten().map(count).sum();
+    let met = Some([of(|extent| extent.within), of(|extent| extent.known)]);
+    Outline { kind: Kind::Threshold, headline, value, table, marks, met }
 }
 
 fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Extent {
@@ -125,7 +129,7 @@ fn extent(question: &Question, x: &Column, rows: &[usize], limit: Limit) -> Exte
         window[1] = Some(last);
     }
     let within = known.iter().filter(|&&row| question.size(row) <= limit.value).count();
-    Extent { windows, within, largest: question.largest(&known) }
+    Extent { windows, within, known: known.len(), largest: question.largest(&known) }
 }
 
 /// The range of the end of the first window of a curve between the places where both ends of its 95 % band cross the limit;
@@ -157,8 +161,14 @@ fn interval(
 
 /// The ends of the windows that a cell names, as marks; the first of two has the label of both.
 fn ends(x: &Column, rows: &[usize], windows: &[Window]) -> Vec<Named> {
-    let mark =
-        |x: f64, label: String| Named { rows: rows.to_vec(), x, shape: Shape::Crossing, label, range: None };
+    let mark = |x: f64, label: String| Named {
+        rows: rows.to_vec(),
+        x,
+        y: None,
+        shape: Shape::Crossing,
+        label,
+        range: None,
+    };
     let of_window = |window: &Window| match *window {
         [None, None] => vec![],
         [None, Some(end)] | [Some(end), None] => vec![mark(end, Reading::new(x, end, None).text())],

@@ -84,11 +84,18 @@ pub(super) fn outline(question: &Question) -> Outline {
     let mark = |rows: &Vec<usize>| {
         let (x, row) = (question.x?, question.largest(rows)?);
         let label = question.reading(row).text();
-        Some(Named { rows: rows.clone(), x: x.value(row), shape: Shape::Extremum, label, range: None })
+        Some(Named {
+            rows: rows.clone(),
+            x: x.value(row),
+            y: None,
+            shape: Shape::Extremum,
+            label,
+            range: None,
+        })
     };
     let curves = choices.iter().take(MAX_ROWS).flat_map(|choice| &choice.rows).filter(|_| is_error);
     let marks = curves.filter_map(mark).filter(|mark| is_told(&mark.label)).collect();
-    Outline { kind, headline, value, table, marks }
+    Outline { kind, headline, value, table, marks, met: None }
 }
 
 /// A row for each of some places along a single curve.

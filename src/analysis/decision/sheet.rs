@@ -102,7 +102,9 @@ impl Sheet {
         let mut facts = Vec::new();
         if self.met[1] > 1 && self.value.value.is_finite() {
             let ratio = self.limit.map(|limit| self.value.value / limit.value).filter(|ratio| *ratio > 1.0);
-            let at = self.condition.clone();
+            let option = (self.options > 1).then_some(self.option.as_str());
+            let parts = [option.unwrap_or_default(), &self.condition];
+            let at = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
             facts.push(Fact::WorstCase { value: self.reading.clone(), at, ratio_to_limit: ratio });
         }
         if self.budget.len() > 1 {

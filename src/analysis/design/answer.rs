@@ -24,14 +24,14 @@ fn reading(label: &str, found: Found) -> Reading {
 }
 
 /// A time in the unit in which answers show it.
-fn time(name: &str, time_s: f64) -> Reading {
+pub(super) fn time(name: &str, time_s: f64) -> Reading {
     Reading::new(&Column { name: name.to_owned(), unit: Unit::S, ..Column::default() }, time_s, None)
 }
 
 impl Filler {
     /// The intervals around the best one between which the drift is at most 4 % larger, by straight lines between those that were
     /// tried.
-    fn flat(&self) -> [f64; 2] {
+    pub(super) fn flat(&self) -> [f64; 2] {
         let most = (1.0 + FLAT) * self.best().drift.value;
         let edge = |tried: &mut dyn Iterator<Item = &Tried>| {
             let mut last = self.best();
@@ -151,11 +151,7 @@ impl Design {
         }
         if self.variant().non_magnetic != 0.0 {
             let switched = Reading { interval: None, ..reading(label, best.best().switched) };
-            facts.push(value(
-                "Without non-magnetic",
-                switched,
-                "drift, which no interval changes".to_owned(),
-            ));
+            facts.push(value("From switching alone", switched, String::new()));
         }
         let alike: Vec<String> = self
             .variants

@@ -22,7 +22,7 @@ use crate::table::column::{ColumnOf, columns_of};
 use crate::table::{Cell, Role, Table, Unit};
 use crate::theory::minimum_variance::{Band, minimum_variance_weights};
 use crate::theory::rows::TickRows;
-use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Mark, Series, SeriesPoint, Shape};
 
 /// Most ticks before the gap.
 const MOST_BEFORE: u32 = 32;
@@ -190,8 +190,13 @@ impl Trade {
             y: Axis::new("99.73 % residual", "″"),
             colours: Grouping::of("ticks after (latency)", each.clone().map(name)),
             series: each.enumerate().map(of).collect(),
-            limit: limit
-                .map(|value| Limit { value, label: format!("limit {} arcsec", significant(value, 6)) }),
+            limit: limit.map(|value| Limit { value, label: format!("limit {}″", significant(value, 6)) }),
+            marks: vec![Mark {
+                shape: Shape::Crossing,
+                place: (f64::from(self.chosen.before), self.chosen.level),
+                range: None,
+                label: format!("{}+{}", self.chosen.before, self.chosen.after),
+            }],
             ..Figure::default()
         }
     }

@@ -167,14 +167,23 @@ fn marks(
             column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
         let tau_s = if *term == Term::BiasInstability { plateau } else { read_at(*term) };
         let place = (tau_s?, along(&part.points, tau_s?)?);
-        let label = format!("{} {}", term.symbol(), row.cell().text);
+        let label = match term {
+            // The plateau is this much lower.
+            Term::BiasInstability => format!("0.664 B, B {}", row.cell().text),
+            _ => format!("{} {}", term.symbol(), row.cell().text),
+        };
         Some(Mark { shape: figure::Shape::Coefficient, place, range: None, label })
     };
     let minimum = || {
         let row = least_or_bound(column.unit, curve.deviation, &curve.points, analysis.samples)?;
         let point = least(&curve.points, analysis.samples)?.point;
         let place = (point.tau_s, point.value?);
-        Some(Mark { shape: figure::Shape::Extremum, place, range: None, label: row.cell().text })
+        Some(Mark {
+            shape: figure::Shape::Extremum,
+            place,
+            range: None,
+            label: format!("minimum {}", row.cell().text),
+        })
     };
     let minimum = if curve.deviation.is_of_angle() { None } else { minimum() };
     terms.iter().filter_map(coefficient).chain(minimum).collect()

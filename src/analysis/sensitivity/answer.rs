@@ -107,7 +107,7 @@ impl Sensitivity {
         if !self.rows.is_empty() {
             let rows: Vec<String> =
                 self.rows.iter().map(|(column, value)| format!("{column} = {value}")).collect();
-            facts.push(Fact::Caveat { text: format!("rows with {}", rows.join(", ")) });
+            facts.push(Fact::Caveat { text: format!("only rows with {}", rows.join(", ")) });
         }
         facts
     }

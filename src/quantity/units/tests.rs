@@ -121,7 +121,7 @@ fn tables_show_what_is_on_the_earth_in_the_units_of_navigators() {
 
 #[test]
 fn quantities_are_written_in_their_unit() {
-    for text in ["200 °/s", "0.0013 °/h", "14 ″/s", "5 ms", "2 kHz", "10″"] {
+    for text in ["200 °/s", "0.0013 °/h", "14 ″/s", "5 s", "2 kHz", "10″"] {
         let dimensions = [Dimension::Rate, Dimension::Time, Dimension::Frequency, Dimension::Angle];
         assert_eq!(parse(text, &dimensions).unwrap().to_string(), text);
     }

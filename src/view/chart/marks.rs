@@ -22,9 +22,9 @@ const BESIDE: [(f64, f64, &str); 8] = [
     (-9.0, -26.0, "end"),
 ];
 
-/// Where the label of a bar is, at its left and at its right end.
-const BEFORE: [(f64, f64, &str); 1] = [(-9.0, 4.5, "end")];
-const AFTER: [(f64, f64, &str); 1] = [(9.0, 4.5, "start")];
+/// Where the label of a bar is, at its left and at its right end; over the bar where there is no room beside it.
+const BEFORE: [(f64, f64, &str); 2] = [(-9.0, 4.5, "end"), (0.0, -14.0, "start")];
+const AFTER: [(f64, f64, &str); 2] = [(9.0, 4.5, "start"), (0.0, -14.0, "end")];
 
 /// The slopes of quantization, white noise, flicker, random walk and ramp of a rate in σ(τ).
 const SLOPES: [(f64, &str); 5] = [(-1.0, "−1"), (-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];

@@ -2,6 +2,7 @@
 
 use core::slice;
 
+use crate::analysis::design::answer::time;
 use crate::analysis::design::report::{called, ends};
 use crate::analysis::design::{Design, Filler, Measure, Tried, Variant};
 use crate::chart::{Chart, Shows};
@@ -10,7 +11,7 @@ use crate::filler::closed::LISTED;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::kinds::table::table as table_of;
 use crate::table::{Cell, Column, ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::Figure;
+use crate::view::chart::figure::{Figure, Mark, Shape};
 use crate::view::chart::notes::ChartError;
 
 /// A row of `design.csv`.
@@ -137,5 +138,14 @@ pub fn figure(found: &Design) -> Result<Figure, ChartError> {
         bands: "95 % band".to_owned(),
         ..Chart::default()
     };
-    Ok(Figure::from_table(table, &chart)?.0)
+    let mut figure = Figure::from_table(table, &chart)?.0;
+    let (filler, best) = (found.best(), found.best().best());
+    let [from, to] = filler.flat();
+    figure.marks.push(Mark {
+        shape: Shape::Extremum,
+        place: (best.interval_s, best.drift.value),
+        range: Some((from, to)).filter(|_| from < to),
+        label: time("interval", best.interval_s).text(),
+    });
+    Ok(figure)
 }
