@@ -202,7 +202,7 @@ fn a_gap_fill_study_takes_the_noise_of_a_record_and_says_what_it_leaves_out() {
     let gyro = "tick_noise = { angle_random_walk = \"0.00048 deg/sqrt(h)\" }\nreadout_lsb = \"0.381051177665 arcsec\"";
     assert_eq!(run(&of_file), run(&parsed("a.toml", &gap_fill("", gyro))));
     let note = of_file.notes.join("\n");
-    for piece in ["bias instability (0.000025 arcsec)", "angle random walk", "pulses of 0.381 arcsec"] {
+    for piece in ["bias instability (0.000025″)", "angle random walk", "pulses of 0.381″"] {
         assert!(note.contains(piece), "`{piece}` is missing in {note}");
     }
 }

@@ -173,7 +173,7 @@ fn noise_below_the_finest_unit_is_not_blamed_on_a_motion_that_is_not_there() {
     let shown = lower(&tiny).unwrap_err().to_string();
     assert_eq!(
         shown,
-        "gyro.tick_noise: 1e-9 arcsec of noise per tick are too few units of 2^-24 arcsec, the finest unit of angle"
+        "gyro.tick_noise: 1e-9″ of noise per tick are too few units of 2^-24″, the finest unit of angle"
     );
 }
 

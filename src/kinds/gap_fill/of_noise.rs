@@ -78,7 +78,7 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
              accumulated over the gap: {}",
             significant(gap_s, 4),
             significant(sigma, 3),
-            if readout > 0.0 { format!(", and pulses of {} arcsec", significant(readout, 3)) } else { String::new() },
+            if readout > 0.0 { format!(", and pulses of {}″", significant(readout, 3)) } else { String::new() },
             parts.join(", ")
         )
     })

@@ -189,7 +189,7 @@ fn a_fault_in_a_file_of_noise_is_shown_there() {
     for (content, pieces) in [
         ("quantization = \"1 deg/h\"", &["mine.toml:1:16", "angular rate"][..]),
         ("quantization = ", &["mine.toml:1", "not valid TOML"]),
-        ("quantization = \"1 arcsec\"", &["unknown key `quantization`", "quantization"]),
+        ("quantizatoin = \"1 arcsec\"", &["unknown key `quantizatoin`", "quantization"]),
         ("file = \"other.toml\"", &["names another noise file"]),
     ] {
         let folder = with_files(&[("mine.toml", content)]);

@@ -96,7 +96,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
     }
     let finest = lsb <= libm::exp2(-f64::from(FINEST));
     let lost = match finest {
-        true => "are too few units of 2^-24 arcsec, the finest unit of angle".to_owned(),
+        true => "are too few units of 2^-24″, the finest unit of angle".to_owned(),
         false => format!(
             "are lost beside motion and noise of up to {}″ per tick in 32-bit arithmetic",
             shown(whole)
