@@ -1,4 +1,4 @@
-//! The results of a study as a whole: tables, charts, verdicts, notes and the report.
+//! The results of a study as a whole: tables, charts, notes and the report.
 
 use crate::answer::Answer;
 use crate::quantity::number::short;
