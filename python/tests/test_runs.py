@@ -122,7 +122,7 @@ def test_columns_have_types_labels_and_units(studies: Path) -> None:
     assert points["filler"].dtype == object and points["filler"][0] == "const"
     # 500 trials bound no 99.73 % level: blank, and not 0.
     assert np.isnan(points["p99_73_hi_arcsec"]).all()
-    assert (points.units["rms_arcsec"], points.labels["rms_arcsec"]) == ("arcsec", "rms error")
+    assert (points.units["rms_arcsec"], points.labels["rms_arcsec"]) == ("″", "rms error")
     frame = points.to_pandas()
     assert list(frame.columns) == list(points) and len(frame) == points.rows
     with pytest.raises(KeyError, match="no column is called 'rms'; the columns are"):
