@@ -185,11 +185,9 @@ fn motion_that_the_arithmetic_would_lose_is_refused_by_name() {
             c.inputs.tick_noise = TickNoise::Std(sigma);
         })
     };
-    for (rate, sigma, cause) in [
-        (1e-2, 1.0, "beside motion and noise of up to 6."),
-        (1e-4, 0.0, "2^-24″"),
-        (1e-9, 0.0, "2^-24″"),
-    ] {
+    for (rate, sigma, cause) in
+        [(1e-2, 1.0, "beside motion and noise of up to 6."), (1e-4, 0.0, "2^-24″"), (1e-9, 0.0, "2^-24″")]
+    {
         let error = lower(&motion(rate, sigma)).unwrap_err();
         assert!(error.to_string().contains("of motion per tick"), "{rate} ″/s beside {sigma} ″: {error}");
         let shown = error.to_string();
