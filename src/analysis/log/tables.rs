@@ -173,7 +173,7 @@ pub(crate) fn least(points: &[Point], samples: usize) -> Option<Minimum> {
     minimum(&points[..points.partition_point(|point| SHORTEST_RECORD * point.m <= samples)])
 }
 
-/// The same as a row. Where the curve still falls there, the row has no
+/// The minimum of a curve as a row of its coefficients. Where the curve still falls there, the row has no
 /// value, and its interval ends in an upper bound.
 pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samples: usize) -> Option<Row> {
     let minimum = least(points, samples)?;

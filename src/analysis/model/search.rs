@@ -84,7 +84,7 @@ pub(crate) struct Allowed<'a> {
     pub(crate) times: &'a [f64],
 }
 
-/// What is asked of the variance at each of some times, without the quantization.
+/// What the model must reach at some averaging times: bounds of the variance, without the quantization.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {
     pub(crate) taus: Vec<f64>,
