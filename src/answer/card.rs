@@ -89,6 +89,7 @@ fn content(fact: &Fact) -> Markup {
                 @for part in fact.parts() {
                     span.part { (part.name) " " (percent_of(part.share).replace(' ', "\u{a0}")) i.share style=(format!("--share: {:.3}", part.share.clamp(0.0, 1.0))) {} }
                 }
+                @if let Some(remark) = fact.remark() { span.part { (remark) } }
             }
             _ => { (fact.text()) }
         }

@@ -9,6 +9,9 @@ use crate::quantity::number::{percent, significant};
 /// Parts of an error below this share are not shown.
 const MIN_SHARE: f64 = 0.05;
 
+/// The sum of shares above which parts of an error are not independent.
+const MAX_SUM: f64 = 1.05;
+
 /// Cells of the bar of a whole.
 const BAR: f64 = 10.0;
 
@@ -59,6 +62,8 @@ pub enum Fact {
     ErrorBudget {
         /// The parts.
         parts: Vec<Part>,
+        /// The condition, where no other fact states it.
+        at: String,
     },
     /// The changes that meet the limit, each by itself.
     ChangeToMeet {
@@ -132,8 +137,19 @@ impl Fact {
 
     /// The parts of an error budget that are large enough to show.
     pub(crate) fn parts(&self) -> impl Iterator<Item = &Part> {
-        let parts = if let Fact::ErrorBudget { parts } = self { &parts[..] } else { &[] };
+        let parts = if let Fact::ErrorBudget { parts, .. } = self { &parts[..] } else { &[] };
         parts.iter().filter(|part| part.share >= MIN_SHARE)
+    }
+
+    /// What holds for an error budget as a whole.
+    pub(crate) fn remark(&self) -> Option<String> {
+        let Fact::ErrorBudget { parts, at } = self else { return None };
+        let at = Some(at).filter(|at| !at.is_empty()).map(|at| format!("at {at}"));
+        // What two parts do together is gone without either of them.
+        let is_shared = parts.iter().map(|part| part.share).sum::<f64>() > MAX_SUM;
+        let remarks: Vec<String> =
+            at.into_iter().chain(is_shared.then(|| "parts interact".to_owned())).collect();
+        (!remarks.is_empty()).then(|| format!("({})", remarks.join("; ")))
     }
 
     /// Its content in one line.
@@ -147,7 +163,7 @@ impl Fact {
             Fact::ErrorBudget { .. } => {
                 let part =
                     |part: &Part| format!("{} {} {}", part.name, percent_of(part.share), bar(part.share));
-                self.parts().map(part).collect::<Vec<_>>().join("  ")
+                self.parts().map(part).chain(self.remark()).collect::<Vec<_>>().join("  ")
             }
             Fact::ChangeToMeet { alternatives } | Fact::ChangeToDecide { alternatives } => {
                 alternatives.iter().map(Alternative::text).collect::<Vec<_>>().join(" · or ")
@@ -196,8 +212,21 @@ mod tests {
         let part = |name: &str, share| Part { name: name.to_owned(), share, interval: None };
         let budget = Fact::ErrorBudget {
             parts: vec![part("noise", 0.86), part("vibration", 0.125), part("rest", 0.01)],
+            at: String::new(),
         };
         assert_eq!(budget.text(), "noise 86 % ████████▋  vibration 13 % █▎");
+    }
+
+    #[test]
+    fn a_budget_says_where_it_holds_and_that_its_parts_interact() {
+        let part = |share| Part { name: "drift".to_owned(), share, interval: None };
+        let budget = |shares: &[f64], at: &str| Fact::ErrorBudget {
+            parts: shares.iter().copied().map(part).collect(),
+            at: at.to_owned(),
+        };
+        assert_eq!(budget(&[1.0], "1 h").remark().as_deref(), Some("(at 1 h)"));
+        assert_eq!(budget(&[0.97, 0.92], "").remark().as_deref(), Some("(parts interact)"));
+        assert_eq!(budget(&[0.6, 0.4], "").remark(), None);
     }
 
     #[test]

@@ -118,7 +118,13 @@ pub(crate) fn range(low: &str, high: &str) -> String {
 pub(crate) fn span(column: &Column, from: f64, to: f64) -> String {
     // In the unit of the smaller end, unless that is 0.
     let (factor, unit) = scale(column, if from > 0.0 { from } else { to });
-    joined(&range(&number(from * factor), &number(to * factor)), unit)
+    let ends = |digits| [from, to].map(|end| significant(end * factor, digits).replace('-', "−"));
+    // More digits where the usual ones do not tell the ends apart.
+    let differing = [DIGITS, MAX_DIGITS].into_iter().map(ends).find(|[low, high]| low != high);
+    match differing {
+        Some([low, high]) => joined(&range(&low, &high), unit),
+        None => joined(&number(from * factor), unit),
+    }
 }
 
 /// A fraction in whole percent.

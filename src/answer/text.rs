@@ -1,6 +1,6 @@
 //! An answer as lines of text.
 
-use crate::answer::{Answer, AnswerTable};
+use crate::answer::{Answer, AnswerCell, AnswerTable};
 use crate::quantity::visible::in_cell;
 
 /// The mark of the row of the headline.
@@ -38,7 +38,7 @@ impl Answer {
 }
 
 impl AnswerTable {
-    /// The table in aligned columns, numbers flush right; columns that do not fit are left out from the end.
+    /// The table in aligned columns, numbers flush right; of columns that do not fit, those in the middle are left out.
     pub fn text(&self, width: usize) -> String {
         let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
         let length = |text: &str| in_cell(text).chars().count();
@@ -52,33 +52,32 @@ impl AnswerTable {
                 cells.chain(words).chain([whole]).max().unwrap_or(0)
             })
             .collect();
-        let (mut fits, mut total) = (0, BEST.chars().count());
-        for width_of in &widths {
-            total += width_of + if fits > 0 { GAP } else { 0 };
-            if total > width && fits > 1 {
-                break;
-            }
-            fits += 1;
+        let mut shown: Vec<usize> = (0..columns.len()).collect();
+        let total = |shown: &[usize]| shown.iter().map(|&at| widths[at] + GAP).sum::<usize>() - GAP;
+        while shown.len() > 2 && BEST.chars().count() + total(&shown) > width {
+            shown.remove(shown.len() / 2);
         }
-        let broken: Vec<Vec<String>> =
-            columns.iter().zip(&widths).map(|(heading, &width)| wrapped(heading, width)).collect();
-        let height = broken.iter().take(fits).map(Vec::len).max().unwrap_or(0);
+        let broken: Vec<Vec<String>> = shown.iter().map(|&at| wrapped(&columns[at], widths[at])).collect();
+        let height = broken.iter().map(Vec::len).max().unwrap_or(0);
         let heading = |line: usize| {
             let of = |lines: &Vec<String>| {
                 (line + lines.len()).checked_sub(height).map_or_else(String::new, |at| lines[at].clone())
             };
-            broken.iter().take(fits).map(of).collect::<Vec<String>>()
+            broken.iter().map(of).collect::<Vec<String>>()
         };
-        let body =
-            self.rows.iter().map(|row| row.iter().map(|cell| in_cell(&cell.text).into_owned()).collect());
+        let text_of = |row: &[AnswerCell], at: usize| {
+            row.get(at).map_or_else(String::new, |cell| in_cell(&cell.text).into_owned())
+        };
+        let body = self.rows.iter().map(|row| shown.iter().map(|&at| text_of(row, at)).collect());
         let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
         let line = |(at, row): (usize, &Vec<String>)| {
             let mark = if at >= height && self.best == Some(at - height) { BEST } else { "  " };
-            let cells =
-                row.iter().zip(&widths).take(fits).enumerate().map(|(column, (cell, &width))| match column {
+            let cells = row.iter().zip(shown.iter().map(|&at| widths[at])).enumerate().map(
+                |(column, (cell, width))| match column {
                     0 => format!("{cell:<width$}"),
                     _ => format!("{:GAP$}{cell:>width$}", ""),
-                });
+                },
+            );
             format!("{}\n", format!("{mark}{}", cells.collect::<String>()).trim_end())
         };
         let mut text: String =

@@ -27,7 +27,7 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         names.iter().copied().filter(|&(style, _)| count(style) > 0).collect();
     // The option that wins less often is told, as the others win everywhere else.
     shown.sort_by_key(|&(style, _)| count(style));
-    let places = sampled(columns);
+    let places = sampled(columns, 0);
     let stretch = |style: usize, column: usize| {
         let wins: Vec<usize> = (0..rows).filter(|row| won[row * columns + column] == Some(style)).collect();
         let (Some(&first), Some(&last)) = (wins.first(), wins.last()) else {
@@ -74,13 +74,18 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         }
         _ => (headline("", &format!("{} has the least {} most often", shown.last()?.1, map.z.label)), None),
     };
-    Some(Outline { kind: Kind::Map, headline, value, table, marks: vec![], met: None })
+    Some(Outline { kind: Kind::Map, headline, value, table, marks: vec![], met: met(map) })
+}
+
+/// The cells whose winner is within the limit, and all with a winner.
+fn met(map: &Map) -> Option<[usize; 2]> {
+    Some([map.within_limit()?, map.known()])
 }
 
 /// Values at places along both axes.
 fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let columns = map.columns.len();
-    let places = sampled(columns);
+    let places = sampled(columns, 0);
     let line = |row: usize| {
         let cells = places.iter().map(|&column| {
             AnswerCell::from(
@@ -96,7 +101,7 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
         columns: std::iter::once(map.z.label.clone())
             .chain(places.iter().map(|&column| valued(&map.x, map.columns[column])))
             .collect(),
-        rows: sampled(map.rows.len()).into_iter().map(line).collect(),
+        rows: sampled(map.rows.len(), 0).into_iter().map(line).collect(),
         best: None,
         omitted: 0,
     };
@@ -104,7 +109,7 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]
         .map(|(axis, at)| valued(axis, at));
     let headline = headline("", &format!("{}: at most {} at {}", map.z.label, value.text(), at.join(", ")));
-    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, marks: vec![], met: None })
+    Some(Outline { kind: Kind::Map, headline, value: Some(value), table, marks: vec![], met: met(map) })
 }
 
 /// The part of a label that names it in few words.

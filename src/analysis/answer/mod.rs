@@ -72,7 +72,7 @@ pub(super) struct Outline {
     pub(super) table: AnswerTable,
     /// Places on curves that the table or the headline names.
     pub(super) marks: Vec<Named>,
-    /// Points of curves within the limit, and all of them, where that is what the answer is about.
+    /// Points within the limit, and all of them, where that is what the answer is about.
     pub(super) met: Option<[usize; 2]>,
 }
 
@@ -166,20 +166,19 @@ pub fn of_study(
     }
     let is_free = limit.is_none();
     let limit = limit.map(|limit| Reading::new(&limited(limit), limit.value, None));
-    // The sheet judges the best point of each curve alone.
     let judged = decided.map_or(Status::NoLimit, Sheet::status);
-    let partly = outline.met.filter(|[met, of]| judged == Status::Met && met < of);
+    let status = match outline.met {
+        // The sheet judges the best point of each curve alone.
+        Some([met, of]) if judged != Status::NoLimit && 0 < met && met < of => Status::PartlyMet { met, of },
+        _ => judged,
+    };
     let mut facts = facts(study, tables, decided);
-    if partly.is_some() || is_free && outline.kind == Kind::Optimum {
-        facts.retain(|fact| !matches!(fact, Fact::WorstCase { .. }));
+    if status != judged && judged == Status::Met || is_free && outline.kind == Kind::Optimum {
+        without_worst_case(&mut facts);
     }
     Ok(Answer {
         kind: outline.kind,
-        status: if lacking > 0 {
-            Status::Incomplete { missing: lacking }
-        } else {
-            partly.map_or(judged, |[met, of]| Status::PartlyMet { met, of })
-        },
+        status: if lacking > 0 { Status::Incomplete { missing: lacking } } else { status },
         headline: outline.headline,
         value: outline.value,
         limit,
@@ -187,6 +186,18 @@ pub fn of_study(
         facts,
         checks: theory(tables).into_iter().collect(),
     })
+}
+
+/// Removes the worst case; an error budget then names its condition itself.
+fn without_worst_case(facts: &mut Vec<Fact>) {
+    let place = facts.iter().position(|fact| matches!(fact, Fact::WorstCase { .. }));
+    if let Some(Fact::WorstCase { at: condition, .. }) = place.map(|place| facts.remove(place)) {
+        for fact in facts {
+            if let Fact::ErrorBudget { at, .. } = fact {
+                at.clone_from(&condition);
+            }
+        }
+    }
 }
 
 impl Outline {
@@ -516,9 +527,9 @@ pub(super) fn table(columns: Vec<String>, lines: Vec<Line>) -> AnswerTable {
     AnswerTable { columns, best: (rows.len() > 1).then_some(0), rows, omitted }
 }
 
-/// At most as many of some places as columns beside the first are shown, evenly and with both ends.
-pub(super) fn sampled(count: usize) -> Vec<usize> {
-    spread(count, MAX_COLUMNS - 1)
+/// At most as many of some places as columns beside the first and some `others` are shown, evenly and with both ends.
+pub(super) fn sampled(count: usize, others: usize) -> Vec<usize> {
+    spread(count, MAX_COLUMNS - 1 - others)
 }
 
 /// At most so many of `count` places, evenly and with both ends.

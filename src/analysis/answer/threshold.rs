@@ -104,7 +104,9 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
     if !is_chosen && table.best.is_some() {
         table.best = table.rows.iter().position(|row| row[0].text == choices[best].name);
     }
-    let of = |count: fn(&Extent) -> usize| extents.iter().flatten().map(count).sum();
+    // Of options the best one counts, of conditions all.
+    let counted = if is_chosen { &extents[best..=best] } else { &extents[..] };
+    let of = |count: fn(&Extent) -> usize| counted.iter().flatten().map(count).sum();
     let met = Some([of(|extent| extent.within), of(|extent| extent.known)]);
     Outline { kind: Kind::Threshold, headline, value, table, marks, met }
 }

@@ -20,13 +20,14 @@ pub(super) fn outline(question: &Question) -> Outline {
         choices.sort_by(|a, b| b.is_usable.cmp(&a.is_usable).then(size(a).total_cmp(&size(b))));
     }
     let conditions = question.columns();
-    let places = places(question, &choices);
+    let judged = usize::from(question.limit.is_some());
+    let places = places(question, &choices, judged);
     let standing =
         |choice: &Choice| question.limit.zip(worst(choice)).map(|(limit, row)| state(question, row, limit));
     let line = |choice: &Choice| {
         let mut cells: Vec<AnswerCell> = match (conditions.len() > 1, &places[..]) {
             // Curves under several conditions count at their largest.
-            (true, _) => sampled(conditions.len())
+            (true, _) => sampled(conditions.len(), judged)
                 .into_iter()
                 .map(|at| {
                     question
@@ -58,7 +59,7 @@ pub(super) fn outline(question: &Question) -> Outline {
         (vec![question.heading()], choices.iter().map(line).collect::<Vec<Line>>());
     match (conditions.len() > 1, question.x, single) {
         (true, _, _) => {
-            columns.extend(sampled(conditions.len()).into_iter().map(|at| conditions[at].clone()))
+            columns.extend(sampled(conditions.len(), judged).into_iter().map(|at| conditions[at].clone()))
         }
         (false, Some(x), Some(choice)) => {
             columns = vec![x.label.clone(), question.label(), "95 % interval".to_owned()];
@@ -174,8 +175,8 @@ fn state(question: &Question, row: usize, limit: Limit) -> &'static str {
     }
 }
 
-/// The places of the abscissa that are shown: where no option has a value at a place, there is none.
-fn places(question: &Question, choices: &[Choice]) -> Vec<f64> {
+/// The places of the abscissa that are shown beside `judged` columns on the limit: where no option has a value at a place, there is none.
+fn places(question: &Question, choices: &[Choice], judged: usize) -> Vec<f64> {
     let Some(x) = question.x else { return vec![] };
     let has_value =
         |&row: &usize| question.y.cells[row].number().is_some() && question.y.role != Role::Fraction;
@@ -183,5 +184,5 @@ fn places(question: &Question, choices: &[Choice]) -> Vec<f64> {
     let mut places: Vec<f64> = rows.map(|row| x.value(row)).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
-    sampled(places.len()).into_iter().map(|at| places[at]).collect()
+    sampled(places.len(), judged).into_iter().map(|at| places[at]).collect()
 }

@@ -103,7 +103,7 @@ impl Sheet {
         if self.met[1] > 1 && self.value.value.is_finite() {
             let ratio = self.limit.map(|limit| self.value.value / limit.value).filter(|ratio| *ratio > 1.0);
             let option = (self.options > 1).then_some(self.option.as_str());
-            let parts = [option.unwrap_or_default(), &self.condition];
+            let parts = [&self.condition, option.unwrap_or_default()];
             let at = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
             facts.push(Fact::WorstCase { value: self.reading.clone(), at, ratio_to_limit: ratio });
         }
@@ -113,7 +113,8 @@ impl Sheet {
                 share: part.share.value,
                 interval: part.share.interval.map(|(low, high)| [low, high]),
             };
-            facts.push(Fact::ErrorBudget { parts: self.budget.iter().map(part).collect() });
+            let parts = self.budget.iter().map(part).collect();
+            facts.push(Fact::ErrorBudget { parts, at: String::new() });
         }
         facts.extend(self.lever.as_ref().filter(|_| self.is_met() != Some(true)).map(Lever::fact));
         if !self.left_out.is_empty() {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::answer::reading::capitalized;
 pub use crate::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
 
 /// The properties of fillers; quantities are texts with units, as in a study.
@@ -47,7 +48,7 @@ impl Alone {
         let mut text = format!(
             "title = \"{} over {n} lost tick{plural}\"\nkind = \"gap-fill\"\n\
              [gyro]\ntick = {tick}\ntick_noise = {{ std = {noise} }}\n[motion]\n",
-            kinds.join(", ")
+            capitalized(&kinds.join(", "))
         );
         let band = self.band.as_deref().filter(|band| band.contains(',')).map(list);
         // Writing to a String cannot fail.

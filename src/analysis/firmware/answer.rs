@@ -43,7 +43,7 @@ fn budget(rms: f64, noise_rms: f64) -> Fact {
         interval: None,
     });
     parts.sort_by(|a, b| b.share.total_cmp(&a.share));
-    Fact::ErrorBudget { parts: parts.into() }
+    Fact::ErrorBudget { parts: parts.into(), at: String::new() }
 }
 
 impl Firmware {

@@ -176,8 +176,10 @@ fn marks(
     };
     let minimum = || {
         let row = least_or_bound(column.unit, curve.deviation, &curve.points, analysis.samples)?;
-        let point = least(&curve.points, analysis.samples)?.point;
-        let place = (point.tau_s, point.value?);
+        let least = least(&curve.points, analysis.samples)?;
+        // Where the curve still falls, its label is an upper bound.
+        let y = if least.at_end { least.point.interval?.1 } else { least.point.value? };
+        let place = (least.point.tau_s, y);
         Some(Mark {
             shape: figure::Shape::Extremum,
             place,

@@ -10,6 +10,7 @@ use crate::analysis::compare::{figures, tables};
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
 use crate::analysis::page::{chart, shown};
 use crate::analysis::requirement::Decision;
+use crate::answer::reading::capitalized;
 use crate::quantity::number::{probability, significant};
 use crate::record::log::channel::Log;
 use crate::table::titled;
@@ -26,7 +27,12 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
     let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
     Page {
         title: format!("{} and {} compared", a.label, b.label),
-        subtitle: analysis.treatment().summary(),
+        subtitle: format!(
+            "Is {} noisier than {}? {}",
+            b.label,
+            a.label,
+            capitalized(&analysis.treatment().summary())
+        ),
         answer: decision.answer.clone(),
         notes: notes(analysis),
         sections: vec![

@@ -23,7 +23,10 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
     Page {
         title: firmware.title.clone(),
-        subtitle: format!("Weights for a gap of {} lost {ticks}{place}", firmware.gap_ticks),
+        subtitle: format!(
+            "Which filler belongs in the firmware? Weights for a gap of {} lost {ticks}{place}",
+            firmware.gap_ticks
+        ),
         answer: firmware.answer(),
         notes: vec![],
         sections: vec![

@@ -6,6 +6,7 @@ use crate::analysis::lot::{Coefficient, Found, Lot, figures, tables};
 use crate::analysis::page::chart;
 use crate::analysis::page::values::interval;
 use crate::analysis::requirement::Decision;
+use crate::answer::reading::capitalized;
 use crate::quantity::number::probability;
 use crate::quantity::number::significant;
 use crate::table::titled;
@@ -20,7 +21,7 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: format!("A batch of {} units", lot.labels.len()),
-        subtitle: figures::subtitle(lot),
+        subtitle: format!("How even are these units? {}", capitalized(&figures::subtitle(lot))),
         answer: decision.answer.clone(),
         notes: notes(lot),
         sections: vec![

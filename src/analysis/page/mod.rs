@@ -68,7 +68,11 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
     ];
     Page {
         title: format!("Noise of {file}"),
-        subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
+        subtitle: format!(
+            "Which noise does this log show? {}; {}",
+            notes::heading(noise),
+            noise.treatment.summary()
+        ),
         answer,
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
         sections: sections.into(),

@@ -27,7 +27,7 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
             "Noise model of {}",
             analysis.source.path.file_name().unwrap_or_default().to_string_lossy()
         ),
-        subtitle: analysis.source.heading.clone(),
+        subtitle: format!("What does a filter need to know of this noise? {}", analysis.source.heading),
         answer: analysis.answer(),
         notes: notes(analysis),
         sections: vec![
