@@ -2,21 +2,18 @@
 
 use clap::{Args, Subcommand};
 use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::diagnosis::Finding;
+use sagnac::device::gpu::unused::unused_card;
 use sagnac::kernel::width::Width;
-use sagnac::verify::diagnose;
-use serde_json::json;
 
 use crate::bench::bench;
-use crate::failure::{Failure, in_options};
-use crate::output::{print, print_json};
+use crate::failure::Failure;
+use crate::output::print;
 use crate::program::{Bench, Verify};
 use crate::verify::verify;
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac device list
-  sagnac device list --why";
+  sagnac device list";
 
 const TASKS: &str = "\
 Examples:
@@ -56,19 +53,15 @@ pub fn device(command: &Command) -> Result<(), Failure> {
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Explain why each GPU can be used or not, and what to do: open and test all adapters, and look for missing
-    /// drivers, libraries and permissions
-    #[arg(long)]
+    /// Former option: what explained unused GPUs is in the guide
+    #[arg(long, hide = true)]
     why: bool,
-    /// Print the explanations as JSON
-    #[arg(long, requires = "why")]
-    json: bool,
 }
 
-/// Lists the devices that can run kernels, or explains which cannot.
+/// Lists the devices that can run kernels.
 pub fn devices(options: &Options) -> Result<(), Failure> {
     if options.why {
-        return why(options.json);
+        say!("note: `--why` is gone: \"A GPU that is not used\" in the guide says what may be missing");
     }
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     print(&format!("cpu: {}", widths.join(", ")))?;
@@ -77,22 +70,10 @@ pub fn devices(options: &Options) -> Result<(), Failure> {
         print(&format!("gpu:{at}: {}\n     {}", adapter.name(), adapter.description()))?;
     }
     if adapters.is_empty() {
-        say!(
-            "no GPU and no software rasterizer was found (Vulkan, Metal, DX12); `sagnac device list --why` explains"
-        );
+        say!("no GPU and no software rasterizer was found (Vulkan, Metal, DX12)");
     }
-    Ok(())
-}
-
-fn why(as_json: bool) -> Result<(), Failure> {
-    let findings =
-        diagnose().into_iter().map(|Finding { found, remedy }| (in_options(&found), in_options(&remedy)));
-    if as_json {
-        let findings = findings.map(|(found, remedy)| json!({ "found": found, "remedy": remedy }));
-        return print_json(&findings.collect::<Vec<_>>());
-    }
-    for (found, remedy) in findings {
-        print(&format!("{found}\n     {remedy}"))?;
+    if let Some(unused) = unused_card(&adapters) {
+        say!("{unused}");
     }
     Ok(())
 }

@@ -28,7 +28,7 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
             || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
         };
     }
-    one_of::<_, fn() -> String, 12>([
+    one_of::<_, fn() -> String, 11>([
         ("study", keys::schema),
         ("run", shipped!("run")),
         ("merge", shipped!("run")),
@@ -40,7 +40,6 @@ fn documents() -> impl TypedValueParser<Value = fn() -> String> {
         ("lot", shipped!("lot")),
         ("model", shipped!("model")),
         ("bench", shipped!("bench")),
-        ("devices", shipped!("devices")),
     ])
 }
 

@@ -72,11 +72,13 @@ pub(crate) mod trust {
     }
 }
 
-pub mod diagnosis {
-    //! No diagnosis.
+pub mod unused {
+    //! No card could be used.
 
-    /// Returns nothing: no card could be used.
-    pub(crate) fn unused_card(_: &[u32]) -> Option<String> {
+    use crate::device::gpu::adapter::Adapter;
+
+    /// Returns nothing.
+    pub fn unused_card<'a>(_: impl IntoIterator<Item = &'a Adapter>) -> Option<String> {
         None
     }
 }

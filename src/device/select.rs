@@ -8,8 +8,8 @@ use crate::device::cpu::Cpu;
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::Adapter;
-use crate::device::gpu::diagnosis::unused_card;
 use crate::device::gpu::trust;
+use crate::device::gpu::unused::unused_card;
 use crate::device::group::Group;
 use crate::kernel::launch::Launch;
 use crate::kernel::width::Width;
@@ -28,7 +28,7 @@ pub struct SelfTest {
 pub enum SelectError {
     /// A GPU was requested, but no adapter is one.
     #[error(
-        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac device list --why` tells what is missing"
+        "no GPU was found\nuse `device = cpu`, or install the Vulkan driver of the card: \"A GPU that is not used\" in the guide says how"
     )]
     NoGpu,
     /// No width and no adapter has the requested name.
@@ -162,16 +162,15 @@ impl Machine {
     fn auto(&self) -> Result<Selection, SelectError> {
         let real = self.real();
         if real.is_empty() {
-            let reason = unused_card(&[]).unwrap_or_else(|| match self.adapters.first() {
+            let reason = unused_card(&self.adapters).unwrap_or_else(|| match self.adapters.first() {
                 Some(software) => format!("the only adapter, {}, is a software rasterizer", software.name()),
                 None => "no GPU was found".to_owned(),
             });
             return selection(self.cpu()?, &reason);
         }
-        let vendors: Vec<u32> = real.iter().map(|&at| self.adapters[at].vendor()).collect();
         let Selection { device, reason, mut left_out } =
             self.first_of(real.into_iter().map(|at| self.open(Choice::Gpu(at))))?;
-        left_out.extend(unused_card(&vendors));
+        left_out.extend(unused_card(&self.adapters));
         Ok(Selection { device, reason, left_out })
     }
 

@@ -52,12 +52,6 @@ pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
     select::trusted(gpu, SELF_TEST)
 }
 
-/// Diagnoses the GPUs of this machine: opens and tests every adapter, and looks for what other cards lack.
-#[cfg(feature = "gpu")]
-pub fn diagnose() -> Vec<crate::device::gpu::diagnosis::Finding> {
-    crate::device::gpu::diagnosis::diagnose(SELF_TEST)
-}
-
 /// The result of checking one kernel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {

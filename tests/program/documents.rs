@@ -134,7 +134,6 @@ fn design_sensitivity_filler_allan_compare_lot_and_model_print_what_their_schema
     let two = desk.done("model two.csv --data rate --column gx,gz --overbound --json");
     check(&model, &two.stdout, "two columns");
     schema("bench");
-    check(&schema("devices"), &Desk::with("").done("devices --why --json").stdout, "devices");
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 pub mod adapter;
 pub(crate) mod clock;
-pub mod diagnosis;
 pub mod fault;
 pub(crate) mod limit;
 pub mod patience;
@@ -11,6 +10,7 @@ pub(crate) mod resource;
 pub(crate) mod rest;
 pub(crate) mod tile;
 pub(crate) mod trust;
+pub mod unused;
 
 use std::collections::HashMap;
 use std::sync::Arc;
