@@ -73,22 +73,24 @@ pub mod answer;
 pub mod device;
 pub mod events;
 pub mod fit;
-pub mod progress;
 pub mod record;
 pub mod run;
 pub mod spectrum;
 pub mod store;
 pub mod study;
-pub mod table;
 pub mod tally;
 pub mod theory;
 pub mod verify;
 pub mod view;
 
+pub use sagnac_base::{progress, table};
+
 mod noise;
 mod sampling;
 
 // Below the front page: for tests, benches and the front ends, and free to change.
+#[doc(hidden)]
+pub use sagnac_base::quantity;
 #[doc(hidden)]
 pub use sagnac_kernel as kernel;
 
@@ -106,7 +108,5 @@ pub mod key;
 pub mod kinds;
 #[doc(hidden)]
 pub mod motion;
-#[doc(hidden)]
-pub mod quantity;
 #[doc(hidden)]
 pub mod source;

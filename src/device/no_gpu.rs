@@ -78,7 +78,7 @@ pub mod unused {
     use crate::device::gpu::adapter::Adapter;
 
     /// Returns nothing.
-    pub fn unused_card<'a>(_: impl IntoIterator<Item = &'a Adapter>) -> Option<String> {
+    pub fn unused_card(_: &[Adapter]) -> Option<String> {
         None
     }
 }

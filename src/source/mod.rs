@@ -1,6 +1,5 @@
-//! Texts with places in them, and faults reported with their place.
+//! Texts with places in them, faults reported with their place, and the files from which texts are read.
 
-pub mod diagnose;
-pub(crate) mod place;
-pub mod setting;
 pub mod text_file;
+
+pub use sagnac_base::source::{diagnose, place, setting};

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The top-level modules of `src/`, lowest first. The kernels are a crate of their own below all of them.
+/// The modules of crates below the library.
+const BELOW: [&str; 4] = ["kernel", "progress", "quantity", "table"];
+
+/// The top-level modules of `src/`, lowest first.
 const ORDER: &[&str] = &[
-    "progress",
-    "quantity",
     "source",
-    "table",
     "answer",
     "theory",
     "key",
@@ -114,7 +114,7 @@ fn add_file(path: &Path, imports: &mut Imports) {
                     continue;
                 }
                 for name in names(&code[at + root.len()..]) {
-                    if name != module[0] && name != "kernel" {
+                    if name != module[0] && !BELOW.contains(&name) {
                         let place = format!("src/{}.rs:{line}", below.display());
                         imports.entry((module[0].to_owned(), name.to_owned())).or_default().push(place);
                     }

@@ -27,15 +27,15 @@ const COMMANDS: [&str; 13] = [
     "run study.toml --trials 256 --device cpu --out",
     "run swept.toml --trials 64 --device cpu --out",
     "merge done --out",
-    "allan log.csv --data rate --column gz --temperature temp --compensate --dynamic 30s --bootstrap 0 --out",
-    "allan log.csv --data rate --column gz --navigate 1min --bootstrap 0 --out",
+    "allan log.csv --data rate --column gz --temperature temp --compensate --dynamic 10s --bootstrap 0 --out",
+    "allan log.csv --data rate --column gz --navigate 10s --fit N --bootstrap 0 --out",
     "compare log.csv log.csv --data rate --column gz,gx --out",
     "lot log.csv --data rate --column gz,gx --out",
     "model noise.toml --from 1s --to 1000s --overbound --filter-rate 100Hz --write all --out",
     "filler study.toml --test-vectors 4 --out",
     "filler study.toml --limit residual=400arcsec --out",
     "design run.toml --trials 32 --device cpu --out",
-    "sensitivity uncertain.toml --samples 8 --where filler=const --device cpu --out",
+    "sensitivity uncertain.toml --samples 8 --trials 32 --where filler=const --device cpu --out",
     "shaders",
 ];
 
@@ -55,7 +55,7 @@ fn desk() -> Desk {
     );
     let row =
         |(i, y): (usize, f64)| format!("{},{y},{},{}\n", 0.1 * i as f64, 0.5 * y, 20.0 + 1e-3 * i as f64);
-    let rows: String = noise(2000).enumerate().map(row).collect();
+    let rows: String = noise(600).enumerate().map(row).collect();
     desk.write("log.csv", &format!("time [s],gz [deg/h],gx [deg/h],temp [degC]\n{rows}"));
     desk.write(
         "noise.toml",

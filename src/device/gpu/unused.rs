@@ -10,8 +10,8 @@ const VENDORS: [(u32, &str); 3] =
     [(0x10de, "an NVIDIA card"), (0x1002, "an AMD card"), (0x8086, "an Intel card")];
 
 /// In one line: a card that the kernel of this machine shows, and that is of another vendor than all GPUs among these adapters.
-pub fn unused_card<'a>(adapters: impl IntoIterator<Item = &'a Adapter>) -> Option<String> {
-    let real = adapters.into_iter().filter(|adapter| !adapter.is_software());
+pub fn unused_card(adapters: &[Adapter]) -> Option<String> {
+    let real = adapters.iter().filter(|adapter| !adapter.is_software());
     unused(Path::new("/"), &real.map(Adapter::vendor).collect::<Vec<_>>())
 }
 

@@ -81,8 +81,8 @@ fn a_filter_keeps_its_rows_and_one_that_keeps_none_says_what_there_is() {
 #[test]
 fn values_left_out_or_blank_are_counted_and_said() {
     let mut table = table();
-    table.columns[3].cells.each()[0] = Cell::Number(0.0);
-    table.columns[3].cells.each()[1] = Cell::Blank;
+    table.columns[3].cells.to_mut()[0] = Cell::Number(0.0);
+    table.columns[3].cells.to_mut()[1] = Cell::Blank;
     let (_, notes) = Figure::from_table(&table, &Chart { shows: series(&["filler"]), ..spec() }).unwrap();
     assert_eq!((notes.left_out, notes.blank), (1, 1));
     let sentence = notes.sentence().unwrap();
@@ -94,13 +94,13 @@ fn values_left_out_or_blank_are_counted_and_said() {
 fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_whole() {
     let mut table = table();
     let cells = |x: &mut Cell| *x = Cell::Integer(x.number().unwrap() as i64);
-    table.columns[2].cells.each().iter_mut().for_each(cells);
-    table.columns[2].cells.each()[0] = Cell::Blank;
+    table.columns[2].cells.to_mut().iter_mut().for_each(cells);
+    table.columns[2].cells.to_mut()[0] = Cell::Blank;
     let spec = spec();
     let (figure, notes) = Figure::from_table(&table, &spec).unwrap();
     assert!(figure.x.whole);
     assert_eq!(notes.blank, 0);
-    table.columns[2].cells.each().iter_mut().for_each(|x| *x = Cell::Blank);
+    table.columns[2].cells.to_mut().iter_mut().for_each(|x| *x = Cell::Blank);
     let (_, notes) = Figure::from_table(&table, &spec).unwrap();
     assert_eq!(notes.blank, table.rows());
 }
@@ -108,7 +108,7 @@ fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_w
 #[test]
 fn an_empty_table_makes_an_empty_figure() {
     let mut table = table();
-    table.columns.iter_mut().for_each(|column| column.cells.each().clear());
+    table.columns.iter_mut().for_each(|column| column.cells.to_mut().clear());
     let (figure, notes) = Figure::from_table(&table, &spec()).unwrap();
     assert!(figure.series.is_empty() && notes.sentence().is_none());
 }

@@ -134,8 +134,8 @@ fn leads_without_bands_are_said_to_be_such() {
 #[test]
 fn what_is_not_known_stays_blank_and_is_said() {
     let mut table = table();
-    table.columns[3].cells.each()[0] = Cell::Blank;
-    table.columns[3].cells.each()[3] = Cell::Number(0.0);
+    table.columns[3].cells.to_mut()[0] = Cell::Blank;
+    table.columns[3].cells.to_mut()[3] = Cell::Number(0.0);
     let (map, notes) = Map::from_table(&table, &heat()).unwrap();
     assert_eq!((notes.blank, notes.left_out, map.known()), (1, 1, 4));
     assert!(map.canvas().svg().contains("blank: not known"));
@@ -150,9 +150,9 @@ fn what_is_not_known_stays_blank_and_is_said() {
 #[test]
 fn cells_without_a_row_and_rows_off_the_axes_are_counted() {
     let mut table = table();
-    table.columns.iter_mut().for_each(|column| drop(column.cells.each().drain(..3)));
-    table.columns[0].cells.each()[0] = Cell::Number(0.0);
-    table.columns[1].cells.each()[3] = Cell::Blank;
+    table.columns.iter_mut().for_each(|column| drop(column.cells.to_mut().drain(..3)));
+    table.columns[0].cells.to_mut()[0] = Cell::Number(0.0);
+    table.columns[1].cells.to_mut()[3] = Cell::Blank;
     let (map, notes) = Map::from_table(&table, &heat()).unwrap();
     assert_eq!((map.columns.len(), map.rows.len()), (3, 2), "{:?} {:?}", map.columns, map.rows);
     assert_eq!((notes.off_axes, notes.no_row), (2, 3));
@@ -166,8 +166,8 @@ fn maps_with_nothing_or_little_to_show_are_drawn_all_the_same() {
             for value in [Cell::Blank, Cell::Number(0.0), Cell::Number(3.0), Cell::Number(9e249)] {
                 for scale in [Scale::Log, Scale::Linear] {
                     let mut table = table();
-                    table.columns.iter_mut().for_each(|column| column.cells.each().truncate(rows));
-                    table.columns[3].cells.each().fill(value.clone());
+                    table.columns.iter_mut().for_each(|column| column.cells.to_mut().truncate(rows));
+                    table.columns[3].cells.to_mut().fill(value.clone());
                     let spec = Chart { x_scale: scale, y_scale: scale, ..spec.clone() };
                     let (map, _) = Map::from_table(&table, &spec).unwrap();
                     let svg = map.canvas().svg();

@@ -99,12 +99,12 @@ dimensions! {
 
 impl Dimension {
     /// Name for sentences, such as `an angle`.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         self.row().name
     }
 
     /// Accepted units for sentences, such as `s, ms, …`; empty for a number without a unit.
-    pub(crate) fn units(self) -> &'static str {
+    pub fn units(self) -> &'static str {
         self.row().units
     }
 
@@ -128,7 +128,7 @@ impl Dimension {
 }
 
 /// Help that lists the accepted units for `dimensions`.
-pub(crate) fn accepted(dimensions: &[Dimension]) -> String {
+pub fn accepted(dimensions: &[Dimension]) -> String {
     let each = dimensions.iter().map(|dimension| {
         let Row { name, units, example, .. } = dimension.row();
         let within = if units.is_empty() { "" } else { " in " };
@@ -156,18 +156,19 @@ impl PartialEq for Quantity {
 }
 
 impl Quantity {
-    pub(crate) fn new(value: f64, dimension: Dimension) -> Quantity {
+    /// A value in base units, rounded to twelve digits.
+    pub fn new(value: f64, dimension: Dimension) -> Quantity {
         Quantity { value: round_12(value), dimension, written: None }
     }
 
     /// A ratio written in percent.
-    pub(crate) fn percent(percent: f64) -> Quantity {
+    pub fn percent(percent: f64) -> Quantity {
         let written = Some(Written { factor: 100.0, symbol: "%" });
         Quantity { written, ..Quantity::new(percent / 100.0, Dimension::Ratio) }
     }
 
     /// Another value in the same units.
-    pub(crate) fn with(self, value: f64) -> Quantity {
+    pub fn with(self, value: f64) -> Quantity {
         Quantity { value: round_12(value), ..self }
     }
 
@@ -191,13 +192,13 @@ impl fmt::Display for Quantity {
 }
 
 /// Rounds to 12 significant decimal digits through text, which is exact and the same everywhere. −0 becomes 0.
-pub(crate) fn round_12(x: f64) -> f64 {
+pub fn round_12(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x) + 0.0
 }
 
 impl Written {
     /// A number of the unit of tables in this unit. It has 11 digits, because 12 were kept of that number.
-    pub(crate) fn of(self, x: f64) -> f64 {
+    pub fn of(self, x: f64) -> f64 {
         if self.factor == 1.0 {
             return x;
         }
@@ -213,14 +214,14 @@ impl Written {
 /// A missing number, a missing or unknown unit, another dimension, or a value that is not finite.
 /// # Example
 /// ```
-/// use sagnac::quantity::units::{Dimension, parse};
+/// use sagnac_base::quantity::units::{Dimension, parse};
 ///
 /// assert_eq!(parse("5 ms", &[Dimension::Time])?.value, 0.005);
 /// // Rates are in ″/s, and 1 °/h is 1 ″/s; an angle random walk of 1 °/√h is 60 ″/√s.
 /// assert_eq!(parse("15.041 deg/h", &[Dimension::DriftRate])?.value, 15.041);
 /// assert_eq!(parse("0.003 deg/sqrt(h)", &[Dimension::AngleRandomWalk])?.value, 0.18);
 /// assert!(parse("5", &[Dimension::Time]).is_err());
-/// # Ok::<(), sagnac::quantity::error::UnitError>(())
+/// # Ok::<(), sagnac_base::quantity::error::UnitError>(())
 /// ```
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let (number, unit) = number_and_unit(text)?;
@@ -239,11 +240,11 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
 ///
 /// # Example
 /// ```
-/// use sagnac::quantity::units::parse_in;
+/// use sagnac_base::quantity::units::parse_in;
 ///
 /// assert_eq!(parse_in("3 arcmin/√h", &["deg/sqrt(h)", "m/s/sqrt(h)"])?, (0.05, 0));
 /// assert_eq!(parse_in("2 mm/s/sqrt(h)", &["deg/sqrt(h)", "m/s/sqrt(h)"])?, (0.002, 1));
-/// # Ok::<(), sagnac::quantity::error::UnitError>(())
+/// # Ok::<(), sagnac_base::quantity::error::UnitError>(())
 /// ```
 pub fn parse_in(text: &str, units: &[&str]) -> Result<(f64, usize), UnitError> {
     let (number, unit) = number_and_unit(text)?;
@@ -278,7 +279,7 @@ fn finite(value: f64, text: &str) -> Result<f64, UnitError> {
 ///
 /// # Errors
 /// The unit is unknown, or has another dimension.
-pub(crate) fn parse_unit(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
+pub fn parse_unit(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
     unit_of(unit, unit, wanted)
 }
 

@@ -93,6 +93,6 @@ impl Unit {
 
 /// The names that a header may have without its unit; there may be several, because the suffix of one unit may be the
 /// end of another.
-pub(crate) fn bare(header: &str) -> impl Iterator<Item = &str> {
+pub fn bare(header: &str) -> impl Iterator<Item = &str> {
     Unit::ALL.iter().filter_map(move |unit| header.strip_suffix(unit.suffix)?.strip_suffix('_'))
 }

@@ -15,10 +15,10 @@ use crate::quantity::error::UnitError;
 const ARCSEC_PER_RAD: f64 = 206_264.806_247_096_36;
 
 /// Standard acceleration of free fall, m/s² in one g, exactly: CGPM 1901.
-pub(crate) const STANDARD_GRAVITY: f64 = 9.80665;
+pub const STANDARD_GRAVITY: f64 = 9.80665;
 
 /// One international nautical mile, m, exactly.
-pub(crate) const NAUTICAL_MILE: f64 = 1852.0;
+pub const NAUTICAL_MILE: f64 = 1852.0;
 
 /// One metre in g·s².
 const METRE: f64 = 1.0 / STANDARD_GRAVITY;
@@ -28,7 +28,7 @@ const LONGEST: usize = 64;
 
 /// Powers of the base units ″, s, g and pulse, counted in halves so that roots stay whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Exponents(pub(crate) [i32; 4]);
+pub struct Exponents(pub [i32; 4]);
 
 impl Exponents {
     const NONE: Exponents = Exponents([0; 4]);
@@ -60,9 +60,11 @@ impl fmt::Display for Exponents {
 
 /// The size of a unit in base units, with their powers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Size {
-    pub(crate) factor: f64,
-    pub(crate) exponents: Exponents,
+pub struct Size {
+    /// The size in base units.
+    pub factor: f64,
+    /// The powers of the base units.
+    pub exponents: Exponents,
 }
 
 /// All symbols, each with its size in base units and the powers (in halves) of ″, s, g, pulse.
@@ -126,7 +128,7 @@ const SHOWN: [(&str, &str); 22] = [
 
 /// The symbol of a unit of this size; `None` for one that is not shown as it is written. Of symbols of the same size, as ″/s and
 /// °/h, it is that of the unit `text`.
-pub(crate) fn symbol(text: &str, size: Size) -> Option<&'static str> {
+pub fn symbol(text: &str, size: Size) -> Option<&'static str> {
     static SIZES: LazyLock<Vec<(Size, &str)>> = LazyLock::new(|| {
         SHOWN.iter().filter_map(|(text, symbol)| Some((parse(text).ok()?, *symbol))).collect()
     });
@@ -140,7 +142,7 @@ pub(crate) fn symbol(text: &str, size: Size) -> Option<&'static str> {
 ///
 /// # Errors
 /// A symbol is not a unit, or the text is not an expression.
-pub(crate) fn parse(text: &str) -> Result<Size, UnitError> {
+pub fn parse(text: &str) -> Result<Size, UnitError> {
     let malformed = || UnitError::Malformed(text.to_owned());
     if text.chars().count() > LONGEST {
         return Err(malformed());

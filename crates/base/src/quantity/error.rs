@@ -40,7 +40,7 @@ pub enum UnitError {
 
 impl UnitError {
     /// A description short enough to fit under a caret.
-    pub(crate) fn label(&self) -> &str {
+    pub fn label(&self) -> &str {
         match self {
             UnitError::BareNumber(_) => "a bare number",
             UnitError::Dimension { found, .. } => found,

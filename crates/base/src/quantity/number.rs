@@ -77,7 +77,7 @@ pub fn with_unit(x: f64, digits: usize, unit: &str) -> String {
 }
 
 /// A fraction in percent with three digits.
-pub(crate) fn percent(fraction: f64) -> String {
+pub fn percent(fraction: f64) -> String {
     format!("{} %", significant(100.0 * fraction, 3)).replace('-', "−")
 }
 
@@ -94,7 +94,7 @@ pub fn short(number: f64) -> String {
 }
 
 /// A number with its unit.
-pub(crate) fn joined(number: &str, unit: &str) -> String {
+pub fn joined(number: &str, unit: &str) -> String {
     match unit {
         "" | "″" | "°" => format!("{number}{unit}"),
         unit => format!("{number} {unit}"),

@@ -46,7 +46,7 @@ impl Cell {
 
     /// Whether files show the cell as `value`, or `value` is the same number written differently, such as `0.10` for
     /// 0.1.
-    pub(crate) fn shows(&self, value: &str) -> bool {
+    pub fn shows(&self, value: &str) -> bool {
         self.text() == value || self.number().is_some_and(|number| value.parse() == Ok(number))
     }
 }

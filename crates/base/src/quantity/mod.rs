@@ -1,9 +1,9 @@
 //! Dimensions, units and quantities, and how numbers are written.
 
 pub mod error;
-pub(crate) mod expression;
+pub mod expression;
 pub mod list;
 pub mod number;
-pub(crate) mod unit;
+pub mod unit;
 pub mod units;
 pub mod visible;

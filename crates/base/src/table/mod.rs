@@ -1,10 +1,10 @@
 //! The table: named columns with units, the sole source of files, charts, reports and JSON.
 
 mod cell;
-pub(crate) mod cells;
-pub(crate) mod column;
-pub(crate) mod crossing;
-pub(crate) mod file;
+pub mod cells;
+pub mod column;
+pub mod crossing;
+pub mod file;
 pub mod text;
 
 use std::borrow::Cow;
@@ -90,27 +90,27 @@ impl Column {
     }
 
     /// The value of a cell; NaN where it is not a number.
-    pub(crate) fn value(&self, row: usize) -> f64 {
+    pub fn value(&self, row: usize) -> f64 {
         self.cells[row].number().unwrap_or(f64::NAN)
     }
 
     /// The magnitude of a cell; infinite where it is not a number.
-    pub(crate) fn magnitude(&self, row: usize) -> f64 {
+    pub fn magnitude(&self, row: usize) -> f64 {
         self.cells[row].number().map_or(f64::INFINITY, f64::abs)
     }
 
     /// The 95 % interval of a cell, where there is one.
-    pub(crate) fn interval(&self, row: usize) -> Option<(f64, f64)> {
+    pub fn interval(&self, row: usize) -> Option<(f64, f64)> {
         self.band.as_ref()?.get(row).copied().flatten()
     }
 
     /// The 95 % interval of the magnitude of a cell.
-    pub(crate) fn interval_of_magnitude(&self, row: usize) -> Option<(f64, f64)> {
+    pub fn interval_of_magnitude(&self, row: usize) -> Option<(f64, f64)> {
         self.interval(row).map(of_magnitude)
     }
 
     /// Whether the intervals of the magnitudes of two rows, those of means where there are such, have values in common.
-    pub(crate) fn is_alike(&self, one: usize, other: usize) -> bool {
+    pub fn is_alike(&self, one: usize, other: usize) -> bool {
         let of_mean = |row: usize| self.band_of_mean.as_ref()?.get(row).copied().flatten();
         let interval = |row: usize| of_mean(row).or_else(|| self.interval(row)).map(of_magnitude);
         let intervals = interval(one).zip(interval(other));
@@ -118,7 +118,7 @@ impl Column {
     }
 
     /// Whether the column holds errors relative to what is estimated, which people read in percent.
-    pub(crate) fn is_relative(&self) -> bool {
+    pub fn is_relative(&self) -> bool {
         self.role == Role::Error && self.unit == Unit::NONE
     }
 
@@ -141,7 +141,7 @@ impl Column {
 }
 
 /// A label as in a sentence: `drift (bound, Z(7))` for `drift: bound, Z(7)`.
-pub(crate) fn worded(label: &str) -> String {
+pub fn worded(label: &str) -> String {
     match label.split_once(": ") {
         Some((whole, part)) => format!("{whole} ({part})"),
         None => label.to_owned(),
@@ -282,7 +282,7 @@ impl Table {
 }
 
 /// Rows by a key that each has, in the order of their first rows.
-pub(crate) fn grouped<K: Clone + Eq + Hash>(
+pub fn grouped<K: Clone + Eq + Hash>(
     rows: impl IntoIterator<Item = usize>,
     key: impl Fn(usize) -> K,
 ) -> Vec<(K, Vec<usize>)> {
@@ -299,7 +299,7 @@ pub(crate) fn grouped<K: Clone + Eq + Hash>(
 }
 
 /// Finds a column as [`Table::column`] does, among columns that need not form a table.
-pub(crate) fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, ColumnError> {
+pub fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, ColumnError> {
     let exact = |column: &&Column| column.header() == name || column.name == name;
     if let Some(column) = columns.iter().find(exact) {
         return Ok(column);

@@ -3,11 +3,11 @@
 use crate::table::{Cell, Column, Role, Table};
 
 /// A stretch of a curve within a limit; an end is absent where the curve ends within it.
-pub(crate) type Window = [Option<f64>; 2];
+pub type Window = [Option<f64>; 2];
 
 /// The stretches of a curve through `rows`, in the order of `x`, within which the magnitude of a value is at most `limit`.
 /// Their ends lie between rows, or at rows where a count leads from one to the next.
-pub(crate) fn windows(
+pub fn windows(
     table: &Table,
     x: &Column,
     rows: &[usize],
@@ -44,7 +44,7 @@ fn counts_between(table: &Table, a: usize, b: usize) -> bool {
 
 /// The fraction of the way from a to b at which the limit lies, one of the two being beyond it; on a logarithmic scale
 /// where possible.
-pub(crate) fn fraction(a: f64, b: f64, limit: f64) -> f64 {
+pub fn fraction(a: f64, b: f64, limit: f64) -> f64 {
     let beyond = if a.abs() > b.abs() { a } else { b };
     let limit = limit * beyond.signum();
     match a == b {
@@ -55,7 +55,7 @@ pub(crate) fn fraction(a: f64, b: f64, limit: f64) -> f64 {
 }
 
 /// The number that fraction of the way from a to b, on a logarithmic scale where possible.
-pub(crate) fn between(a: f64, b: f64, part: f64) -> f64 {
+pub fn between(a: f64, b: f64, part: f64) -> f64 {
     if a > 0.0 && b > 0.0 { a * libm::pow(b / a, part) } else { a + (b - a) * part }
 }
 

@@ -97,7 +97,7 @@ impl Role {
 
 impl About {
     /// A column of which only the name is known.
-    pub(crate) const fn named(name: &'static str) -> About {
+    pub const fn named(name: &'static str) -> About {
         let (unit, label, role) = (Unit::NONE, name, Role::Key);
         About {
             name,
@@ -124,7 +124,7 @@ impl About {
     }
 
     /// The column with the given cells.
-    pub(crate) fn with(&self, cells: Cells) -> Column {
+    pub fn with(&self, cells: Cells) -> Column {
         Column {
             name: self.name.to_owned(),
             label: self.label.to_owned(),
@@ -145,7 +145,7 @@ impl About {
 }
 
 /// A 95 % interval, where it is known.
-pub(crate) type Band = Option<(f64, f64)>;
+pub type Band = Option<(f64, f64)>;
 
 /// A column of a table whose rows have the type `R`.
 pub struct ColumnOf<R> {
@@ -158,7 +158,7 @@ pub struct ColumnOf<R> {
 
 impl<R> ColumnOf<R> {
     /// A column whose cells `cell` computes; [`ColumnOf::is`] completes it.
-    pub(crate) const fn new(
+    pub const fn new(
         name: &'static str,
         unit: Unit,
         label: &'static str,
@@ -170,50 +170,50 @@ impl<R> ColumnOf<R> {
 
     /// Sets the role and the meaning.
     #[allow(clippy::wrong_self_convention, reason = "it makes a column what it is")]
-    pub(crate) const fn is(self, role: Role, meaning: &'static str) -> ColumnOf<R> {
+    pub const fn is(self, role: Role, meaning: &'static str) -> ColumnOf<R> {
         ColumnOf { about: About { role, meaning, ..self.about }, ..self }
     }
 
     /// Sets a role that refers to the column `of`, and the meaning.
     #[allow(clippy::wrong_self_convention, reason = "it makes a column what it is")]
-    pub(crate) const fn is_of(self, of: &'static str, role: Role, meaning: &'static str) -> ColumnOf<R> {
+    pub const fn is_of(self, of: &'static str, role: Role, meaning: &'static str) -> ColumnOf<R> {
         let column = self.is(role, meaning);
         ColumnOf { about: About { of, ..column.about }, ..column }
     }
 
     /// Makes the column part of a brief summary.
-    pub(crate) const fn brief(self) -> ColumnOf<R> {
+    pub const fn brief(self) -> ColumnOf<R> {
         ColumnOf { about: About { brief: true, ..self.about }, ..self }
     }
 
     /// Makes the column the default for this purpose.
-    pub(crate) const fn usual(self, usual: Usual) -> ColumnOf<R> {
+    pub const fn usual(self, usual: Usual) -> ColumnOf<R> {
         ColumnOf { about: About { usual: Some(usual), ..self.about }, ..self }
     }
 
     /// Sets what the label stands for.
-    pub(crate) const fn defined(self, formula: &'static str) -> ColumnOf<R> {
+    pub const fn defined(self, formula: &'static str) -> ColumnOf<R> {
         ColumnOf { about: About { defined: formula, ..self.about }, ..self }
     }
 
     /// Makes an axis over the column linear by default.
-    pub(crate) const fn linear(self) -> ColumnOf<R> {
+    pub const fn linear(self) -> ColumnOf<R> {
         ColumnOf { about: About { is_linear: true, ..self.about }, ..self }
     }
 
     /// Sets the names that look the same in every chart.
-    pub(crate) const fn styled(self, names: &'static [&'static str]) -> ColumnOf<R> {
+    pub const fn styled(self, names: &'static [&'static str]) -> ColumnOf<R> {
         ColumnOf { about: About { styled: names, ..self.about }, ..self }
     }
 
     /// Sets the function that computes the 95 % interval of each cell.
-    pub(crate) const fn within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
+    pub const fn within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
         ColumnOf { band: Some(band), ..self }
     }
 
     /// Sets the function that computes the 95 % interval of the mean, where [`within`](ColumnOf::within) has that of single
     /// records.
-    pub(crate) const fn mean_within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
+    pub const fn mean_within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
         ColumnOf { band_of_mean: Some(band), ..self }
     }
 }
@@ -222,7 +222,7 @@ impl<R> ColumnOf<R> {
 const FEW_ROWS: usize = 256;
 
 /// The columns of the given rows.
-pub(crate) fn columns_of<R: Sync>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
+pub fn columns_of<R: Sync>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
     let of = |column: &ColumnOf<R>| Column {
         band: column.band.map(|band| rows.iter().map(band).collect()),
         band_of_mean: column.band_of_mean.map(|band| rows.iter().map(band).collect()),
@@ -234,12 +234,12 @@ pub(crate) fn columns_of<R: Sync>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Co
 }
 
 /// A row as a JSON object: its cells by the headers of their columns, except those of the `omitted` names.
-pub(crate) fn object<R>(columns: &[ColumnOf<R>], row: &R, omitted: &[&str]) -> Value {
+pub fn object<R>(columns: &[ColumnOf<R>], row: &R, omitted: &[&str]) -> Value {
     let shown = columns.iter().filter(|column| !omitted.contains(&column.about.name));
     shown.map(|column| (column.about.with(Cells::default()).header(), json!((column.cell)(row)))).collect()
 }
 
 /// The properties of some columns, without their cells.
-pub(crate) fn abouts<R>(columns: &[ColumnOf<R>]) -> Vec<About> {
+pub fn abouts<R>(columns: &[ColumnOf<R>]) -> Vec<About> {
     columns.iter().map(|column| column.about).collect()
 }

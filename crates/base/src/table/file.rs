@@ -53,7 +53,7 @@ impl<W: io::Write> io::Write for Hashed<W> {
 }
 
 /// The error of the file behind one of the CSV writer, which names a full disk.
-pub(crate) fn of_file(error: csv::Error) -> io::Error {
+pub fn of_file(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
         other => io::Error::other(format!("{other:?}")),
@@ -67,6 +67,6 @@ fn guarded(text: String) -> String {
 }
 
 /// Bytes, in hexadecimal.
-pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -5,7 +5,7 @@
 /// unchanged.
 ///
 /// ```
-/// # use sagnac::source::setting::spelled;
+/// # use sagnac_base::source::setting::spelled;
 /// let option = |name: &str, value: &str| (name == "tau").then(|| format!("--{name} {value}"));
 /// assert_eq!(spelled("give `tau = octave` for `gx`", &option), "give --tau octave for `gx`");
 /// ```

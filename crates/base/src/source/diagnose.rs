@@ -14,11 +14,11 @@ use crate::source::setting::spelled;
 const MOST_FILES: usize = 4;
 
 /// The text of a study, or of a file that it names, with the name of that file.
-pub(crate) type Text = Arc<NamedSource<String>>;
+pub type Text = Arc<NamedSource<String>>;
 
 /// A fault at a place of a text, as found by code that does not have the name of the file.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Fault {
+pub struct Fault {
     span: Range<usize>,
     message: String,
     label: String,
@@ -26,8 +26,10 @@ pub(crate) struct Fault {
 }
 
 /// A fault of a study, or of a file that it names.
-pub(crate) enum Wrong {
+pub enum Wrong {
+    /// A fault of the study itself.
     Study(Fault),
+    /// A fault of another file, with its place there.
     Elsewhere(StudyError),
 }
 
@@ -39,7 +41,7 @@ impl From<Fault> for Wrong {
 
 impl Wrong {
     /// Combines the fault with the text of the study; a fault of another file has its own text.
-    pub(crate) fn within(self, text: &Text) -> StudyError {
+    pub fn within(self, text: &Text) -> StudyError {
         match self {
             Wrong::Study(fault) => fault.within(text),
             Wrong::Elsewhere(error) => error,
@@ -50,7 +52,7 @@ impl Wrong {
 impl Fault {
     /// A fault with the complete finding as `message`, a `label` for the text at `span`, and the accepted values as
     /// `help`.
-    pub(crate) fn new(
+    pub fn new(
         span: Range<usize>,
         message: impl Into<String>,
         label: impl Into<String>,
@@ -60,26 +62,26 @@ impl Fault {
     }
 
     /// An error of the TOML text itself.
-    pub(crate) fn from_syntax(what: &str, error: &toml::de::Error) -> Fault {
+    pub fn from_syntax(what: &str, error: &toml::de::Error) -> Fault {
         let help = "a study is a TOML file; values with units stand in quotes, as in frequency = \"20 Hz\"";
         let message = format!("{what} is not valid TOML: {}", error.message().replace('\n', "; "));
         Fault::new(error.span().unwrap_or_default(), message, "here", help)
     }
 
     /// The table at `span` lacks a key.
-    pub(crate) fn missing_key(key: &str, example: &str, span: Range<usize>) -> Fault {
+    pub fn missing_key(key: &str, example: &str, span: Range<usize>) -> Fault {
         let label = if key.contains('.') { "in this table" } else { "in this file" };
         Fault::new(span, format!("the key `{key}` is missing"), label, format!("add it as in\n{example}"))
     }
 
     /// A study of this kind lacks a table.
-    pub(crate) fn missing_table(table: &str, example: &str, kind: &str, kind_span: Range<usize>) -> Fault {
+    pub fn missing_table(table: &str, example: &str, kind: &str, kind_span: Range<usize>) -> Fault {
         let message = format!("a study of kind = \"{kind}\" needs the table [{table}]");
         Fault::new(kind_span, message, "of this kind", format!("add it as in\n{example}"))
     }
 
     /// Combines the fault with its text.
-    pub(crate) fn within(self, text: &Text) -> StudyError {
+    pub fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
         let shown = Place::within(text, self.span.start..end);
         StudyError::new(self.message, self.label, self.help, Some(shown))
@@ -129,7 +131,7 @@ fn bounded(text: String) -> String {
 
 impl StudyError {
     /// `message`: the whole finding; `label`: what stands at what is `shown`; `help`: what to do.
-    pub(crate) fn new(
+    pub fn new(
         message: impl Into<String>,
         label: impl Into<String>,
         help: impl Into<String>,
@@ -148,19 +150,19 @@ impl StudyError {
     }
 
     /// An error that lists several.
-    pub(crate) fn of_several(message: String, several: impl Iterator<Item = StudyError>) -> StudyError {
+    pub fn of_several(message: String, several: impl Iterator<Item = StudyError>) -> StudyError {
         let help = "settle all of them at once";
         StudyError { several: several.collect(), ..StudyError::new(message, "", help, None) }
     }
 
     /// The error for a file that could not be read; `what` names its purpose, such as `the study`, and `help` an
     /// alternative.
-    pub(crate) fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
+    pub fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
         StudyError::new(format!("cannot read {what} {}: {error}", path.display()), "", help, None)
     }
 
     /// The error for a folder in place of a study file, which names the study files in it.
-    pub(crate) fn of_folder(path: &Path) -> StudyError {
+    pub fn of_folder(path: &Path) -> StudyError {
         let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
         let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
         files.retain(|file| file.extension().is_some_and(|end| end == "toml") && file.is_file());
@@ -178,12 +180,12 @@ impl StudyError {
     }
 
     /// The same error with other advice.
-    pub(crate) fn with_help(self, help: &str) -> StudyError {
+    pub fn with_help(self, help: &str) -> StudyError {
         StudyError { help: help.to_owned(), ..self }
     }
 
     /// The same error with its settings in the spelling of a front end; see [`spelled`].
-    pub(crate) fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
+    pub fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);
         }
@@ -218,7 +220,7 @@ impl StudyError {
 const MOST_CHOICES: usize = 200;
 
 /// Help for a wrong name, with the nearest of `known` if one is near, and all of them.
-pub(crate) fn choices(found: &str, known: &[&str]) -> String {
+pub fn choices(found: &str, known: &[&str]) -> String {
     let more = if known.len() > MOST_CHOICES { ", …" } else { "" };
     let accepted = format!("accepted: {}{more}", known[..known.len().min(MOST_CHOICES)].join(", "));
     match nearest(found, known) {
@@ -235,7 +237,7 @@ const LONGEST_SLIP: usize = 100;
 const LEAST_BEGINNING: usize = 3;
 
 /// The most similar name to `found`, if one is close enough: one with a typing error, without its prefix, or cut short.
-pub(crate) fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+pub fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
     if found.len() > LONGEST_SLIP {
         return None;
     }

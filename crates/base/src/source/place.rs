@@ -16,26 +16,26 @@ const SHOWN: usize = 60;
 const LONG: usize = 1000;
 
 /// Text in UTF-8, or else in Latin-1, in which spreadsheets write `°` and `µ`.
-pub(crate) fn decoded(bytes: &[u8]) -> String {
+pub fn decoded(bytes: &[u8]) -> String {
     let text = std::str::from_utf8(bytes).map(str::to_owned);
     text.unwrap_or_else(|_| bytes.iter().copied().map(char::from).collect())
 }
 
 /// A text, or a piece of one of its lines, with the bytes under the caret.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
+pub struct Place {
     text: Text,
     /// Line number of the start of the text in its file, from 1.
     line: usize,
     /// Bytes of that line before the text.
     before: usize,
     /// The bytes under the caret, within the text.
-    pub(crate) span: Range<usize>,
+    pub span: Range<usize>,
 }
 
 impl Place {
     /// The piece around the bytes `span` of line number `line`, which reads `text`.
-    pub(crate) fn new(file: &str, line: usize, text: &[u8], span: Range<usize>) -> Place {
+    pub fn new(file: &str, line: usize, text: &[u8], span: Range<usize>) -> Place {
         let span = span.start.min(text.len())..span.end.min(text.len());
         // A piece must not begin within a character, which would then be shown and counted as another.
         let is_midst = |at: &usize| text[*at] & 0xc0 == 0x80;
@@ -53,7 +53,7 @@ impl Place {
     }
 
     /// The bytes `span` of a whole `text`; of a long line only a piece.
-    pub(crate) fn within(text: &Text, span: Range<usize>) -> Place {
+    pub fn within(text: &Text, span: Range<usize>) -> Place {
         let whole = text.inner();
         let is_end = |c: char| matches!(c, '\n' | '\r');
         let everything = |span| Place { text: text.clone(), line: 1, before: 0, span };
@@ -78,7 +78,7 @@ impl Place {
 
 impl Place {
     /// The same place in a text whose control characters are visible.
-    pub(crate) fn visible(&self) -> Place {
+    pub fn visible(&self) -> Place {
         // A carriage return alone ends a line too, and would take a terminal back to its start.
         let whole = &self.text.inner().replace("\r\n", " \n").replace('\r', "\n");
         let [start, end] = [self.span.start, self.span.end].map(|at| match whole.get(..at) {

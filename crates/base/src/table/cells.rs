@@ -65,7 +65,7 @@ impl Cells {
     }
 
     /// The cells as `text` writes them; a value of a column with few of them is written once.
-    pub(crate) fn texts<F: Fn(&Cell) -> String>(&self, text: F) -> Texts<'_, F> {
+    pub fn texts<F: Fn(&Cell) -> String>(&self, text: F) -> Texts<'_, F> {
         let known = match &self.0 {
             Held::Each(_) => vec![],
             Held::Coded { values, .. } => values.iter().map(&text).collect(),
@@ -74,8 +74,7 @@ impl Cells {
     }
 
     /// The cells, to be changed one by one.
-    #[cfg(test)]
-    pub(crate) fn each(&mut self) -> &mut Vec<Cell> {
+    pub fn to_mut(&mut self) -> &mut Vec<Cell> {
         self.0 = Held::Each(self.iter().cloned().collect());
         match &mut self.0 {
             Held::Each(cells) => cells,
@@ -85,7 +84,7 @@ impl Cells {
 }
 
 /// The cells of a column as texts.
-pub(crate) struct Texts<'c, F> {
+pub struct Texts<'c, F> {
     cells: &'c Cells,
     /// The texts of the values of a column that is stored by them.
     known: Vec<String>,
@@ -94,7 +93,7 @@ pub(crate) struct Texts<'c, F> {
 
 impl<F: Fn(&Cell) -> String> Texts<'_, F> {
     /// The text of a row.
-    pub(crate) fn at(&self, row: usize) -> Cow<'_, str> {
+    pub fn at(&self, row: usize) -> Cow<'_, str> {
         match &self.cells.0 {
             Held::Each(cells) => Cow::Owned((self.text)(&cells[row])),
             Held::Coded { codes, .. } => Cow::Borrowed(&self.known[usize::from(codes[row])]),
@@ -148,7 +147,7 @@ impl fmt::Debug for Cells {
 
 /// A column to which rows are added.
 #[derive(Default)]
-pub(crate) struct Growing {
+pub struct Growing {
     cells: Cells,
     /// The places of the different cells.
     places: Places,
@@ -206,12 +205,13 @@ fn is_same(one: &Cell, other: &Cell) -> bool {
 }
 
 impl Growing {
-    pub(crate) fn into_cells(self) -> Cells {
+    /// The cells that were collected.
+    pub fn into_cells(self) -> Cells {
         self.cells
     }
 
     /// Adds the rows of another column. Where both are stored by their values, each value is looked up once.
-    pub(crate) fn append(&mut self, cells: Cells) {
+    pub fn append(&mut self, cells: Cells) {
         let (values, more) = match cells.0 {
             Held::Each(cells) => return self.extend(cells),
             Held::Coded { values, codes } => (values, codes),

@@ -1,0 +1,16 @@
+//! What every part of sagnac is built on: quantities with units, tables of results, texts with places in them, and progress.
+//!
+//! ```
+//! use sagnac_base::quantity::units::{Dimension, parse};
+//!
+//! let frequency = parse("20 Hz", &[Dimension::Frequency])?;
+//! assert_eq!(frequency.value, 20.0);
+//! # Ok::<(), sagnac_base::quantity::error::UnitError>(())
+//! ```
+
+#![deny(missing_docs)]
+
+pub mod progress;
+pub mod quantity;
+pub mod source;
+pub mod table;
