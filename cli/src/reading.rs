@@ -30,8 +30,8 @@ use crate::words::{list_of, one_of};
 pub struct Reading {
     /// Kind of the numbers: rate or acceleration, angle or velocity gained in each sample (increment), or angle (phase) or velocity
     /// since the start
-    #[arg(help_heading = "Reading the log", long, value_name = "KIND", default_value = "rate", value_parser = data())]
-    data: Data,
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND", value_parser = data())]
+    data: Option<Data>,
     /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec, m/s^2, g, mg; none for plain numbers; one for all columns, or
     /// one for each, separated by commas [default: that of the header]
     #[arg(
@@ -199,7 +199,9 @@ impl Reading {
 
     /// The request for a file with this rate.
     fn request_at(&self, rate: Option<&String>) -> Result<Request, Failure> {
-        let data = self.data;
+        // A unit that is given is that of a rate unless the kind is given too.
+        let is_open = self.unit.is_empty() && self.scale.is_empty();
+        let data = self.data.unwrap_or(Data::Rate);
         // Only one of the two lists can be given.
         let units = self.unit.iter().map(|unit| Unit::parse(unit, data));
         let scales = self.scale.iter().map(|scale| Unit::parse_scale(scale, data));
@@ -222,6 +224,7 @@ impl Reading {
         let hints = Hints { decimal, duplicates, binary };
         let unit = self.temperature_unit.clone();
         let temperature = self.temperature.clone().map(|column| Thermometer { column, unit });
+        let data = self.data.or((!is_open).then_some(data));
         Ok(Request { columns: self.column.clone(), timing, data, units, temperature, hints })
     }
 

@@ -33,6 +33,9 @@ const UNITS_AS_NAMES: [&str; 12] = [
 /// Words of names of increments.
 const INCREMENTS: [&str; 5] = ["delta", "dangle", "dtheta", "increment", "integral"];
 
+/// Words of names of angles since some start.
+const ANGLES: [&str; 3] = ["angle", "theta", "phase"];
+
 /// Words for gyros, without the letter of their axis; `gyr` and what begins with it are others.
 const GYROS: [&str; 5] = ["w", "g", "omega", "ang", "angular"];
 
@@ -130,6 +133,15 @@ impl Name {
         let is_known = |unit: &String| self.unit.as_ref() == Some(unit) || self.is_gyro();
         self.unit_of(data).is_some_and(|unit| fits(&unit) && is_known(&unit))
             && !(is_plain && self.is_auxiliary())
+    }
+
+    /// Whether the name says that its angles are increments, or that they count from some start.
+    pub(crate) fn says(&self, data: Data) -> bool {
+        match data {
+            Data::Rate => false,
+            Data::Increment => self.has_word(&INCREMENTS),
+            Data::Angle => self.has_word(&ANGLES) && !self.has_word(&INCREMENTS),
+        }
     }
 
     /// Whether the name is that of a gyro.

@@ -63,7 +63,7 @@ impl Sample {
             Hints { binary: self.binary.map(|text| Binary::parse(text).unwrap()), ..Hints::default() };
         let columns = self.columns.map(str::to_owned).to_vec();
         let units = vec![Unit::parse("rad/s", Data::Rate).unwrap()];
-        Log::read(path, &Request { columns, timing, data: Data::Rate, units, temperature: None, hints })
+        Log::read(path, &Request { columns, timing, data: Some(Data::Rate), units, temperature: None, hints })
     }
 }
 

@@ -23,7 +23,7 @@ fn every_format_gives_the_bits_of_the_text() {
 /// The columns that a file of rates has.
 fn read(path: &Path, timing: Timing, units: Vec<Unit>) -> Log {
     let (columns, data, hints) = (vec![], Data::Rate, Hints::default());
-    let request = Request { columns, timing, data, units, temperature: None, hints };
+    let request = Request { columns, timing, data: Some(data), units, temperature: None, hints };
     Log::read(path, &request).unwrap_or_else(|error| panic!("{}", error.render(false, 100)))
 }
 
@@ -104,7 +104,7 @@ fn plain(path: &Path, columns: &[&str]) -> Result<Log, String> {
     let columns: Vec<String> = columns.iter().map(|&column| column.to_owned()).collect();
     let units = vec![Unit::parse("none", Data::Rate).unwrap()];
     let (timing, hints) = (Timing::Step(0.01), Hints::default());
-    let request = Request { columns, timing, data: Data::Rate, units, temperature: None, hints };
+    let request = Request { columns, timing, data: Some(Data::Rate), units, temperature: None, hints };
     Log::read(path, &request).map_err(|error| error.render(false, 200))
 }
 

@@ -51,7 +51,7 @@ fn log(data: Data, samples: &[f64], temperature: impl Fn(usize) -> Option<f64>) 
     let request = Request {
         columns: vec![],
         timing: Timing::Stamps { step_s: Some(1.0), column: None, unit: None },
-        data,
+        data: Some(data),
         units: vec![Unit::parse(unit, data).unwrap()],
         temperature: Some(Thermometer { column: "t".to_owned(), unit: None }),
         hints: Hints::default(),

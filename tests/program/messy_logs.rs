@@ -176,6 +176,46 @@ fn what_a_header_of_stable32_contradicts_is_said() {
 }
 
 #[test]
+fn names_and_units_say_whether_angles_are_increments() {
+    let desk = Desk::with("");
+    let mut theta = 0.0;
+    let rows: Vec<[f64; 3]> = noise(600)
+        .map(|rate| {
+            theta += 0.01 * rate;
+            [rate, 0.01 * rate, theta]
+        })
+        .collect();
+    let of = |name: &str, column: usize| {
+        let row = |(i, row): (usize, &[f64; 3])| format!("{},{}\n", 0.01 * i as f64, row[column]);
+        desk.write(
+            "log.csv",
+            &format!("time [s],{name}\n{}", rows.iter().enumerate().map(row).collect::<String>()),
+        );
+        desk.sagnac("allan log.csv --bootstrap 0 --fit N --out out")
+    };
+    let n = |ended: &crate::desk::Ended| {
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        let row = desk.table("out/coefficients.csv").remove(0);
+        row["value"].parse::<f64>().unwrap()
+    };
+    let rates = of("gz [deg/s]", 0);
+    assert!(!rates.stderr.contains("is read as"), "{}", rates.stderr);
+    let expected = n(&rates);
+    for (name, column, kind) in [
+        ("delta_angle_z [deg]", 1, "increment"),
+        ("dtheta [deg]", 1, "increment"),
+        ("theta [deg]", 2, "angle"),
+    ] {
+        let ended = of(name, column);
+        assert!(ended.stderr.contains(&format!("`{name}` is read as --data {kind}")), "{}", ended.stderr);
+        // A record of angles has one increment less.
+        assert!((n(&ended) / expected - 1.0).abs() < 0.01, "{name}");
+    }
+    let heading = of("heading [deg]", 2);
+    assert!(heading.code == 3 && heading.stderr.contains("is an angle"), "{}", heading.stderr);
+}
+
+#[test]
 fn a_raw_binary_file_is_refused_without_its_bytes_and_read_by_its_layout() {
     let rows: Vec<(usize, f64)> = lossy().collect();
     let bytes: Vec<u8> =

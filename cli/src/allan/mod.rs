@@ -69,6 +69,7 @@ fn of_log(
 ) -> Result<Option<Value>, Failure> {
     let treatment = options.reading.treatment();
     let (mut log, temperature) = options.reading.read_as_recorded(path, request)?;
+    options.check_record(&log)?;
     limits::apply(&options.limit, &log)?;
     let (asked, progress) = (options.asked(), options.output.progress());
     let of = |log: &Log| Analysis::of(log, path, &treatment, &asked, &progress);

@@ -138,7 +138,6 @@ impl Options {
                 return Err(Failure::Usage(message));
             }
         }
-        self.check_record(request)?;
         let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
         match &self.kalibr {
             None => Ok(()),
@@ -151,12 +150,12 @@ impl Options {
     }
 
     /// Checks that the record can be written.
-    fn check_record(&self, request: &Request) -> Result<(), Failure> {
+    pub fn check_record(&self, log: &Log) -> Result<(), Failure> {
         if self.record.is_none() {
             return Ok(());
         }
         let treatment = self.reading.treatment();
-        if request.data == Data::Angle && (treatment.outliers_removed || treatment.events_removed) {
+        if log.data == Data::Angle && (treatment.outliers_removed || treatment.events_removed) {
             let message = "--record cannot write angles of which increments are missing\nleave out --remove-outliers and --remove-events";
             return Err(Failure::Usage(message.to_owned()));
         }

@@ -39,8 +39,8 @@ pub struct Request {
     pub columns: Vec<String>,
     /// Spacing of the samples.
     pub timing: Timing,
-    /// Quantity of the samples.
-    pub data: Data,
+    /// Quantity of the samples; if absent, what the names and units of the columns say, else rates.
+    pub data: Option<Data>,
     /// One unit for all columns, or one for each; if there are none, that in each column's header.
     pub units: Vec<Unit>,
     /// The column of a temperature to read with the samples, if any; it is never taken for the times.
@@ -88,6 +88,13 @@ pub enum Timing {
     },
 }
 
+impl Request {
+    /// Quantity of the samples.
+    pub(crate) fn data(&self) -> Data {
+        self.data.unwrap_or(Data::Rate)
+    }
+}
+
 impl Log {
     /// Reads the columns of the log at `path` that `request` selects.
     ///
@@ -104,14 +111,14 @@ impl Log {
     ///
     /// # Example
     /// ```
-    /// # use sagnac::record::log::{channel::Log, measure::Data, read::{Hints, Request, Timing}};
+    /// # use sagnac::record::log::{channel::Log, read::{Hints, Request, Timing}};
     /// # let folder = tempfile::tempdir()?;
     /// # let path = &folder.path().join("gyro.csv");
     /// std::fs::write(path, "time [ms],gz [deg/h]\n0,8.1\n10,8.3\n30,8.2\n")?;
     /// let timing = Timing::Stamps { step_s: None, column: Some("time".to_owned()), unit: None };
     /// let columns = vec!["gz".to_owned()];
     /// let (units, hints) = (vec![], Hints::default());
-    /// let request = Request { columns, timing, data: Data::Rate, units, temperature: None, hints };
+    /// let request = Request { columns, timing, data: None, units, temperature: None, hints };
     /// let log = Log::read(path, &request)?;
     /// assert_eq!((log.step_s, log.samples()), (0.01, 4));
     /// assert!(log.channels[0].samples[2].is_nan());
@@ -135,6 +142,10 @@ impl Log {
             return Err(file.refuse(None, &rivals.message, "this header", &rivals.help));
         }
         let words = expanded(&file, &request.columns);
+        let inferred = if request.data.is_none() { data_of(&file, &words) } else { None };
+        notes.extend(inferred.as_ref().map(|(_, note)| note.clone()));
+        let data = inferred.map(|(data, _)| data).or(request.data);
+        let request = &Request { data, ..request.clone() };
         let time = found(&file, &request.timing, &words, taken, &mut notes);
         let (time, is_sure) = faults.take(time).unwrap_or_default();
         let used = [time.map(|time| time.column), taken];
@@ -147,14 +158,14 @@ impl Log {
         // Without a choice of columns, times and units are still examined by one that may be meant.
         let (units, columns) = faults.take(columns).unwrap_or_else(|| {
             let columns = if request.units.is_empty() { likely(&file, used) } else { vec![] };
-            let is_refused = |column: &usize| channel(&file, *column, None, request.data).is_err();
+            let is_refused = |column: &usize| channel(&file, *column, None, request.data()).is_err();
             let examined = columns.iter().copied().find(is_refused).or(columns.first().copied());
             (vec![], examined.into_iter().collect())
         });
         let channels = columns
             .iter()
             .enumerate()
-            .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data));
+            .map(|(at, &column)| channel(&file, column, units.get(at).copied().flatten(), request.data()));
         let channels: Vec<Channel> = channels.filter_map(|channel| faults.take(channel)).collect();
         let all = time.iter().map(|time| time.column).chain(columns.iter().copied()).chain(taken);
         let all: Vec<usize> = all.collect();
@@ -173,7 +184,7 @@ impl Log {
             |column: &usize| !all.contains(column) && file.names().get(*column).is_some_and(is_temperature);
         let others = if has_thermometers { 0..file.columns() } else { 0..0 };
         let others: Vec<usize> = others.filter(is_other).take(MOST_THERMOMETERS).collect();
-        let span = columns.first().filter(|_| request.data == Data::Increment);
+        let span = columns.first().filter(|_| request.data() == Data::Increment);
         let span = span.and_then(|&column| span_of(&file, column)).filter(|span| !all.contains(span));
         let rest = time.and_then(|time| time.rest);
         let rest_column = rest.map(|rest| rest.column);
@@ -225,8 +236,8 @@ impl Log {
                 "the header states steps of {stated} s, but the samples are taken as {step} s apart"
             ));
         }
-        if let Some(stated) = file.data().filter(|stated| *stated != request.data) {
-            let [stated, data] = [stated, request.data].map(Data::name);
+        if let Some(stated) = file.data().filter(|stated| *stated != request.data()) {
+            let [stated, data] = [stated, request.data()].map(Data::name);
             notes.push(format!(
                 "the type in the header stands for `data = {stated}`, but the samples are taken as {data}"
             ));
@@ -251,7 +262,7 @@ impl Log {
         Ok(Log {
             file: file.file,
             step_s,
-            data: request.data,
+            data: request.data(),
             start_s: 0.0,
             is_compensated: false,
             channels,
@@ -331,7 +342,7 @@ fn wanted(
     };
     let others: Vec<usize> = (0..file.columns()).filter(is_other).collect();
     let [measuring, norms] =
-        if request.units.is_empty() { measuring(file, request.data) } else { [vec![], vec![]] };
+        if request.units.is_empty() { measuring(file, request.data()) } else { [vec![], vec![]] };
     match others[..] {
         [_] => Ok(others),
         [] => {
@@ -339,7 +350,7 @@ fn wanted(
             Err(file.refuse(None, "there is no column besides the time", "the only one", help))
         }
         _ if !measuring.is_empty() => {
-            let (data, names) = (request.data.name(), names_of(file, &measuring));
+            let (data, names) = (request.data().name(), names_of(file, &measuring));
             notes.push(format!("all columns whose units fit `data = {data}` are read: {names}"));
             if !norms.is_empty() {
                 let names = names_of(file, &norms);
@@ -353,7 +364,7 @@ fn wanted(
                 let name = file.names().get(column).filter(|name| !name.bare.contains([',', ' ', '`']));
                 name.map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
             };
-            let proposed = proposed(file, request.data, taken);
+            let proposed = proposed(file, request.data(), taken);
             let names: Vec<String> = proposed.iter().take(MOST_LISTED).map(name).collect();
             let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
             let may_differ = proposed.len() > 1 && request.units.is_empty() && !proposed.iter().all(is_gyro);
@@ -372,6 +383,27 @@ fn wanted(
     }
 }
 
+/// What the columns that are named, else all, measure by their names and units, with a note; `None` where that is rates, or nothing
+/// says it.
+fn data_of(file: &Recording, words: &[String]) -> Option<(Data, String)> {
+    if let Some(data) = file.data() {
+        return Some((data, format!("the header states `data = {}`", data.name())));
+    }
+    let is_wanted = |column: &usize| {
+        words.is_empty() || words.iter().any(|word| file.find(word, None).is_ok_and(|found| found == *column))
+    };
+    let names: Vec<&Name> =
+        (0..file.columns()).filter(is_wanted).filter_map(|column| file.names().get(column)).collect();
+    if names.iter().any(|name| name.measures(Data::Rate)) {
+        return None;
+    }
+    let is_said = |data: Data| move |name: &&&Name| name.measures(data) && name.says(data);
+    let [increment, angle] =
+        [Data::Increment, Data::Angle].map(|data| Some((data, *names.iter().find(is_said(data))?)));
+    let (data, name) = increment.or(angle)?;
+    Some((data, format!("`{}` is read as `data = {}`", name.whole, data.name())))
+}
+
 /// All columns that may have samples, but not those with a unit of another quantity.
 ///
 /// # Errors
@@ -383,7 +415,7 @@ fn all(
     notes: &mut Vec<String>,
 ) -> Result<Vec<usize>, RecordError> {
     let likely = likely(file, taken);
-    let fits = |name: &Name| name.unit.is_none() || name.measures(request.data);
+    let fits = |name: &Name| name.unit.is_none() || name.measures(request.data());
     let fitting: Vec<usize> =
         likely.iter().copied().filter(|&column| file.names().get(column).is_none_or(fits)).collect();
     // Where no unit fits, each is refused with what does.

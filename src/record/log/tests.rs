@@ -19,7 +19,7 @@ fn sample(i: usize) -> f64 {
 fn request(columns: &[&str], timing: Timing) -> Request {
     let columns = columns.iter().map(|column| (*column).to_owned()).collect();
     let units = vec![Unit::parse("deg/h", Data::Rate).unwrap()];
-    Request { columns, timing, data: Data::Rate, units, temperature: None, hints: Hints::default() }
+    Request { columns, timing, data: Some(Data::Rate), units, temperature: None, hints: Hints::default() }
 }
 
 fn stamps(column: &str, unit: Option<&str>) -> Timing {

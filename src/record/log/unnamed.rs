@@ -22,7 +22,7 @@ pub(super) fn unnamed(file: &Recording, request: &Request, taken: [Option<usize>
     }
     let mut settings: Vec<String> = time.into_iter().map(|(_, setting)| setting).collect();
     if lacks_columns {
-        let columns = proposed(file, request.data, taken);
+        let columns = proposed(file, request.data(), taken);
         settings.push(format!("`column = {}`", numbers_of(columns.iter().take(MOST_LISTED))));
     }
     if lacks_units {
@@ -34,7 +34,7 @@ pub(super) fn unnamed(file: &Recording, request: &Request, taken: [Option<usize>
         }
         _ => String::new(),
     };
-    let units = if lacks_units { format!("; {}", expected(request.data)) } else { String::new() };
+    let units = if lacks_units { format!("; {}", expected(request.data())) } else { String::new() };
     let message = format!("the file has no header: say what its {} columns are", file.columns());
     let help = format!("give {}{parts}{units}", settings.join(", "));
     Some(file.refuse(None, &message, "these are the columns", &help))

@@ -46,7 +46,7 @@ fn requests() -> Vec<Request> {
     let request = |columns: &[&str], timing: Timing, data: Data, unit: Option<&str>| Request {
         columns: columns.iter().map(|&column| column.to_owned()).collect(),
         timing,
-        data,
+        data: Some(data),
         units: unit.iter().map(|unit| Unit::parse(unit, data).unwrap()).collect(),
         temperature: None,
         hints: Hints::default(),
@@ -101,7 +101,7 @@ fn record(text: &str) -> Outcome {
 
 fn log(folder: &Folder, request: &Request) -> Outcome {
     match analysed(folder, request) {
-        Ok(()) => Outcome::Accepted(format!("log of {}s", request.data.name())),
+        Ok(()) => Outcome::Accepted(format!("log of {}s", request.data.unwrap().name())),
         Err(error) => {
             assert!(!error.render(false, 110).trim().is_empty());
             // The file's name is none of its words.
