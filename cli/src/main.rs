@@ -18,7 +18,6 @@ macro_rules! note {
 mod allan;
 mod bench;
 mod chart;
-mod charts;
 mod check;
 mod compare;
 mod design;

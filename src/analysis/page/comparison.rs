@@ -26,6 +26,7 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
     let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
     Page {
         title: format!("{} and {} compared", a.label, b.label),
+        scope: String::new(),
         subtitle: analysis.treatment().summary(),
         answer: decision.answer.clone(),
         notes: notes(analysis),

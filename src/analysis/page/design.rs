@@ -30,6 +30,7 @@ pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Pag
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
+        scope: String::new(),
         subtitle: "How often should the gyro switch, and with which filler?".to_owned(),
         answer: found.answer(sheet),
         notes: found.notes.clone(),

@@ -19,10 +19,12 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     });
     let fillers = std::iter::once(Block::Grid(of_designs(firmware)));
     let weights = firmware.designs.iter().flat_map(|design| weights::blocks(firmware, design));
-    let header = vec![Block::File("sagnac_filler.h", firmware.header()), study_file(study, study.trials)];
+    let header =
+        vec![Block::File("sagnac_filler.h".to_owned(), firmware.header()), study_file(study, study.trials)];
     let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
     Page {
         title: firmware.title.clone(),
+        scope: String::new(),
         subtitle: format!("Weights for a gap of {} lost {ticks}{place}", firmware.gap_ticks),
         answer: firmware.answer(),
         notes: vec![],

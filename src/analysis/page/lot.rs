@@ -20,6 +20,7 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: format!("A batch of {} units", lot.labels.len()),
+        scope: String::new(),
         subtitle: figures::subtitle(lot),
         answer: decision.answer.clone(),
         notes: notes(lot),

@@ -9,6 +9,7 @@
 //! Lot, Design, Firmware ─── of_lot, of_design, of_filler ─▶ Page
 //! models for filters ─────────────────────────── of_model ─▶ Page
 //! Sensitivity ────────────────────────── of_sensitivity ─▶ Page
+//! store and tables of a study ─ Results ──────────── page ─▶ Page
 //! ```
 
 mod coefficients;
@@ -23,6 +24,7 @@ mod model;
 mod record;
 mod sensitivity;
 mod spectrum;
+mod study;
 mod trace;
 mod values;
 mod weights;
@@ -34,6 +36,7 @@ pub use crate::analysis::page::further::{of_dynamic, of_navigators, of_temperatu
 pub use crate::analysis::page::lot::of_lot;
 pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;
+pub use crate::analysis::page::study::Results;
 
 use crate::analysis::log::{self, events, figures, noise_file, notes};
 use crate::analysis::page::values::range;
@@ -68,6 +71,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
     ];
     Page {
         title: format!("Noise of {file}"),
+        scope: String::new(),
         subtitle: format!("{}; {}", notes::heading(noise), noise.treatment.summary()),
         answer,
         notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
@@ -109,7 +113,7 @@ fn deviations(noise: &log::Analysis) -> Section {
 
 /// The text of a study, with this number of trials.
 fn study_file(study: &Study, trials: u64) -> Block {
-    Block::File("study.toml", study.resolved(trials))
+    Block::File("study.toml".to_owned(), study.resolved(trials))
 }
 
 fn chart(stem: &str, picture: Picture) -> Block {

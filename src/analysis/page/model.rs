@@ -20,13 +20,15 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
     let curves = charts.chain(columns().map(|column| curve(analysis, column))).collect();
     let coefficients = columns().map(|column| Block::Grid(coefficients(column))).collect();
     let at_rate = columns().flat_map(|column| matrices(analysis, column)).collect();
-    let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name, text)).collect();
+    let files =
+        texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name.to_owned(), text)).collect();
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: format!(
             "Noise model of {}",
             analysis.source.path.file_name().unwrap_or_default().to_string_lossy()
         ),
+        scope: String::new(),
         subtitle: analysis.source.heading.clone(),
         answer: analysis.answer(),
         notes: notes(analysis),

@@ -18,6 +18,7 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
+        scope: String::new(),
         subtitle: format!("Which uncertain input drives the {}?", found.answer.label),
         answer: found.answer(),
         notes: found.notes.clone(),
