@@ -32,7 +32,6 @@ mod look;
 mod merge;
 mod model;
 mod new;
-mod one_point;
 mod outcome;
 mod output;
 mod planning;

@@ -13,6 +13,7 @@ mod values;
 
 use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
+use crate::analysis::role::{Bandless, apart, is_given, less_is_better};
 use crate::answer::reading::{begun, joined, labelled, place, shown, symbol};
 use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status};
 use crate::chart::{Chart, Limit, Source};
@@ -27,8 +28,6 @@ use crate::view::chart::from_table::axis_unit;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::{Drawn, refused};
-use crate::view::report::bandless::Bandless;
-use crate::view::report::role::{apart, is_given, less_is_better};
 
 /// The rows that answer the question of a study.
 pub(super) struct Question<'t> {

@@ -11,15 +11,10 @@
 //! winner maps with hatching, slices, keyboard control and printing takes a megabyte, or uses a canvas that neither
 //! prints sharply nor works with a screen reader.
 
-pub(crate) mod bandless;
 mod data;
 pub mod gallery;
 mod html;
-pub(crate) mod notch;
-pub(crate) mod role;
 pub mod sections;
-#[cfg(test)]
-mod tests;
 mod text;
 
 pub use crate::view::report::gallery::{CARD, Card, MARKS, gallery};

@@ -107,7 +107,7 @@ impl Page {
     /// The notes attached to the results, each once, with those on charts first.
     pub fn all_notes(&self) -> Vec<String> {
         let mut of_charts: Vec<(&str, String)> = Vec::new();
-        for drawn in self.charts() {
+        for drawn in self.figures() {
             let Some(note) = &drawn.note else { continue };
             match of_charts.iter_mut().find(|(earlier, _)| earlier == note) {
                 Some((_, stems)) => *stems += &format!(", {}", drawn.stem),
