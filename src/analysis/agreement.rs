@@ -65,9 +65,8 @@ pub(crate) fn section(table: &Table) -> Section {
         text += " Representation is the relative difference of the closed forms for the sampled integers and for the inputs.";
     }
     let head = ["quantity", "values with a closed form", "rms z", "max |z|", "where", "expected"];
-    let grid = Grid { head: head.map(str::to_owned).into(), rows };
-    let blocks = if grid.rows.is_empty() { vec![] } else { vec![Block::Text(text), Block::Grid(grid)] };
-    Section { id: "closed-forms", heading: "Closed forms", blocks }
+    let blocks = (!rows.is_empty()).then(|| [Block::Text(text), Block::Grid(Grid::new(head, rows))]);
+    Section::new("closed-forms", "Closed forms", blocks.into_iter().flatten())
 }
 
 /// The p quantile of the largest of n independent standard normal magnitudes, below which all n lie with probability p.

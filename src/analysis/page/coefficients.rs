@@ -28,7 +28,7 @@ pub(crate) fn section(noise: &Analysis) -> Section {
     ];
     let facts: Vec<_> = facts.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
     let facts = (!facts.is_empty()).then_some(Block::Facts(facts));
-    Section { id: "coefficients", heading: "Coefficients", blocks: grids.chain(facts).collect() }
+    Section::new("coefficients", "Coefficients", grids.chain(facts))
 }
 
 /// A row for each coefficient.
@@ -40,11 +40,9 @@ fn of_one(column: &Column) -> Grid {
         };
         let value = row.value.map_or_else(String::new, |value| significant(value, 4));
         [row.name.to_owned(), value, interval, row.symbol.to_owned(), row.verdict.to_owned()]
-            .map(Cell::from)
-            .into()
     };
-    let head = ["coefficient", "value", "95 % interval", "unit", "status"].map(str::to_owned);
-    Grid { head: head.into(), rows: column.coefficients().iter().map(row).collect() }
+    let head = ["coefficient", "value", "95 % interval", "unit", "status"];
+    Grid::new(head, column.coefficients().iter().map(row))
 }
 
 /// A row for each coefficient, with a cell for each column.
@@ -56,11 +54,10 @@ fn of_several(columns: &[&Column]) -> Grid {
             own.map_or_else(Cell::default, cell)
         };
         let named = [first.name, first.symbol].map(Cell::from);
-        named.into_iter().chain(columns.iter().map(cell)).collect()
+        named.into_iter().chain(columns.iter().map(cell)).collect::<Vec<_>>()
     };
-    let head = ["coefficient", "unit"].map(str::to_owned).into_iter();
-    let head = head.chain(columns.iter().map(|column| column.name.clone())).collect();
-    Grid { head, rows: found.iter().map(row).collect() }
+    let head = ["coefficient", "unit"].into_iter().chain(columns.iter().map(|column| &*column.name));
+    Grid::new(head, found.iter().map(row))
 }
 
 /// A value over its interval, or a bound over the verdict.

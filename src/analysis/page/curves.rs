@@ -39,11 +39,11 @@ fn of_one(curve: &Curve, unit: Unit, percent: &str) -> Grid {
         let [tau, terms] = [significant(point.tau_s, 7), point.terms.to_string()];
         let value = point.value.map_or_else(String::new, |value| significant(value, 4));
         let ends = point.interval.map_or_else(String::new, |ends| interval(ends.into()));
-        [tau, terms, value, ends, kind].map(Cell::from).into()
+        [tau, terms, value, ends, kind]
     };
     let ends = format!("{percent} interval");
     let head = ["τ, s", "number", curve.deviation.name(), &ends, "noise"];
-    Grid { head: head.map(str::to_owned).into(), rows: curve.points.iter().map(row).collect() }
+    Grid::new(head, curve.points.iter().map(row))
 }
 
 /// A row for each averaging time, with a cell for each column.
@@ -55,8 +55,8 @@ fn of_several(curves: &[&Curve], columns: &[&Column]) -> Grid {
             point.value.map_or_else(Cell::default, |value| Cell { text: significant(value, 4), below })
         };
         let tau = significant(curves[0].points[at].tau_s, 7).into();
-        std::iter::once(tau).chain(curves.iter().map(cell)).collect()
+        std::iter::once(tau).chain(curves.iter().map(cell)).collect::<Vec<_>>()
     };
-    let head = std::iter::once("τ, s".to_owned()).chain(columns.iter().map(|column| column.name.clone()));
-    Grid { head: head.collect(), rows: (0..curves[0].points.len()).map(row).collect() }
+    let head = std::iter::once("τ, s").chain(columns.iter().map(|column| &*column.name));
+    Grid::new(head, (0..curves[0].points.len()).map(row))
 }

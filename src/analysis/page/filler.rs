@@ -6,14 +6,13 @@ use crate::kinds::gap_fill::judged::{Judged, deviation};
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use crate::view::report::sections::{Block, Grid, Page, Section};
 
 /// The page of fillers at a point of a study.
 pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     let ticks = if firmware.gap_ticks == 1 { "tick" } else { "ticks" };
     let place = firmware.place();
     let place = if place.is_empty() { place } else { format!(", at {place}") };
-    let section = |id, heading, blocks| Section { id, heading, blocks };
     let search = firmware.trade.as_ref().map_or(vec![], |trade| {
         vec![chart("trade", Picture::Curves(trade.figure())), Block::Grid(of_trade(trade))]
     });
@@ -29,14 +28,14 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
         answer: firmware.answer(),
         notes: vec![],
         sections: vec![
-            section("search", "Ticks before and after the gap", search),
-            section("fillers", "Fillers", fillers.chain(weights).collect()),
-            section(
+            Section::new("search", "Ticks before and after the gap", search),
+            Section::new("fillers", "Fillers", fillers.chain(weights)),
+            Section::new(
                 "response",
                 "Response to vibration",
-                vec![chart("response", Picture::Curves(firmware.response()))],
+                [chart("response", Picture::Curves(firmware.response()))],
             ),
-            section("source", "For the firmware", header),
+            Section::new("source", "For the firmware", header),
         ],
         tables: trade.into_iter().chain([("weights.csv", firmware.weights())]).collect(),
     }
@@ -55,16 +54,15 @@ fn of_designs(firmware: &Firmware) -> Grid {
     let row = |design: &Design| {
         let rule = &design.interpolation;
         let ticks: Vec<String> = rule.ticks.iter().map(|tick| tick.to_string().replace('-', "−")).collect();
-        let cells = [
+        [
             design.name.clone(),
             ticks.join(", "),
             significant(rule.whole().noise_gain(), 4),
             number(design.errors[0].rms),
             number(design.judged.map(of_shifted)),
-        ];
-        cells.map(Cell::from).into()
+        ]
     };
-    Grid { head: head.map(str::to_owned).into(), rows: firmware.designs.iter().map(row).collect() }
+    Grid::new(head, firmware.designs.iter().map(row))
 }
 
 /// The best numbers of ticks before the gap for each number after it.
@@ -74,7 +72,7 @@ fn of_trade(trade: &Trade) -> Grid {
         let Candidate { before, after, rms, level, .. } = one;
         let [latency, rms, level] =
             [1e3 * trade.latency_s(one), rms, level].map(|value| significant(value, 4));
-        [after.to_string(), latency, before.to_string(), rms, level].map(Cell::from).into()
+        [after.to_string(), latency, before.to_string(), rms, level]
     };
-    Grid { head: head.map(str::to_owned).into(), rows: trade.rows().into_iter().map(row).collect() }
+    Grid::new(head, trade.rows().into_iter().map(row))
 }

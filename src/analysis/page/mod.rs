@@ -47,7 +47,7 @@ use crate::study::Study;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use crate::view::report::sections::{Block, Grid, Page, Section};
 
 /// The page of a log from its analysis and its answer. If it has no spectra, `without` says why.
 pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&NoSpectrum>) -> Page {
@@ -82,11 +82,8 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
 
 /// The section on what records show besides noise.
 fn shown(heading: &'static str, rows: &[events::Row]) -> Section {
-    let head = events::HEADING.map(str::to_owned).into();
-    let rows = events::list(rows).into_iter().map(|line| line.into_iter().map(Cell::from).collect());
-    let grid = Grid { head, rows: rows.collect() };
-    let blocks = if grid.rows.is_empty() { vec![] } else { vec![Block::Grid(grid)] };
-    Section { id: "events", heading, blocks }
+    let grid = (!rows.is_empty()).then(|| Block::Grid(Grid::new(events::HEADING, events::list(rows))));
+    Section::new("events", heading, grid)
 }
 
 /// The section on the curves, with the range of the fit if there is a single column.
@@ -108,7 +105,7 @@ fn deviations(noise: &log::Analysis) -> Section {
         blocks.insert(blocks.len().min(1), residuals);
     }
     blocks.extend(curves::tables(noise));
-    Section { id: "deviations", heading: "Deviations", blocks }
+    Section::new("deviations", "Deviations", blocks)
 }
 
 /// The text of a study, with this number of trials.

@@ -44,7 +44,7 @@ pub(crate) fn section(log: &Log, analysis: &Analysis) -> Section {
     });
     let mut blocks = charts(&recorded.collect::<Vec<_>>(), "columns");
     blocks.push(Block::Facts(facts(analysis)));
-    Section { id: "record", heading: "Record", blocks }
+    Section::new("record", "Record", blocks)
 }
 
 fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {

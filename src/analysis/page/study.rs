@@ -85,11 +85,10 @@ impl<'a> Results<'a> {
     /// [`Table::write_csv`] returned.
     pub fn page(self, digest: &str) -> Page {
         let study = self.plan.study();
-        let made = Section { id: "source", heading: "How it was made", blocks: self.made(digest) };
+        let made = Section::new("source", "How it was made", self.made(digest));
         let mut charts = self.charts;
         // The chart that the answer marks is first.
         charts.sort_by_key(|drawn| !drawn.picture.is_marked());
-        let charts = charts.into_iter().map(Block::Chart).collect();
         let trials = self.plan.is_sampled().then(|| format!(" × {} trials", short(study.trials as f64)));
         Page {
             title: study.title.clone(),
@@ -98,7 +97,7 @@ impl<'a> Results<'a> {
             answer: self.answer,
             notes: self.notes,
             sections: vec![
-                Section { id: "charts", heading: "Charts", blocks: charts },
+                Section::new("charts", "Charts", charts.into_iter().map(Block::Chart)),
                 agreement::section(&self.tables.points),
                 made,
             ],

@@ -41,7 +41,7 @@ fn weights(firmware: &Firmware, rule: &Rule, letter: char) -> Grid {
     });
     let single: Vec<Weights> = single.collect();
     let names = (1..=single.len()).map(|j| format!("{letter}{j}"));
-    let head = std::iter::once("tick".to_owned()).chain(names).chain(["sum".to_owned()]).collect();
+    let head = std::iter::once("tick".to_owned()).chain(names).chain(["sum".to_owned()]);
     let columns: Vec<Weights> = single.into_iter().chain([whole]).collect();
     let fractions: Option<Vec<Vec<String>>> = columns.iter().map(fractions).collect();
     let cells: Vec<Vec<Cell>> = match fractions {
@@ -52,9 +52,9 @@ fn weights(firmware: &Firmware, rule: &Rule, letter: char) -> Grid {
     };
     let row = |(place, tick): (usize, &i32)| {
         let cells = cells.iter().map(|column| column[place].clone());
-        std::iter::once(minus(&tick.to_string()).into()).chain(cells).collect()
+        std::iter::once(minus(&tick.to_string()).into()).chain(cells).collect::<Vec<_>>()
     };
-    Grid { head, rows: rule.ticks.iter().enumerate().map(row).collect() }
+    Grid::new(head, rule.ticks.iter().enumerate().map(row))
 }
 
 fn facts(firmware: &Firmware, rule: &Rule, closed: Closed) -> Vec<(&'static str, Vec<String>)> {

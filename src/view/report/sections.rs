@@ -80,6 +80,28 @@ pub struct Cell {
     pub below: String,
 }
 
+impl Grid {
+    /// A table of cells that are texts, or texts with a smaller one below.
+    pub(crate) fn new<R: IntoIterator<Item: Into<Cell>>>(
+        head: impl IntoIterator<Item: Into<String>>,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Grid {
+        let row = |row: R| row.into_iter().map(Into::into).collect();
+        Grid { head: head.into_iter().map(Into::into).collect(), rows: rows.into_iter().map(row).collect() }
+    }
+}
+
+impl Section {
+    /// A section with these blocks.
+    pub(crate) fn new(
+        id: &'static str,
+        heading: &'static str,
+        blocks: impl IntoIterator<Item = Block>,
+    ) -> Section {
+        Section { id, heading, blocks: blocks.into_iter().collect() }
+    }
+}
+
 impl From<String> for Cell {
     fn from(text: String) -> Cell {
         Cell { text, below: String::new() }
