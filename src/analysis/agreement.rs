@@ -4,7 +4,7 @@ use statrs::function::erf::erfc_inv;
 
 use crate::answer::Check;
 use crate::answer::reading::capitalized;
-use crate::quantity::number::{percent, significant};
+use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table};
 use crate::view::report::sections::{Block, Cell as GridCell, Grid, Section};
 
@@ -61,7 +61,8 @@ pub(crate) fn section(table: &Table) -> Section {
         .to_owned();
     let columns = table.columns.iter().filter(|column| column.role == Role::Representation);
     if let Some(one) = Agreement::new("representation".to_owned(), columns).filter(|_| !rows.is_empty()) {
-        rows.push(row(&one, &percent, "", "within the bound of rounding".to_owned()));
+        let percent = |part: f64| format!("{} %", significant(100.0 * part, 2));
+        rows.push(row(&one, &percent, "", "within rounding".to_owned()));
         text += " Representation is the relative difference of the closed forms for the sampled integers and for the inputs.";
     }
     let head = ["quantity", "values with a closed form", "rms z", "max |z|", "where", "expected"];
