@@ -4,7 +4,7 @@ use sagnac::chart::{Chart, Source};
 use sagnac::quantity::number::significant;
 use sagnac::run::Tables;
 use sagnac::study::Study;
-use sagnac::table::text::{aligned, distinct, pivot};
+use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::view::chart::notes::ChartError;
 use sagnac::view::chart::stack::Shown as Curves;
@@ -22,8 +22,10 @@ pub(crate) fn summary(study: &Study, tables: &Tables, curves: &[Curves]) -> Resu
         Some((chart, shown)) if !(shown.is_supplied(chart) && study.sweeps.is_empty()) => {
             of_chart(study, points, shown, chart).map_err(|error| refused(study, chart, &error))?
         }
-        _ if study.sweeps.is_empty() && brief.iter().any(|column| column.role == Role::Key) => listed(&brief),
-        _ if study.sweeps.is_empty() && !brief.is_empty() => one_point(points),
+        _ if study.sweeps.is_empty() && !brief.is_empty() => {
+            let keys = points.columns.iter().filter(|column| column.role == Role::Key && !column.brief);
+            listed(&keys.chain(brief).collect::<Vec<_>>())
+        }
         _ => undrawn(study, points).map_err(failed)?,
     };
     let mut text = shown;
@@ -121,37 +123,4 @@ fn coefficients_found(study: &Study, table: &Table) -> String {
 
 fn points_of(study: &Study) -> usize {
     study.sweeps.iter().map(|sweep| sweep.values.len()).product()
-}
-
-/// A line for each filler with the estimates of a summary for each error.
-fn one_point(table: &Table) -> String {
-    let keys: Vec<&Column> = table.columns.iter().filter(|column| column.role == Role::Key).collect();
-    let estimates: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
-    let [fillers, errors] = keys[..] else { return String::new() };
-    // The word that all labels share is omitted.
-    let name = |column: &Column| column.label.trim_end_matches(" error").to_owned();
-    let different = |column: &Column| -> Vec<String> {
-        let texts: Vec<String> = column.cells.iter().map(Cell::text).collect();
-        distinct(texts.iter()).1.into_iter().map(|first| texts[first].clone()).collect()
-    };
-    let (names, kinds) = (different(fillers), different(errors));
-    let row_of = |filler: &str, error: &str| {
-        (0..table.rows())
-            .find(|&row| fillers.cells[row].text() == filler && errors.cells[row].text() == error)
-    };
-    let mut lines = vec![vec![fillers.label.clone()]];
-    lines.extend(names.iter().map(|name| vec![name.clone()]));
-    for (kind, column) in kinds.iter().flat_map(|kind| estimates.iter().map(move |column| (kind, column))) {
-        let values: Vec<Option<f64>> =
-            names.iter().map(|name| column.cells[row_of(name, kind)?].number()).collect();
-        // What is sampled has a band, and is shown even where it is blank.
-        if column.band.is_none() && values.iter().all(Option::is_none) {
-            continue;
-        }
-        lines[0].push(format!("{kind} {}, {}", name(column), column.unit.symbol));
-        for (line, value) in lines[1..].iter_mut().zip(values) {
-            line.push(value.map_or_else(String::new, |value| significant(value, 4)));
-        }
-    }
-    aligned(&lines, look::columns())
 }

@@ -4,7 +4,7 @@ use crate::analysis::lot::answer::notes;
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Found, Lot, figures, tables};
 use crate::analysis::page::chart;
-use crate::analysis::page::values::interval;
+use crate::analysis::page::interval;
 use crate::analysis::requirement::Decision;
 use crate::quantity::number::probability;
 use crate::quantity::number::significant;

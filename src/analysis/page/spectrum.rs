@@ -5,7 +5,7 @@ use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
 use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
-use crate::analysis::page::values::{in_unit, interval};
+use crate::analysis::page::{in_unit, interval};
 use crate::analysis::spectrum::notes::{method, symbol};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
 use crate::quantity::number::probability;
