@@ -63,14 +63,14 @@ impl Outcome {
         }
         let card = self.page.card(&|text| in_options(&text));
         folder.write(CARD, json!(card).to_string().as_bytes())?;
-        self.save_beside_tables(folder, names)
+        self.save_page(folder, names)
     }
 
-    /// Writes all files but the tables and the card, as [`Outcome::save`] does.
+    /// Writes the page with its charts and the further files, and removes what [`Outcome::save`] removes.
     ///
     /// # Errors
     /// Those of [`Outcome::save`].
-    pub fn save_beside_tables(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
+    pub fn save_page(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
         for (name, contents) in &self.files {
             folder.write(name, contents)?;
         }

@@ -35,7 +35,7 @@ pub struct Printed {
     /// Also print the tables
     #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
     pub table: bool,
-    /// Also print all notes, and of a study where each curve crosses the limit
+    /// Also print all notes and the sections of the page
     #[arg(help_heading = "Output", long, short, conflicts_with_all = ["json", "quiet"])]
     pub verbose: bool,
     /// Also draw the first chart as text

@@ -143,7 +143,7 @@ impl Ran<'_> {
             name.strip_suffix(".svg").or(name.strip_suffix(".png")).is_some_and(is_chart_stem)
         };
         pictures.retain(stem);
-        outcome.save_beside_tables(folder, &pictures.iter().map(String::as_str).collect::<Vec<_>>())?;
+        outcome.save_page(folder, &pictures.iter().map(String::as_str).collect::<Vec<_>>())?;
         progress.clear();
         if !self.json && !(shown.quiet && *lacking > 0) {
             outcome.show(shown, self.path)?;
