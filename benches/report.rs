@@ -9,8 +9,7 @@ use sagnac::table::{Table, Unit};
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;
-use sagnac::view::report::Report;
-use sagnac::view::report::source::Source;
+use sagnac::view::report::sections::{Block, Page, Section};
 
 fn main() {
     divan::main();
@@ -33,27 +32,16 @@ fn page(bencher: divan::Bencher, points: usize) {
     bencher.bench_local(|| {
         let (figure, _) = Figure::from_table(&table, &chart("Errors")).unwrap();
         let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: None };
-        let report = Report {
-            title: "Errors",
-            question: "How large are they?",
-            answer: &Answer::default(),
-            notes: &[],
-            charts: &[drawn],
-            tables: vec![(sagnac::chart::Source::Points, &table)],
-            source: &Source {
-                inputs: vec![],
-                study: String::new(),
-                kind: &sagnac::kinds::gap_fill::kind::GAP_FILL,
-                sampled: Some((1, 1000)),
-                stops: false,
-                lacking: 0,
-                points,
-                counts_again: false,
-                provenance: vec![],
-                kernels: "gap_fill 2".to_owned(),
-            },
-            digest: "",
+        let charts = Section { id: "charts", heading: "Charts", blocks: vec![Block::Chart(drawn)] };
+        let page = Page {
+            title: "Errors".to_owned(),
+            subtitle: "How large are they?".to_owned(),
+            scope: String::new(),
+            answer: Answer::default(),
+            notes: vec![],
+            sections: vec![charts],
+            tables: vec![("points.csv", table.clone())],
         };
-        report.html()
+        page.html(&str::to_owned)
     });
 }

@@ -3,7 +3,7 @@
 let plots = 0;
 
 /** The width of a picture on paper, px: its writing is then as large as that beside it. */
-const PAPER = 500;
+const PAPER = 420;
 
 class Plot {
   /** All there are, and whether they are to be printed. */

@@ -18,7 +18,6 @@ macro_rules! note {
 mod allan;
 mod bench;
 mod chart;
-mod charts;
 mod check;
 mod compare;
 mod design;
@@ -33,7 +32,6 @@ mod look;
 mod merge;
 mod model;
 mod new;
-mod one_point;
 mod outcome;
 mod output;
 mod planning;

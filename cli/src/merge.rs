@@ -89,23 +89,16 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
-    let (json, shown) = (options.json, options.printed);
-    let ran = Ran { study: &study, plan: &plan, folder: &results, done: None, lacking, json, shown };
+    let (path, json, shown) = (&*options.out, options.json, options.printed);
+    let ran = Ran { study: &study, plan: &plan, folder: &results, path, done: None, lacking, json, shown };
     let progress = Shown::new(options.progress.how(options.printed.quiet));
-    if let Some(document) = ran.show(&store, &progress)? {
+    let complete = (lacking == 0).then(|| format!("complete; results are in {}", path.display()));
+    if let Some(document) = ran.show(&store, &progress, complete)? {
         print_json(&document)?;
     }
-    options.printed.open_page(&options.out);
     match lacking {
-        0 if options.json || options.printed.quiet => Ok(()),
-        0 => {
-            say!("complete; results are in {}", options.out.display());
-            Ok(())
-        }
-        lacking => {
-            let absent = absent(&shares);
-            Err(Failure::Incomplete { lacking, folder: options.out.clone(), absent })
-        }
+        0 => Ok(()),
+        lacking => Err(Failure::Incomplete { lacking, folder: options.out.clone(), absent: absent(&shares) }),
     }
 }
 

@@ -5,14 +5,18 @@ use std::path::Path;
 use rayon::prelude::*;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
+use sagnac::view::chart::picture::Picture;
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
 use serde_json::{Value, json};
 
-use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
 use crate::look;
-use crate::output::{Printed, csv, write_table};
+use crate::output::{Printed, csv, print, print_drawn, write_table};
+
+/// Notes that are printed in any case, and lines up to which there is room for more of them.
+const MIN_NOTES: usize = 2;
+const MAX_LINES: usize = 20;
 
 /// The results of a command.
 pub struct Outcome {
@@ -20,6 +24,8 @@ pub struct Outcome {
     pub heading: String,
     /// The page, whose charts and tables are files too.
     pub page: Page,
+    /// Tables that are printed before the sections of the page, where tables are asked for.
+    pub details: String,
     /// Further files by their names.
     pub files: Vec<(String, Vec<u8>)>,
     /// What else was written, a line each.
@@ -29,7 +35,7 @@ pub struct Outcome {
 impl Outcome {
     /// Results with a page alone.
     pub fn new(heading: String, page: Page) -> Outcome {
-        Outcome { heading, page, files: vec![], places: vec![] }
+        Outcome { heading, page, details: String::new(), files: vec![], places: vec![] }
     }
 
     /// Adds a table that the page has no room for.
@@ -52,48 +58,97 @@ impl Outcome {
     /// # Errors
     /// A chart cannot be drawn, or a file cannot be written or removed.
     pub fn save(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
-        let mut written: Vec<String> = self.files.iter().map(|(name, _)| name.clone()).collect();
         for (name, table) in &self.page.tables {
             write_table(folder, name, table)?;
-            written.push((*name).to_owned());
         }
+        let card = self.page.card(&|text| in_options(&text));
+        folder.write(CARD, json!(card).to_string().as_bytes())?;
+        self.save_page(folder, names)
+    }
+
+    /// Writes the page with its charts and the further files, and removes what [`Outcome::save`] removes.
+    ///
+    /// # Errors
+    /// Those of [`Outcome::save`].
+    pub fn save_page(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
         for (name, contents) in &self.files {
             folder.write(name, contents)?;
         }
         let charts: Vec<_> = self.page.figures().collect();
-        // In parallel: a chart of 10,000 points takes half a second.
-        charts.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture))?;
-        written.extend(
-            charts.iter().flat_map(|drawn| ["svg", "png"].map(|end| format!("{}.{end}", drawn.stem))),
+        // In parallel: a chart of 10,000 points takes half a second, and the page as long.
+        let (drawn, made) = rayon::join(
+            || charts.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture)),
+            || folder.write(REPORT, self.page.html(&|text| in_options(&text)).as_bytes()),
         );
+        drawn?;
+        made?;
+        let pictures =
+            charts.iter().flat_map(|drawn| ["svg", "png"].map(|end| format!("{}.{end}", drawn.stem)));
+        let names_of_files = self.files.iter().map(|(name, _)| name.clone());
+        let tables = self.page.tables.iter().map(|(name, _)| (*name).to_owned());
+        let written: Vec<String> = pictures.chain(names_of_files).chain(tables).collect();
         for name in folder.listed() {
             if names.iter().any(|own| matches(own, &name)) && !written.contains(&name) {
                 folder.remove(&name)?;
             }
         }
-        let spell = |text: &str| in_options(&text);
-        folder.write(REPORT, self.page.html(&spell).as_bytes())?;
-        folder.write(CARD, json!(self.page.card(&spell)).to_string().as_bytes())?;
         Ok(folder.commit()?)
     }
 
-    /// Prints the answer with what else is asked for.
+    /// Prints the notes, what is asked for of the first chart and the details, the answer and where the files are.
     ///
     /// # Errors
     /// The output cannot be written.
     pub fn show(&self, printed: &Printed, folder: &Path) -> Result<(), Failure> {
-        let plot = || {
-            let first = self.page.figures().next();
-            first.map_or_else(String::new, |drawn| drawn.picture.text(look::of_output()))
-        };
-        let details = || Ok(self.page.text(look::columns(), &|text| in_options(&text)));
-        printed.show(&self.heading, &self.page.answer, &self.page.notes, plot, details)?;
-        if !printed.quiet {
-            self.places.iter().for_each(|place| say!("{place}"));
-        }
-        printed.whereabouts(folder);
+        self.print(printed, folder)?;
+        printed.open_page(folder);
         Ok(())
     }
+
+    fn print(&self, printed: &Printed, folder: &Path) -> Result<(), Failure> {
+        let Outcome { page, heading, details, .. } = self;
+        if printed.quiet {
+            let headline = &page.answer.headline;
+            return if headline.is_empty() { Ok(()) } else { print(headline) };
+        }
+        let text = format!("{}\n{}", look::wrapped(heading, look::width()), page.answer.text(look::width()));
+        let notes = page.all_notes();
+        let room = MAX_LINES.saturating_sub(text.lines().count()).max(MIN_NOTES);
+        let few = if printed.verbose { notes.len() } else { room };
+        notes.iter().take(few).for_each(|note| note!("{}", in_options(note)));
+        if notes.len() > few {
+            note!("{} more with --verbose", notes.len() - few);
+        }
+        if printed.plot {
+            let first = page.figures().next();
+            let plot = first.map_or_else(String::new, |drawn| drawn.picture.text(look::of_output()));
+            print_drawn(&format!("{plot}\n"))?;
+            print("")?;
+        }
+        if printed.table || printed.verbose {
+            let sections = page.text(look::columns(), &|text| in_options(&text));
+            for part in [details, &sections].into_iter().filter(|part| !part.is_empty()) {
+                print(part)?;
+                print("")?;
+            }
+        }
+        print(&text)?;
+        self.places.iter().for_each(|place| say!("{place}"));
+        say!("report {}", folder.join(REPORT).display());
+        Ok(())
+    }
+}
+
+/// Writes a chart as `<stem>.svg` and `<stem>.png`.
+///
+/// # Errors
+/// It cannot be drawn or written.
+pub fn write_pictures(folder: &Folder, stem: &str, picture: &Picture) -> Result<(), Failure> {
+    let png =
+        picture.png(2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+    folder.write(&format!("{stem}.svg"), picture.svg().as_bytes())?;
+    folder.write(&format!("{stem}.png"), &png)?;
+    Ok(())
 }
 
 /// Whether a name is one of `own`: a file, with a star for any text, or without an ending the pictures of a chart.

@@ -4,7 +4,6 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::answer::Answer;
 use sagnac::quantity::visible::{visible, visible_json};
 use sagnac::store::folder::{self, Folder};
 use sagnac::table::Table;
@@ -12,8 +11,7 @@ use sagnac::view::report::FILE as REPORT;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::failure::{Failure, in_options};
-use crate::look;
+use crate::failure::Failure;
 use crate::progress::{How, Shown, aside};
 
 /// Where a command on logs writes its results, and what it prints.
@@ -29,10 +27,6 @@ pub struct Output {
     pub printed: Printed,
 }
 
-/// Notes that are printed in any case, and lines up to which there is room for more of them.
-const MIN_NOTES: usize = 2;
-const MAX_LINES: usize = 20;
-
 // As a group it would have the name of the options around it, which debug builds refuse.
 /// The options that choose which parts of the results are printed.
 #[derive(Debug, Clone, Copy, Args)]
@@ -41,7 +35,7 @@ pub struct Printed {
     /// Also print the tables
     #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
     pub table: bool,
-    /// Also print all notes, and of a study where each curve crosses the limit
+    /// Also print all notes and the sections of the page
     #[arg(help_heading = "Output", long, short, conflicts_with_all = ["json", "quiet"])]
     pub verbose: bool,
     /// Also draw the first chart as text
@@ -56,14 +50,6 @@ pub struct Printed {
 }
 
 impl Printed {
-    /// Says where the results are, unless only the headline is printed, and opens their page if that is asked for.
-    pub fn whereabouts(&self, folder: &Path) {
-        if !self.quiet {
-            say!("report {}", folder.join(REPORT).display());
-        }
-        self.open_page(folder);
-    }
-
     /// Opens the page of a results folder if that is asked for.
     pub fn open_page(&self, folder: &Path) {
         let page = folder.join(REPORT);
@@ -72,42 +58,6 @@ impl Printed {
         {
             note!("cannot open {}: {error}", page.display());
         }
-    }
-
-    /// Prints the notes, what is asked for of `plot` and `details`, and the answer below a heading.
-    ///
-    /// # Errors
-    /// The output cannot be written, or the details cannot be made.
-    pub fn show(
-        &self,
-        heading: &str,
-        answer: &Answer,
-        notes: &[String],
-        plot: impl FnOnce() -> String,
-        details: impl FnOnce() -> Result<String, Failure>,
-    ) -> Result<(), Failure> {
-        if self.quiet {
-            return if answer.headline.is_empty() { Ok(()) } else { print(&answer.headline) };
-        }
-        let text = format!("{}\n{}", look::wrapped(heading, look::width()), answer.text(look::width()));
-        let room = MAX_LINES.saturating_sub(text.lines().count()).max(MIN_NOTES);
-        let few = if self.verbose { notes.len() } else { room };
-        notes.iter().take(few).for_each(|note| note!("{}", in_options(note)));
-        if notes.len() > few {
-            note!("{} more with --verbose", notes.len() - few);
-        }
-        if self.plot {
-            print_drawn(&format!("{}\n", plot()))?;
-            print("")?;
-        }
-        if self.table || self.verbose {
-            let details = details()?;
-            if !details.is_empty() {
-                print(&details)?;
-                print("")?;
-            }
-        }
-        print(&text)
     }
 }
 

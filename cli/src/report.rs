@@ -4,21 +4,20 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use sagnac::analysis::answer::of_study;
+use sagnac::analysis::page::Results;
 use sagnac::run::{Plan, RESOLVED, complete};
 use sagnac::source::text_file::read_bytes;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::view::picture::incomplete;
 use sagnac::view::report::{CARD, Card, FILE as REPORT, MARKS, gallery};
-use sagnac::view::results::Results;
 
 use crate::chart::{Redraw, redraw};
-use crate::failure::Failure;
+use crate::failure::{Failure, in_options};
 use crate::folders::{self, left_out, whole};
 use crate::output::unwritten;
 use crate::progress::{self, Shown};
-use crate::results::{decision, held, lacking};
+use crate::results::{held, lacking};
 
 /// The page of several results.
 const GALLERY: &str = "gallery.html";
@@ -133,16 +132,15 @@ fn rebuilt(folder: &Path, options: &Options) -> Result<Card, Failure> {
     if let Some(sentence) = incomplete(lacking) {
         note!("{}: {sentence}", folder.display());
     }
-    let mut results = Results::of::<Failure>(&study, &plan, &store, &tables, lacking, &[])?;
-    let answer =
-        of_study(&study, &tables, &mut results, decision(&study, &tables, lacking, &progress)?.as_ref())?;
+    let results = Results::new(&plan, &store, &tables, lacking, &[], &progress)?;
     progress.clear();
-    let card = results.card(&answer.headline);
-    let path = folder.join(REPORT);
-    let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&path))?;
-    results_folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
+    let digest = tables.points.write_csv(io::sink()).map_err(unwritten(&folder.join(REPORT)))?;
+    let mut page = results.page(&digest);
+    page.tables = tables.into_files(&study.charts);
+    let spell = |text: &str| in_options(&text);
+    results_folder.write(REPORT, page.html(&spell).as_bytes())?;
     results_folder.commit()?;
-    Ok(card)
+    Ok(page.card(&spell))
 }
 
 /// The card that another command than `run` has written beside its page.

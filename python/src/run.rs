@@ -4,24 +4,23 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::analysis::answer::of_study;
-use sagnac::analysis::decision::decide;
+use sagnac::analysis::page::Results;
 use sagnac::answer::Answer;
 use sagnac::chart::Source;
 use sagnac::device::select::Selection;
-use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
+use sagnac::run::{Done, Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::verify::select;
-use sagnac::view::picture::{Drawn, pictures};
+use sagnac::view::picture::pictures;
 use sagnac::view::report::FILE as REPORT;
-use sagnac::view::results::Results;
+use sagnac::view::report::sections::Page;
 
 use super::analysis::chart;
 use super::compute::compute;
-use super::failure::Failure;
+use super::failure::{Failure, in_python};
 use super::progress::Listener;
 use super::table::columns;
 
@@ -63,15 +62,9 @@ pub fn shown(answer: &Answer) -> [String; 4] {
 struct Ran {
     study: Study,
     is_sampled: bool,
-    tables: Tables,
-    pictures: Vec<Drawn>,
-    /// The headline, the answer as text, as HTML and as JSON.
-    answer: [String; 4],
+    page: Page,
     /// The decision sheet as JSON.
     decision: Option<String>,
-    /// The report as HTML.
-    report: String,
-    notes: Vec<String>,
     done: Option<(Done, String)>,
 }
 
@@ -105,18 +98,17 @@ pub fn run<'py>(
     document.set_item("device", ran.done.as_ref().map(|(_, device)| device))?;
     document.set_item("sampled_trials", done.map(|done| done.trials))?;
     document.set_item("seconds", done.map(|done| done.seconds))?;
-    document.set_item("notes", &ran.notes)?;
-    document.set_item(
-        "charts",
-        ran.pictures.iter().map(|drawn| chart(&drawn.stem, &drawn.picture)).collect::<Vec<_>>(),
-    )?;
-    document.set_item("answer", &ran.answer)?;
+    document.set_item("notes", ran.page.all_notes())?;
+    let charts = ran.page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
+    document.set_item("charts", charts.collect::<Vec<_>>())?;
+    document.set_item("answer", shown(&ran.page.answer))?;
     document.set_item("decision", &ran.decision)?;
-    document.set_item("report", &ran.report)?;
-    let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
-    document.set_item("points", columns(py, &ran.tables.points)?)?;
-    document.set_item("coefficients", optional(&ran.tables.coefficients)?)?;
-    document.set_item("trajectories", optional(&ran.tables.trajectories)?)?;
+    document.set_item("report", ran.page.html(&|text: &str| in_python(text)))?;
+    for source in [Source::Points, Source::Coefficients, Source::Trajectories] {
+        let table = ran.page.tables.iter().find(|(file, _)| *file == source.file());
+        let name = source.file().trim_end_matches(".csv");
+        document.set_item(name, table.map(|(_, table)| columns(py, table)).transpose()?)?;
+    }
     Ok(document)
 }
 
@@ -161,19 +153,18 @@ impl Asked {
         }
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // A run that ended early has raised an exception before.
-        let mut results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
-        let sheet = decide(&study, &tables, listener)?;
-        let answer = of_study(&study, &tables, &mut results, sheet.as_ref())?;
-        let decision = sheet.map(|sheet| sheet.json().to_string());
-        let report = results.page(&answer, &digest);
+        let results = Results::new(&plan, &store, &tables, 0, degraded, listener)?;
+        let decision = results.sheet.as_ref().map(|sheet| sheet.json().to_string());
+        let resolved = results.resolved();
+        let mut page = results.page(&digest);
+        page.tables = tables.into_files(&study.charts);
         if let Some(folder) = &kept {
-            folder.write(RESOLVED, results.resolved().as_bytes())?;
-            folder.write(REPORT, report.as_bytes())?;
+            folder.write(RESOLVED, resolved.as_bytes())?;
+            folder.write(REPORT, page.html(&|text: &str| in_python(text)).as_bytes())?;
             folder.commit()?;
         }
-        let (notes, pictures, is_sampled) = (results.notes(), results.charts, plan.is_sampled());
-        drop(results.curves);
+        let is_sampled = plan.is_sampled();
         drop(plan);
-        Ok(Ran { is_sampled, tables, pictures, answer: shown(&answer), decision, report, notes, done, study })
+        Ok(Ran { is_sampled, page, decision, done, study })
     }
 }

@@ -1,6 +1,7 @@
 //! Analyses beyond studies: noise of logs, over time and with temperature, requirements on it, spectra of logs, comparison of logs,
 //! lots of units, models for filters, pages of logs, switching interval, firmware, sensitivity.
 
+mod agreement;
 pub mod answer;
 pub mod compare;
 pub mod data_sheet;
@@ -13,8 +14,10 @@ mod jackknife;
 pub mod log;
 pub mod lot;
 pub mod model;
+pub(crate) mod notch;
 pub mod page;
 pub mod requirement;
+pub(crate) mod role;
 pub mod sensitivity;
 pub(crate) mod shape;
 pub mod spectrum;

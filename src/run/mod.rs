@@ -51,6 +51,11 @@ impl<'a> Plan<'a> {
         Ok(study.subject.plan(study, progress)?.map(|work| Plan { study, work }))
     }
 
+    /// The study.
+    pub fn study(&self) -> &'a Study {
+        self.study
+    }
+
     /// Whether there is anything to sample, for which a device is needed.
     pub fn is_sampled(&self) -> bool {
         !self.study.kind().is_exact

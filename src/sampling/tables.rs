@@ -22,11 +22,17 @@ impl Tables {
         std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
     }
 
-    /// All tables, with that of the first of these charts before the others.
-    pub fn as_charted(&self, charts: &[Chart]) -> Vec<(Source, &Table)> {
+    /// All tables with the names of their files, that of the first of these charts before the others.
+    pub fn into_files(self, charts: &[Chart]) -> Vec<(&'static str, Table)> {
         let first = charts.first().map_or(Source::Points, |chart| chart.source);
-        let mut all: Vec<_> = self.all().collect();
-        all.sort_by_key(|(source, _)| *source != first);
+        let all = [
+            (Source::Points, Some(self.points)),
+            (Source::Coefficients, self.coefficients),
+            (Source::Trajectories, self.trajectories),
+        ];
+        let mut all: Vec<_> =
+            all.into_iter().filter_map(|(source, table)| Some((source.file(), table?))).collect();
+        all.sort_by_key(|(file, _)| *file != first.file());
         all
     }
 

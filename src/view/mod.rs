@@ -1,6 +1,5 @@
-//! Output for people: charts and the page of a study.
+//! Output for people: charts and pages.
 
 pub mod chart;
 pub mod picture;
 pub mod report;
-pub mod results;

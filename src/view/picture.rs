@@ -32,13 +32,6 @@ pub struct Drawn {
     pub note: Option<String>,
 }
 
-impl Drawn {
-    /// The note with the name of the chart.
-    pub fn sentence(&self) -> Option<String> {
-        self.note.as_ref().map(|note| format!("{}: {note}", self.stem))
-    }
-}
-
 /// What results say that lack trials.
 pub fn incomplete(lacking: u64) -> Option<String> {
     (lacking > 0).then(|| format!("the run is incomplete: {} trials are missing", short(lacking as f64)))

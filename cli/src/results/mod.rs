@@ -3,14 +3,12 @@
 pub mod summary;
 
 use std::panic::resume_unwind;
-use std::sync::mpsc::{self, Receiver};
+use std::path::Path;
 use std::thread;
 
-use sagnac::analysis::answer::of_study;
-use sagnac::analysis::decision::{Sheet, decide};
+use sagnac::analysis::decision::Sheet;
+use sagnac::analysis::page::Results;
 use sagnac::chart::Source;
-use sagnac::progress::Progress;
-use sagnac::quantity::number::short;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
@@ -19,12 +17,10 @@ use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::chart_stem;
 use sagnac::view::report::FILE as REPORT;
-use sagnac::view::results::Results;
 use serde_json::{Value, json};
 
-use crate::charts::draw;
 use crate::failure::Failure;
-use crate::look;
+use crate::outcome::Outcome;
 use crate::output::{Printed, write_table};
 use crate::progress::Shown;
 use crate::results::summary::summary;
@@ -78,17 +74,10 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
     }
 }
 
-/// The decision sheet of complete results. `progress` receives the evaluations.
-///
-/// # Errors
-/// A point cannot be evaluated again, or no threads can be started.
-pub fn decision(
-    study: &Study,
-    tables: &Tables,
-    lacking: u64,
-    progress: &dyn Progress,
-) -> Result<Option<Sheet>, Failure> {
-    if lacking > 0 { Ok(None) } else { Ok(decide(study, tables, progress)?) }
+/// Whether [`chart_stem`] gives this name to a chart.
+pub fn is_chart_stem(stem: &str) -> bool {
+    let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
+    stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
 }
 
 /// Writes the tables of a study, and returns the SHA-256 of the first, that of its points.
@@ -103,6 +92,8 @@ pub struct Ran<'a> {
     pub study: &'a Study,
     pub plan: &'a Plan<'a>,
     pub folder: &'a Folder,
+    /// The path of the folder.
+    pub path: &'a Path,
     /// The work done, and the device, if anything can be sampled.
     pub done: Option<(&'a Done, String)>,
     /// Number of missing trials.
@@ -114,83 +105,52 @@ pub struct Ran<'a> {
 }
 
 impl Ran<'_> {
-    /// Writes the files of all results in the store, prints what the options select, and returns the results as JSON if
+    /// Writes the files of all results in the store, and prints them with the line `place` below them, or returns them as JSON if
     /// requested. `progress` receives the progress of fits, and is cleared.
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
-    pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
-        let Ran { plan, folder, .. } = self;
-        let tables = plan.tables(store, progress)?;
-        // Long tables take as long to write as everything else that is made of them. It has a thread of its own, because the
-        // others wait for what they share among threads.
-        let (sender, written) = mpsc::channel();
-        thread::scope(|scope| {
-            scope.spawn(|| {
-                // Nobody listens any more where something else failed.
-                let _ = sender.send(write_tables(folder, &tables));
-            });
-            self.show_tables(store, &tables, &written, progress)
-        })
-    }
-
-    /// Writes the charts and, once the tables are `written`, the page, prints, and returns the results as JSON if requested.
-    fn show_tables(
+    pub fn show(
         &self,
         store: &Store,
-        tables: &Tables,
-        written: &Receiver<Result<String, Failure>>,
         progress: &Shown,
+        place: Option<String>,
     ) -> Result<Option<Value>, Failure> {
-        let Ran { study, plan, folder, done, lacking, .. } = self;
+        let Ran { study, plan, folder, done, lacking, shown, .. } = self;
+        let tables = plan.tables(store, progress)?;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        let mut results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
-        folder.write(RESOLVED, results.resolved().as_bytes())?;
-        let sheet = decision(study, tables, *lacking, progress)?;
-        let answer = of_study(study, tables, &mut results, sheet.as_ref())?;
-        let page = || {
-            // Without a word from the task that writes, it has panicked, and so does the scope that waits for it.
-            let digest = written.recv().unwrap_or_else(|_| Ok(String::new()))?;
-            folder.write(REPORT, results.page(&answer, &digest).as_bytes())?;
-            Ok::<_, Failure>(())
+        let mut document = None;
+        // Long tables take as long to write as everything else that is made of them. They have a thread of their own, because the
+        // others wait for what they share among threads.
+        let mut outcome = thread::scope(|scope| {
+            let written = scope.spawn(|| write_tables(folder, &tables));
+            let results = Results::new(plan, store, &tables, *lacking, degraded, progress)?;
+            let files = vec![(RESOLVED.to_owned(), results.resolved().into_bytes())];
+            let details = if shown.table { summary(study, &tables, &results.curves)? } else { String::new() };
+            let sheet = results.sheet.as_ref().map(Sheet::json);
+            let page = results.page(&written.join().unwrap_or_else(|panic| resume_unwind(panic))?);
+            if self.json {
+                let json = document.insert(self.to_json(&tables, &page.all_notes()));
+                json["answer"] = json!(page.answer);
+                json["decision"] = json!(sheet);
+            }
+            let heading = format!("{} · {}", page.title, page.scope);
+            Ok::<_, Failure>(Outcome { heading, page, details, files, places: place.into_iter().collect() })
+        })?;
+        outcome.page.tables = tables.into_files(&study.charts);
+        let mut pictures = folder.listed();
+        let stem = |name: &String| {
+            name.strip_suffix(".svg").or(name.strip_suffix(".png")).is_some_and(is_chart_stem)
         };
-        // The picture of a chart of 10,000 points takes as long as the page.
-        let (drawn, made) = thread::scope(|scope| {
-            let drawn = scope.spawn(|| draw(&results.charts, folder));
-            let made = page();
-            (drawn.join().unwrap_or_else(|panic| resume_unwind(panic)), made)
-        });
-        drawn?;
-        made?;
-        folder.commit()?;
+        pictures.retain(stem);
+        outcome.save_page(folder, &pictures.iter().map(String::as_str).collect::<Vec<_>>())?;
         progress.clear();
-        if self.json {
-            let mut document = self.to_json(tables, &results.notes());
-            document["answer"] = json!(answer);
-            document["decision"] = json!(sheet.as_ref().map(Sheet::json));
-            return Ok(Some(document));
+        if !self.json && !(shown.quiet && *lacking > 0) {
+            outcome.show(shown, self.path)?;
+        } else {
+            shown.open_page(self.path);
         }
-        let shown = self.shown;
-        if shown.quiet && *lacking > 0 {
-            return Ok(None);
-        }
-        let plot = || {
-            let first = results.charts.first();
-            first.map_or_else(String::new, |first| first.picture.text(look::of_output()))
-        };
-        let details = || {
-            let table = if shown.table { summary(study, tables, &results.curves)? } else { String::new() };
-            Ok(table)
-        };
-        shown.show(&self.heading(), &answer, &results.notes(), plot, details).map(|()| None)
-    }
-
-    /// The title with the number of points and trials.
-    fn heading(&self) -> String {
-        let points = self.study.points();
-        let points = format!("{points} point{}", if points == 1 { "" } else { "s" });
-        let trials = self.plan.is_sampled().then(|| format!(" × {} trials", short(self.study.trials as f64)));
-        format!("{} · {points}{}", self.study.title, trials.unwrap_or_default())
+        Ok(document)
     }
 
     fn to_json(&self, tables: &Tables, notes: &[String]) -> Value {

@@ -1,8 +1,6 @@
 //! The results of a study in a terminal.
 
-use sagnac::chart::Chart;
-use sagnac::chart::Source;
-
+use sagnac::chart::{Chart, Source};
 use sagnac::quantity::number::significant;
 use sagnac::run::Tables;
 use sagnac::study::Study;
@@ -14,7 +12,6 @@ use sagnac::view::picture::{refused, written};
 
 use crate::failure::Failure;
 use crate::look;
-use crate::one_point::one_point;
 
 /// The table of the first chart and the coefficients, for people.
 pub(crate) fn summary(study: &Study, tables: &Tables, curves: &[Curves]) -> Result<String, Failure> {
@@ -25,8 +22,10 @@ pub(crate) fn summary(study: &Study, tables: &Tables, curves: &[Curves]) -> Resu
         Some((chart, shown)) if !(shown.is_supplied(chart) && study.sweeps.is_empty()) => {
             of_chart(study, points, shown, chart).map_err(|error| refused(study, chart, &error))?
         }
-        _ if study.sweeps.is_empty() && brief.iter().any(|column| column.role == Role::Key) => listed(&brief),
-        _ if study.sweeps.is_empty() && !brief.is_empty() => one_point(points),
+        _ if study.sweeps.is_empty() && !brief.is_empty() => {
+            let keys = points.columns.iter().filter(|column| column.role == Role::Key && !column.brief);
+            listed(&keys.chain(brief).collect::<Vec<_>>())
+        }
         _ => undrawn(study, points).map_err(failed)?,
     };
     let mut text = shown;

@@ -10,13 +10,12 @@ use clap::Args;
 use sagnac::device::Device;
 use sagnac::quantity::number::significant;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
-use sagnac::run::{Plan, RESOLVED, keep};
+use sagnac::run::{Done, Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::view::picture::pictures;
-use sagnac::view::report::FILE as REPORT;
 use serde_json::Value;
 
 use crate::failure::Failure;
@@ -277,32 +276,27 @@ fn run_study(
         study,
         plan,
         folder: &results,
+        path: folder,
         done: done.as_ref().zip(name),
         lacking: 0,
         json: options.json,
         shown: options.printed,
     };
-    let document = ran.show(&store, &shown)?;
-    if !options.json && !options.printed.quiet {
-        let rate = match &done {
-            Some(done) if done.trials > 0 => {
-                let seconds = match done.seconds {
-                    0.0..0.1 => "less than 0.1".to_owned(),
-                    seconds => significant(seconds, 3),
-                };
-                let again = match plan.counts_again(done.trials) {
-                    true => " (counted once per separate launch)",
-                    false => "",
-                };
-                format!("{} trials{again} in {seconds} s; ", short(done.trials as f64))
-            }
-            Some(_) => "nothing was left to sample; ".to_owned(),
-            None => String::new(),
+    let rate = |done: &Done| {
+        if done.trials == 0 {
+            return "nothing was left to sample".to_owned();
+        }
+        let seconds = match done.seconds {
+            0.0..0.1 => "less than 0.1".to_owned(),
+            seconds => significant(seconds, 3),
         };
-        say!("{rate}report {}", folder.join(REPORT).display());
-    }
-    options.printed.open_page(folder);
-    Ok(document)
+        let again = match plan.counts_again(done.trials) {
+            true => " (counted once per separate launch)",
+            false => "",
+        };
+        format!("{} trials{again} in {seconds} s", short(done.trials as f64))
+    };
+    ran.show(&store, &shown, done.as_ref().map(rate))
 }
 
 #[cfg(test)]

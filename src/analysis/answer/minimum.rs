@@ -1,10 +1,10 @@
 //! The least values of curves over the averaging time.
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, joined_names, table};
+use crate::analysis::notch::Notches;
 use crate::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
 use crate::table::Column;
 use crate::view::chart::figure::Shape;
-use crate::view::report::notch::Notches;
 
 /// Most words of a name with labels in a headline.
 const MAX_WORDS: usize = 5;

@@ -11,11 +11,11 @@ mod peaks;
 mod threshold;
 mod values;
 
+use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
+use crate::analysis::role::{Bandless, apart, is_given, less_is_better};
 use crate::answer::reading::{begun, joined, labelled, place, shown, symbol};
-use crate::answer::{
-    Answer, AnswerCell, AnswerTable, Check, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status,
-};
+use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status};
 use crate::chart::{Chart, Limit, Source};
 use crate::quantity::list::listed;
 use crate::run::Tables;
@@ -28,10 +28,6 @@ use crate::view::chart::from_table::axis_unit;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 use crate::view::picture::{Drawn, refused};
-use crate::view::report::agreement::{Agreement, agreements};
-use crate::view::report::bandless::Bandless;
-use crate::view::report::role::{apart, is_given, less_is_better};
-use crate::view::results::Results;
 
 /// The rows that answer the question of a study.
 pub(super) struct Question<'t> {
@@ -96,17 +92,18 @@ pub(super) struct Line {
     pub(super) cells: Vec<AnswerCell>,
 }
 
-/// The answer of a study, with the facts of its decision; its values are marked on the charts of `results` from which they are.
+/// The answer of a study, with the facts of its decision; its values are marked on the charts from which they are.
 ///
 /// # Errors
 /// The table lacks something that a chart requires.
-pub fn of_study(
+pub(crate) fn of_study(
     study: &Study,
     tables: &Tables,
-    results: &mut Results,
+    drawn: &mut [Drawn],
+    curves: &[Shown],
+    lacking: u64,
     decided: Option<&Sheet>,
 ) -> Result<Answer, StudyError> {
-    let (drawn, curves, lacking) = (&results.charts, &results.curves, results.lacking);
     let charts = || {
         let all = study.charts.iter().zip(curves).zip(drawn.iter().enumerate());
         all.filter(|((chart, _), _)| study.is_judged_by(chart))
@@ -160,7 +157,7 @@ pub fn of_study(
         met: None,
     });
     for (at, marks) in marks {
-        if let Picture::Curves(figure) = &mut results.charts[at].picture {
+        if let Picture::Curves(figure) = &mut drawn[at].picture {
             figure.marks = marks;
         }
     }
@@ -184,7 +181,7 @@ pub fn of_study(
         limit,
         table: outline.table,
         facts,
-        checks: theory(tables).into_iter().collect(),
+        checks: agreement::check(&tables.points).into_iter().collect(),
     })
 }
 
@@ -240,16 +237,6 @@ impl Outline {
 fn uncapitalized(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
-}
-
-/// The agreement of all estimates with their closed forms.
-fn theory(tables: &Tables) -> Option<Check> {
-    let all = agreements(&tables.points);
-    (!all.is_empty()).then(|| Check::Theory {
-        values: all.iter().map(|one| one.rows).sum(),
-        max_abs_z: all.iter().map(|one| one.largest).fold(0.0, f64::max),
-        holds: all.iter().all(Agreement::holds),
-    })
 }
 
 /// A column of a limit's unit.

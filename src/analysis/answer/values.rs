@@ -4,12 +4,12 @@ use crate::analysis::answer::{
     Choice, Line, Named, Outline, Question, at_places, begun, headline, limited, place, sampled, spread,
     table,
 };
+use crate::analysis::role::less_is_better;
 use crate::answer::reading::Reading;
 use crate::answer::{AnswerCell, Kind, MAX_ROWS, MAX_WORDS};
 use crate::chart::Limit;
 use crate::table::{Column, Role};
 use crate::view::chart::figure::Shape;
-use crate::view::report::role::less_is_better;
 
 pub(super) fn outline(question: &Question) -> Outline {
     let is_error = question.limit.is_some() || less_is_better(question.table, question.y, &question.rows);

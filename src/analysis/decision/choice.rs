@@ -1,6 +1,7 @@
 //! The best option of a study, and the condition under which it is worst.
 
 use crate::analysis::decision::compared::Compared;
+use crate::analysis::role::{Bandless, apart, is_given};
 use crate::answer::Reading;
 use crate::answer::reading::place as place_of;
 use crate::chart::{Chart, Limit, Source};
@@ -8,8 +9,6 @@ use crate::kinds::allan::keys::LENGTH;
 use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
-use crate::view::report::bandless::Bandless;
-use crate::view::report::role::{apart, is_given};
 
 /// The option after the best one.
 #[derive(Debug, Clone, PartialEq)]

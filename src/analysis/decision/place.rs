@@ -4,6 +4,7 @@ use crate::analysis::decision::DecisionError;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
 use crate::analysis::decision::lever::Needed;
+use crate::analysis::role::is_given;
 use crate::drift::schedule::{End, INTERVAL};
 use crate::key::row::Key;
 use crate::key::setting::Swept;
@@ -14,7 +15,6 @@ use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::{Dimension, Quantity};
 use crate::study::Study;
 use crate::table::Table;
-use crate::view::report::role::is_given;
 
 /// Factor by which each input is tried.
 const TRIED: f64 = 1.25;

@@ -22,11 +22,11 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
     let [a, b] = &analysis.sides;
     let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
     let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
-    let deviations = charts.into_iter().chain([ratios(analysis)]).collect();
-    let coefficients = coefficients(analysis).into_iter().collect();
+    let deviations = charts.into_iter().chain([ratios(analysis)]);
     let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
     Page {
         title: format!("{} and {} compared", a.label, b.label),
+        scope: String::new(),
         subtitle: format!(
             "Is {} noisier than {}? {}",
             b.label,
@@ -36,10 +36,10 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
         answer: decision.answer.clone(),
         notes: notes(analysis),
         sections: vec![
-            Section { id: "deviations", heading: "Deviations", blocks: deviations },
-            Section { id: "coefficients", heading: "Coefficients", blocks: coefficients },
+            Section::new("deviations", "Deviations", deviations),
+            Section::new("coefficients", "Coefficients", coefficients(analysis)),
             shown("What these records show", &analysis.events().concat()),
-            Section { id: "record", heading: "Records", blocks: records(logs, analysis) },
+            Section::new("record", "Records", records(logs, analysis)),
         ],
         tables: of_fits.into_iter().chain([("compare.csv", tables::ratios(analysis))]).collect(),
     }
@@ -58,11 +58,11 @@ fn ratios(analysis: &Analysis) -> Block {
             Some(false) => "lower",
             None => "",
         };
-        [significant(ratio.tau_s(), 7), a, b, shown, ends, verdict.to_owned()].map(Cell::from).into()
+        [significant(ratio.tau_s(), 7), a, b, shown, ends, verdict.to_owned()]
     };
-    let head = ["τ, s", labels[0], labels[1], "ratio", "95 % interval", labels[1]].map(str::to_owned).into();
+    let head = ["τ, s", labels[0], labels[1], "ratio", "95 % interval", labels[1]];
     let title = titled("overlapping Allan deviations", analysis.unit.symbol(Deviation::Oadev));
-    Block::More(title, Grid { head, rows: analysis.comparison.ratios.iter().map(row).collect() })
+    Block::More(title, Grid::new(head, analysis.comparison.ratios.iter().map(row)))
 }
 
 fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
@@ -94,7 +94,7 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
     let rows = analysis.rows.as_ref().ok().filter(|rows| !rows.is_empty())?;
     let labels = analysis.sides.each_ref().map(|side| &*side.label);
     let found = ["ratio", "difference", "if equal", "status", "length needed"];
-    let head = ["coefficient", "unit"].iter().chain(&labels).chain(&found).map(|head| (*head).to_owned());
+    let head = ["coefficient", "unit"].iter().chain(&labels).chain(&found).copied();
     let row = |row: &Row| {
         let found = &row.found;
         let value = |k: usize| match (found.values[k], found.at_most[k]) {
@@ -111,8 +111,8 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
             Verdict::Lower => format!("lower in {}", labels[1]),
             other => other.name().to_owned(),
         };
-        vec![
-            row.name.into(),
+        [
+            Cell::from(row.name),
             row.symbol.into(),
             value(0).into(),
             value(1).into(),
@@ -123,5 +123,5 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
             length(row.length).into(),
         ]
     };
-    Some(Block::Grid(Grid { head: head.collect(), rows: rows.iter().map(row).collect() }))
+    Some(Block::Grid(Grid::new(head, rows.iter().map(row))))
 }

@@ -1,28 +1,35 @@
 //! The page of fillers for firmware.
 
-use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
-use crate::analysis::page::{chart, study_file, weights};
+use crate::analysis::firmware::design::Closed;
+use crate::analysis::firmware::{Candidate, Design, Firmware, Rule, Trade};
+use crate::analysis::page::{chart, study_file};
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::judged::{Judged, deviation};
 use crate::quantity::number::significant;
 use crate::study::Study;
+use crate::theory::gap::Weights;
 use crate::view::chart::picture::Picture;
 use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+
+/// Denominators up to this are shown as fractions.
+const MAX_DENOMINATOR: i64 = 999;
 
 /// The page of fillers at a point of a study.
 pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
     let ticks = if firmware.gap_ticks == 1 { "tick" } else { "ticks" };
     let place = firmware.place();
     let place = if place.is_empty() { place } else { format!(", at {place}") };
-    let section = |id, heading, blocks| Section { id, heading, blocks };
     let search = firmware.trade.as_ref().map_or(vec![], |trade| {
         vec![chart("trade", Picture::Curves(trade.figure())), Block::Grid(of_trade(trade))]
     });
     let fillers = std::iter::once(Block::Grid(of_designs(firmware)));
-    let weights = firmware.designs.iter().flat_map(|design| weights::blocks(firmware, design));
-    let header = vec![Block::File("sagnac_filler.h", firmware.header()), study_file(study, study.trials)];
+    let weights = firmware.designs.iter().flat_map(|design| rules(firmware, design));
+    let header =
+        vec![Block::File("sagnac_filler.h".to_owned(), firmware.header()), study_file(study, study.trials)];
     let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
     Page {
         title: firmware.title.clone(),
+        scope: String::new(),
         subtitle: format!(
             "Which filler belongs in the firmware? Weights for a gap of {} lost {ticks}{place}",
             firmware.gap_ticks
@@ -30,14 +37,14 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
         answer: firmware.answer(),
         notes: vec![],
         sections: vec![
-            section("search", "Ticks before and after the gap", search),
-            section("fillers", "Fillers", fillers.chain(weights).collect()),
-            section(
+            Section::new("search", "Ticks before and after the gap", search),
+            Section::new("fillers", "Fillers", fillers.chain(weights)),
+            Section::new(
                 "response",
                 "Response to vibration",
-                vec![chart("response", Picture::Curves(firmware.response()))],
+                [chart("response", Picture::Curves(firmware.response()))],
             ),
-            section("source", "For the firmware", header),
+            Section::new("source", "For the firmware", header),
         ],
         tables: trade.into_iter().chain([("weights.csv", firmware.weights())]).collect(),
     }
@@ -56,16 +63,15 @@ fn of_designs(firmware: &Firmware) -> Grid {
     let row = |design: &Design| {
         let rule = &design.interpolation;
         let ticks: Vec<String> = rule.ticks.iter().map(|tick| tick.to_string().replace('-', "−")).collect();
-        let cells = [
+        [
             design.name.clone(),
             ticks.join(", "),
             significant(rule.whole().noise_gain(), 4),
             number(design.errors[0].rms),
             number(design.judged.map(of_shifted)),
-        ];
-        cells.map(Cell::from).into()
+        ]
     };
-    Grid { head: head.map(str::to_owned).into(), rows: firmware.designs.iter().map(row).collect() }
+    Grid::new(head, firmware.designs.iter().map(row))
 }
 
 /// The best numbers of ticks before the gap for each number after it.
@@ -75,7 +81,113 @@ fn of_trade(trade: &Trade) -> Grid {
         let Candidate { before, after, rms, level, .. } = one;
         let [latency, rms, level] =
             [1e3 * trade.latency_s(one), rms, level].map(|value| significant(value, 4));
-        [after.to_string(), latency, before.to_string(), rms, level].map(Cell::from).into()
+        [after.to_string(), latency, before.to_string(), rms, level]
     };
-    Grid { head: head.map(str::to_owned).into(), rows: trade.rows().into_iter().map(row).collect() }
+    Grid::new(head, trade.rows().into_iter().map(row))
+}
+
+/// The rules of a filler with their gains and errors.
+fn rules(firmware: &Firmware, design: &Design) -> Vec<Block> {
+    let rules = design.rules().flat_map(|(error, rule, closed)| {
+        let (letter, name) = match error {
+            Error::Residual => ('I', "interpolation"),
+            Error::Extrapolation | Error::InGap => ('E', "extrapolation while the gap is open"),
+        };
+        let title = format!("{}: {name} {letter}", design.name);
+        [Block::More(title, weights(firmware, rule, letter)), Block::Facts(facts(firmware, rule, closed))]
+    });
+    let exported = design.exported_rms.map(|rms| {
+        let rms = significant(rms, 5);
+        Block::Note(format!("{}: the C header, given whole pulses, leaves {rms}″ rms.", design.name))
+    });
+    let single = design.rules().any(|(_, rule, _)| rule.rows.len() != firmware.gap_ticks as usize);
+    let single = single.then(|| Block::Note(format!("{}: only the sum over the gap.", design.name)));
+    let open = design.extrapolation.is_none();
+    let open = open.then(|| Block::Note(format!("{}: no value while the gap is open.", design.name)));
+    rules.chain(exported).chain(single).chain(open).collect()
+}
+
+/// A row for each tick, with a cell for each lost tick and their sum.
+fn weights(firmware: &Firmware, rule: &Rule, letter: char) -> Grid {
+    let whole = rule.whole();
+    let single = rule.rows.iter().filter(|_| rule.rows.len() == firmware.gap_ticks as usize);
+    let single = single.map(|row| Weights {
+        numerators: row.iter().map(|weight| i64::from(*weight)).collect(),
+        ..whole.clone()
+    });
+    let single: Vec<Weights> = single.collect();
+    let names = (1..=single.len()).map(|j| format!("{letter}{j}"));
+    let head = std::iter::once("tick".to_owned()).chain(names).chain(["sum".to_owned()]);
+    let columns: Vec<Weights> = single.into_iter().chain([whole]).collect();
+    let fractions: Option<Vec<Vec<String>>> = columns.iter().map(fractions).collect();
+    let cells: Vec<Vec<Cell>> = match fractions {
+        Some(fractions) => {
+            fractions.into_iter().map(|all| all.into_iter().map(Cell::from).collect()).collect()
+        }
+        None => columns.iter().map(decimals).collect(),
+    };
+    let row = |(place, tick): (usize, &i32)| {
+        let cells = cells.iter().map(|column| column[place].clone());
+        std::iter::once(minus(&tick.to_string()).into()).chain(cells).collect::<Vec<_>>()
+    };
+    Grid::new(head, rule.ticks.iter().enumerate().map(row))
+}
+
+fn facts(firmware: &Firmware, rule: &Rule, closed: Closed) -> Vec<(&'static str, Vec<String>)> {
+    let (whole, number) = (rule.whole(), |x: f64| significant(x, 5));
+    let how = if rule.exact { "exact" } else { "rounded to the nearest with Σw kept" };
+    let gains = format!(
+        "Σw = {}   √Σw² = {}   Σ|w| = {}",
+        firmware.gap_ticks,
+        number(whole.noise_gain()),
+        number(whole.largest_gain())
+    );
+    let amplitude = closed.amplitude.zip(firmware.tone).map(|(amplitude, (rate, nu))| {
+        format!("{}″ at {} Hz and {} ″/s", number(amplitude), number(nu), number(rate))
+    });
+    let rms = closed.rms.filter(|rms| *rms > 0.0).map(|rms| format!("{}″", number(rms)));
+    let optional = [("Amplitude of the error", amplitude), ("rms error with noise", rms)];
+    let optional = optional.into_iter().filter_map(|(name, text)| Some((name, vec![text?])));
+    let weights = format!("{how}, over {}", denominator(rule.denominator));
+    [("Weights", vec![weights]), ("Gains", vec![gains])].into_iter().chain(optional).collect()
+}
+
+/// Weights as reduced fractions, if all of them have small denominators.
+fn fractions(weights: &Weights) -> Option<Vec<String>> {
+    let fraction = |w: &i64| {
+        let divisor = greatest_common_divisor(*w, weights.denominator);
+        let (above, below) = (w / divisor, weights.denominator / divisor);
+        match below {
+            1 => Some(minus(&above.to_string())),
+            below if below <= MAX_DENOMINATOR => Some(minus(&format!("{above}/{below}"))),
+            _ => None,
+        }
+    };
+    weights.numerators.iter().map(fraction).collect()
+}
+
+/// Weights as decimal numbers over their numerators.
+fn decimals(weights: &Weights) -> Vec<Cell> {
+    let cell = |(value, numerator): (f64, &i64)| Cell {
+        text: minus(&significant(value, 6)),
+        below: minus(&numerator.to_string()),
+    };
+    weights.values().zip(&weights.numerators).map(cell).collect()
+}
+
+fn greatest_common_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
+}
+
+/// A denominator as `2^24` if it is a power of two, else as a number.
+fn denominator(denominator: i32) -> String {
+    if denominator > 1 << 10 && denominator & (denominator - 1) == 0 {
+        format!("2^{}", denominator.trailing_zeros())
+    } else {
+        denominator.to_string()
+    }
+}
+
+fn minus(number: &str) -> String {
+    number.replace('-', "−")
 }

@@ -4,7 +4,7 @@ use crate::analysis::lot::answer::notes;
 use crate::analysis::lot::pool::Pooled;
 use crate::analysis::lot::{Coefficient, Found, Lot, figures, tables};
 use crate::analysis::page::chart;
-use crate::analysis::page::values::interval;
+use crate::analysis::page::interval;
 use crate::analysis::requirement::Decision;
 use crate::answer::reading::capitalized;
 use crate::quantity::number::probability;
@@ -15,18 +15,18 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of a batch of units with the decision to which it leads.
 pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
-    let curves = vec![chart("chart-1", Picture::Curves(figures::curves(lot)))];
+    let curves = [chart("chart-1", Picture::Curves(figures::curves(lot)))];
     let coefficients = figures::coefficients(lot).map(|figure| chart("chart-2", Picture::Curves(figure)));
     let tables = [of_units(lot), of_batch(lot)].map(Block::Grid);
-    let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: format!("A batch of {} units", lot.labels.len()),
+        scope: String::new(),
         subtitle: format!("How even are these units? {}", capitalized(&figures::subtitle(lot))),
         answer: decision.answer.clone(),
         notes: notes(lot),
         sections: vec![
-            section("coefficients", "Coefficients", coefficients.into_iter().chain(tables).collect()),
-            section("deviations", "Deviations", curves),
+            Section::new("coefficients", "Coefficients", coefficients.into_iter().chain(tables)),
+            Section::new("deviations", "Deviations", curves),
         ],
         tables: vec![("batch.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
     }
@@ -54,10 +54,10 @@ fn of_units(lot: &Lot) -> Grid {
     };
     let row = |(unit, label): (usize, &String)| {
         let cells = shown(lot).map(|one| one.found[unit].as_ref().map_or_else(Cell::default, cell));
-        std::iter::once(label.as_str().into()).chain(cells).collect()
+        std::iter::once(label.as_str().into()).chain(cells).collect::<Vec<_>>()
     };
-    let head = std::iter::once("unit".to_owned()).chain(titles).collect();
-    Grid { head, rows: lot.labels.iter().enumerate().map(row).collect() }
+    let head = std::iter::once("unit".to_owned()).chain(titles);
+    Grid::new(head, lot.labels.iter().enumerate().map(row))
 }
 
 /// The values of the batch, a row for each coefficient.
@@ -81,5 +81,5 @@ fn of_batch(lot: &Lot) -> Grid {
         let without = format!("{} without outliers", one.title());
         all.into_iter().chain(one.without_odd.map(|pooled| (one, without, pooled)))
     });
-    Grid { head: head.map(str::to_owned).into(), rows: rows.map(row).collect() }
+    Grid::new(head, rows.map(row))
 }

@@ -9,113 +9,81 @@
 //! Lot, Design, Firmware ─── of_lot, of_design, of_filler ─▶ Page
 //! models for filters ─────────────────────────── of_model ─▶ Page
 //! Sensitivity ────────────────────────── of_sensitivity ─▶ Page
+//! store and tables of a study ─ Results ──────────── page ─▶ Page
 //! ```
 
-mod coefficients;
 mod comparison;
-mod curves;
 mod design;
 mod filler;
 mod further;
-mod longer;
+mod log;
 mod lot;
 mod model;
 mod record;
 mod sensitivity;
 mod spectrum;
+mod study;
 mod trace;
-mod values;
-mod weights;
 
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::filler::of_filler;
 pub use crate::analysis::page::further::{of_dynamic, of_navigators, of_temperature};
+pub use crate::analysis::page::log::of_log;
 pub use crate::analysis::page::lot::of_lot;
 pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;
+pub use crate::analysis::page::study::Results;
 
-use crate::analysis::log::{self, events, figures, noise_file, notes};
-use crate::analysis::page::values::range;
-use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
-use crate::answer::Answer;
-use crate::record::log::channel::Log;
+use crate::allan::Minimum;
+use crate::analysis::log::{Column, events};
+use crate::fit::Fit;
+use crate::quantity::number::{significant, with_unit};
 use crate::study::Study;
-use crate::view::chart::figure::Figure;
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use crate::view::report::sections::{Block, Grid, Section};
 
-/// The page of a log from its analysis and its answer. If it has no spectra, `without` says why.
-pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&NoSpectrum>) -> Page {
-    let noise = &analysis.noise;
-    let file = noise.path.file_name().unwrap_or(noise.path.as_os_str()).to_string_lossy();
-    let has_spectra = !analysis.spectra.is_empty();
-    let of_spectra = has_spectra.then(|| {
-        [("lines.csv", tables::lines(analysis)), ("white_noise.csv", tables::white_noise(analysis))]
-    });
-    let of_noise = [
-        ("coefficients.csv", log::tables::coefficients(noise)),
-        ("curve.csv", log::tables::table(noise)),
-        ("events.csv", events::table(noise)),
-    ];
-    let sections = [
-        deviations(noise),
-        coefficients::section(noise),
-        spectrum::section(analysis, without),
-        shown("What this record shows", &events::rows(noise)),
-        record::section(log, noise),
-    ];
-    Page {
-        title: format!("Noise of {file}"),
-        subtitle: format!(
-            "Which noise does this log show? {}; {}",
-            notes::heading(noise),
-            noise.treatment.summary()
-        ),
-        answer,
-        notes: spectrum_notes::notes(analysis).into_iter().chain(noise_file::notes(noise)).collect(),
-        sections: sections.into(),
-        tables: of_noise.into_iter().chain(of_spectra.into_iter().flatten()).collect(),
-    }
-}
+/// Significant digits of values.
+const DIGITS: usize = 4;
 
 /// The section on what records show besides noise.
 fn shown(heading: &'static str, rows: &[events::Row]) -> Section {
-    let head = events::HEADING.map(str::to_owned).into();
-    let rows = events::list(rows).into_iter().map(|line| line.into_iter().map(Cell::from).collect());
-    let grid = Grid { head, rows: rows.collect() };
-    let blocks = if grid.rows.is_empty() { vec![] } else { vec![Block::Grid(grid)] };
-    Section { id: "events", heading, blocks }
-}
-
-/// The section on the curves, with the range of the fit if there is a single column.
-fn deviations(noise: &log::Analysis) -> Section {
-    let fit = match &noise.columns[..] {
-        [column] => column.noise().map(|noise| &noise.fit).filter(|fit| fit.is_described()),
-        _ => None,
-    };
-    let of_figure = |(stem, mut figure): (String, Figure)| {
-        if let Some(fit) = fit {
-            figure.lines = format!("{}, {}", figure.lines, range(fit));
-        }
-        chart(&stem, Picture::Curves(figure))
-    };
-    let residuals = figures::residuals(noise).map(|figure| chart("residuals", Picture::Curves(figure)));
-    let mut blocks: Vec<Block> = figures::figures(noise).into_iter().map(of_figure).collect();
-    // Right below the curve.
-    if let Some(residuals) = residuals {
-        blocks.insert(blocks.len().min(1), residuals);
-    }
-    blocks.extend(curves::tables(noise));
-    Section { id: "deviations", heading: "Deviations", blocks }
+    let grid = (!rows.is_empty()).then(|| Block::Grid(Grid::new(events::HEADING, events::list(rows))));
+    Section::new("events", heading, grid)
 }
 
 /// The text of a study, with this number of trials.
 fn study_file(study: &Study, trials: u64) -> Block {
-    Block::File("study.toml", study.resolved(trials))
+    Block::File("study.toml".to_owned(), study.resolved(trials))
 }
 
 fn chart(stem: &str, picture: Picture) -> Block {
     Block::Chart(Drawn { stem: stem.to_owned(), picture, note: None })
+}
+
+/// The range of a fit.
+pub(crate) fn range(fit: &Fit) -> String {
+    let [from, to] = fit.tau_range.map(|tau_s| significant(tau_s, DIGITS));
+    format!("τ from {from} s to {to} s")
+}
+
+/// An interval such as `0.199 … 0.201`.
+pub(crate) fn interval(ends: [f64; 2]) -> String {
+    ends.map(|end| significant(end, DIGITS)).join(" … ")
+}
+
+/// A value with its unit, if it has one.
+pub(crate) fn in_unit(value: f64, unit: &str) -> String {
+    with_unit(value, DIGITS, unit)
+}
+
+/// The minimum of the first curve of rates, such as `0.01 °/h (0.009 … 0.012) at τ = 100 s`.
+pub(crate) fn stability(column: &Column) -> Option<String> {
+    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle())?;
+    let Minimum { point, at_end } = curve.minimum?;
+    let value = in_unit(point.value?, column.unit.symbol(curve.deviation));
+    let ends = point.interval.map(|ends| format!(" ({})", interval(ends.into()))).unwrap_or_default();
+    let end = if at_end { ", where the curve ends" } else { "" };
+    Some(format!("{value}{ends} at τ = {} s{end}", significant(point.tau_s, DIGITS)))
 }

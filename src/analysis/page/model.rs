@@ -17,25 +17,25 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
     let charts = figures::figures(analysis).into_iter();
     let charts = charts.map(|(stem, figure)| chart(&stem, Picture::Curves(figure)));
     let columns = || analysis.columns.iter();
-    let curves = charts.chain(columns().map(|column| curve(analysis, column))).collect();
-    let coefficients = columns().map(|column| Block::Grid(coefficients(column))).collect();
-    let at_rate = columns().flat_map(|column| matrices(analysis, column)).collect();
-    let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name, text)).collect();
-    let section = |id, heading, blocks| Section { id, heading, blocks };
+    let curves = charts.chain(columns().map(|column| curve(analysis, column)));
+    let coefficients = columns().map(|column| Block::Grid(coefficients(column)));
+    let at_rate = columns().flat_map(|column| matrices(analysis, column));
+    let files = texts(analysis, writers).into_iter().map(|(name, text)| Block::File(name.to_owned(), text));
     Page {
         title: format!(
             "Noise model of {}",
             analysis.source.path.file_name().unwrap_or_default().to_string_lossy()
         ),
+        scope: String::new(),
         subtitle: format!("What does a filter need to know of this noise? {}", analysis.source.heading),
         answer: analysis.answer(),
         notes: notes(analysis),
         sections: vec![
             shown("What this record shows", &analysis.events()),
-            section("curve", "Record and model", curves),
-            section("coefficients", "Coefficients", coefficients),
-            section("discrete", "At the rate of the filter", at_rate),
-            section("files", "Files for tools", files),
+            Section::new("curve", "Record and model", curves),
+            Section::new("coefficients", "Coefficients", coefficients),
+            Section::new("discrete", "At the rate of the filter", at_rate),
+            Section::new("files", "Files for tools", files),
         ],
         tables: vec![("model.csv", tables::table(analysis))],
     }
@@ -43,16 +43,16 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
 
 /// The numbers of a column in the units that people use.
 fn coefficients(column: &Column) -> Grid {
-    let rows = tables::figures(column).into_iter().filter(|figure| figure.value > 0.0).map(|figure| {
-        [figure.name, significant(figure.value, 5), figure.unit.to_owned()].map(Cell::from).into()
-    });
+    let rows = tables::figures(column)
+        .into_iter()
+        .filter(|figure| figure.value > 0.0)
+        .map(|figure| [figure.name, significant(figure.value, 5), figure.unit.to_owned()].map(Cell::from));
     let symbol = column.target.unit.symbol(Deviation::Oadev);
     let state = column.found.model.markov.iter().map(|state| {
         let time = format!("correlation time {} s", significant(state.time_s, 5));
-        vec!["Markov state".into(), Cell { text: significant(state.sigma, 5), below: time }, symbol.into()]
+        ["Markov state".into(), Cell { text: significant(state.sigma, 5), below: time }, symbol.into()]
     });
-    let head = [column.target.name.as_str(), "value", "unit"].map(str::to_owned).into();
-    Grid { head, rows: rows.chain(state).collect() }
+    Grid::new([&column.target.name, "value", "unit"], rows.chain(state))
 }
 
 /// The curve of a column beside that of its model.
@@ -69,13 +69,13 @@ fn curve(analysis: &Analysis, Column { target, found }: &Column) -> Block {
         let [value, end, deviation] = [point.value, upper, model].map(|value| significant(value, 4));
         let above = [point.value, upper].map(|other| percent(model / other - 1.0));
         let cells = [significant(point.tau_s, 5), value, end, deviation].into_iter().chain(above);
-        cells.map(Cell::from).collect()
+        cells.collect::<Vec<_>>()
     };
     let above = format!("above {bound}");
-    let head = ["τ, s", "record", bound, "model", "above record", &above].map(str::to_owned).into();
+    let head = ["τ, s", "record", bound, "model", "above record", &above];
     let title =
         format!("{}: {}", target.name, titled("Allan deviation", target.unit.symbol(Deviation::Oadev)));
-    Block::More(title, Grid { head, rows: target.points.iter().zip(&found.bounds).map(row).collect() })
+    Block::More(title, Grid::new(head, target.points.iter().zip(&found.bounds).map(row)))
 }
 
 /// F and Q of a column.
@@ -84,13 +84,11 @@ fn matrices(analysis: &Analysis, column: &Column) -> Vec<Block> {
     let [_, longest_s] = column.target.taus();
     let found = discrete(&column.found.model, column.target.unit, 1.0 / filter_hz, longest_s);
     let matrix = |name: &str, rows: &[Vec<f64>]| {
-        let head = std::iter::once(name.to_owned()).chain(found.names.iter().cloned()).collect();
+        let head = std::iter::once(name).chain(found.names.iter().map(String::as_str));
         let row = |(name, row): (&String, &Vec<f64>)| {
-            std::iter::once(Cell::from(name.as_str()))
-                .chain(row.iter().map(|x| significant(*x, 6).into()))
-                .collect()
+            std::iter::once(name.clone()).chain(row.iter().map(|x| significant(*x, 6))).collect::<Vec<_>>()
         };
-        Block::Grid(Grid { head, rows: found.names.iter().zip(rows).map(row).collect() })
+        Block::Grid(Grid::new(head, found.names.iter().zip(rows).map(row)))
     };
     let said = format!(
         "{}: steps of {} s, in SI units. The initial variance of the random walk is what it accumulates over the longest τ; add the square of \

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use crate::allan::{Deviation, Trend, Unit as Curves};
 use crate::analysis::log::{Analysis, Column};
+use crate::analysis::page::in_unit;
 use crate::analysis::page::trace::{extremes, means, shares};
-use crate::analysis::page::values::in_unit;
 use crate::events::{Event, What};
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
@@ -44,7 +44,7 @@ pub(crate) fn section(log: &Log, analysis: &Analysis) -> Section {
     });
     let mut blocks = charts(&recorded.collect::<Vec<_>>(), "columns");
     blocks.push(Block::Facts(facts(analysis)));
-    Section { id: "record", heading: "Record", blocks }
+    Section::new("record", "Record", blocks)
 }
 
 fn facts(analysis: &Analysis) -> Vec<(&'static str, Vec<String>)> {

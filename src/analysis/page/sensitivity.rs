@@ -4,27 +4,25 @@ use crate::analysis::page::{chart, study_file};
 use crate::analysis::sensitivity::{Sensitivity, report};
 use crate::study::Study;
 use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use crate::view::report::sections::{Block, Page, Section};
 
 /// The page of a sensitivity.
 pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
     let picture = Picture::Curves(report::figure(study, found));
-    let (head, lines) = report::by_input(found);
-    let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
     let made = Block::Facts(vec![
         ("Evaluations", vec![report::effort(found)]),
         ("Seed", vec![study.seed.to_string()]),
     ]);
-    let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
+        scope: String::new(),
         subtitle: format!("Which uncertain input drives the {}?", found.answer.label),
         answer: found.answer(),
         notes: found.notes.clone(),
         sections: vec![
-            section("tornado", "The answer as one input varies", vec![chart("sensitivity", picture)]),
-            section("inputs", "Uncertain inputs", vec![Block::Grid(Grid { head, rows })]),
-            section("source", "How it was made", vec![made, study_file(study, study.trials)]),
+            Section::new("tornado", "The answer as one input varies", [chart("sensitivity", picture)]),
+            Section::new("inputs", "Uncertain inputs", [Block::Grid(report::by_input(found))]),
+            Section::new("source", "How it was made", [made, study_file(study, study.trials)]),
         ],
         tables: vec![("sensitivity.csv", report::table(found))],
     }

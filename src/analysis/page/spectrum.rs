@@ -5,7 +5,7 @@ use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
 use crate::analysis::page::chart;
 use crate::analysis::page::record::by_name;
-use crate::analysis::page::values::{in_unit, interval};
+use crate::analysis::page::{in_unit, interval};
 use crate::analysis::spectrum::notes::{method, symbol};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
 use crate::quantity::number::probability;
@@ -34,8 +34,8 @@ pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Sect
     let methods = analysis.columns().map(|(column, spectrum)| (&*column.name, method(spectrum))).collect();
     let method = by_name(methods).into_iter().map(Block::Note);
     let blocks = why.into_iter().chain(charts).chain(method).chain(lines(analysis)).chain(white(analysis));
-    let blocks = blocks.chain(analysis.columns().map(|column| means(analysis, column))).collect();
-    Section { id: "spectrum", heading: "Spectrum", blocks }
+    let means = analysis.columns().map(|column| means(analysis, column));
+    Section::new("spectrum", "Spectrum", blocks.chain(means))
 }
 
 /// Means of the density of a column beside the fitted model.
@@ -45,12 +45,12 @@ fn means(analysis: &Analysis, (column, spectrum): (&Column, &Spectrum)) -> Block
         let ends = point.interval.map_or_else(String::new, |ends| interval(ends.into()));
         let [frequency, value] =
             [(point.frequency_hz, 5), (point.value, 4)].map(|(x, digits)| significant(x, digits));
-        [frequency, value, ends, fit].map(Cell::from).into()
+        [frequency, value, ends, fit]
     };
     let ends = format!("{} interval", analysis.noise.percent());
-    let head = ["frequency, Hz", "density", &ends, "fit"].map(str::to_owned).into();
+    let head = ["frequency, Hz", "density", &ends, "fit"];
     let title = titled(&format!("{}: density, means over half an octave", column.name), symbol(column.unit));
-    Block::More(title, Grid { head, rows: spectrum.means(PER_OCTAVE).into_iter().map(row).collect() })
+    Block::More(title, Grid::new(head, spectrum.means(PER_OCTAVE).into_iter().map(row)))
 }
 
 /// The highest lines of all columns.
@@ -66,10 +66,9 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
     let row = |(column, line): &(&Column, &Line)| {
         let amplitude = in_unit(line.amplitude, column.unit.symbol(Deviation::Oadev));
         let (frequency, over) = (significant(line.frequency_hz, 6), significant(line.over_floor, 3));
-        [column.name.clone(), frequency, amplitude, over, probability(line.p)].map(Cell::from).into()
+        [column.name.clone(), frequency, amplitude, over, probability(line.p)]
     };
-    let head =
-        ["line in", "frequency, Hz", "amplitude", "over floor", "by noise alone"].map(str::to_owned).into();
+    let head = ["line in", "frequency, Hz", "amplitude", "over floor", "by noise alone"];
     let said = match (count, analysis.spectra.len()) {
         (_, 0) => return vec![],
         (0, _) => {
@@ -82,7 +81,7 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
         }
         _ => format!("Noise alone shows a line in {percent} % of records."),
     };
-    vec![Block::Text(said), Block::Grid(Grid { head, rows: all.iter().map(row).collect() })]
+    vec![Block::Text(said), Block::Grid(Grid::new(head, all.iter().map(row)))]
 }
 
 /// N of the floor beside N of the fit.
@@ -101,7 +100,7 @@ fn white(analysis: &Analysis) -> Option<Block> {
         let others = white
             .model
             .map_or_else(String::new, |[_, others]| format!("{} %", significant(100.0 * others, 2)));
-        vec![
+        [
             column.name.as_str().into(),
             cell(&white.from_floor),
             cell(&white.from_fit),
@@ -112,6 +111,6 @@ fn white(analysis: &Analysis) -> Option<Block> {
     };
     let head =
         ["white noise of", "N of the floor", "N of the fit", "flat range, Hz", "other terms there", "status"];
-    let rows: Vec<Vec<Cell>> = analysis.columns().map(row).collect();
-    (!rows.is_empty()).then(|| Block::Grid(Grid { head: head.map(str::to_owned).into(), rows }))
+    let grid = Grid::new(head, analysis.columns().map(row));
+    (!grid.rows.is_empty()).then_some(Block::Grid(grid))
 }

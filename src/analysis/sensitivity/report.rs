@@ -13,6 +13,7 @@ use crate::table::{ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::{
     Axis, Entry, Figure as Drawing, Grouping, Law, LawLine, Mark, Part, Parts, Series, SeriesPoint, Shape,
 };
+use crate::view::report::sections::Grid;
 
 type Of<'a> = ColumnOf<&'a Input>;
 
@@ -66,8 +67,8 @@ pub fn table(found: &Sensitivity) -> Table {
     Table { columns }
 }
 
-/// The headings and lines of a table of the inputs, by falling total index.
-pub fn by_input(found: &Sensitivity) -> (Vec<String>, Vec<Vec<String>>) {
+/// The inputs to read, by falling total index.
+pub(crate) fn by_input(found: &Sensitivity) -> Grid {
     let answer = format!("{} over that range", found.answer.label);
     let heading = ["input", "5 % to 95 %", "first-order index", "total index", &answer];
     let range = |[low, high]: [f64; 2], symbol: &str| {
@@ -78,7 +79,7 @@ pub fn by_input(found: &Sensitivity) -> (Vec<String>, Vec<Vec<String>>) {
         None => format!("{:.3}", found.value),
     };
     let lines = found.by_total().into_iter().map(|input| {
-        vec![
+        [
             input.key.to_owned(),
             range(input.range, input.unit.symbol),
             index(input.index.first),
@@ -86,7 +87,7 @@ pub fn by_input(found: &Sensitivity) -> (Vec<String>, Vec<Vec<String>>) {
             range(input.swing, found.answer.unit.symbol),
         ]
     });
-    (heading.map(str::to_owned).to_vec(), lines.collect())
+    Grid::new(heading, lines)
 }
 
 /// How the answer was evaluated, in one line.

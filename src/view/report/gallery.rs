@@ -6,7 +6,7 @@ use maud::{DOCTYPE, html};
 use serde::{Deserialize, Serialize};
 
 pub use crate::store::CARD;
-use crate::view::report::shell::head;
+use crate::view::report::html::head;
 
 /// Results in a gallery. Commands other than `run` keep it beside their page as [`CARD`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub fn gallery(cards: &[Card], called: [&str; 2]) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            (head(&count, ""))
+            (head(&count))
             body {
                 header {
                     div.bar { span.brand { "sagnac " (env!("CARGO_PKG_VERSION")) } }

@@ -1,20 +1,12 @@
-//! A page of sections, such as that of a log.
+//! The page of results: an answer, sections and tables.
 
-use maud::{Markup, html};
-
-use crate::answer::card::said;
 use crate::answer::{Answer, AnswerTable};
 use crate::table::Table;
 use crate::view::picture::Drawn;
-use crate::view::report::data::{Packed, data};
 use crate::view::report::gallery::Card;
-use crate::view::report::shell::{READING, Shell, chart, file, listings};
-use crate::view::report::still::still;
+use crate::view::report::html::still;
 
-/// Styles that only such pages need.
-const STYLE: &str = include_str!("../../../assets/report/sections.css");
-
-/// A page with an answer, sections and tables, such as that of a log. Its texts may contain settings such as `force = true` in backticks, which
+/// A page with an answer, sections and tables. Its texts may contain settings such as `force = true` in backticks, which
 /// the front end spells as its options.
 #[derive(Debug)]
 pub struct Page {
@@ -22,6 +14,8 @@ pub struct Page {
     pub title: String,
     /// A line below the title.
     pub subtitle: String,
+    /// What was analysed, such as `72 points × 2000 trials`; may be empty.
+    pub scope: String,
     /// The answer.
     pub answer: Answer,
     /// Notes attached to the results.
@@ -62,8 +56,10 @@ pub enum Block {
     Chart(Drawn),
     /// A chart of so many points that none has a marker.
     Trace(Drawn),
+    /// A command to type.
+    Command(String),
     /// A file by its name, with its text.
-    File(&'static str, String),
+    File(String, String),
 }
 
 /// A small table to read: the first cell of each row names it.
@@ -84,6 +80,28 @@ pub struct Cell {
     pub below: String,
 }
 
+impl Grid {
+    /// A table of cells that are texts, or texts with a smaller one below.
+    pub(crate) fn new<R: IntoIterator<Item: Into<Cell>>>(
+        head: impl IntoIterator<Item: Into<String>>,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Grid {
+        let row = |row: R| row.into_iter().map(Into::into).collect();
+        Grid { head: head.into_iter().map(Into::into).collect(), rows: rows.into_iter().map(row).collect() }
+    }
+}
+
+impl Section {
+    /// A section with these blocks.
+    pub(crate) fn new(
+        id: &'static str,
+        heading: &'static str,
+        blocks: impl IntoIterator<Item = Block>,
+    ) -> Section {
+        Section { id, heading, blocks: blocks.into_iter().collect() }
+    }
+}
+
 impl From<String> for Cell {
     fn from(text: String) -> Cell {
         Cell { text, below: String::new() }
@@ -97,62 +115,29 @@ impl From<&str> for Cell {
 }
 
 impl Page {
-    /// The page with its settings in the words of `spell`. Equal pages give equal bytes on every machine.
-    pub fn html(&self, spell: &dyn Fn(&str) -> String) -> String {
-        let sections: Vec<&Section> =
-            self.sections.iter().filter(|section| !section.blocks.is_empty()).collect();
-        let charts: Vec<&Drawn> = self.charts().collect();
-        let tables: Vec<(&str, &Table)> = self
-            .tables
-            .iter()
-            .filter(|(_, table)| table.rows() > 0)
-            .map(|(file, table)| (*file, table))
-            .collect();
-        let Packed { text, tables, thinned } = data(&charts, &charts, &tables);
-        let links: Vec<(&str, &str)> = sections
-            .iter()
-            .map(|section| (section.id, section.heading))
-            .chain([("tables", "Tables")])
-            .collect();
-        let said = |text: &str| said(&spell(text));
-        let mut places = 0..;
-        let told = [&*self.title, &*self.subtitle, &self.answer.headline];
-        let body = html! {
-            @if thinned > 1 { p.note { "Curves show one point in " (thinned) "." } }
-            @for section in sections {
-                section id=(section.id) {
-                    h2 { (section.heading) }
-                    @for block in &section.blocks { (self::block(block, &mut places, &told, &said)) }
-                }
-            }
-            @if !charts.is_empty() { p.hint.reading { (READING) } }
-            (listings(&tables))
-        };
-        let notes: Vec<String> = self.notes.iter().map(|note| spell(note)).collect();
-        let answer = self.answer.card("", &notes);
-        let shell = Shell {
-            title: &self.title,
-            question: &self.subtitle,
-            style: STYLE,
-            links: &links,
-            answer,
-            sections: body,
-            data: &text,
-        };
-        shell.page()
-    }
-}
-
-impl Page {
     /// The charts of all sections, in their order.
     pub fn charts(&self) -> impl Iterator<Item = &Drawn> {
-        self.sections.iter().flat_map(|section| &section.blocks).filter_map(drawn)
+        self.sections.iter().flat_map(|section| &section.blocks).filter_map(Block::chart)
     }
 
     /// The charts of results, which are files too.
     pub fn figures(&self) -> impl Iterator<Item = &Drawn> {
         let blocks = self.sections.iter().flat_map(|section| &section.blocks);
         blocks.filter_map(|block| if let Block::Chart(drawn) = block { Some(drawn) } else { None })
+    }
+
+    /// The notes attached to the results, each once, with those on charts first.
+    pub fn all_notes(&self) -> Vec<String> {
+        let mut of_charts: Vec<(&str, String)> = Vec::new();
+        for drawn in self.figures() {
+            let Some(note) = &drawn.note else { continue };
+            match of_charts.iter_mut().find(|(earlier, _)| earlier == note) {
+                Some((_, stems)) => *stems += &format!(", {}", drawn.stem),
+                None => of_charts.push((note, drawn.stem.clone())),
+            }
+        }
+        let of_charts = of_charts.into_iter().map(|(note, stems)| format!("{stems}: {note}"));
+        of_charts.chain(self.notes.iter().cloned()).collect()
     }
 
     /// The card of the page in galleries, with its settings in the words of `spell`.
@@ -171,57 +156,12 @@ impl Page {
     }
 }
 
-fn drawn(block: &Block) -> Option<&Drawn> {
-    match block {
-        Block::Chart(drawn) | Block::Trace(drawn) => Some(drawn),
-        _ => None,
-    }
-}
-
-/// A block; `places` counts the charts, whose second lines are left out where the page has `told` them.
-fn block(
-    block: &Block,
-    places: &mut std::ops::RangeFrom<usize>,
-    told: &[&str],
-    said: &dyn Fn(&str) -> Markup,
-) -> Markup {
-    html! {
-        @match block {
-            Block::Text(text) => { p { (said(text)) } }
-            Block::Note(text) => { p.note { (said(text)) } }
-            Block::Facts(facts) => {
-                dl {
-                    @for (name, lines) in facts {
-                        dt { (name) }
-                        dd { @for (at, line) in lines.iter().enumerate() { @if at > 0 { br; } (said(line)) } }
-                    }
-                }
-            }
-            Block::Grid(grid) => { (self::grid(grid)) }
-            Block::More(title, grid) => { details { summary { (title) } (self::grid(grid)) } }
-            Block::Options(table) => { (table.html()) }
-            Block::Chart(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart", told)) }
-            Block::File(name, text) => { (file(name, text)) }
-            Block::Trace(drawn) => { (chart(places.next().unwrap_or(0), drawn, "chart trace", told)) }
-        }
-    }
-}
-
-fn grid(grid: &Grid) -> Markup {
-    html! {
-        div.scroll.matrix tabindex="0" {
-            table {
-                thead { tr { @for (at, name) in grid.head.iter().enumerate() { th scope="col" .text[at == 0] { (name) } } } }
-                tbody {
-                    @for row in &grid.rows {
-                        tr {
-                            @for (at, cell) in row.iter().enumerate() {
-                                td .text[at == 0] { (cell.text) @if !cell.below.is_empty() { small { (cell.below) } } }
-                            }
-                        }
-                    }
-                }
-            }
+impl Block {
+    /// The chart, if it is one.
+    pub(crate) fn chart(&self) -> Option<&Drawn> {
+        match self {
+            Block::Chart(drawn) | Block::Trace(drawn) => Some(drawn),
+            _ => None,
         }
     }
 }

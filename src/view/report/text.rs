@@ -43,6 +43,7 @@ impl Block {
             Block::Grid(grid) => Some(grid.text(limit)),
             Block::More(title, grid) => Some(format!("  {title}\n{}", grid.text(limit))),
             Block::Options(table) => Some(table.text(width)),
+            Block::Command(command) => Some(format!("    {command}\n")),
             Block::Chart(_) | Block::Trace(_) | Block::File(..) => None,
         }
     }

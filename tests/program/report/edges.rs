@@ -6,8 +6,7 @@ use sagnac::table::Table;
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;
-use sagnac::view::report::Report;
-use sagnac::view::report::source::Source;
+use sagnac::view::report::sections::{Block, Page, Section};
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -22,29 +21,17 @@ fn page(table: &Table) -> String {
 fn page_of(table: &Table, chart: &Chart) -> String {
     let (figure, notes) = Figure::from_table(table, chart).unwrap();
     let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
-    let source = Source {
-        study: "kind = \"gap-fill\"\n".to_owned(),
-        inputs: vec![],
-        kind: &sagnac::kinds::gap_fill::kind::GAP_FILL,
-        sampled: Some((1, 1000)),
-        stops: false,
-        lacking: 0,
-        points: 1,
-        counts_again: false,
-        provenance: vec![],
-        kernels: "gap_fill 2".to_owned(),
+    let charts = Section { id: "charts", heading: "Charts", blocks: vec![Block::Chart(drawn)] };
+    let page = Page {
+        title: "Edges".to_owned(),
+        subtitle: String::new(),
+        scope: String::new(),
+        answer: Answer::default(),
+        notes: vec![],
+        sections: vec![charts],
+        tables: vec![("points.csv", table.clone())],
     };
-    let report = Report {
-        title: "Edges",
-        question: "",
-        answer: &Answer::default(),
-        notes: &[],
-        charts: &[drawn],
-        tables: vec![(sagnac::chart::Source::Points, table)],
-        source: &source,
-        digest: "",
-    };
-    report.html()
+    page.html(&str::to_owned)
 }
 
 /// Opens a page of a table; the folder holds it.

@@ -8,15 +8,17 @@ pub(crate) mod variants;
 pub use crate::analysis::design::report::json::json;
 pub(crate) use crate::analysis::design::report::tables::columns;
 pub use crate::analysis::design::report::tables::{figure, table};
+pub(crate) use crate::analysis::design::report::trade::by_choice;
 pub(crate) use crate::analysis::design::report::trade::pareto_columns;
-pub use crate::analysis::design::report::trade::{by_choice, pareto_figure, pareto_table};
-pub use crate::analysis::design::report::variants::by_variant;
+pub use crate::analysis::design::report::trade::{pareto_figure, pareto_table};
+pub(crate) use crate::analysis::design::report::variants::by_variant;
 
 pub(crate) use crate::analysis::design::report::variants::named;
 
 use crate::analysis::design::report::variants::{cost_heads, costs};
 use crate::analysis::design::{Design, Filler, Found};
 use crate::quantity::number::significant;
+use crate::view::report::sections::Grid;
 
 /// Name of the filler in tables.
 pub fn called(filler: &Filler) -> &str {
@@ -50,8 +52,8 @@ fn range(filler: &Filler) -> String {
     }
 }
 
-/// The headings and lines of a table of the fillers, each at its best interval and at the best values of swept keys.
-pub fn by_filler(found: &Design) -> (Vec<String>, Vec<Vec<String>>) {
+/// The fillers to read, each at its best interval and at the best values of swept keys.
+pub(crate) fn by_filler(found: &Design) -> Grid {
     let variant = found.variant();
     let (label, angle) = (found.measure.label(), format!("″ after {}", duration(variant.duration_s)));
     let heading =
@@ -67,9 +69,9 @@ pub fn by_filler(found: &Design) -> (Vec<String>, Vec<Vec<String>>) {
             three_digits(variant.angle(best.drift.value)),
             three_digits(found.worse_by(filler).value),
         ];
-        line.into_iter().chain(costs(found, filler)).collect()
+        line.into_iter().chain(costs(found, filler)).collect::<Vec<_>>()
     });
-    (heading.map(str::to_owned).into_iter().chain(cost_heads(found)).collect(), lines.collect())
+    Grid::new(heading.map(str::to_owned).into_iter().chain(cost_heads(found)), lines)
 }
 
 /// The ends of the interval of a value.

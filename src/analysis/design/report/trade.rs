@@ -16,6 +16,7 @@ use crate::kinds::table::table as table_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::styles::of_names;
+use crate::view::report::sections::Grid;
 
 /// A row of `pareto.csv`.
 pub(crate) struct Row<'a> {
@@ -80,8 +81,8 @@ pub fn pareto_table(found: &Design) -> Option<Table> {
     is_shown.then(|| table_of(&found.keys(), &pareto_columns(), &rows, |row| &row.choice.variant.swept))
 }
 
-/// The headings and lines of a table of the same choices. `None` where there is no table of them.
-pub fn by_choice(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
+/// The same choices to read. `None` where there is no table of them.
+pub(crate) fn by_choice(found: &Design) -> Option<Grid> {
     pareto_table(found)?;
     let keys = found.keys();
     let own = [
@@ -92,7 +93,7 @@ pub fn by_choice(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
         found.measure.label(),
         "times the least",
     ];
-    let head = keys.iter().map(|sweep| sweep.key.label).chain(own).map(str::to_owned).collect();
+    let head = keys.iter().map(|sweep| sweep.key.label).chain(own);
     let line = |row: Row| {
         let Row { choice, times, as_good } = row;
         let times = three_digits(times[0]);
@@ -105,9 +106,9 @@ pub fn by_choice(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
             format!("{} °/h", three_digits(choice.drift().value)),
             if as_good && !is_best { format!("{times}, as good") } else { times },
         ];
-        choice.variant.swept.iter().map(|(_, value)| shown(value)).chain(own).collect()
+        choice.variant.swept.iter().map(|(_, value)| shown(value)).chain(own).collect::<Vec<_>>()
     };
-    Some((head, rows(found).into_iter().map(line).collect()))
+    Some(Grid::new(head, rows(found).into_iter().map(line)))
 }
 
 /// Gives the choices that are not dominated as JSON.

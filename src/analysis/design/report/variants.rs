@@ -7,6 +7,7 @@ use crate::analysis::design::constraints::milliseconds;
 use crate::analysis::design::report::{called, duration, four_digits, range, three_digits};
 use crate::analysis::design::{Design, Filler, Variant};
 use crate::key::setting::Swept;
+use crate::view::report::sections::Grid;
 
 /// Each value of a variant with the label of its key, such as `time constant of the loop 3 ms`.
 pub(crate) fn told(found: &Design, variant: &Variant) -> Vec<String> {
@@ -66,9 +67,9 @@ pub(crate) fn costs(found: &Design, filler: &Filler) -> Vec<String> {
     cells.into_iter().flatten().collect()
 }
 
-/// The headings and lines of a table of the variants, each at its best interval with its best filler. `None` where no
+/// The variants to read, each at its best interval with its best filler. `None` where no
 /// key but the interval is swept.
-pub fn by_variant(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
+pub(crate) fn by_variant(found: &Design) -> Option<Grid> {
     let keys = found.keys();
     if keys.is_empty() {
         return None;
@@ -112,5 +113,5 @@ pub fn by_variant(found: &Design) -> Option<(Vec<String>, Vec<Vec<String>>)> {
         line.extend(costs(found, filler));
         line
     };
-    Some((heading, found.variants.iter().map(line).collect()))
+    Some(Grid::new(heading, found.variants.iter().map(line)))
 }

@@ -53,14 +53,19 @@ impl Notches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::report::tests::table;
+    use crate::table::Cell;
 
-    fn notches<const N: usize>(curves: &[(&str, [f64; N])], usual: Option<Usual>) -> Vec<f64> {
-        let mut table = table("rms", curves);
-        table.columns[1].usual = usual;
+    /// The notches of curves over 1, 2, 4, … s.
+    fn notches<const N: usize>(curves: &[[f64; N]], usual: Option<Usual>) -> Vec<f64> {
+        let column = |cells: Vec<f64>| Column {
+            usual,
+            cells: cells.into_iter().map(Cell::Number).collect::<Vec<_>>().into(),
+            ..Column::default()
+        };
+        let x = column(curves.iter().flat_map(|_| (0..N).map(|at| f64::from(1 << at))).collect());
         let rows: Vec<Vec<usize>> =
             (0..curves.len()).map(|curve| (curve * N..(curve + 1) * N).collect()).collect();
-        Notches::of(&table.columns[1], &table.columns[2], rows.iter().map(Vec::as_slice)).places
+        Notches::of(&x, &column(curves.concat()), rows.iter().map(Vec::as_slice)).places
     }
 
     #[test]
@@ -68,11 +73,11 @@ mod tests {
         let time = Some(Usual::Abscissa);
         // At 1, 2, 4, … s, with slopes of ±1, a dip, and one at the last place but one.
         let valley = [8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0];
-        assert_eq!(notches(&[("valley", valley)], time), [0.0; 0]);
+        assert_eq!(notches(&[valley], time), [0.0; 0]);
         let dips = [9.0, 8.0, 7.0, 0.1, 5.0, 1.0, 4.5];
-        assert_eq!(notches(&[("valley", valley), ("dips", dips)], time), [8.0, 32.0]);
-        assert_eq!(notches(&[("dips", dips)], None), [0.0; 0]);
+        assert_eq!(notches(&[valley, dips], time), [8.0, 32.0]);
+        assert_eq!(notches(&[dips], None), [0.0; 0]);
         // The ends of a curve are no notches.
-        assert_eq!(notches(&[("ends", [0.1, 9.0, 8.0, 7.0, 0.1])], time), [0.0; 0]);
+        assert_eq!(notches(&[[0.1, 9.0, 8.0, 7.0, 0.1]], time), [0.0; 0]);
     }
 }
