@@ -6,7 +6,7 @@ mod fillers;
 use fillers::{cells, chart, column};
 use sagnac::answer::Answer;
 use sagnac::table::{Table, Unit};
-use sagnac::view::chart::figure::Figure;
+use sagnac::view::chart::from_table;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;
 use sagnac::view::report::sections::{Block, Page, Section};
@@ -30,7 +30,7 @@ fn table(points: usize) -> Table {
 fn page(bencher: divan::Bencher, points: usize) {
     let table = table(points);
     bencher.bench_local(|| {
-        let (figure, _) = Figure::from_table(&table, &chart("Errors")).unwrap();
+        let (figure, _) = from_table::figure(&table, &chart("Errors")).unwrap();
         let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: None };
         let charts = Section { id: "charts", heading: "Charts", blocks: vec![Block::Chart(drawn)] };
         let page = Page {

@@ -69,7 +69,6 @@
 
 pub mod allan;
 pub mod analysis;
-pub mod answer;
 pub mod device;
 pub mod events;
 pub mod fit;
@@ -84,6 +83,7 @@ pub mod verify;
 pub mod view;
 
 pub use sagnac_base::{progress, table};
+pub use sagnac_report::answer;
 
 mod noise;
 mod sampling;

@@ -11,7 +11,7 @@ use crate::chart::{Chart, Limit, Named, Requirement, Shows, supplied};
 use crate::key::given::Given;
 use crate::key::holds::unlimited;
 use crate::key::row::Key;
-use crate::key::scale::Scale;
+use crate::key::scale::{Scale, scale_of};
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::source::diagnose::Fault;
@@ -69,7 +69,7 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
     let scale = |key: &'static Key, column: &Named| match table.get(key) {
         None if ground.is_linear => Scale::Linear,
         None => known.scale_over(&column.name),
-        written => Scale::of(written),
+        written => scale_of(written),
     };
     let mut chart = Chart {
         title: table.get(&TITLE).map_or(String::new(), |title| title.text().to_owned()),
@@ -151,7 +151,7 @@ fn shows(table: &Table, x: &Named, y: &Named, beside: &[Named], known: Known) ->
         known.coordinate(axis, &format!("a map cannot have as its {name}"))?;
     }
     if kind == ChartKind::HeatMap {
-        return Ok(Shows::HeatMap { z, z_scale: Scale::of(table.get(&Z_SCALE)) });
+        return Ok(Shows::HeatMap { z, z_scale: scale_of(table.get(&Z_SCALE)) });
     }
     let of = match table.get(&OF) {
         None => {

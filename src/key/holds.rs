@@ -44,13 +44,6 @@ pub(crate) struct Measure {
     pub(crate) range: &'static str,
 }
 
-/// A word as a value, with its meaning.
-#[derive(Debug)]
-pub(crate) struct Word {
-    pub(crate) word: &'static str,
-    pub(crate) meaning: &'static str,
-}
-
 /// A quantity of one of some dimensions, within limits.
 pub(crate) const fn measure(
     accepts: &'static [Dimension],
@@ -125,30 +118,8 @@ impl Holds {
     }
 }
 
-/// Declares an enum whose values are words, each with its meaning as doc comment.
-macro_rules! names {
-    ($(#[doc = $doc:literal])+ $vis:vis enum $name:ident {
-        $($(#[doc = $meaning:literal])+ $variant:ident = $word:literal,)+
-    }) => {
-        $(#[doc = $doc])+
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        $vis enum $name { $($(#[doc = $meaning])+ $variant),+ }
-
-        #[allow(dead_code, reason = "not every set of words is iterated")]
-        impl $name {
-            /// All values, in the order of messages and options.
-            $vis const ALL: [$name; [$($word),+].len()] = [$($name::$variant),+];
-            pub(crate) const WORDS: &'static [$crate::key::holds::Word] =
-                &[$($crate::key::holds::Word { word: $word, meaning: concat!($($meaning),+) }),+];
-
-            /// The word as written.
-            $vis fn name(self) -> &'static str {
-                $name::WORDS[self as usize].word
-            }
-        }
-    };
-}
-pub(crate) use names;
+pub(crate) use sagnac_base::names;
+pub(crate) use sagnac_base::words::Word;
 
 /// Declares an enum as [`names`] does, whose values are the words of a key. The first one is the default.
 macro_rules! words {

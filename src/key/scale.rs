@@ -1,13 +1,11 @@
 //! The scale of an axis, as charts write it and as sweeps suggest it.
 
-use crate::key::holds::words;
+pub use sagnac_report::chart::scale::Scale;
 
-words! {
-    /// The scale of an axis.
-    pub enum Scale {
-        /// Equal ratios are equally long.
-        Log = "log",
-        /// Equal differences are equally long.
-        Linear = "linear",
-    }
+use crate::key::given::Given;
+
+/// The scale as written, or the default.
+pub(crate) fn scale_of(given: Option<Given>) -> Scale {
+    let named = |given: Given| Scale::ALL.into_iter().find(|known| known.name() == given.text());
+    given.and_then(named).unwrap_or_default()
 }

@@ -77,8 +77,7 @@ use crate::tally::block::{Block, fold};
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// The name of a card in its folder of results.
-pub const CARD: &str = "card.json";
+pub use sagnac_report::page::CARD;
 
 /// The name of the database in a results folder.
 pub const FILE: &str = "tallies.sqlite";

@@ -1,5 +1,6 @@
-//! Output for people: charts and pages.
+//! Output for people: the charts of studies, and the pages of `sagnac-report`.
 
 pub mod chart;
 pub mod picture;
-pub mod report;
+
+pub use sagnac_report::page as report;

@@ -10,26 +10,16 @@ use crate::run::Tables;
 use crate::source::diagnose::{StudyError, nearest};
 use crate::study::Study;
 use crate::table::{Cell, ColumnError};
-use crate::view::chart::figure::Figure;
-use crate::view::chart::map::Map;
+use crate::view::chart::from_table::figure;
+use crate::view::chart::map_from_table::map;
 use crate::view::chart::notes::ChartError;
+pub use crate::view::chart::picture::Drawn;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
 
 /// The names of a chart's files, without their endings.
 pub fn chart_stem(index: usize, charts: usize) -> String {
     if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
-}
-
-/// A drawn chart.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drawn {
-    /// Stem of its file names, such as `chart-1`.
-    pub stem: String,
-    /// What it shows.
-    pub picture: Picture,
-    /// Note on the chart, as a sentence.
-    pub note: Option<String>,
 }
 
 /// What results say that lack trials.
@@ -46,10 +36,11 @@ pub fn pictures(study: &Study, tables: &Tables, lacking: u64) -> Result<Vec<Draw
     let of = |(index, chart): (usize, &Chart)| {
         let table = tables.of(chart.source);
         let drawn = match &chart.shows {
-            Shows::Curves { .. } => Figure::from_table(table, chart)
-                .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
+            Shows::Curves { .. } => {
+                figure(table, chart).map(|(figure, notes)| (Picture::Curves(figure), notes.sentence()))
+            }
             Shows::HeatMap { .. } | Shows::WinnerMap { .. } => {
-                Map::from_table(table, chart).map(|(map, notes)| (Picture::Map(map), notes.sentence()))
+                map(table, chart).map(|(map, notes)| (Picture::Map(map), notes.sentence()))
             }
         };
         let (mut picture, note) = drawn.map_err(|error| refused(study, chart, &error))?;

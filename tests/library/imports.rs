@@ -5,12 +5,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The modules of crates below the library.
-const BELOW: [&str; 4] = ["kernel", "progress", "quantity", "table"];
+const BELOW: [&str; 5] = ["answer", "kernel", "progress", "quantity", "table"];
 
 /// The top-level modules of `src/`, lowest first.
 const ORDER: &[&str] = &[
     "source",
-    "answer",
     "theory",
     "key",
     "chart",

@@ -14,3 +14,4 @@ pub mod progress;
 pub mod quantity;
 pub mod source;
 pub mod table;
+pub mod words;

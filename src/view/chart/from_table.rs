@@ -9,116 +9,110 @@ use crate::view::chart::notes::{ChartError, Notes};
 use crate::view::chart::stack::Shown;
 use crate::view::chart::styles::styles;
 
-impl Figure {
-    /// The curves of `table` that `chart` selects, in the order of their first rows, with points by rising x. Identical
-    /// curves are merged by [`Figure::merge_coincident`].
-    ///
-    /// # Errors
-    /// A limit or a law has another unit than y; a column is missing, holds text instead of numbers, or has no row with
-    /// a selected value; or a curve runs through rows that belong to several curves.
-    pub fn from_table(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
-        let Shown { table, estimate, series } = Shown::of(table, chart)?;
-        let filter = chart.filter();
-        let (rows, chosen) = (table.rows_where(&filter)?, table.chosen(&filter)?);
-        let table: &Table = &table.read();
-        let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
-        let law = chart.references().first().map(|law| ("law", law.about().unit));
-        check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
-        let laws = chart
-            .references()
-            .iter()
-            .map(|law| numbers(table, law.column()))
-            .collect::<Result<Vec<_>, _>>()?;
-        let theory = table.beside(y, Role::Theory);
-        let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
-        let key = table.columns.iter().find(is_key);
-        let (colours, dashes) = match &series[..] {
-            [] => (None, None),
-            [colour] => (Some(table.column(colour)?), None),
-            [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
-            more => return Err(ChartError::TooManySeries { found: more.len() }),
+/// The curves of `table` that `chart` selects, in the order of their first rows, with points by rising x. Identical
+/// curves are merged by [`Figure::merge_coincident`].
+///
+/// # Errors
+/// A limit or a law has another unit than y; a column is missing, holds text instead of numbers, or has no row with
+/// a selected value; or a curve runs through rows that belong to several curves.
+pub fn figure(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
+    let Shown { table, estimate, series } = Shown::of(table, chart)?;
+    let filter = chart.filter();
+    let (rows, chosen) = (table.rows_where(&filter)?, table.chosen(&filter)?);
+    let table: &Table = &table.read();
+    let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
+    let law = chart.references().first().map(|law| ("law", law.about().unit));
+    check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
+    let laws =
+        chart.references().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
+    let theory = table.beside(y, Role::Theory);
+    let is_key = |column: &&Column| x.role == Role::Coordinate && column.name == x.of;
+    let key = table.columns.iter().find(is_key);
+    let (colours, dashes) = match &series[..] {
+        [] => (None, None),
+        [colour] => (Some(table.column(colour)?), None),
+        [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
+        more => return Err(ChartError::TooManySeries { found: more.len() }),
+    };
+    check_curves(table, chart, &series, &rows)?;
+    let mut figure = Figure {
+        title: chart.title.clone(),
+        subtitle: chart.subtitle(),
+        x: named_axis(x, &rows).unwrap_or_else(|| axis(x, chart.x_scale)),
+        y: axis(y, chart.y_scale),
+        key: key.map(|key| axis(key, Scale::Linear)),
+        colours: styled(colours, &rows),
+        dashes: styled(dashes, &rows),
+        // The closed form is not sampled.
+        points: if y.role == Role::Theory { "closed form".to_owned() } else { chart.points.clone() },
+        bands: chart.bands.clone(),
+        lines: "closed form".to_owned(),
+        limit: chart.limit.map(limit),
+        chosen,
+        ..Figure::default()
+    };
+    let mut notes = Notes::default();
+    let names = figure.x.names.clone();
+    let place = |row: usize| match names.is_empty() {
+        true => x.cells[row].number(),
+        false => Some(1.0 + names.iter().position(|name| *name == x.cells[row].text())? as f64),
+    };
+    // Rows without a place on an axis where other rows have one are of another kind, such as the sum of all ticks.
+    let some = rows.iter().any(|&row| place(row).is_some());
+    let rows = rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank);
+    let styles = |row: usize| {
+        let of = |column: Option<&Column>, grouping| {
+            column.map_or(0, |column| style(grouping, &column.cells[row]))
         };
-        check_curves(table, chart, &series, &rows)?;
-        let mut figure = Figure {
-            title: chart.title.clone(),
-            subtitle: chart.subtitle(),
-            x: named_axis(x, &rows).unwrap_or_else(|| axis(x, chart.x_scale)),
-            y: axis(y, chart.y_scale),
-            key: key.map(|key| axis(key, Scale::Linear)),
-            colours: styled(colours, &rows),
-            dashes: styled(dashes, &rows),
-            // The closed form is not sampled.
-            points: if y.role == Role::Theory { "closed form".to_owned() } else { chart.points.clone() },
-            bands: chart.bands.clone(),
-            lines: "closed form".to_owned(),
-            limit: chart.limit.map(limit),
-            chosen,
-            ..Figure::default()
-        };
-        let mut notes = Notes::default();
-        let names = figure.x.names.clone();
-        let place = |row: usize| match names.is_empty() {
-            true => x.cells[row].number(),
-            false => Some(1.0 + names.iter().position(|name| *name == x.cells[row].text())? as f64),
-        };
-        // Rows without a place on an axis where other rows have one are of another kind, such as the sum of all ticks.
-        let some = rows.iter().any(|&row| place(row).is_some());
-        let rows = rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank);
-        let styles = |row: usize| {
-            let of = |column: Option<&Column>, grouping| {
-                column.map_or(0, |column| style(grouping, &column.cells[row]))
-            };
-            (of(colours, &figure.colours), of(dashes, &figure.dashes))
-        };
-        let mut curves = grouped(rows, styles);
-        for ((colour, dash), rows) in &mut curves {
-            let all = rows.len();
-            rows.retain(|&row| place(row).is_some());
-            rows.sort_by(|&a, &b| place(a).unwrap_or(f64::NAN).total_cmp(&place(b).unwrap_or(f64::NAN)));
-            let point = |&row: &usize| {
-                Some(SeriesPoint {
-                    x: place(row)?,
-                    y: y.cells[row].number()?,
-                    band: y.interval(row),
-                    key: key.and_then(|key| key.cells[row].number()),
-                })
-            };
-            let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
-            notes.blank += all - points.len();
-            let law = theory.map_or(vec![], |theory| with_gaps(theory, rows, place));
-            figure.series.push(Series { colour: *colour, dash: *dash, points, law });
-        }
-        // In the order of the legend.
-        curves.sort_by_key(|(styles, _)| *styles);
-        figure.laws = laws
-            .iter()
-            .map(|law| Law {
-                label: law.label.clone(),
-                is_area: false,
-                lines: curves
-                    .iter()
-                    .map(|((colour, _), rows)| LawLine {
-                        colours: vec![*colour],
-                        points: along(law, rows, place),
-                    })
-                    .collect(),
+        (of(colours, &figure.colours), of(dashes, &figure.dashes))
+    };
+    let mut curves = grouped(rows, styles);
+    for ((colour, dash), rows) in &mut curves {
+        let all = rows.len();
+        rows.retain(|&row| place(row).is_some());
+        rows.sort_by(|&a, &b| place(a).unwrap_or(f64::NAN).total_cmp(&place(b).unwrap_or(f64::NAN)));
+        let point = |&row: &usize| {
+            Some(SeriesPoint {
+                x: place(row)?,
+                y: y.cells[row].number()?,
+                band: y.interval(row),
+                key: key.and_then(|key| key.cells[row].number()),
             })
-            .collect();
-        notes.left_out = figure.left_out();
-        figure.leave_out_unseen();
-        if figure.has_laws() && figure.x.names.is_empty() && !figure.series.iter().all(Series::has_law) {
-            "closed form, else joined".clone_into(&mut figure.lines);
-        }
-        let units = [axis_unit(x, chart.x_scale), axis_unit(y, chart.y_scale)];
-        figure.rescale([units[0].0, units[1].0]);
-        [figure.x.unit, figure.y.unit] = units.map(|(_, unit)| unit.to_owned());
-        notes.merged = figure.merge_coincident();
-        notes.coincident = figure.coincident();
-        figure.merge_laws();
-        Ok((figure, notes))
+        };
+        let points: Vec<SeriesPoint> = rows.iter().filter_map(point).collect();
+        notes.blank += all - points.len();
+        let law = theory.map_or(vec![], |theory| with_gaps(theory, rows, place));
+        figure.series.push(Series { colour: *colour, dash: *dash, points, law });
     }
+    // In the order of the legend.
+    curves.sort_by_key(|(styles, _)| *styles);
+    figure.laws = laws
+        .iter()
+        .map(|law| Law {
+            label: law.label.clone(),
+            is_area: false,
+            lines: curves
+                .iter()
+                .map(|((colour, _), rows)| LawLine {
+                    colours: vec![*colour],
+                    points: along(law, rows, place),
+                })
+                .collect(),
+        })
+        .collect();
+    notes.left_out = figure.left_out();
+    figure.leave_out_unseen();
+    if figure.has_laws() && figure.x.names.is_empty() && !figure.series.iter().all(Series::has_law) {
+        "closed form, else joined".clone_into(&mut figure.lines);
+    }
+    let units = [axis_unit(x, chart.x_scale), axis_unit(y, chart.y_scale)];
+    figure.rescale([units[0].0, units[1].0]);
+    [figure.x.unit, figure.y.unit] = units.map(|(_, unit)| unit.to_owned());
+    notes.merged = figure.merge_coincident();
+    notes.coincident = figure.coincident();
+    figure.merge_laws();
+    Ok((figure, notes))
 }
-
 /// The column with that name, if it holds numbers.
 pub(crate) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     let column = table.column(name)?;

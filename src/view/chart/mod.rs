@@ -1,25 +1,11 @@
-//! Charts: a table becomes a [`Figure`](figure::Figure) of curves or a [`Map`](map::Map), and these become a list of
-//! shapes, which is written as SVG or painted as PNG.
-//!
-//! ```text
-//! Table, Chart ─┬─▶ Figure ─┬─▶ Picture ─┬─ svg() ─▶ SVG text
-//!               └─▶ Map ────┘            ├─ png() ─▶ PNG bytes
-//!                                        └─ text() ─▶ text for a terminal
-//! ```
-//!
-//! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
-//! lettering is measured in the bundled DejaVu Sans, and there is no date, version or id. Ids would also collide where
-//! several pictures are in one HTML page.
-//!
-//! The drawing code is our own. kuva 0.6, whose source was examined, takes no explicit ticks, writes 0.01 as `1e-2`,
-//! shows a line *or* a marker in a legend but never both, and uses the platform's logarithms.
+//! Charts: figures and maps from the rows of a table that a chart of a study selects.
 //!
 //! ```
 //! use sagnac::chart::{Chart, Limit, Shows};
 //! use sagnac::key::scale::Scale;
 //! use sagnac::table::{Cell, Column, Table, Unit};
-//! use sagnac::view::chart::figure::Figure;
-//! use sagnac::view::chart::map::Map;
+//! use sagnac::view::chart::from_table::figure;
+//! use sagnac::view::chart::map_from_table::map;
 //! use sagnac::view::chart::picture::Picture;
 //!
 //! let column = |name: &str, unit, values: &[f64]| Column {
@@ -45,42 +31,21 @@
 //!     limit: Some(Limit { value: 10.0, unit: Unit::ARCSEC }),
 //!     ..Chart::default()
 //! };
-//! let (figure, notes) = Figure::from_table(&table, &curves)?;
-//! assert_eq!((figure.series.len(), notes.left_out), (2, 0));
-//! assert!(Picture::Curves(figure).svg().starts_with("<svg"));
+//! let (drawn, notes) = figure(&table, &curves)?;
+//! assert_eq!((drawn.series.len(), notes.left_out), (2, 0));
+//! assert!(Picture::Curves(drawn).svg().starts_with("<svg"));
 //!
 //! let shows = Shows::HeatMap { z: "rms".into(), z_scale: Scale::Log };
 //! let cells = Chart { y: "amplitude".into(), shows, ..curves };
-//! let (map, _) = Map::from_table(&table, &cells)?;
-//! assert_eq!((map.known(), map.within_limit()), (4, Some(3)));
-//! assert!(Picture::Map(map).svg().contains("Error"));
+//! let (drawn, _) = map(&table, &cells)?;
+//! assert_eq!((drawn.known(), drawn.within_limit()), (4, Some(3)));
+//! assert!(Picture::Map(drawn).svg().contains("Error"));
 //! # Ok::<(), sagnac::view::chart::notes::ChartError>(())
 //! ```
 
-pub(crate) mod axes;
-pub(crate) mod canvas;
-pub(crate) mod coincidence;
-pub mod console;
-pub mod figure;
-pub(crate) mod from_table;
-pub(crate) mod laws;
-pub(crate) mod layout;
-pub(crate) mod legend;
-pub mod map;
-pub(crate) mod marks;
-pub(crate) mod mixed;
-pub mod notes;
-pub(crate) mod palette;
-pub mod picture;
-pub(crate) mod plot;
-#[cfg(feature = "png")]
-pub(crate) mod png;
-pub(crate) mod scale;
+pub mod from_table;
+pub mod map_from_table;
+mod mixed;
 pub mod stack;
-pub(crate) mod styles;
-pub(crate) mod svg;
-pub(crate) mod text;
-pub(crate) mod ticks;
-pub(crate) mod whole;
 
-pub use crate::view::chart::palette::COLOURS;
+pub use sagnac_report::chart::*;

@@ -3,7 +3,7 @@
 use sagnac::answer::Answer;
 use sagnac::chart::{Chart, Shows};
 use sagnac::table::Table;
-use sagnac::view::chart::figure::Figure;
+use sagnac::view::chart::from_table;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;
 use sagnac::view::report::sections::{Block, Page, Section};
@@ -19,7 +19,7 @@ fn page(table: &Table) -> String {
 }
 
 fn page_of(table: &Table, chart: &Chart) -> String {
-    let (figure, notes) = Figure::from_table(table, chart).unwrap();
+    let (figure, notes) = from_table::figure(table, chart).unwrap();
     let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
     let charts = Section { id: "charts", heading: "Charts", blocks: vec![Block::Chart(drawn)] };
     let page = Page {

@@ -12,6 +12,7 @@ use crate::kinds::gap_fill::columns::FILLER;
 use crate::kinds::table::table as table_of;
 use crate::table::{Cell, Column, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::{Figure, Mark, Shape};
+use crate::view::chart::from_table;
 use crate::view::chart::notes::ChartError;
 
 /// A row of `design.csv`.
@@ -138,7 +139,7 @@ pub fn figure(found: &Design) -> Result<Figure, ChartError> {
         bands: "95 % band".to_owned(),
         ..Chart::default()
     };
-    let mut figure = Figure::from_table(table, &chart)?.0;
+    let mut figure = from_table::figure(table, &chart)?.0;
     let (filler, best) = (found.best(), found.best().best());
     let [from, to] = filler.flat();
     figure.marks.push(Mark {

@@ -51,7 +51,7 @@ fn spec() -> Chart {
 
 #[test]
 fn rows_become_curves_in_order_of_appearance_sorted_by_x_with_band_law_unit_and_limit() {
-    let (figure, notes) = Figure::from_table(&table(), &spec()).unwrap();
+    let (figure, notes) = super::figure(&table(), &spec()).unwrap();
     assert_eq!(figure.x.title(), "motion.frequency, Hz");
     assert_eq!(figure.limit.unwrap().label, "limit 10″");
     let names = |grouping: &Grouping| grouping.entries.iter().map(|e| e.name.clone()).collect::<Vec<_>>();
@@ -72,9 +72,9 @@ fn rows_become_curves_in_order_of_appearance_sorted_by_x_with_band_law_unit_and_
 fn a_filter_keeps_its_rows_and_one_that_keeps_none_says_what_there_is() {
     let with =
         |value: &str| Chart { rows: vec![("gap_ticks".into(), Cell::Text(value.to_owned()))], ..spec() };
-    let (figure, _) = Figure::from_table(&table(), &with("1.0")).unwrap();
+    let (figure, _) = super::figure(&table(), &with("1.0")).unwrap();
     assert_eq!(figure.dashes.entries.len(), 1);
-    let error = Figure::from_table(&table(), &with("7")).unwrap_err();
+    let error = super::figure(&table(), &with("7")).unwrap_err();
     assert_eq!(error.to_string(), "no row has gap_ticks = `7`; its values are 1, 2");
 }
 
@@ -83,7 +83,7 @@ fn values_left_out_or_blank_are_counted_and_said() {
     let mut table = table();
     table.columns[3].cells.to_mut()[0] = Cell::Number(0.0);
     table.columns[3].cells.to_mut()[1] = Cell::Blank;
-    let (_, notes) = Figure::from_table(&table, &Chart { shows: series(&["filler"]), ..spec() }).unwrap();
+    let (_, notes) = super::figure(&table, &Chart { shows: series(&["filler"]), ..spec() }).unwrap();
     assert_eq!((notes.left_out, notes.blank), (1, 1));
     let sentence = notes.sentence().unwrap();
     assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
@@ -97,11 +97,11 @@ fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_w
     table.columns[2].cells.to_mut().iter_mut().for_each(cells);
     table.columns[2].cells.to_mut()[0] = Cell::Blank;
     let spec = spec();
-    let (figure, notes) = Figure::from_table(&table, &spec).unwrap();
+    let (figure, notes) = super::figure(&table, &spec).unwrap();
     assert!(figure.x.whole);
     assert_eq!(notes.blank, 0);
     table.columns[2].cells.to_mut().iter_mut().for_each(|x| *x = Cell::Blank);
-    let (_, notes) = Figure::from_table(&table, &spec).unwrap();
+    let (_, notes) = super::figure(&table, &spec).unwrap();
     assert_eq!(notes.blank, table.rows());
 }
 
@@ -109,16 +109,16 @@ fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_w
 fn an_empty_table_makes_an_empty_figure() {
     let mut table = table();
     table.columns.iter_mut().for_each(|column| column.cells.to_mut().clear());
-    let (figure, notes) = Figure::from_table(&table, &spec()).unwrap();
+    let (figure, notes) = super::figure(&table, &spec()).unwrap();
     assert!(figure.series.is_empty() && notes.sentence().is_none());
 }
 
 #[test]
 fn text_on_an_axis_and_a_third_grouping_are_refused() {
     let text = Chart { y: "filler".into(), ..spec() };
-    assert!(matches!(Figure::from_table(&table(), &text), Err(ChartError::NotNumbers { .. })));
+    assert!(matches!(super::figure(&table(), &text), Err(ChartError::NotNumbers { .. })));
     let three = Chart { shows: series(&["filler"; 3]), ..spec() };
-    assert_eq!(Figure::from_table(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
+    assert_eq!(super::figure(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn texts_on_the_abscissa_stand_side_by_side_and_no_line_joins_them() {
     let rows = vec![("frequency".into(), Cell::Number(2.0))];
     let shows = series(&["gap_ticks"]);
     let spec = Chart { x: "filler".into(), x_scale: Scale::Log, shows, rows, limit: None, ..spec() };
-    let (figure, _) = Figure::from_table(&table(), &spec).unwrap();
+    let (figure, _) = super::figure(&table(), &spec).unwrap();
     assert_eq!(
         (&figure.x.names[..], figure.x.scale),
         (&["const", "quad", "copy"].map(str::to_owned)[..], Scale::Linear)
@@ -160,7 +160,7 @@ fn laws_are_lines_of_each_curve_joined_where_they_are_one_and_coloured_where_the
     table.columns.push(column(LAWS[2].column(), Unit::ARCSEC, law(|_, _| None)));
     let laws = LAWS.to_vec();
     let shows = Shows::Curves { series: ["filler", "gap_ticks"].map(Named::from).to_vec(), laws };
-    let (figure, _) = Figure::from_table(&table, &Chart { shows, ..spec() }).unwrap();
+    let (figure, _) = super::figure(&table, &Chart { shows, ..spec() }).unwrap();
     let lines: Vec<_> = figure
         .laws
         .iter()
@@ -179,16 +179,16 @@ fn laws_are_lines_of_each_curve_joined_where_they_are_one_and_coloured_where_the
 #[test]
 fn limits_and_laws_are_drawn_on_angles_only() {
     let frequency = Chart { y: "frequency".into(), ..spec() };
-    let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
+    let error = super::figure(&table(), &frequency).unwrap_err().to_string();
     assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
     let law = Chart {
         limit: None,
         shows: Shows::Curves { series: vec![], laws: vec![Law::Noise] },
         ..frequency.clone()
     };
-    let error = Figure::from_table(&table(), &law).unwrap_err().to_string();
+    let error = super::figure(&table(), &law).unwrap_err().to_string();
     assert_eq!(error, "`frequency` is in Hz, a law in ″ cannot be drawn on it");
-    assert!(Figure::from_table(&table(), &Chart { limit: None, ..frequency }).is_ok());
+    assert!(super::figure(&table(), &Chart { limit: None, ..frequency }).is_ok());
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn the_closed_form_has_a_gap_where_rows_have_none() {
     let [between, end] = [2.0, 3.0].map(kept);
     let mut law = |cells: Vec<Cell>| {
         table.columns[4].cells = cells.into();
-        let (figure, notes) = Figure::from_table(&table, &spec()).unwrap();
+        let (figure, notes) = super::figure(&table, &spec()).unwrap();
         // The gaps of "copy" are those of "const".
         assert_eq!(
             (figure.series[0].points.len(), notes.blank, &*notes.merged),

@@ -1,0 +1,36 @@
+//! Enums whose values are words.
+
+/// A word as a value, with its meaning.
+#[derive(Debug)]
+pub struct Word {
+    /// The word as written.
+    pub word: &'static str,
+    /// Its meaning.
+    pub meaning: &'static str,
+}
+
+/// Declares an enum whose values are words, each with its meaning as doc comment.
+#[macro_export]
+macro_rules! names {
+    ($(#[doc = $doc:literal])+ $vis:vis enum $name:ident {
+        $($(#[doc = $meaning:literal])+ $variant:ident = $word:literal,)+
+    }) => {
+        $(#[doc = $doc])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        $vis enum $name { $($(#[doc = $meaning])+ $variant),+ }
+
+        #[allow(dead_code, reason = "not every set of words is iterated")]
+        impl $name {
+            /// All values, in the order of messages and options.
+            $vis const ALL: [$name; [$($word),+].len()] = [$($name::$variant),+];
+            /// Their words with their meanings.
+            $vis const WORDS: &'static [$crate::words::Word] =
+                &[$($crate::words::Word { word: $word, meaning: concat!($($meaning),+) }),+];
+
+            /// The word as written.
+            $vis fn name(self) -> &'static str {
+                $name::WORDS[self as usize].word
+            }
+        }
+    };
+}

@@ -1,0 +1,227 @@
+//! The answer of an analysis to its question, as data: a headline with one result, a table of the options, facts and checks.
+//!
+//! ```text
+//! tables ─ analysis ─▶ Answer ─┬ text ─▶ terminal
+//!                              ├ card ─▶ page
+//!                              └ serde ─▶ JSON, Python
+//! ```
+//!
+//! All outputs show the same values, because they are those of one [`Answer`]. Nothing is composed from lists: what there is once
+//! for each option is a cell of the table.
+
+pub mod card;
+mod facts;
+pub mod reading;
+pub(crate) mod text;
+
+use serde::Serialize;
+
+pub use crate::answer::facts::{Alternative, Fact, Part};
+pub use crate::answer::reading::Reading;
+
+use sagnac_base::quantity::number::short;
+
+/// Most words of a headline.
+pub const MAX_WORDS: usize = 12;
+
+/// Most rows of an answer's table.
+pub const MAX_ROWS: usize = 7;
+
+/// Most columns of an answer's table.
+pub const MAX_COLUMNS: usize = 6;
+
+/// The kind of a question.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Which option has the least value?
+    Choice,
+    /// How far is each option good enough?
+    Threshold,
+    /// At which value of a design choice is something least?
+    Optimum,
+    /// Is the limit met?
+    Requirement,
+    /// How large is something?
+    #[default]
+    Estimate,
+    /// Which option is the best where?
+    Map,
+}
+
+/// The state of the limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case", tag = "is")]
+pub enum Status {
+    /// The best option is within it under all conditions.
+    Met,
+    /// The best option is within it under none.
+    NotMet,
+    /// The best option is within it under some conditions.
+    PartlyMet {
+        /// Number of conditions under which it is.
+        met: usize,
+        /// Number of all conditions.
+        of: usize,
+    },
+    /// The 95 % interval contains the limit.
+    Inconclusive,
+    /// There is no limit.
+    #[default]
+    NoLimit,
+    /// Trials are missing.
+    Incomplete {
+        /// Number of missing trials.
+        missing: u64,
+    },
+}
+
+impl Status {
+    /// The status as a word.
+    pub fn text(self) -> String {
+        match self {
+            Status::Met => "met".to_owned(),
+            Status::NotMet => "not met".to_owned(),
+            Status::PartlyMet { met, of } => format!("partly met {met}/{of}"),
+            Status::Inconclusive => "inconclusive".to_owned(),
+            Status::NoLimit => "no limit".to_owned(),
+            Status::Incomplete { missing } => format!("incomplete: {} trials missing", short(missing as f64)),
+        }
+    }
+}
+
+/// A cell of an answer's table.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct AnswerCell {
+    /// Its text, with its unit.
+    pub text: String,
+    /// Its value, where it has a single one.
+    pub value: Option<Reading>,
+}
+
+impl From<String> for AnswerCell {
+    fn from(text: String) -> AnswerCell {
+        AnswerCell { text, value: None }
+    }
+}
+
+impl From<Reading> for AnswerCell {
+    fn from(value: Reading) -> AnswerCell {
+        AnswerCell { text: value.text(), value: Some(value) }
+    }
+}
+
+/// The table of an answer: a row for each option, the best one first.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct AnswerTable {
+    /// Headings of the columns; the first one is that of the options.
+    pub columns: Vec<String>,
+    /// Rows of as many cells.
+    pub rows: Vec<Vec<AnswerCell>>,
+    /// The row of the headline.
+    pub best: Option<usize>,
+    /// Number of rows that are not shown.
+    pub omitted: usize,
+}
+
+/// A check of the results.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case", tag = "check")]
+pub enum Check {
+    /// Agreement of sampled values with their closed forms.
+    Theory {
+        /// Number of values with a closed form.
+        values: usize,
+        /// The largest deviation in standard errors.
+        max_abs_z: f64,
+        /// Whether chance explains it.
+        holds: bool,
+    },
+}
+
+impl Check {
+    /// Whether it is passed.
+    pub fn holds(&self) -> bool {
+        let Check::Theory { holds, .. } = self;
+        *holds
+    }
+
+    /// The check as a line.
+    pub fn text(&self) -> String {
+        let Check::Theory { values, max_abs_z, holds } = self;
+        let agrees = if *holds { "agrees" } else { "does not agree" };
+        format!("{agrees} with theory (max |z| {} of {values})", reading::number(*max_abs_z))
+    }
+}
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Answer {
+    /// The kind of the question.
+    pub kind: Kind,
+    /// The state of the limit.
+    pub status: Status,
+    /// One result in at most twelve words; empty for a table without a value.
+    pub headline: String,
+    /// The value of the headline.
+    pub value: Option<Reading>,
+    /// The limit.
+    pub limit: Option<Reading>,
+    /// The table of the options.
+    pub table: AnswerTable,
+    /// What else is worth knowing.
+    pub facts: Vec<Fact>,
+    /// Checks of the results.
+    pub checks: Vec<Check>,
+}
+
+impl Answer {
+    /// The status, the limit and the scope in a few words each.
+    pub fn chips(&self) -> Vec<String> {
+        let limit = self.limit.as_ref().map(|limit| format!("limit {}", limit.text()));
+        std::iter::once(self.status.text()).chain(limit).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::Answer;
+
+    /// The documents that contain an answer.
+    const DOCUMENTS: [&str; 8] =
+        ["allan", "compare", "design", "filler", "lot", "model", "run", "sensitivity"];
+
+    #[test]
+    fn schemas_have_the_definitions_of_an_answer_that_follow_from_its_type() {
+        let mut generated = schemars::schema_for!(Answer).to_value();
+        let mut definitions = generated["$defs"].take();
+        for key in ["$schema", "$defs"] {
+            generated.as_object_mut().unwrap().remove(key);
+        }
+        definitions["Answer"] = generated;
+        let mut outdated = vec![];
+        for document in DOCUMENTS {
+            let name = format!("../../schema/{document}.schema.json");
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(&name);
+            let shipped: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+            let mut present = shipped.clone();
+            for (name, definition) in definitions.as_object().unwrap() {
+                present["$defs"][name] = definition.clone();
+            }
+            if present != shipped {
+                let text = serde_json::to_string_pretty(&present).unwrap() + "\n";
+                std::fs::write(path.with_extension("json.new"), text).unwrap();
+                outdated.push(name);
+            }
+        }
+        assert!(outdated.is_empty(), "out of date, the present ones end in .new: {outdated:?}");
+    }
+}

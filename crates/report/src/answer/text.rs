@@ -1,0 +1,133 @@
+//! An answer as lines of text.
+
+use crate::answer::{Answer, AnswerCell, AnswerTable};
+use sagnac_base::quantity::visible::in_cell;
+
+/// The mark of the row of the headline.
+const BEST: &str = "▸ ";
+
+/// Distance between columns.
+const GAP: usize = 3;
+
+/// Width up to which a heading stays in one line.
+const HEADING: usize = 14;
+
+/// Width up to which the heading of the first column stays in one line.
+const FIRST_HEADING: usize = 24;
+
+impl Answer {
+    /// The answer as lines: checks, headline, table, and facts with their labels in a column.
+    pub fn text(&self, width: usize) -> String {
+        let checks = self
+            .checks
+            .iter()
+            .map(|check| format!("{} {}", if check.holds() { "✓" } else { "!" }, check.text()));
+        let chips = self.chips().into_iter().chain(checks).collect::<Vec<_>>().join(" · ");
+        let mut text = format!("{}\n", wrapped(&chips, width).join("\n"));
+        if !self.headline.is_empty() {
+            text += &format!("\n{}\n", wrapped(&self.headline, width).join("\n"));
+        }
+        let table = self.table.text(width);
+        if !table.is_empty() {
+            text += &format!("\n{table}");
+        }
+        let facts: Vec<(&str, String)> = self.facts.iter().map(|fact| (fact.label(), fact.text())).collect();
+        let facts = labelled(&facts, width);
+        if facts.is_empty() { text } else { format!("{text}\n{facts}") }
+    }
+}
+
+impl AnswerTable {
+    /// The table in aligned columns, numbers flush right; of columns that do not fit, those in the middle are left out.
+    pub fn text(&self, width: usize) -> String {
+        let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
+        let length = |text: &str| in_cell(text).chars().count();
+        // A heading has as many lines as its words need beside the cells.
+        let widths: Vec<usize> = (0..self.columns.len())
+            .map(|column| {
+                let cells = self.rows.iter().filter_map(|row| Some(length(&row.get(column)?.text)));
+                let words = words(&columns[column]);
+                let words = words.iter().map(|word| length(word));
+                let whole = length(&columns[column]).min(if column == 0 { FIRST_HEADING } else { HEADING });
+                cells.chain(words).chain([whole]).max().unwrap_or(0)
+            })
+            .collect();
+        let mut shown: Vec<usize> = (0..columns.len()).collect();
+        let total = |shown: &[usize]| shown.iter().map(|&at| widths[at] + GAP).sum::<usize>() - GAP;
+        while shown.len() > 2 && BEST.chars().count() + total(&shown) > width {
+            shown.remove(shown.len() / 2);
+        }
+        let broken: Vec<Vec<String>> = shown.iter().map(|&at| wrapped(&columns[at], widths[at])).collect();
+        let height = broken.iter().map(Vec::len).max().unwrap_or(0);
+        let heading = |line: usize| {
+            let of = |lines: &Vec<String>| {
+                (line + lines.len()).checked_sub(height).map_or_else(String::new, |at| lines[at].clone())
+            };
+            broken.iter().map(of).collect::<Vec<String>>()
+        };
+        let text_of = |row: &[AnswerCell], at: usize| {
+            row.get(at).map_or_else(String::new, |cell| in_cell(&cell.text).into_owned())
+        };
+        let body = self.rows.iter().map(|row| shown.iter().map(|&at| text_of(row, at)).collect());
+        let cells: Vec<Vec<String>> = (0..height).map(heading).chain(body).collect();
+        let line = |(at, row): (usize, &Vec<String>)| {
+            let mark = if at >= height && self.best == Some(at - height) { BEST } else { "  " };
+            let cells = row.iter().zip(shown.iter().map(|&at| widths[at])).enumerate().map(
+                |(column, (cell, width))| match column {
+                    0 => format!("{cell:<width$}"),
+                    _ => format!("{:GAP$}{cell:>width$}", ""),
+                },
+            );
+            format!("{}\n", format!("{mark}{}", cells.collect::<String>()).trim_end())
+        };
+        let mut text: String =
+            if self.rows.is_empty() { String::new() } else { cells.iter().enumerate().map(line).collect() };
+        if self.omitted > 0 {
+            text += &format!("  … {} more\n", self.omitted);
+        }
+        text
+    }
+}
+
+/// Labels with their texts beside them, in lines of at most a width.
+pub fn labelled(rows: &[(&str, String)], width: usize) -> String {
+    let labels = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+    let indent = labels + 4;
+    let line = |(label, text): &(&str, String)| {
+        let lines = wrapped(text, width.saturating_sub(indent).max(20)).join(&format!("\n{:indent$}", ""));
+        format!("  {label:<labels$}  {lines}\n")
+    };
+    rows.iter().map(line).collect()
+}
+
+/// The words of a text; a sign and a bar stay with the word before.
+fn words(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match words.last_mut() {
+            Some(last) if word.starts_with(['%', '█', '▏', '▎', '▍', '▌', '▋', '▊', '▉', '(', '×']) =>
+            {
+                *last += &format!(" {word}");
+            }
+            _ => words.push(word.to_owned()),
+        }
+    }
+    words
+}
+
+/// A text in lines of at most a width, broken between words.
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in words(text) {
+        let last = lines.len() - 1;
+        if !lines[last].is_empty() && lines[last].chars().count() + 1 + word.chars().count() > width {
+            lines.push(word);
+        } else {
+            if !lines[last].is_empty() {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(&word);
+        }
+    }
+    lines
+}

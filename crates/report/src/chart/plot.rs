@@ -1,0 +1,250 @@
+//! The data of a figure, drawn into the frame of its axes.
+
+use crate::chart::canvas::{Canvas, Lettering, Set, Stroke};
+use crate::chart::figure::{Figure, LawLine, Limit, Series, SeriesPoint};
+use crate::chart::layout::{Area, Frame};
+use crate::chart::legend::{area_colour, law_stroke, part_stroke};
+use crate::chart::palette::{self, LIMIT, MUTED};
+use crate::chart::scale::Scale;
+use crate::chart::scale::{Range, extent};
+use crate::chart::text;
+
+/// Most points of a line that all have markers.
+pub const MOST_MARKED: usize = 200;
+
+/// Largest number of markers of a line with more points.
+pub const MARKED: usize = 40;
+
+/// Half the width of a closed form where names stand side by side.
+const LAW_WIDTH: f64 = 12.0;
+
+/// A figure with its axes laid out.
+#[derive(Debug)]
+pub struct Plot<'a> {
+    pub figure: &'a Figure,
+    pub area: Area,
+}
+
+/// The x range of a figure, from its points and laws.
+pub fn x_range(figure: &Figure) -> Range {
+    let points = shown_points(figure).map(|point| point.x);
+    let laws = figure.law_places().filter(|place| figure.shows(*place));
+    figure.x.around(points.chain(laws.map(|place| place.0)))
+}
+
+/// The y range of a figure: its points, its limit and, within reason, bands and laws.
+pub fn y_range(figure: &Figure) -> Range {
+    let scale = figure.y.scale;
+    let points: Vec<f64> = shown_points(figure).map(|point| point.y).collect();
+    let bands = shown_points(figure).filter_map(|point| point.band).flat_map(|(lower, upper)| [lower, upper]);
+    let laws = figure.series.iter().flat_map(|series| &series.law).copied().chain(figure.law_places());
+    let laws = laws.filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
+    let (low, high) = reach(scale, &points);
+    let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
+    figure.y.around(points.iter().copied().chain(beside).chain(figure.limits()))
+}
+
+/// Distance by which the axis may extend beyond the points for other items: one decade, or the span of the points.
+fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
+    let Some((low, high)) = extent(points.iter().copied()) else {
+        return (f64::NEG_INFINITY, f64::INFINITY);
+    };
+    let room = (high - low).max(0.5 * low.abs().max(high.abs()));
+    match scale {
+        Scale::Log => (low / 10.0, high * 10.0),
+        Scale::Linear => (low - room, high + room),
+    }
+}
+
+pub fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
+    figure.all_points().filter(|point| figure.shows((point.x, point.y)))
+}
+
+impl Plot<'_> {
+    /// Draws laws, bands, parts, closed forms, limit and points, in this order from below.
+    pub fn draw(&self, canvas: &mut Canvas) {
+        let Frame { left, right, .. } = self.area.frame;
+        let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
+        canvas.window(self.area.frame, |canvas| {
+            self.draw_ranges(canvas);
+            for (i, law) in self.figure.laws.iter().enumerate() {
+                canvas.group(&law.label, |canvas| {
+                    for line in &law.lines {
+                        match law.is_area {
+                            true => self.draw_area(canvas, line),
+                            false => self.draw_line(canvas, &line.points, law_stroke(i, line.colour())),
+                        }
+                    }
+                });
+            }
+            self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
+            for (i, part) in self.figure.parts.lines.iter().enumerate() {
+                canvas.group(&part.label, |canvas| {
+                    self.draw_line(canvas, &part.points, part_stroke(i, part));
+                });
+            }
+            self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
+            for limit in self.figure.limits() {
+                let y = self.area.down(limit);
+                canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
+            }
+        });
+        // Outside the window, so that markers on the frame are complete.
+        for (i, series) in self.figure.series.iter().enumerate() {
+            // Larger under curves that would hide it.
+            let size = 1.0 + 0.45 * self.figure.covering(i).count() as f64;
+            self.draw_markers(canvas, series, size);
+        }
+        self.draw_law_labels(canvas);
+        let taken = limit.map(|limit| self.draw_limit_label(canvas, limit));
+        self.draw_marks(canvas, taken.into_iter().collect());
+        if self.figure.slopes {
+            self.draw_slopes(canvas);
+        }
+    }
+
+    /// The stretches of a series between points that cannot be shown.
+    fn runs<'s>(&self, series: &'s Series) -> impl Iterator<Item = &'s [SeriesPoint]> {
+        let shown = |point: &SeriesPoint| self.figure.shows((point.x, point.y));
+        let joined = self.is_joined();
+        let runs = series.points.chunk_by(move |a, b| joined && shown(a) && shown(b));
+        runs.filter(move |run| run.iter().all(shown))
+    }
+
+    /// Whether one point leads to the next, unlike names.
+    fn is_joined(&self) -> bool {
+        self.figure.x.names.is_empty() && self.figure.y.names.is_empty()
+    }
+
+    fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
+        let colour = palette::colour(series.colour);
+        let is_scattered = series.has_bars();
+        for run in self.runs(series) {
+            for run in run.chunk_by(|a, b| !is_scattered && a.band.is_some() && b.band.is_some()) {
+                let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));
+                let upper =
+                    run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
+                let corners: Vec<_> = lower.chain(upper).collect();
+                match corners[..] {
+                    [] => {}
+                    [lower, upper] => {
+                        let stroke = Stroke { colour, width: 1.4, dash: "" };
+                        canvas.line(&[lower, upper], stroke);
+                        for (x, y) in [lower, upper] {
+                            canvas.line(&[(x - 5.0, y), (x + 5.0, y)], stroke);
+                        }
+                    }
+                    _ => canvas.area(corners, colour),
+                }
+            }
+        }
+    }
+
+    /// Draws the closed form, or a line through the points of a series that has none.
+    fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
+        let colour = match series.law.is_empty() {
+            true => palette::colour(series.colour),
+            false => palette::colour(self.figure.law_colour(series)),
+        };
+        let dash = palette::dash(self.figure.dash_of(series));
+        if !self.is_joined() {
+            let stroke = Stroke { colour, width: 1.3, dash: "" };
+            for (x, y) in series
+                .law
+                .iter()
+                .filter(|place| self.figure.shows(**place))
+                .map(|&place| self.area.place(place))
+            {
+                canvas.line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], stroke);
+            }
+        } else if series.has_law() {
+            self.draw_line(canvas, &series.law, Stroke { colour, width: 1.3, dash });
+            // A value without neighbours is a short line of its own.
+            let shown = |place: &(f64, f64)| self.figure.shows(*place);
+            let runs = series.law.chunk_by(|a, b| shown(a) && shown(b));
+            for place in runs.filter(|run| run.len() == 1 && shown(&run[0])).flatten() {
+                let (x, y) = self.area.place(*place);
+                canvas
+                    .line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], Stroke { colour, width: 1.3, dash: "" });
+            }
+        } else if self.figure.y.names.is_empty() {
+            let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();
+            self.draw_line(canvas, &places, Stroke { colour, width: 1.8, dash });
+        }
+    }
+
+    /// The area within a line, where the axes can show it.
+    fn draw_area(&self, canvas: &mut Canvas, line: &LawLine) {
+        let shown = line.points.iter().filter(|place| self.figure.shows(**place));
+        canvas.area(shown.map(|&place| self.area.place(place)).collect(), area_colour(line.colour()));
+    }
+
+    /// A line through data, interrupted where the axes cannot show it.
+    fn draw_line(&self, canvas: &mut Canvas, data: &[(f64, f64)], stroke: Stroke) {
+        let shown = |place: &(f64, f64)| self.figure.shows(*place);
+        for run in data.chunk_by(|a, b| shown(a) && shown(b)).filter(|run| run.len() > 1) {
+            let places: Vec<_> = run.iter().map(|&place| self.area.place(place)).collect();
+            canvas.line(&places, stroke);
+        }
+    }
+
+    fn draw_markers(&self, canvas: &mut Canvas, series: &Series, size: f64) {
+        let points: Vec<_> = self.runs(series).flatten().collect();
+        // Along a line through very many points, only some have markers.
+        let step = match points.len() {
+            many if many > MOST_MARKED && !self.figure.has_laws() => many.div_ceil(MARKED),
+            _ => 1,
+        };
+        // Smaller where many would touch.
+        let radius = (130.0 * step as f64 / points.len() as f64).clamp(1.5, 4.2);
+        let (style, colour) = (self.figure.dash_of(series), palette::colour(series.colour));
+        canvas.group(&self.figure.name(series), |canvas| {
+            for point in points.into_iter().step_by(step) {
+                canvas.marker(self.area.place((point.x, point.y)), size * radius, style, colour);
+            }
+        });
+    }
+
+    /// Writes the labels of thin lines for reference at their ends within the frame.
+    fn draw_law_labels(&self, canvas: &mut Canvas) {
+        let Frame { right, top, .. } = self.area.frame;
+        let lines = self.figure.laws.iter().filter(|law| !law.is_area && law.lines.len() == 1);
+        for (law, line) in
+            lines.filter_map(|law| Some((law, law.lines.first().filter(|line| line.colour().is_none())?)))
+        {
+            let mut shown = line
+                .points
+                .iter()
+                .filter(|place| self.figure.shows(**place))
+                .map(|&place| self.area.place(place));
+            let lettering = Lettering { size: 11.0, bold: false, colour: MUTED, anchor: "end" };
+            if let Some((x, y)) = shown.rfind(|(x, y)| *x <= right && *y >= top + 14.0) {
+                canvas.set_text(Set::OnWhite, (x, y - 5.0), &law.label, lettering);
+            }
+        }
+    }
+
+    /// Writes the label over the limit line, at the end or in the middle, wherever it covers the fewest points.
+    /// Returns the place that it takes.
+    fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) -> Frame {
+        const SIZE: f64 = 13.0;
+        let Frame { left, right, .. } = self.area.frame;
+        let y = self.area.down(limit.value) - 7.0;
+        let label = text::fitted(&limit.label, SIZE, true, right - left - 16.0);
+        let width = text::width(&label, SIZE, true);
+        let places: Vec<_> =
+            shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
+        let covered = |start: f64| {
+            let near = |&&(px, py): &&(f64, f64)| {
+                (start - 20.0..start + width + 20.0).contains(&px)
+                    && (y - SIZE - 14.0..y + 14.0).contains(&py)
+            };
+            places.iter().filter(near).count()
+        };
+        let starts = [left + 10.0, right - width - 10.0, 0.5 * (left + right - width)];
+        let start = starts.into_iter().min_by_key(|&start| covered(start)).unwrap_or(left);
+        let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
+        canvas.set_text(Set::OnWhite, (start, y), &label, lettering);
+        Frame { left: start - 3.0, top: y - SIZE, right: start + width + 3.0, bottom: y + 4.0 }
+    }
+}
