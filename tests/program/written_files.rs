@@ -53,10 +53,7 @@ fn desk() -> Desk {
         "base.csv",
         &("time [s],rate [arcsec/s]\n".to_owned() + &(0..2000).map(shake).collect::<String>()),
     );
-    let row =
-        |(i, y): (usize, f64)| format!("{},{y},{},{}\n", 0.1 * i as f64, 0.5 * y, 20.0 + 1e-3 * i as f64);
-    let rows: String = noise(600).enumerate().map(row).collect();
-    desk.write("log.csv", &format!("time [s],gz [deg/h],gx [deg/h],temp [degC]\n{rows}"));
+    desk.write("log.csv", &log(600));
     desk.write(
         "noise.toml",
         "angle_random_walk = \"0.003 deg/sqrt(h)\"\nrate_random_walk = \"0.01 deg/h/sqrt(h)\"\n",
@@ -67,6 +64,14 @@ fn desk() -> Desk {
     desk.write("uncertain.toml", &format!("{STUDY}{uncertain}"));
     desk.done("run recorded.toml --trials 256 --device cpu --out done --quiet");
     desk
+}
+
+/// A log of so many samples.
+fn log(samples: usize) -> String {
+    let row =
+        |(i, y): (usize, f64)| format!("{},{y},{},{}\n", 0.1 * i as f64, 0.5 * y, 20.0 + 1e-3 * i as f64);
+    let rows: String = noise(samples).enumerate().map(row).collect();
+    format!("time [s],gz [deg/h],gx [deg/h],temp [degC]\n{rows}")
 }
 
 /// The names in the list of a folder.
@@ -536,6 +541,7 @@ fn on_a_full_disk_no_half_of_a_file_is_left() {
     };
     let before = desk.names("");
     limited(1, "new gap-fill new.toml");
+    desk.write("log.csv", &log(2000));
     desk.done("allan log.csv --data rate --column gz --bootstrap 0 --out al");
     limited(100, "allan log.csv --data rate --column gz --bootstrap 0 --out al --record record.csv");
     desk.done("filler quadratic --gap-ticks 3 --out res/a");

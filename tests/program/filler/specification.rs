@@ -186,7 +186,7 @@ fn the_study_of_the_guide_finds_what_the_guide_says() {
     assert_eq!(command, "filler mine.toml --latency \"32 ms\"");
     for piece in [
         format!("finds {before} ticks before the gap and {after} after it: {} ms after", 2.0 * after),
-        format!("below {level:.3} arcsec"),
+        format!("below {level:.3}″"),
     ] {
         assert!(told.contains(&piece), "no `{piece}` in `{told}`");
     }
