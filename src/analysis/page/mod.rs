@@ -1,4 +1,4 @@
-//! The pages of analyses: that of a log, which `sagnac allan` writes, of two which are compared, of a batch, of a
+//! The pages of studies and analyses: that of a log, which `sagnac allan` writes, of two which are compared, of a batch, of a
 //! model for filters, of a design, of fillers and of a sensitivity.
 //!
 //! ```text

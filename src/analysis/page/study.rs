@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 use crate::analysis::agreement;
 use crate::analysis::answer::of_study;
 use crate::analysis::decision::{DecisionError, Sheet, decide};
+use crate::analysis::page::study_file;
 use crate::answer::Answer;
 use crate::progress::Progress;
 use crate::quantity::number::{short, significant};
@@ -152,7 +153,7 @@ impl<'a> Results<'a> {
             Block::Text(again),
             Block::Command("sagnac run study.toml --out again".to_owned()),
             Block::Text(result.to_owned()),
-            Block::File("study.toml".to_owned(), self.resolved()),
+            study_file(study, self.held),
         ];
         blocks.into_iter().chain(inputs.into_iter().map(input)).collect()
     }
