@@ -15,6 +15,7 @@ pub(crate) mod agreement;
 pub(crate) mod axes;
 pub(crate) mod bandless;
 pub(crate) mod data;
+pub mod document;
 pub mod gallery;
 pub(crate) mod notch;
 mod page;
