@@ -14,7 +14,7 @@ use sagnac::tally::share::Share;
 
 use crate::failure::Failure;
 use crate::folders;
-use crate::output::{Printed, print_json};
+use crate::output::{Printed, print_documents};
 use crate::progress::{self, Shown};
 use crate::results::{Ran, check_places};
 use crate::run::checked;
@@ -92,9 +92,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     let (json, shown) = (options.json, options.printed);
     let ran = Ran { study: &study, plan: &plan, folder: &results, done: None, lacking, json, shown };
     let progress = Shown::new(options.progress.how(options.printed.quiet));
-    if let Some(document) = ran.show(&store, &progress)? {
-        print_json(&document)?;
-    }
+    print_documents(ran.show(&store, &progress)?.as_slice(), 1)?;
     options.printed.open_page(&options.out);
     match lacking {
         0 if options.json || options.printed.quiet => Ok(()),

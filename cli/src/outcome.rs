@@ -5,14 +5,15 @@ use std::path::Path;
 use rayon::prelude::*;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
+use sagnac::view::report::document::{self, Document, Provenance};
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::charts::write_pictures;
 use crate::failure::{Failure, in_options};
 use crate::look;
-use crate::output::{Printed, csv, write_table};
+use crate::output::{Printed, write_table};
 
 /// The results of a command.
 pub struct Outcome {
@@ -20,6 +21,10 @@ pub struct Outcome {
     pub heading: String,
     /// The page, whose charts and tables are files too.
     pub page: Page,
+    /// Tables that the page has no room for.
+    pub tables: Vec<(&'static str, Table)>,
+    /// How the results were sampled, if anything was.
+    pub provenance: Option<Provenance>,
     /// Further files by their names.
     pub files: Vec<(String, Vec<u8>)>,
     /// What else was written, a line each.
@@ -29,21 +34,18 @@ pub struct Outcome {
 impl Outcome {
     /// Results with a page alone.
     pub fn new(heading: String, page: Page) -> Outcome {
-        Outcome { heading, page, files: vec![], places: vec![] }
+        Outcome { heading, page, tables: vec![], provenance: None, files: vec![], places: vec![] }
     }
 
-    /// Adds a table that the page has no room for.
-    pub fn add_table(&mut self, name: &str, table: &Table) -> Result<(), Failure> {
-        self.files.push((name.to_owned(), csv(table, Path::new(name))?));
-        Ok(())
+    /// The results as a document for programs.
+    pub fn document(&self) -> Document<'_> {
+        Document { provenance: self.provenance.clone(), ..self.page.document(&self.tables) }
     }
 
-    /// Adds a document.
-    pub fn add_json(&mut self, name: &str, document: &Value) -> Result<(), Failure> {
-        let json =
-            serde_json::to_vec_pretty(document).map_err(|error| Failure::Picture(error.to_string()))?;
-        self.files.push((name.to_owned(), json));
-        Ok(())
+    /// Adds the document as a file.
+    pub fn add_document(&mut self, name: &str) {
+        let text = document::json(&self.document());
+        self.files.push((name.to_owned(), text.into_bytes()));
     }
 
     /// Writes all files. `names` are those that the command may write besides its page, in which a star stands for any text, and the
@@ -53,7 +55,7 @@ impl Outcome {
     /// A chart cannot be drawn, or a file cannot be written or removed.
     pub fn save(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
         let mut written: Vec<String> = self.files.iter().map(|(name, _)| name.clone()).collect();
-        for (name, table) in &self.page.tables {
+        for (name, table) in self.page.tables.iter().chain(&self.tables) {
             write_table(folder, name, table)?;
             written.push((*name).to_owned());
         }

@@ -67,8 +67,6 @@ struct Ran {
     pictures: Vec<Drawn>,
     /// The headline, the answer as text, as HTML and as JSON.
     answer: [String; 4],
-    /// The decision sheet as JSON.
-    decision: Option<String>,
     /// The report as HTML.
     report: String,
     notes: Vec<String>,
@@ -111,7 +109,6 @@ pub fn run<'py>(
         ran.pictures.iter().map(|drawn| chart(&drawn.stem, &drawn.picture)).collect::<Vec<_>>(),
     )?;
     document.set_item("answer", &ran.answer)?;
-    document.set_item("decision", &ran.decision)?;
     document.set_item("report", &ran.report)?;
     let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
     document.set_item("points", columns(py, &ran.tables.points)?)?;
@@ -164,7 +161,6 @@ impl Asked {
         let mut results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let sheet = decide(&study, &tables, listener)?;
         let answer = of_study(&study, &tables, &mut results, sheet.as_ref())?;
-        let decision = sheet.map(|sheet| sheet.json().to_string());
         let report = results.page(&answer, &digest);
         if let Some(folder) = &kept {
             folder.write(RESOLVED, results.resolved().as_bytes())?;
@@ -174,6 +170,6 @@ impl Asked {
         let (notes, pictures, is_sampled) = (results.notes(), results.charts, plan.is_sampled());
         drop(results.curves);
         drop(plan);
-        Ok(Ran { is_sampled, tables, pictures, answer: shown(&answer), decision, report, notes, done, study })
+        Ok(Ran { is_sampled, tables, pictures, answer: shown(&answer), report, notes, done, study })
     }
 }

@@ -8,6 +8,7 @@ use std::thread;
 
 use sagnac::analysis::answer::of_study;
 use sagnac::analysis::decision::{Sheet, decide};
+use sagnac::answer::Answer;
 use sagnac::chart::Source;
 use sagnac::progress::Progress;
 use sagnac::quantity::number::short;
@@ -19,8 +20,8 @@ use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::chart_stem;
 use sagnac::view::report::FILE as REPORT;
+use sagnac::view::report::document::{Document, Provenance, json};
 use sagnac::view::results::Results;
-use serde_json::{Value, json};
 
 use crate::charts::draw;
 use crate::failure::Failure;
@@ -119,7 +120,7 @@ impl Ran<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
-    pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<Value>, Failure> {
+    pub fn show(&self, store: &Store, progress: &Shown) -> Result<Option<String>, Failure> {
         let Ran { plan, folder, .. } = self;
         let tables = plan.tables(store, progress)?;
         // Long tables take as long to write as everything else that is made of them. It has a thread of its own, because the
@@ -141,7 +142,7 @@ impl Ran<'_> {
         tables: &Tables,
         written: &Receiver<Result<String, Failure>>,
         progress: &Shown,
-    ) -> Result<Option<Value>, Failure> {
+    ) -> Result<Option<String>, Failure> {
         let Ran { study, plan, folder, done, lacking, .. } = self;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         let mut results = Results::of::<Failure>(study, plan, store, tables, *lacking, degraded)?;
@@ -165,10 +166,7 @@ impl Ran<'_> {
         folder.commit()?;
         progress.clear();
         if self.json {
-            let mut document = self.to_json(tables, &results.notes());
-            document["answer"] = json!(answer);
-            document["decision"] = json!(sheet.as_ref().map(Sheet::json));
-            return Ok(Some(document));
+            return Ok(Some(json(&self.document(tables, &answer, &results.notes()))));
         }
         let shown = self.shown;
         if shown.quiet && *lacking > 0 {
@@ -193,32 +191,16 @@ impl Ran<'_> {
         format!("{} · {points}{}", self.study.title, trials.unwrap_or_default())
     }
 
-    fn to_json(&self, tables: &Tables, notes: &[String]) -> Value {
-        let done = self.done.as_ref().map(|(done, _)| done);
-        let sampled = self.plan.is_sampled().then_some(());
-        let rows = |table: &Table| -> Vec<Value> {
-            let row = |row: usize| {
-                table.columns.iter().map(|column| (column.header(), json!(column.cells[row]))).collect()
-            };
-            (0..table.rows()).map(row).collect()
-        };
-        let mut document = json!({
-            "title": self.study.title,
-            "question": self.study.question,
-            "seed": sampled.map(|_| self.study.seed),
-            "trials": sampled.map(|_| self.study.trials),
-            "device": self.done.as_ref().map(|(_, device)| device),
-            "sampled_trials": done.map(|done| done.trials),
-            "seconds": done.map(|done| done.seconds),
-            "notes": notes,
-            "points": rows(&tables.points),
+    fn document<'a>(&'a self, tables: &'a Tables, answer: &'a Answer, notes: &'a [String]) -> Document<'a> {
+        let study = self.study;
+        let provenance = self.plan.is_sampled().then(|| Provenance {
+            device: self.done.as_ref().map(|(_, device)| device.clone()),
+            sampled_trials: self.done.as_ref().map(|(done, _)| done.trials),
+            seconds: self.done.as_ref().map(|(done, _)| done.seconds),
+            missing_trials: self.lacking,
+            ..Provenance::new(study.seed, study.trials)
         });
-        if self.lacking > 0 {
-            document["missing_trials"] = json!(self.lacking);
-        }
-        if let Some(coefficients) = &tables.coefficients {
-            document["coefficients"] = json!(rows(coefficients));
-        }
-        document
+        let tables = tables.all().map(|(source, table)| (source.file(), table));
+        Document { provenance, ..Document::new([&study.title, &study.question], answer, notes, tables) }
     }
 }

@@ -1,32 +1,28 @@
 //! The page of a design.
 
-use std::iter::once;
-
 use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
+use crate::analysis::page::values::grid;
 use crate::analysis::page::{chart, study_file};
 use crate::quantity::number::significant;
 use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use crate::view::report::sections::{Block, Page, Section};
 
 /// The page of a design from its chart.
 pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Page {
     let study = &found.study;
-    let grid = |(head, lines): (Vec<String>, Vec<Vec<String>>)| {
-        let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
-        Block::Grid(Grid { head, rows })
-    };
     let duration = report::duration(found.variant().duration_s);
     let runs = format!("{} of {duration}", significant(found.trials as f64, 9));
-    let variants = report::by_variant(found).map(grid).into_iter().collect();
     let made = Block::Facts(vec![
         ("Runs at each interval", vec![runs]),
         ("Seed", vec![study.seed.to_string()]),
         ("Chosen by", vec![format!("the {} without the non-magnetic drift", found.measure.label())]),
     ]);
     let trade = report::pareto_figure(found).map(|figure| chart("pareto", Picture::Curves(figure)));
-    let trade = trade.into_iter().chain(report::by_choice(found).map(grid)).collect();
-    let pareto = report::pareto_table(found).map(|table| ("pareto.csv", table));
+    let (pareto, fillers) = (report::pareto_table(found), report::filler_table(found));
+    let front = pareto.as_ref().map(|table| Block::Grid(grid(table, &["constants"])));
+    let trade = trade.into_iter().chain(front).collect();
+    let at_best = Block::Grid(grid(&fillers, &["constants", "duration", "residual_max", "rule_bound"]));
     let section = |id, heading, blocks| Section { id, heading, blocks };
     Page {
         title: study.title.clone(),
@@ -36,10 +32,12 @@ pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Pag
         sections: vec![
             section("drift", "Drift over the switching interval", vec![chart("design", picture)]),
             section("trade", "What latency and memory cost", trade),
-            section("variants", "Values of swept keys at their best intervals", variants),
-            section("fillers", "Fillers at their best intervals", vec![grid(report::by_filler(found))]),
+            section("fillers", "Fillers at their best intervals", vec![at_best]),
             section("source", "How it was made", vec![made, study_file(study, found.trials)]),
         ],
-        tables: once(("design.csv", report::table(found))).chain(pareto).collect(),
+        tables: [("design.csv", report::table(found)), ("fillers.csv", fillers)]
+            .into_iter()
+            .chain(pareto.map(|table| ("pareto.csv", table)))
+            .collect(),
     }
 }

@@ -1,8 +1,8 @@
 //! The page of fillers for firmware.
 
-use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
+use crate::analysis::firmware::{Candidate, Firmware, Trade};
+use crate::analysis::page::values::grid;
 use crate::analysis::page::{chart, study_file, weights};
-use crate::kinds::gap_fill::judged::{Judged, deviation};
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::view::chart::picture::Picture;
@@ -10,25 +10,25 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of fillers at a point of a study.
 pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
-    let ticks = if firmware.gap_ticks == 1 { "tick" } else { "ticks" };
     let place = firmware.place();
     let place = if place.is_empty() { place } else { format!(", at {place}") };
     let section = |id, heading, blocks| Section { id, heading, blocks };
     let search = firmware.trade.as_ref().map_or(vec![], |trade| {
         vec![chart("trade", Picture::Curves(trade.figure())), Block::Grid(of_trade(trade))]
     });
-    let fillers = std::iter::once(Block::Grid(of_designs(firmware)));
+    let fillers = firmware.fillers();
+    let of_fillers = std::iter::once(Block::Grid(grid(&fillers, &["largest_input", "method"])));
     let weights = firmware.designs.iter().flat_map(|design| weights::blocks(firmware, design));
     let header = vec![Block::File("sagnac_filler.h", firmware.header()), study_file(study, study.trials)];
     let trade = firmware.trade.as_ref().map(|trade| ("trade.csv", trade.table()));
     Page {
         title: firmware.title.clone(),
-        subtitle: format!("Weights for a gap of {} lost {ticks}{place}", firmware.gap_ticks),
+        subtitle: format!("Weights for a gap of {}{place}", firmware.lost()),
         answer: firmware.answer(),
         notes: vec![],
         sections: vec![
             section("search", "Ticks before and after the gap", search),
-            section("fillers", "Fillers", fillers.chain(weights).collect()),
+            section("fillers", "Fillers", of_fillers.chain(weights).collect()),
             section(
                 "response",
                 "Response to vibration",
@@ -36,33 +36,11 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
             ),
             section("source", "For the firmware", header),
         ],
-        tables: trade.into_iter().chain([("weights.csv", firmware.weights())]).collect(),
+        tables: trade
+            .into_iter()
+            .chain([("fillers.csv", fillers), ("weights.csv", firmware.weights())])
+            .collect(),
     }
-}
-
-/// The fillers with the errors of their residuals.
-fn of_designs(firmware: &Firmware) -> Grid {
-    let size = if firmware.shift.is_none() { "99.73 %" } else { "rms" };
-    let shifted = format!("{size} with {}, ″", deviation(firmware.shift));
-    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, ″", &shifted];
-    let of_shifted = |Judged { shifted, .. }: Judged| match firmware.shift {
-        None => shifted.level,
-        Some(_) => shifted.rms,
-    };
-    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
-    let row = |design: &Design| {
-        let rule = &design.interpolation;
-        let ticks: Vec<String> = rule.ticks.iter().map(|tick| tick.to_string().replace('-', "−")).collect();
-        let cells = [
-            design.name.clone(),
-            ticks.join(", "),
-            significant(rule.whole().noise_gain(), 4),
-            number(design.errors[0].rms),
-            number(design.judged.map(of_shifted)),
-        ];
-        cells.map(Cell::from).into()
-    };
-    Grid { head: head.map(str::to_owned).into(), rows: firmware.designs.iter().map(row).collect() }
 }
 
 /// The best numbers of ticks before the gap for each number after it.

@@ -27,7 +27,14 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
             section("coefficients", "Coefficients", coefficients.into_iter().chain(tables).collect()),
             section("deviations", "Deviations", curves),
         ],
-        tables: vec![("batch.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
+        tables: [
+            ("batch.csv", tables::lot(lot)),
+            ("units.csv", tables::units(lot)),
+            ("records.csv", tables::records(lot)),
+        ]
+        .into_iter()
+        .chain(decision.file())
+        .collect(),
     }
 }
 

@@ -1,16 +1,16 @@
 //! The page of a sensitivity.
 
+use crate::analysis::page::values::grid;
 use crate::analysis::page::{chart, study_file};
 use crate::analysis::sensitivity::{Sensitivity, report};
 use crate::study::Study;
 use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use crate::view::report::sections::{Block, Page, Section};
 
 /// The page of a sensitivity.
 pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
     let picture = Picture::Curves(report::figure(study, found));
-    let (head, lines) = report::by_input(found);
-    let rows = lines.into_iter().map(|line| line.into_iter().map(Cell::from).collect()).collect();
+    let table = report::table(found);
     let made = Block::Facts(vec![
         ("Evaluations", vec![report::effort(found)]),
         ("Seed", vec![study.seed.to_string()]),
@@ -23,9 +23,9 @@ pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {
         notes: found.notes.clone(),
         sections: vec![
             section("tornado", "The answer as one input varies", vec![chart("sensitivity", picture)]),
-            section("inputs", "Uncertain inputs", vec![Block::Grid(Grid { head, rows })]),
+            section("inputs", "Uncertain inputs", vec![Block::Grid(grid(&table, &["at_from", "at_to"]))]),
             section("source", "How it was made", vec![made, study_file(study, study.trials)]),
         ],
-        tables: vec![("sensitivity.csv", report::table(found))],
+        tables: vec![("sensitivity.csv", table), ("distribution.csv", report::distribution(found))],
     }
 }
