@@ -18,6 +18,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import documents
 import numpy as np
 from scipy import signal, stats
 
@@ -52,7 +53,7 @@ def columns(records, make, *options):
     for first in range(0, records, COLUMNS):
         rates = np.stack([make() for _ in range(min(COLUMNS, records - first))], axis=1)
         names = ",".join(str(i + 1) for i in range(rates.shape[1]))
-        yield from program("allan", [rates], "--column", names, *options)["columns"]
+        yield from documents.columns(program("allan", [rates], "--column", names, *options))
 
 
 # Coefficients of white noise, flicker, random walk and ramp. B of half_integral is 1.
@@ -102,12 +103,11 @@ def deviations(records):
         options = ["--rate", "1Hz", "--unit", "none", "--fit", "none", "--deviation", ",".join(DEVIATIONS)]
         covered = {}
         for column in columns(records, make, *options, *EXTRA):
-            for curve in column["curves"]:
-                for point in curve["points"]:
-                    if 4 * point["m"] <= SAMPLES:
-                        at = (curve["deviation"], point["m"])
-                        truth = covered.setdefault(at, [expected(*at, kind)])[0]
-                        covered[at].append(point["lower"] is not None and point["lower"] <= truth <= point["upper"])
+            for point in column["curve"]:
+                if 4 * point["m"] <= SAMPLES:
+                    at = (point["deviation"], point["m"])
+                    truth = covered.setdefault(at, [expected(*at, kind)])[0]
+                    covered[at].append(point["lower"] is not None and point["lower"] <= truth <= point["upper"])
         for deviation in DEVIATIONS:
             row = [100 * np.mean(found[1:]) for (name, _), found in covered.items() if name == deviation]
             print(f"{kind:18} {deviation:6}", " ".join(f"{cell:5.1f}" for cell in row), flush=True)
@@ -145,9 +145,9 @@ def coefficients(records):
             options = [*OF_RECORD, *(EXTRA or ["--bootstrap", "0"])]
             found = list(columns(records, lambda: filtered(rng, b, forward, back), *options))
             line = f"{name:16} B {b:.3f}:"
-            starts = [RATE * column["fit"]["from_s"] for column in found]
+            starts = [RATE * column["coefficients"][0]["fit_from_s"] for column in found]
             line += f" from {np.median(starts):3.0f} ({min(starts):.0f} … {max(starts):.0f}) samples;"
-            described = [column for column in found if column["fit"]["described"]]
+            described = [column for column in found if column["coefficients"][0]["status"] != "model rejected"]
             line += f" not described {100 * (1 - len(described) / records):.1f} %;"
             for coefficient, truth in (("N", 1.0), ("B", b)):
                 rows = [row for column in found for row in column["coefficients"] if row["coefficient"] == coefficient]
@@ -210,7 +210,7 @@ def tails(records):
             line += f" {other} {100 * share:.0f}" if share else ""
         if "Markov" not in name:
             for m in (1, 64, 4096):
-                points = [point for column in found for point in column["curves"][0]["points"] if point["m"] == m]
+                points = [point for column in found for point in column["curve"] if point["m"] == m]
                 sigma = n * np.sqrt(RATE / m)
                 line += f"; m = {m}: {100 * np.mean([point['lower'] <= sigma <= point['upper'] for point in points]):.1f}"
         print(line, flush=True)
@@ -228,8 +228,8 @@ def compare(pairs):
 
             made = ([filtered(rng, b, forward, back) for _ in range(2)] for _ in range(pairs))
             for found in POOL.map(of_pair, made):
-                p["noise"].append(found["same_noise"]["p"])
-                for row in found["coefficients"]:
+                p["noise"].append(next(fact["p"] for fact in found["answer"]["facts"] if fact["fact"] == "test"))
+                for row in found["tables"]["coefficients"]:
                     if row["coefficient"] in p and row["p"] is not None:
                         p[row["coefficient"]].append(row["p"])
             line = f"{name:16} B {b:.3f}:"
@@ -266,7 +266,7 @@ def dynamic(records):
     }
     print(f"{records} records of {samples} samples: records in percent with a change")
     for name, make in kinds.items():
-        found = [column["dynamic"] for column in columns(records, make, *OF_RECORD, "--fit", "none", "--dynamic", *EXTRA)]
+        found = list(columns(records, make, *OF_RECORD, "--fit", "none", "--dynamic", *EXTRA))
         clearest = [min(one["stationarity"], key=lambda octave: octave["p"]) for one in found]
         changed = [octave for octave in clearest if octave["p"] < 0.05]
         line = f"{name:20} {100 * len(changed) / records:.1f}"
@@ -274,7 +274,6 @@ def dynamic(records):
             at = np.array([octave["at_s"] for octave in changed]) * RATE / samples
             ratio = [octave["after"] / octave["before"] for octave in changed]
             line += f", at {np.quantile(at, 0.05):.3f} … {np.quantile(at, 0.95):.3f} of the record, by {np.median(ratio):.3f}"
-            line += f", as a change of N {100 * np.mean(['N changes' in one['sentence'] for one in found]):.1f}"
         print(line, flush=True)
 
 

@@ -387,19 +387,20 @@ def compare(index, study, designs):
         return [], refused
     window = Ticks(study, study.motion, MOST_SIDE)
     fractions = by_lag(study, window)
-    points = {(point["filler"], point["error"]): point for point in table["points"]}
+    points = {(point["filler"], point["error"]): point for point in table["tables"]["points"]}
     found = []
-    for filler in given["fillers"]:
-        for error in filler["errors"]:
-            ticks, name, kind = error["ticks"], filler["name"], error["error"]
-            weights = np.array([LONG(w) for w in error["numerators"]]) / LONG(error["denominator"])
-            right = rms(study, window, ticks, weights, fractions)
-            kinds = [kind] + ["in-gap"] * (kind == "extrapolation" and study.gap_ticks == 1)
-            known = error.get("rms_arcsec")
-            of_table = [Row(index, study, name, kind, len(ticks), right, points[name, kind], known) for kind in kinds]
-            found += of_table
-            if name in study.fit_ticks:
-                designs.append(excess(of_table[0], study, window, ticks, weights, fractions))
+    for error in given["tables"]["fillers"]:
+        name, kind = error["filler"], error["error"]
+        rows = [row for row in given["tables"]["weights"] if (row["filler"], row["error"], row["row"]) == (name, kind, "sum")]
+        ticks = [row["tick"] for row in rows]
+        weights = np.array([LONG(row["numerator"]) for row in rows]) / LONG(rows[0]["denominator"])
+        right = rms(study, window, ticks, weights, fractions)
+        kinds = [kind] + ["in-gap"] * (kind == "extrapolation" and study.gap_ticks == 1)
+        known = error["rms_arcsec"]
+        of_table = [Row(index, study, name, kind, len(ticks), right, points[name, kind], known) for kind in kinds]
+        found += of_table
+        if name in study.fit_ticks:
+            designs.append(excess(of_table[0], study, window, ticks, weights, fractions))
     return found, None
 
 

@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 
+import documents
 import numpy as np
 
 PROGRAM = os.environ.get("SAGNAC", str(pathlib.Path(__file__).resolve().parent.parent / "target/release/sagnac"))
@@ -90,9 +91,9 @@ def main():
                 if found is None:
                     refused += 1
                     continue
-                column = found["columns"][0]
-                errors.append(abs(found["step_s"] / step - 1))
-                wrong.append(max(abs(found["samples"] - COUNT), abs(column["missing"] - np.sum(~kept))))
+                (column,) = documents.columns(found)
+                errors.append(abs(column["step_s"] / step - 1))
+                wrong.append(max(abs(column["samples"] - COUNT), abs(column["missing"] - np.sum(~kept))))
                 coefficient = next(row for row in column["coefficients"] if row["coefficient"] == "N")
                 held += coefficient["lower"] <= N <= coefficient["upper"]
             print(f"{clock:10} {max(errors):8.1e} {max(wrong):8d} {held:7d} {refused:8d}", flush=True)

@@ -60,24 +60,22 @@ def units(lots):
         covered = {name: [] for name in ("N", "B")}
         false, found, shown = 0, 0, {name: [] for name in covered}
         for (_, n, b), document in zip(made, documents):
-            named = {
-                unit
-                for unit, one in enumerate(document["units"])
-                if any(row["odd"] is not None for row in one["coefficients"])
-            }
+            tables = document["tables"]
+            labels = list(dict.fromkeys(row["label"] for row in tables["units"]))
+            named = {labels.index(row["label"]) for row in tables["units"] if row["outlier"] is not None}
             false += bool(named - ({0} if odd != 1 else set()))
-            first = document["units"][0]["coefficients"]
-            found += any(row["odd"] == "higher" and row["coefficient"] == "N" for row in first)
-            for one in document["coefficients"]:
-                name, pooled = one["coefficient"], one["all"]
-                if name not in covered or pooled is None:
+            first = [row for row in tables["units"] if row["label"] == labels[0]]
+            found += any(row["outlier"] == "higher" and row["coefficient"] == "N" for row in first)
+            for one in tables["batch"]:
+                name = one["coefficient"]
+                if name not in covered or one["of"] == "without outliers" or one["value"] is None:
                     continue
                 truth, next_one, spread = (1, n[-1], spreads[0]) if name == "N" else (B, b[-1], spreads[1])
                 shown[name].append(one["units"])
                 covered[name].append(
                     [
-                        pooled[f"{key}_lower" if key else "lower"] <= value <= pooled[f"{key}_upper" if key else "upper"]
-                        for key, value in (("", truth), ("next", next_one), ("spread", spread))
+                        one[f"{key}lower"] <= value <= one[f"{key}upper"]
+                        for key, value in (("", truth), ("prediction_", next_one), ("unit_sd_", spread))
                     ]
                 )
         line = f"{kind:10} N {100 * spreads[0]:2.0f} % B {100 * spreads[1]:2.0f} %{' filtered' if filtered else ''}"

@@ -15,6 +15,7 @@ import tempfile
 from pathlib import Path
 
 import allan_numpy
+import documents
 import numpy as np
 from scipy import stats
 
@@ -48,15 +49,16 @@ def program(command, records, *options, rate="1Hz", unit="deg/h"):
             done = subprocess.run(call, capture_output=True, text=True)
             if done.returncode:
                 raise SystemExit(f"{' '.join(call)}\n{done.stderr}")
-            found += json.loads(done.stdout)["columns"]
+            found.append(json.loads(done.stdout))
     return found
 
 
 def bands(records, to, **reading):
     """Averaging times, deviations and upper ends of the bands of records, up to a time."""
-    for column in program("allan", records, "--tau", "decade10", "--bootstrap", "0", **reading):
-        points = [point for point in column["curves"][0]["points"] if point["tau_s"] <= to * 1.0001]
-        yield tuple(np.array([point[name] for point in points]) for name in ("tau_s", "value", "upper"))
+    for document in program("allan", records, "--tau", "decade10", "--bootstrap", "0", **reading):
+        for column in documents.columns(document):
+            points = [point for point in column["curve"] if point["tau_s"] <= to * 1.0001]
+            yield tuple(np.array([point[name] for point in points]) for name in ("tau_s", "value", "upper"))
 
 
 def deviation(found, tau):
@@ -80,7 +82,8 @@ def compared(first, second, *options, **reading):
     seen = list(bands(second, to, **reading))
     found = {}
     for aim in AIMS:
-        models = program("model", first, aim, "--to", f"{to} s", *options, **reading)
+        found_all = program("model", first, aim, "--to", f"{to} s", *options, **reading)
+        models = [model for document in found_all for model in document["model"]["columns"]]
         curves = [deviation(model, tau) for model, (tau, _, _) in zip(models, seen)]
         of = [[np.min(curve / upper), np.min(curve / value)] for curve, (_, value, upper) in zip(curves, seen)]
         found[aim] = np.array(of), models
@@ -153,7 +156,7 @@ def nees(records, systems):
 
 def consistency(first, second, found):
     """NEES of filters with the models of the first halves on the second halves, beside those with N and K of the fit alone."""
-    fits = program("allan", first, "--bootstrap", "0", "--fit", "N,B,K")
+    fits = [fit for document in program("allan", first, "--bootstrap", "0", "--fit", "N,B,K") for fit in documents.columns(document)]
     systems = {"N and K of the fit": [plain(column) for column in fits]}
     systems |= {aim: [system(model) for model in models] for aim, (_, models) in found.items()}
     in_mean, at_end = stats.chi2.ppf(0.975, FIXES) / FIXES, stats.chi2.ppf(0.95, 1)

@@ -22,6 +22,7 @@ import tempfile
 import zlib
 from collections import Counter
 
+import documents
 import numpy as np
 
 PROGRAM = os.environ.get("SAGNAC", str(pathlib.Path(__file__).resolve().parent.parent / "target/release/sagnac"))
@@ -221,9 +222,9 @@ def analysed(records, folder, course=None):
     words = ["allan", path, "--data", "rate", "--unit", "deg/h", "--rate", f"{RATE_HZ}Hz", "--column", columns]
     words += ["--bootstrap", "0", "--unit-check", "off", "--json", "--out", folder / "out"]
     ended = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=True)
-    columns = json.loads(ended.stdout)["columns"]
+    columns = documents.columns(json.loads(ended.stdout))
     of = lambda column: {row["coefficient"]: row for row in column["coefficients"]}
-    return [of(column) | {"events": [event["event"] for event in column.get("events", [])]} for column in columns]
+    return [of(column) | {"events": [event["event"] for event in column["events"] if event["event"] not in ("gap", "outlier")]} for column in columns]
 
 
 def holds(row, true):

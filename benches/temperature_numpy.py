@@ -15,6 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import documents
 import numpy as np
 from scipy import linalg, signal, stats
 
@@ -58,7 +59,7 @@ TRUTH = {"T": 0.1, "T2": 0.01, "dT": 0.5}
 
 
 def program(records, course, *options):
-    """The columns of the JSON object `temperature`, for records with the same quantized temperature."""
+    """The columns of the document, for records with the same quantized temperature."""
     measured = np.round(course / RESOLUTION) * RESOLUTION
     for first in range(0, len(records), COLUMNS):
         part = records[first : first + COLUMNS]
@@ -69,7 +70,7 @@ def program(records, course, *options):
             call = [PROGRAM, "allan", str(log), "--data", "rate", "--rate", "1Hz", "--unit", "deg/h", "--column", columns]
             call += ["--temperature", str(len(part) + 1), "--json", "--out", str(Path(folder) / "out")]
             call += ["--bootstrap", "0", "--fit", "none", "--intervals", "stable32", *options]
-            yield from json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)["temperature"]["columns"]
+            yield from documents.columns(json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout))
 
 
 def part(name, course):
@@ -84,7 +85,7 @@ def part(name, course):
 
 
 def row(column, name):
-    return next(row for row in column["coefficients"] if row["coefficient"] == name)
+    return next(row for row in column["temperature"] if row["coefficient"] == name)
 
 
 def covered(columns, name, truth):
@@ -105,7 +106,7 @@ def terms(records):
             rates = sum(part(term, course) for term in wanted)
             found = list(program([x + rates for x in made], course, "--temperature-terms", ",".join(wanted)))
             cells = [f"{term} {covered(found, term, TRUTH[term])}" for term in wanted]
-            robust = np.mean([column["p"] < 1e-5 for column in found])
+            robust = np.mean([row(column, wanted[0])["intervals"] == "robust" for column in found])
             print(f"{noise:22} {name:8} {', '.join(cells)}; robust {100 * robust:.1f} %", flush=True)
 
 

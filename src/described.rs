@@ -1,7 +1,7 @@
-//! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
+//! The columns of every file of results, from which `sagnac explain`, reports and the schema of documents take their meanings.
 
 use crate::analysis::{
-    compare, design, dynamic, firmware, log, lot, model, sensitivity, spectrum, temperature,
+    compare, design, dynamic, firmware, log, lot, model, requirement, sensitivity, spectrum, temperature,
 };
 use crate::chart::file::Source;
 use crate::key::row::Key;
@@ -53,9 +53,18 @@ pub fn files() -> Vec<File> {
     of_kinds
         .chain([
             of_designs("design.csv", abouts(&design::report::columns(&design::Measure::ALL))),
+            of_designs("fillers.csv", abouts(&design::report::filler_columns())),
             of_designs("pareto.csv", abouts(&design::report::pareto_columns())),
             command("sensitivity.csv", "sagnac sensitivity", abouts(&sensitivity::report::columns())),
+            command(
+                "distribution.csv",
+                "sagnac sensitivity",
+                abouts(&sensitivity::report::distribution_columns()),
+            ),
             command("events.csv", "sagnac allan", abouts(&log::events::columns())),
+            command("records.csv", "sagnac allan", abouts(&log::records::columns())),
+            command("limits.csv", "sagnac allan", abouts(&requirement::columns())),
+            command("navigation.csv", "sagnac allan", abouts(&log::navigators::columns())),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
             command("temperature.csv", "sagnac allan", abouts(&temperature::tables::coefficient_columns())),
@@ -70,6 +79,7 @@ pub fn files() -> Vec<File> {
             command("units.csv", "sagnac lot", abouts(&lot::tables::unit_columns())),
             command("batch.csv", "sagnac lot", abouts(&lot::tables::lot_columns())),
             command("model.csv", "sagnac model", abouts(&model::tables::columns())),
+            command("fillers.csv", "sagnac filler", abouts(&firmware::tables::filler_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),
             command("trade.csv", "sagnac filler", abouts(&firmware::search::columns())),
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
@@ -129,7 +139,13 @@ pub fn meanings(name: &str) -> Vec<(&'static str, Vec<File>)> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
+    use serde_json::{Map, Value, json};
+
     use super::*;
+    use crate::analysis::model::document::ModelDocument;
+    use crate::table::Cells;
 
     #[test]
     fn the_columns_that_kinds_are_explained_by_are_there() {
@@ -139,6 +155,57 @@ mod tests {
                 let mut own = files.iter().filter(|file| matches!(file.by, By::Study(of, _) if of == kind));
                 assert!(own.any(|file| file.column(name).is_some()), "{kind:?}: {name}");
             }
+        }
+    }
+
+    /// The rows of a file as a schema. Those of studies have columns that `sagnac explain` describes.
+    fn rows(file: &File) -> Value {
+        let title = file.title();
+        let By::Command(_) = file.by else { return json!({ "title": title, "type": "array" }) };
+        let column = |about: &About| {
+            let cell = json!({ "description": about.meaning, "$ref": "#/$defs/Cell" });
+            (about.with(Cells::default()).header(), cell)
+        };
+        let columns: Map<String, Value> = file.columns.iter().map(column).collect();
+        // Before the columns are those of swept keys, and some of a sensitivity have the unit of its answer in their headers.
+        let is_open = !file.sweepable.is_empty() || file.name == "sensitivity.csv";
+        let row = json!({ "type": "object", "properties": columns, "additionalProperties": is_open });
+        json!({ "title": title, "type": "array", "items": row })
+    }
+
+    #[test]
+    fn the_schema_of_documents_follows_from_their_type_and_the_columns_of_files() {
+        let mut document = schemars::schema_for!(ModelDocument).to_value();
+        document["title"] = "Document".into();
+        document["description"] = "The results of a command with `--json`.".into();
+        document["additionalProperties"] = false.into();
+        // Only `sagnac model` has models and files.
+        document["required"].as_array_mut().unwrap().retain(|key| key != "model" && key != "files");
+        let mut tables: BTreeMap<&str, Vec<Value>> = BTreeMap::new();
+        for file in files() {
+            tables.entry(file.name.trim_end_matches(".csv")).or_default().push(rows(&file));
+        }
+        let tables = tables.into_iter().map(|(stem, files)| (stem.to_owned(), json!({ "anyOf": files })));
+        document["properties"]["tables"]["properties"] = tables.collect::<Map<_, _>>().into();
+        let mut definitions = document["$defs"].take();
+        let keys = document.as_object_mut().unwrap();
+        keys.retain(|key, _| !key.starts_with('$'));
+        definitions["Document"] = document;
+        let of_one = json!({ "$ref": "#/$defs/Document" });
+        let present = json!({
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": "Output of a command of sagnac with --json",
+            "description": "A document, or of several inputs an array of them.",
+            "anyOf": [of_one, { "type": "array", "items": of_one }],
+            "$defs": definitions,
+        });
+        let name = "schema/document.schema.json";
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+        let shipped = std::fs::read(&path).unwrap_or_default();
+        if serde_json::from_slice(&shipped).ok() != Some(present.clone()) {
+            let text = serde_json::to_string_pretty(&present).unwrap() + "\n";
+            std::fs::write(path.with_extension("new.json"), text).unwrap();
+            panic!("{name} is out of date; the present one is beside it: compare, then rename it");
         }
     }
 }

@@ -12,6 +12,7 @@ use sagnac::quantity::number::short;
 use sagnac::quantity::units::Dimension;
 use sagnac::store::folder::Folder;
 use sagnac::view::chart::picture::Picture;
+use sagnac::view::report::document::Provenance;
 
 use crate::failure::Failure;
 use crate::filler::alone::at_least_0;
@@ -121,17 +122,17 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
     let sheet = found.sheet()?;
-    let document = report::json(&found, sheet.as_ref());
     let (runs, after) = (short(found.trials as f64), report::duration(found.variant().duration_s));
     let figure = report::figure(&found).map_err(|error| Failure::Picture(error.to_string()))?;
     let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
     let candidates = report::table(&found).rows();
     let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", found.study.title);
     let mut outcome = Outcome::new(heading, page);
-    outcome.add_json("design.json", &document)?;
-    outcome.save(&Folder::open(&folder)?, &["design.csv", "pareto.csv", "design", "pareto"])?;
+    outcome.provenance = Some(Provenance::new(study.seed, found.trials));
+    outcome.add_document("design.json");
+    outcome.save(&Folder::open(&folder)?, &["pareto.csv", "design", "pareto"])?;
     if options.json {
-        return print_json(&document);
+        return print_json(&outcome.document());
     }
     outcome.show(&options.printed, &folder)
 }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use sagnac::analysis::model::writers::WRITERS;
+use sagnac::described::files;
 use sagnac::run::RESOLVED;
 use sagnac::study::Study;
 use sagnac::view::report::{CARD, FILE as REPORT};
@@ -22,29 +23,8 @@ const WRITTEN: [(&str, &str); 8] = [
     ("weights.csv", "filler"),
 ];
 
-/// Other files that commands write into results folders.
-const FILES: [&str; 20] = [
-    RESOLVED,
-    REPORT,
-    CARD,
-    "points.csv",
-    "coefficients.csv",
-    "trajectories.csv",
-    "events.csv",
-    "temperature.csv",
-    "compensation.csv",
-    "dynamic.csv",
-    "stationarity.csv",
-    "lines.csv",
-    "white_noise.csv",
-    "units.csv",
-    "design.csv",
-    "pareto.csv",
-    "sensitivity.csv",
-    "trade.csv",
-    "test_vectors.csv",
-    "sagnac_filler.h",
-];
+/// Files without columns that commands write into results folders.
+const FILES: [&str; 4] = [RESOLVED, REPORT, CARD, "sagnac_filler.h"];
 
 /// Beginnings of the names of pictures, and of studies and noise of columns, that commands write.
 const PICTURES: [&str; 7] = ["chart", "design", "pareto", "psd", "response", "sensitivity", "trade"];
@@ -56,6 +36,7 @@ pub fn is_ours(name: &str) -> bool {
         stems.iter().any(|stem| name.starts_with(stem)) && ends.iter().any(|end| name.ends_with(end))
     };
     FILES.contains(&name)
+        || files().iter().any(|file| file.name == name)
         || WRITTEN.iter().any(|(file, _)| *file == name)
         || WRITERS.iter().any(|writer| writer.file == name)
         || name.starts_with("inputs/")

@@ -14,7 +14,7 @@ use sagnac::tally::share::Share;
 
 use crate::failure::Failure;
 use crate::folders;
-use crate::output::{Printed, print_json};
+use crate::output::{Printed, print_documents};
 use crate::progress::{self, Shown};
 use crate::results::{Ran, check_places};
 use crate::run::checked;
@@ -93,9 +93,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     let ran = Ran { study: &study, plan: &plan, folder: &results, path, done: None, lacking, json, shown };
     let progress = Shown::new(options.progress.how(options.printed.quiet));
     let complete = (lacking == 0).then(|| format!("complete; results are in {}", path.display()));
-    if let Some(document) = ran.show(&store, &progress, complete)? {
-        print_json(&document)?;
-    }
+    print_documents(ran.show(&store, &progress, complete)?.as_slice(), 1)?;
     match lacking {
         0 => Ok(()),
         lacking => Err(Failure::Incomplete { lacking, folder: options.out.clone(), absent: absent(&shares) }),

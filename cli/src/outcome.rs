@@ -6,13 +6,14 @@ use rayon::prelude::*;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
+use sagnac::view::report::document::{self, Document, Provenance};
 use sagnac::view::report::sections::Page;
 use sagnac::view::report::{CARD, FILE as REPORT};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::failure::{Failure, in_options};
 use crate::look;
-use crate::output::{Printed, csv, print, print_drawn, write_table};
+use crate::output::{Printed, print, print_drawn, write_table};
 
 /// Notes that are printed in any case, and lines up to which there is room for more of them.
 const MIN_NOTES: usize = 2;
@@ -26,6 +27,10 @@ pub struct Outcome {
     pub page: Page,
     /// Tables that are printed before the sections of the page, where tables are asked for.
     pub details: String,
+    /// Tables that the page has no room for.
+    pub tables: Vec<(&'static str, Table)>,
+    /// How the results were sampled, if anything was.
+    pub provenance: Option<Provenance>,
     /// Further files by their names.
     pub files: Vec<(String, Vec<u8>)>,
     /// What else was written, a line each.
@@ -35,21 +40,23 @@ pub struct Outcome {
 impl Outcome {
     /// Results with a page alone.
     pub fn new(heading: String, page: Page) -> Outcome {
-        Outcome { heading, page, details: String::new(), files: vec![], places: vec![] }
+        let details = String::new();
+        Outcome { heading, page, details, tables: vec![], provenance: None, files: vec![], places: vec![] }
     }
 
-    /// Adds a table that the page has no room for.
-    pub fn add_table(&mut self, name: &str, table: &Table) -> Result<(), Failure> {
-        self.files.push((name.to_owned(), csv(table, Path::new(name))?));
-        Ok(())
+    fn all_tables(&self) -> impl Iterator<Item = &(&'static str, Table)> {
+        self.page.tables.iter().chain(&self.tables)
     }
 
-    /// Adds a document.
-    pub fn add_json(&mut self, name: &str, document: &Value) -> Result<(), Failure> {
-        let json =
-            serde_json::to_vec_pretty(document).map_err(|error| Failure::Picture(error.to_string()))?;
-        self.files.push((name.to_owned(), json));
-        Ok(())
+    /// The results as a document for programs.
+    pub fn document(&self) -> Document<'_> {
+        Document { provenance: self.provenance.clone(), ..self.page.document(&self.tables) }
+    }
+
+    /// Adds the document as a file.
+    pub fn add_document(&mut self, name: &str) {
+        let text = document::json(&self.document());
+        self.files.push((name.to_owned(), text.into_bytes()));
     }
 
     /// Writes all files. `names` are those that the command may write besides its page, in which a star stands for any text, and the
@@ -58,7 +65,7 @@ impl Outcome {
     /// # Errors
     /// A chart cannot be drawn, or a file cannot be written or removed.
     pub fn save(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
-        for (name, table) in &self.page.tables {
+        for (name, table) in self.all_tables() {
             write_table(folder, name, table)?;
         }
         let card = self.page.card(&|text| in_options(&text));
@@ -85,7 +92,7 @@ impl Outcome {
         let pictures =
             charts.iter().flat_map(|drawn| ["svg", "png"].map(|end| format!("{}.{end}", drawn.stem)));
         let names_of_files = self.files.iter().map(|(name, _)| name.clone());
-        let tables = self.page.tables.iter().map(|(name, _)| (*name).to_owned());
+        let tables = self.all_tables().map(|(name, _)| (*name).to_owned());
         let written: Vec<String> = pictures.chain(names_of_files).chain(tables).collect();
         for name in folder.listed() {
             if names.iter().any(|own| matches(own, &name)) && !written.contains(&name) {

@@ -8,8 +8,8 @@ use sagnac::quantity::visible::{visible, visible_json};
 use sagnac::store::folder::{self, Folder};
 use sagnac::table::Table;
 use sagnac::view::report::FILE as REPORT;
+use sagnac::view::report::document::json;
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::progress::{How, Shown, aside};
@@ -118,19 +118,18 @@ fn bounded(text: &str) -> String {
 /// # Errors
 /// It fails where [`print`] does.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| failure(error.into()))?;
-    print_drawn(&visible_json(&text))
+    print_documents(&[json(value)], 1)
 }
 
 /// Prints the documents of several inputs as an array, and that of a single input as it is.
 ///
 /// # Errors
 /// It fails where [`print`] does.
-pub fn print_documents(documents: &[Value], inputs: usize) -> Result<(), Failure> {
+pub fn print_documents(documents: &[String], inputs: usize) -> Result<(), Failure> {
     match documents {
         [] => Ok(()),
-        [document] if inputs == 1 => print_json(document),
-        several => print_json(&several),
+        [document] if inputs == 1 => print_drawn(&visible_json(document)),
+        several => print_drawn(&visible_json(&format!("[\n{}\n]", several.join(",\n")))),
     }
 }
 

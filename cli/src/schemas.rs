@@ -21,25 +21,23 @@ pub struct Options {
     of: fn() -> String,
 }
 
-/// The documents with their schemas.
+/// The documents with their schemas. All commands with results print documents of one form.
 fn documents() -> impl TypedValueParser<Value = fn() -> String> {
-    macro_rules! shipped {
-        ($name:literal) => {
-            || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
-        };
+    fn document() -> String {
+        include_str!("../../schema/document.schema.json").to_owned()
     }
     one_of::<_, fn() -> String, 11>([
         ("study", keys::schema),
-        ("run", shipped!("run")),
-        ("merge", shipped!("run")),
-        ("design", shipped!("design")),
-        ("sensitivity", shipped!("sensitivity")),
-        ("filler", shipped!("filler")),
-        ("allan", shipped!("allan")),
-        ("compare", shipped!("compare")),
-        ("lot", shipped!("lot")),
-        ("model", shipped!("model")),
-        ("bench", shipped!("bench")),
+        ("run", document),
+        ("merge", document),
+        ("design", document),
+        ("sensitivity", document),
+        ("filler", document),
+        ("allan", document),
+        ("compare", document),
+        ("lot", document),
+        ("model", document),
+        ("bench", || include_str!("../../schema/bench.schema.json").to_owned()),
     ])
 }
 

@@ -8,6 +8,7 @@ use sagnac::analysis::sensitivity::report;
 use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as find};
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
+use sagnac::view::report::document::Provenance;
 
 use crate::failure::{Failure, in_options};
 use crate::outcome::Outcome;
@@ -84,13 +85,13 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
         None => "sensitivity".to_owned(),
     };
     let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
-    let document = report::json(&study, &found);
     let heading = format!("{} · {}", study.title, report::effort(&found));
     let mut outcome = Outcome::new(heading, page::of_sensitivity(&study, &found));
-    outcome.add_json("sensitivity.json", &document)?;
+    outcome.provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
+    outcome.add_document("sensitivity.json");
     outcome.save(&Folder::open(&folder)?, &[])?;
     if options.json {
-        return print_json(&document);
+        return print_json(&outcome.document());
     }
     outcome.show(&options.printed, &folder)
 }

@@ -37,7 +37,6 @@ class RawResults(TypedDict):
     answer: RawAnswer
     question: str
     kind: str
-    decision: str | None
     seed: int | None
     trials: int | None
     device: str | None
@@ -78,13 +77,13 @@ class RawRecord(TypedDict):
 
 class RawCurves(RawRecord):
     answer: RawAnswer
-    decision: str
+    limits: str
     curves: list[RawCurve]
 
 
 class RawFit(RawRecord):
     answer: RawAnswer
-    decision: str
+    limits: str
     rows: list[tuple[str, str, float | None, float | None, float | None, str]]
     intervals: str
     without_bootstrap: str | None

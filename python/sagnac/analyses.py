@@ -26,15 +26,10 @@ class Analysis(Charted):
     """What an analysis found: the content of the page and of the files of the program."""
 
     data: dict[str, Any]
-    """What the program prints with ``--json``."""
+    """The document that the program prints with ``--json``: ``title``, ``question``, ``answer``, ``notes``, and ``tables`` by the
+    names of their files without ``.csv``, each a list of rows."""
     tables: dict[str, Table]
     """The tables by the names of their files, such as ``design.csv``."""
-
-    @property
-    def decision(self) -> dict[str, Any] | None:
-        """The decision: of logs ``met`` and the ``limits``, of a design the numbers of the decision sheet; None of other analyses."""
-        found: dict[str, Any] | None = self.data.get("decision")
-        return found
 
     def __repr__(self) -> str:
         return f"<Analysis: {self.answer}>"
@@ -92,7 +87,7 @@ def design(
     ...     "run": {"duration": "1 h"},
     ... }
     >>> found = design(gyro, by="drift_rms", trials=8192, device="cpu")
-    >>> 20.0 < found.data["interval_s"] < 25.0, found.answer[:12]       # in closed form 22.4 s
+    >>> 20.0 < found.tables["fillers.csv"]["interval_s"][0] < 25.0, found.answer[:12]       # in closed form 22.4 s
     (True, 'Switch every')
     """
     path, text = _source(study)
@@ -156,7 +151,8 @@ def sensitivity(
     ...     ],
     ... }
     >>> found = sensitivity(gap, by="theory_rms", samples=1024, device="cpu")
-    >>> found.data["inputs"][0]["input"], found.data["inputs"][0]["first"]["value"] > 0.9
+    >>> first = found.data["tables"]["sensitivity"][0]
+    >>> first["input"], first["first"] > 0.9
     ('gyro.tick_noise.std', True)
     """
     path, text = _source(study)
@@ -200,7 +196,7 @@ def compare(
     terms, kind, detrend, remove_outliers, unit_check, threads
         As for :func:`fit`.
     limits
-        Largest accepted ratios of coefficients, b over a, which the ``decision`` is checked against: ``{"N": 1.1}``.
+        Largest accepted ratios of coefficients, b over a, which ``tables["limits.csv"]`` has with what the records show: ``{"N": 1.1}``.
 
     Raises
     ------
@@ -212,7 +208,7 @@ def compare(
     >>> import numpy as np
     >>> draw = np.random.default_rng(1).normal
     >>> found = compare(draw(0.0, 1.0, 20_000), draw(0.0, 1.3, 20_000), 100.0, unit="deg/h", names=("before", "after"))
-    >>> [(row["coefficient"], row["status"]) for row in found.data["coefficients"]]
+    >>> [(row["coefficient"], row["status"]) for row in found.data["tables"]["coefficients"]]
     [('N', 'B higher')]
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)

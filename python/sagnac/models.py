@@ -93,7 +93,8 @@ def model(
     --------
     >>> gyro = {"angle_random_walk": "0.003 deg/sqrt(h)", "bias_instability": "0.01 deg/h"}
     >>> found = model(noise=gyro, from_s=1.0, to_s=1000.0)
-    >>> len(found.data["markov"]), found.data["largest_excess"] < 0.2
+    >>> gyro = found.data["model"]["columns"][0]
+    >>> len(gyro["markov"]), gyro["largest_excess"] < 0.2
     (1, True)
     """
     if bound not in ("band", "repeat", None):

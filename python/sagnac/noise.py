@@ -78,8 +78,9 @@ class Allan(Mapping[str, Curve]):
     """Number of samples that are NaN."""
     mean_rate: float | None
     """Mean rate, °/h, or acceleration, µg; for plain numbers in their unit, or per s if they are not rates."""
-    decision: dict[str, Any]
-    """The decision: ``met``, and in ``limits`` each limit with its ``standing``."""
+    limits: list[dict[str, Any]]
+    """Each limit with what the record shows of it: ``coefficient``, ``limit``, ``value``, ``lower``, ``upper``, ``unit`` and
+    ``status``; ``answer.status`` has all together."""
     removed_slope_per_s: float
     """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
     outliers: Counts
@@ -143,8 +144,9 @@ class Fit(Mapping[str, Coefficient]):
     """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested; L if the record shows a filter."""
     answer: Answer
     """The coefficients, and whether they meet the limits."""
-    decision: dict[str, Any]
-    """The decision: ``met``, and in ``limits`` each limit with its ``standing``."""
+    limits: list[dict[str, Any]]
+    """Each limit with what the record shows of it: ``coefficient``, ``limit``, ``value``, ``lower``, ``upper``, ``unit`` and
+    ``status``; ``answer.status`` has all together."""
     described: bool
     """Whether the terms describe the curve."""
     fit_from: float

@@ -63,7 +63,7 @@ def allan(
     intervals
         Noise that the intervals suppose: that of the record as a whole, or with ``stable32`` the power law of each averaging time.
     limits
-        Largest accepted in-run bias stability, which :attr:`Allan.decision` is checked against: ``{"in_run_bias_stability": "0.01 deg/h"}``.
+        Largest accepted in-run bias stability, which :attr:`Allan.limits` has with what the record shows: ``{"in_run_bias_stability": "0.01 deg/h"}``.
     detrend
         Removes a straight line from the rate.
     remove_outliers
@@ -122,7 +122,7 @@ def allan(
         answer=answer_of(found["answer"]),
         missing=found["missing"],
         mean_rate=found["mean_rate"],
-        decision=json.loads(found["decision"]),
+        limits=json.loads(found["limits"]),
         removed_slope_per_s=found["removed_slope_per_s"],
         outliers=found["outliers"],
         outlier_threshold=found["outlier_threshold"],
@@ -164,7 +164,7 @@ def fit(
         Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
         in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
     limits
-        Largest accepted coefficients, which :attr:`Fit.decision` is checked against: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
+        Largest accepted coefficients, which :attr:`Fit.limits` has with what the record shows: ``{"N": "0.003 deg/sqrt(h)"}``. A limit is met
         if the upper end of the 95 % interval, or the bound, is within it, and not met if the lower end is above it.
 
     Notes
@@ -210,7 +210,7 @@ def fit(
     return Fit(
         coefficients={row[0]: Coefficient(*row) for row in found["rows"]},
         answer=answer_of(found["answer"]),
-        decision=json.loads(found["decision"]),
+        limits=json.loads(found["limits"]),
         described=found["described"],
         fit_from=found["range"][0],
         fit_to=found["range"][1],

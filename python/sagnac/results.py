@@ -168,9 +168,6 @@ class Results(Charted):
     """The recovered coefficients, if the study fits any: coefficients.csv."""
     trajectories: Table | None
     """The runs that the study keeps as curves, if any: trajectories.csv."""
-    decision: dict[str, Any] | None
-    """The decision sheet: ``met``, ``best``, ``margin``, the error ``budget``, and the next ``lever``; None if the study
-    judges no error."""
     seed: int | None
     """Seed; like trials, device and seconds, None if nothing is sampled."""
     trials: int | None

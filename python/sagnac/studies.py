@@ -57,7 +57,7 @@ def run(
         is kept.
     progress
         Called as ``progress(done, total, unit)`` several times a second; ``unit`` is ``trials``, ``samples`` or ``fits``,
-        then ``evaluations`` for the decision sheet.
+        then ``evaluations`` for the error budget and the changes in the answer.
         An exception that it raises ends the run and is raised here.
 
     Notes
@@ -145,7 +145,6 @@ def _results(found: RawResults, folder: Path | None) -> Results:
         charts={name: svg for name, svg, _ in found["charts"]},
         report=found["report"],
         pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
-        decision=None if found["decision"] is None else json.loads(found["decision"]),
         seed=found["seed"],
         trials=found["trials"],
         device=found["device"],

@@ -13,14 +13,13 @@ use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
 };
 use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::model::document::document;
 use sagnac::analysis::model::noise::{of_file, of_text};
 use sagnac::analysis::model::target::{Source, Target};
-use sagnac::analysis::model::writers::{named, texts};
+use sagnac::analysis::model::writers::named;
 use sagnac::analysis::model::{self as modelled, Aim, Quantization};
 use sagnac::analysis::requirement::Limited;
-use sagnac::analysis::sensitivity::{
-    Request, SensitivityError, report as sensitivity_report, sensitivity as decide,
-};
+use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as decide};
 use sagnac::analysis::spectrum::{self, densities};
 use sagnac::analysis::{compare as compared, page};
 use sagnac::fit::choose::Terms;
@@ -32,8 +31,8 @@ use sagnac::spectrum::Welch;
 use sagnac::table::Table;
 use sagnac::verify::select;
 use sagnac::view::chart::picture::Picture;
+use sagnac::view::report::document::{Document, Provenance, json};
 use sagnac::view::report::sections::Page;
-use serde_json::{Value, json};
 
 use super::compute::{compute, compute_on, read_on};
 use super::failure::{Failure, in_python};
@@ -45,12 +44,18 @@ use super::table::columns;
 /// What an analysis has found.
 struct Found {
     page: Page,
-    document: Value,
+    /// The document of the program.
+    document: String,
     /// Tables that the page does not have.
     tables: Vec<(&'static str, Table)>,
 }
 
 impl Found {
+    fn new(page: Page, tables: Vec<(&'static str, Table)>, provenance: Option<Provenance>) -> Found {
+        let document = json(&Document { provenance, ..page.document(&tables) });
+        Found { page, document, tables }
+    }
+
     fn into_python(self, py: Python) -> PyResult<Bound<PyDict>> {
         let Found { page, document, tables } = self;
         let all = tables.iter().chain(&page.tables);
@@ -60,7 +65,7 @@ impl Found {
         found.set_item("title", in_python(&page.title))?;
         found.set_item("answer", shown(&page.answer))?;
         found.set_item("notes", page.notes.iter().map(|note| in_python(note)).collect::<Vec<_>>())?;
-        found.set_item("data", document.to_string())?;
+        found.set_item("data", document)?;
         found.set_item("tables", tables)?;
         let charts = page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
         found.set_item("charts", charts.collect::<Vec<_>>())?;
@@ -128,8 +133,7 @@ pub fn design<'py>(
         let figure = figure.map_err(|error| Failure::Usage(error.to_string()))?;
         let sheet = found.sheet()?;
         let page = page::of_design(&found, sheet.as_ref(), Picture::Curves(figure));
-        let document = design_report::json(&found, sheet.as_ref());
-        Ok(Found { page, document, tables: vec![] })
+        Ok(Found::new(page, vec![], Some(Provenance::new(study.seed, found.trials))))
     })?;
     found.into_python(py)
 }
@@ -164,9 +168,8 @@ pub fn sensitivity<'py>(
             Err(SensitivityError::Run(error)) => Failure::Run(error),
             Err(error) => Failure::Usage(in_python(&error.to_string())),
         })?;
-        let document = sensitivity_report::json(&study, &found);
-        let page = page::of_sensitivity(&study, &found);
-        Ok(Found { page, document, tables: vec![] })
+        let provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
+        Ok(Found::new(page::of_sensitivity(&study, &found), vec![], provenance))
     })?;
     found.into_python(py)
 }
@@ -193,10 +196,8 @@ pub fn compare<'py>(
         let logs = [(Path::new(&names.0), &a), (Path::new(&names.1), &b)];
         let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
             .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
-        let tables = vec![];
         let decision = analysis.decision(&limits);
-        let document = compared::tables::document(&analysis, &decision);
-        Ok(Found { page: page::of_comparison([&a, &b], &analysis, &decision), document, tables })
+        Ok(Found::new(page::of_comparison([&a, &b], &analysis, &decision), vec![], None))
     })?;
     found.into_python(py)
 }
@@ -240,8 +241,9 @@ pub fn psd<'py>(
         let analysis = spectrum::Analysis::of(noise, densities);
         let tables = vec![("psd.csv", spectrum::tables::table(&analysis))];
         let decision = analysis.decision(&limits);
-        let document = spectrum::tables::document(&analysis, &decision);
-        Ok(Found { page: page::of_log(&log, &analysis, decision.answer.clone(), None), document, tables })
+        let mut page = page::of_log(&log, &analysis, decision.answer.clone(), None);
+        page.tables.extend(decision.file());
+        Ok(Found::new(page, tables, None))
     })?;
     found.into_python(py)
 }
@@ -284,10 +286,9 @@ impl Wanted {
         let writers = if names.is_empty() { Ok(vec![]) } else { named(&names) };
         let writers = writers.map_err(|why| Failure::Usage(format!("write=\"{names}\": {why}")))?;
         let analysis = modelled::Analysis::of(source, targets, &self.asked())?;
-        let mut document = modelled::tables::document(&analysis);
-        document["files"] =
-            texts(&analysis, &writers).into_iter().map(|(file, text)| (file, json!(text))).collect();
-        Ok(Found { page: page::of_model(&analysis, &writers), document, tables: vec![] })
+        let page = page::of_model(&analysis, &writers);
+        let document = json(&document(&analysis, &page, &writers));
+        Ok(Found { page, document, tables: vec![] })
     }
 }
 

@@ -29,9 +29,10 @@ use sagnac::record::log::doubt::Doubt;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::samples::{Fault, Samples};
+use sagnac::table::Table;
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
-use serde_json::Value;
+use sagnac::view::report::document::{Rows, json};
 
 use super::compute::{compute_on, read_on};
 use super::failure::{Failure, in_python};
@@ -255,11 +256,16 @@ fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict
     Ok(document)
 }
 
+/// A table as JSON: its rows as objects.
+fn rows_of(table: &Table) -> String {
+    json(&Rows(table))
+}
+
 /// The events of a record as JSON.
 fn shown(record: &Record, reading: &Reading, events: &[Event], keeps_events: bool) -> String {
     let (unit, step_s, treatment) = (record.unit, reading.step_s, &reading.treatment());
     let of = events::Record { name: "", unit, treatment, step_s, keeps_events, thermometers: &[] };
-    Value::from(events::document(&of.rows(events))).to_string()
+    rows_of(&events::table_of(&of.rows(events)))
 }
 
 /// Deviations of an array, each as a tuple of its name, its unit, its columns and its minimum.
@@ -312,7 +318,7 @@ pub fn curves<'py>(
     let subject = Subject { stability, ..record.subject(reading.step_s) };
     let decision = decide(&[subject], &limits, "record");
     document.set_item("answer", super::run::shown(&decision.answer))?;
-    document.set_item("decision", decision.json().to_string())?;
+    document.set_item("limits", rows_of(&decision.table()))?;
     let curves = curves.iter().map(|(deviation, points)| of_curve(py, *deviation, points, record.unit));
     document.set_item("curves", curves.collect::<PyResult<Vec<_>>>()?)?;
     Ok(document)
@@ -405,7 +411,7 @@ pub fn fit<'py>(
         (row.name, row.unit, row.value, lower, upper, row.verdict)
     });
     document.set_item("answer", super::run::shown(&decision.answer))?;
-    document.set_item("decision", decision.json().to_string())?;
+    document.set_item("limits", rows_of(&decision.table()))?;
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
     let why = sheet.intervals.without.as_deref().map(in_python);

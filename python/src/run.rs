@@ -63,8 +63,6 @@ struct Ran {
     study: Study,
     is_sampled: bool,
     page: Page,
-    /// The decision sheet as JSON.
-    decision: Option<String>,
     done: Option<(Done, String)>,
 }
 
@@ -102,7 +100,6 @@ pub fn run<'py>(
     let charts = ran.page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
     document.set_item("charts", charts.collect::<Vec<_>>())?;
     document.set_item("answer", shown(&ran.page.answer))?;
-    document.set_item("decision", &ran.decision)?;
     document.set_item("report", ran.page.html(&|text: &str| in_python(text)))?;
     for source in [Source::Points, Source::Coefficients, Source::Trajectories] {
         let table = ran.page.tables.iter().find(|(file, _)| *file == source.file());
@@ -154,7 +151,6 @@ impl Asked {
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // A run that ended early has raised an exception before.
         let results = Results::new(&plan, &store, &tables, 0, degraded, listener)?;
-        let decision = results.sheet.as_ref().map(|sheet| sheet.json().to_string());
         let resolved = results.resolved();
         let mut page = results.page(&digest);
         page.tables = tables.into_files(&study.charts);
@@ -165,6 +161,6 @@ impl Asked {
         }
         let is_sampled = plan.is_sampled();
         drop(plan);
-        Ok(Ran { is_sampled, page, decision, done, study })
+        Ok(Ran { is_sampled, page, done, study })
     }
 }

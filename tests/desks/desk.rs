@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use assert_cmd::Command;
+use serde_json::Value;
 use tempfile::TempDir;
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_sagnac");
@@ -132,6 +133,21 @@ pub type Row = BTreeMap<String, String>;
 /// The rows of a table as text.
 pub fn table(text: &str) -> Vec<Row> {
     csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect()
+}
+
+/// The rows of a table of a document.
+#[track_caller]
+pub fn rows_of<'d>(document: &'d Value, table: &str) -> &'d [Value] {
+    let rows = document["tables"][table].as_array();
+    rows.unwrap_or_else(|| panic!("no table {table} in {document:#}"))
+}
+
+/// The fact of this name in the answer of a document.
+#[track_caller]
+pub fn fact_of<'d>(document: &'d Value, name: &str) -> &'d Value {
+    let facts = document["answer"]["facts"].as_array().unwrap();
+    let found = facts.iter().find(|fact| fact["fact"] == name || fact["name"] == name);
+    found.unwrap_or_else(|| panic!("no fact {name} in {document:#}"))
 }
 
 /// The first row with these cells.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::desk::{Desk, Row, number, row, table, unwrapped};
+use crate::desk::{Desk, Row, number, row, rows_of, table, unwrapped};
 use crate::logs::desk_with;
 use crate::noise;
 
@@ -190,17 +190,23 @@ fn samples_have_the_same_bits_as_rates_and_as_accelerations() {
         serde_json::from_str(&desk.done(&format!("{words} --unit {unit}")).stdout).unwrap()
     };
     let (rotation, acceleration) = (document("deg/h"), document("ug"));
-    let of = |document: &Value, key: &str| document["columns"][0][key].clone();
-    let points = |document: &Value| -> Vec<Value> {
-        of(document, "curves").as_array().unwrap().iter().map(|curve| curve["points"].clone()).collect()
+    // All cells but the unit.
+    let without_unit = |document: &Value, table: &str| -> Vec<Value> {
+        let mut rows = rows_of(document, table).to_vec();
+        rows.iter_mut().for_each(|row| row["unit"] = Value::Null);
+        rows
     };
-    assert_eq!(points(&rotation), points(&acceleration));
-    assert_eq!(of(&rotation, "fit"), of(&acceleration, "fit"));
-    assert_eq!(of(&rotation, "mean_rate"), of(&acceleration, "mean_rate"));
+    for table in ["curve", "records"] {
+        assert_eq!(without_unit(&rotation, table), without_unit(&acceleration, table));
+    }
+    let fit = |document: &Value| {
+        let rows = rows_of(document, "coefficients").iter();
+        rows.map(|row| ["fit_from_s", "fit_to_s"].map(|end| row[end].clone())).collect::<Vec<_>>()
+    };
+    assert_eq!(fit(&rotation), fit(&acceleration));
     // B is in the unit of the curve.
-    let b = |document: &Value| {
-        (0..2).map(|i| of(document, "coefficients")[2][["lower", "upper"][i]].clone()).collect::<Vec<_>>()
-    };
+    let b =
+        |document: &Value| ["lower", "upper"].map(|end| rows_of(document, "coefficients")[2][end].clone());
     assert_eq!(b(&rotation), b(&acceleration));
-    assert_eq!(of(&acceleration, "curves")[3]["unit"], "ug*s");
+    assert_eq!(rows_of(&acceleration, "curve").last().unwrap()["unit"], "ug*s");
 }

@@ -1,6 +1,6 @@
 //! `sagnac allan` as a user meets it: tables, files and pictures of good logs.
 
-use crate::desk::{Desk, Ended, Row};
+use crate::desk::{Desk, Ended, Row, rows_of};
 use crate::logs::{desk_with, log, noise, rows};
 use serde_json::Value;
 
@@ -43,7 +43,7 @@ fn a_stable32_file_gives_stable32s_numbers_in_table_csv_json_and_pictures() {
         assert!(desk.path("results/PHASE").join(name).exists(), "{name}");
     }
     let document: Value = serde_json::from_str(&done(&desk, &format!("{words} --json")).stdout).unwrap();
-    let point = &document["columns"][0]["curves"][0]["points"][3];
+    let point = &rows_of(&document, "curve")[3];
     assert_eq!((point["m"].as_u64(), point["differences"].as_u64()), (Some(8), Some(985)));
     // Without a time deviation its chart of before would be a lie.
     done(&desk, "PHASE.DAT --data angle --unit none --rate 1Hz --quiet");

@@ -1,6 +1,6 @@
 //! Intervals of coefficients from simulated records of the fit: how often they cover the truth, and what is said of them.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, rows_of};
 use crate::fitted::{QNB, covers, is_identified, share};
 use crate::logs::{desk_with, noise};
 use sagnac::device::cpu::Cpu;
@@ -124,18 +124,15 @@ fn every_output_says_where_the_intervals_come_from() {
     );
     assert_ne!(closed.replace("closed form", "bootstrap of 1000"), csv);
 
-    let json = |words: &str| -> serde_json::Value {
-        let document: serde_json::Value = serde_json::from_str(&outputs(&desk, words).0).unwrap();
-        document["columns"][0]["coefficient_intervals"].clone()
-    };
-    let found = json("--json --bootstrap 500");
-    assert_eq!(
-        (found["from"].as_str(), found["simulated_records"].as_u64()),
-        (Some("bootstrap of 500"), Some(500))
-    );
-    let found = json("--json --bootstrap 0");
-    assert_eq!((found["from"].as_str(), found["simulated_records"].as_u64()), (Some("closed form"), Some(0)));
-    assert!(json("--json --fit none").is_null());
+    let json = |words: &str| -> serde_json::Value { serde_json::from_str(&outputs(&desk, words).0).unwrap() };
+    for (words, intervals, records) in
+        [("--json --bootstrap 500", "bootstrap of 500", 500), ("--json --bootstrap 0", "closed form", 0)]
+    {
+        let found = json(words);
+        assert_eq!(rows_of(&found, "coefficients")[0]["intervals"], intervals);
+        assert_eq!(rows_of(&found, "records")[0]["simulated_records"], records);
+    }
+    assert!(rows_of(&json("--json --fit none"), "records")[0]["simulated_records"].is_null());
     desk.fails(
         "allan rest.csv --data rate --unit deg/h --rate 1Hz --bootstrap 10",
         2,

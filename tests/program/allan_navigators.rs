@@ -6,7 +6,7 @@ use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
 use serde_json::Value;
 
-use crate::desk::{Desk, unwrapped};
+use crate::desk::{Desk, rows_of, unwrapped};
 use crate::logs::desk_with;
 
 /// N = 0.0288 ″/√s.
@@ -29,7 +29,7 @@ fn json(desk: &Desk, time: &str) -> Value {
 }
 
 fn within(document: &Value) -> f64 {
-    document["columns"][0]["navigation"]["within95"]["value"].as_f64().unwrap()
+    rows_of(document, "navigation")[0]["p95"].as_f64().unwrap()
 }
 
 #[test]
@@ -40,7 +40,8 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     assert!(ended.stdout.contains("At upper limits") && ended.stdout.contains(" CEP "), "{}", ended.stdout);
     assert!(desk.read("out/report.html").contains(" nmi R95 after 1 h (0."));
     let document = json(&desk, "1h");
-    let navigation = &document["columns"][0]["navigation"];
+    let navigation = &rows_of(&document, "navigation")[0];
+    assert_eq!(document["answer"]["value"]["value"], navigation["p95"]);
     assert_eq!(navigation["unit"], "nmi");
     assert_eq!(navigation["class"], "navigation");
     assert!(
@@ -49,10 +50,10 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
         ended.stdout
     );
     // Of a circle 2.4 times, of errors in one direction 2.9 times.
-    let ratio = within(&document) / navigation["within50"].as_f64().unwrap();
+    let ratio = within(&document) / navigation["cep"].as_f64().unwrap();
     assert!((1.9..3.2).contains(&ratio), "{ratio}");
-    assert!(navigation["within95_at_upper_ends"].as_f64().unwrap() > within(&document), "{navigation}");
-    assert_eq!(navigation["decision"]["met"], Value::Null);
+    assert!(navigation["p95_at_bounds"].as_f64().unwrap() > within(&document), "{navigation}");
+    assert_eq!(document["answer"]["status"]["is"], "no_limit");
     // The study that was written gives the same value.
     desk.done("run out/navigation.toml --device cpu --out study");
     let row = desk.table("study/points.csv").remove(0);
@@ -65,9 +66,9 @@ fn one_command_leads_from_a_log_to_the_position_error_and_its_study_gives_the_sa
     let judged = |limit: &str| {
         let asked = format!("{READ} --column gz --navigate 1h --position-limit {limit} --json");
         let document: Value = serde_json::from_str(&desk.done(&asked).stdout).unwrap();
-        document["columns"][0]["navigation"]["decision"]["met"].clone()
+        document["answer"]["status"]["is"].clone()
     };
-    assert_eq!([judged("1nmi"), judged("0.05nmi")], [Value::Bool(true), Value::Bool(false)]);
+    assert_eq!([judged("1nmi"), judged("0.05nmi")], ["met", "not_met"]);
     assert!(desk.read("out/navigation.toml").contains("limit = \"0.05 nmi\""));
     // A limit on a coefficient asks for its decision.
     let both = desk.done(&format!("{READ} --column gz --navigate 1h --limit N=1deg/sqrt(h)"));

@@ -83,6 +83,8 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(
         "allan warm.csv --data rate --rate 1Hz --column gz --temperature temp --bootstrap 0 --out warm",
     );
+    let judged = "--navigate 1h --limit N=1deg/sqrt(h) --out judged";
+    desk.done(&format!("allan {log} {read} --bootstrap 0 {judged}"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
     desk.done("lot two.csv --data rate --column gx,gz --out lot");
@@ -112,6 +114,9 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("allan", "curve.csv", "allan"),
         ("allan", "coefficients.csv", "allan"),
         ("allan", "events.csv", "allan"),
+        ("allan", "records.csv", "allan"),
+        ("allan", "limits.csv", "judged"),
+        ("allan", "navigation.csv", "judged"),
         ("allan", "dynamic.csv", "allan"),
         ("allan", "stationarity.csv", "allan"),
         ("allan", "temperature.csv", "warm"),
@@ -124,11 +129,14 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("lot", "units.csv", "lot"),
         ("lot", "batch.csv", "lot"),
         ("model", "model.csv", "model"),
+        ("filler", "fillers.csv", "filler"),
         ("filler", "weights.csv", "filler"),
         ("filler", "test_vectors.csv", "filler"),
         ("sensitivity", "sensitivity.csv", "sensitivity"),
+        ("sensitivity", "distribution.csv", "sensitivity"),
         ("filler", "trade.csv", "trade"),
         ("design", "pareto.csv", "pareto"),
+        ("design", "fillers.csv", "pareto"),
     ];
     let files = files.into_iter().chain(by.map(|by| ("design", "design.csv", by)));
     let files = files.map(|(by, name, folder)| (command(by, name), format!("{folder}/{name}")));

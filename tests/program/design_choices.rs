@@ -1,6 +1,6 @@
 //! `sagnac design` over swept keys, within constraints, and with a search for fillers.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, rows_of};
 use serde_json::Value;
 
 /// Ten minutes with two fillers, of which `soon` reads one tick after the gap and the constant two.
@@ -33,8 +33,14 @@ fn number(found: &Value, key: &str) -> f64 {
     found[key].as_f64().unwrap_or_else(|| panic!("{key} is no number: {found:#}"))
 }
 
-fn names(list: &Value) -> Vec<&str> {
-    list.as_array().unwrap().iter().map(|one| one["filler"].as_str().unwrap()).collect()
+/// The names of the fillers in a document.
+fn names(found: &Value) -> Vec<&str> {
+    rows_of(found, "fillers").iter().map(|one| one["filler"].as_str().unwrap()).collect()
+}
+
+/// The row of the best filler.
+fn best(found: &Value) -> &Value {
+    rows_of(found, "fillers").iter().find(|row| row["times_least"] == 1.0).unwrap()
 }
 
 #[test]
@@ -46,39 +52,33 @@ fn the_best_of_two_variants_is_the_better_of_two_designs_bit_for_bit() {
         designed(&desk, "")
     });
     assert!(
-        alone.iter().all(|one| one.get("variants").is_none()),
-        "a design of one variant has no further keys"
+        alone.iter().all(|one| one["tables"].get("pareto").is_none()),
+        "a design of one variant has nothing to trade"
     );
-    let variants = found["variants"].as_array().unwrap();
-    assert_eq!(variants.len(), 2);
-    for (variant, alone) in variants.iter().zip(&alone) {
-        for key in [
-            "fillers",
-            "filler",
-            "interval_s",
-            "interval_lo_s",
-            "drift",
-            "drift_lo",
-            "drift_hi",
-            "angle_arcsec",
-        ] {
-            assert_eq!(variant[key], alone[key], "{key}");
-        }
+    // But for what compares a row with the best of all variants.
+    let without = |row: &Value| {
+        let mut row = row.clone();
+        let cells = row.as_object_mut().unwrap();
+        cells.retain(|key, _| key != "gyro.tick_s" && key != "as_good" && !key.starts_with("times_least"));
+        row
+    };
+    for table in ["fillers", "design"] {
+        let all: Vec<Value> = rows_of(&found, table).iter().map(without).collect();
+        let each: Vec<Value> = alone.iter().flat_map(|one| rows_of(one, table)).map(without).collect();
+        assert_eq!(all, each, "{table}");
     }
-    let drifts = alone.each_ref().map(|one| number(one, "drift"));
-    let best = usize::from(drifts[1] < drifts[0]);
-    for key in ["drift", "interval_s", "filler", "fillers", "interval_by_paper_rule_s"] {
-        assert_eq!(found[key], alone[best][key], "{key}");
-    }
-    assert_eq!(variants[best]["times_least"], 1.0);
-    assert_eq!(variants[best]["swept"]["gyro.tick_s"], [0.005, 0.004][best]);
-    let times = number(&variants[1 - best], "times_least") / (drifts[1 - best] / drifts[best]);
+    let drifts = alone.each_ref().map(|one| number(best(one), "drift_deg_per_h"));
+    let least = usize::from(drifts[1] < drifts[0]);
+    assert_eq!(without(best(&found)), without(best(&alone[least])));
+    assert_eq!(best(&found)["gyro.tick_s"], [0.005, 0.004][least]);
+    let other_tick = [0.005, 0.004][1 - least];
+    let others = rows_of(&found, "fillers").iter().filter(|row| row["gyro.tick_s"] == other_tick);
+    let times = others.map(|row| number(row, "times_least")).fold(f64::INFINITY, f64::min);
+    let times = times / (drifts[1 - least] / drifts[least]);
     assert!((times - 1.0).abs() < 1e-12, "{times}");
     let answer = found["answer"]["headline"].as_str().unwrap();
-    assert!(answer.contains(&format!(", tick {} ms: ", [5, 4][best])), "{answer}");
-    let option = found["decision"]["best"]["option"].as_str().unwrap();
-    assert!(option.contains(&format!("tick {} ms", [5, 4][best])), "{option}");
-    assert_eq!(found["decision"]["best"]["of"], 4);
+    assert!(answer.contains(&format!(", tick {} ms: ", [5, 4][least])), "{answer}");
+    assert_eq!(found["answer"]["table"]["rows"].as_array().unwrap().len(), 4);
 }
 
 #[test]
@@ -88,34 +88,30 @@ fn the_table_has_the_swept_keys_in_front_and_the_front_is_what_no_other_choice_b
     let found = designed(&desk, "");
     let table = desk.read("out/design.csv");
     assert!(table.starts_with("gyro.tick_s,filler,interval_s,"), "{table}");
-    let tried = |variant: &Value| -> usize {
-        variant["fillers"].as_array().unwrap().iter().map(|own| own["tried"].as_array().unwrap().len()).sum()
-    };
-    let all: usize = found["variants"].as_array().unwrap().iter().map(tried).sum();
-    assert_eq!(table.lines().count() - 1, all);
+    assert_eq!(table.lines().count() - 1, rows_of(&found, "design").len());
     // Every choice by its drift, latency and memory.
     let mut choices: Vec<[f64; 3]> = Vec::new();
-    for (tick, variant) in [0.004, 0.005].into_iter().zip(found["variants"].as_array().unwrap()) {
-        for filler in variant["fillers"].as_array().unwrap() {
-            // Ticks and weights of both rules, two rules of 24 bytes; the ticks, two rows each and the sum.
-            let counts: [f64; 2] = [4.0, 4.0];
-            let constants = 48.0 + counts.iter().map(|count| 4.0 * count * 3.0).sum::<f64>();
-            let state = 8.0 + counts.iter().map(|count| 4.0 * count + 16.0).sum::<f64>();
-            let after = if filler["filler"] == "soon" { 1.0 } else { 2.0 };
-            choices.push([number(filler, "drift"), after * tick, constants + state]);
-        }
+    for filler in rows_of(&found, "fillers") {
+        // Ticks and weights of both rules, two rules of 24 bytes; the ticks, two rows each and the sum.
+        let counts: [f64; 2] = [4.0, 4.0];
+        let constants = 48.0 + counts.iter().map(|count| 4.0 * count * 3.0).sum::<f64>();
+        let state = 8.0 + counts.iter().map(|count| 4.0 * count + 16.0).sum::<f64>();
+        let after = if filler["filler"] == "soon" { 1.0 } else { 2.0 };
+        let latency = after * number(filler, "gyro.tick_s");
+        choices.push([number(filler, "drift_deg_per_h"), latency, constants + state]);
     }
+    assert_eq!(choices.len(), 4);
     let beaten =
         |own: &[f64; 3]| choices.iter().any(|other| other != own && (0..3).all(|k| other[k] <= own[k]));
     let mut expected: Vec<[f64; 3]> = choices.iter().filter(|own| !beaten(own)).copied().collect();
     expected.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[2].total_cmp(&b[2])).then(a[0].total_cmp(&b[0])));
-    let front = found["pareto"].as_array().unwrap();
-    let shown: Vec<[f64; 3]> =
-        front.iter().map(|one| ["drift", "latency_s", "memory_bytes"].map(|key| number(one, key))).collect();
+    let front = rows_of(&found, "pareto");
+    let merits = ["drift_deg_per_h", "latency_s", "memory"];
+    let shown: Vec<[f64; 3]> = front.iter().map(|one| merits.map(|key| number(one, key))).collect();
     assert_eq!(shown, expected, "of {choices:?}");
     assert_eq!(desk.read("out/pareto.csv").lines().count() - 1, front.len());
     assert!(desk.read("out/pareto.svg").contains("limit 0.3 °/h"));
-    assert_eq!(found["constraints"]["limit_deg_per_h"], 0.3);
+    assert_eq!(found["answer"]["limit"]["value"], 0.3);
     // Without choices beyond the interval and the filler, earlier files of them are removed.
     desk.write("study.toml", STUDY);
     designed(&desk, "");
@@ -128,14 +124,10 @@ fn constraints_leave_out_what_breaks_them_and_keep_what_just_meets_them() {
     for (latency, kept) in [("10ms", vec!["const", "soon"]), ("9.999ms", vec!["soon"]), ("5ms", vec!["soon"])]
     {
         let found = designed(&desk, &format!("--latency {latency}"));
-        assert_eq!(names(&found["fillers"]), kept, "{latency}");
-        let left_out = &found["constraints"]["left_out"];
-        assert_eq!(left_out.as_array().unwrap().len(), 2 - kept.len(), "{latency}");
-        if kept.len() == 1 {
-            let note = "left out, because a latency of at most";
-            assert!(found["notes"].to_string().contains(note), "{:#}", found["notes"]);
-            assert_eq!(left_out[0]["why"], "a latency of 10 ms");
-        }
+        assert_eq!(names(&found), kept, "{latency}");
+        let (notes, note) = (found["notes"].to_string(), "left out, because a latency of at most");
+        assert_eq!(notes.contains(note), kept.len() == 1, "{notes}");
+        assert_eq!(notes.contains("a latency of 10 ms"), kept.len() == 1, "{notes}");
     }
     desk.fails(
         "design study.toml --device cpu --latency 4.9ms",
@@ -149,7 +141,7 @@ fn constraints_leave_out_what_breaks_them_and_keep_what_just_meets_them() {
     );
     // 48 + 2 · 4 · 4 · 3 bytes of constants, 8 + 2 · (16 + 16) bytes of state.
     let bytes = 48 + 96 + 8 + 64;
-    assert_eq!(names(&designed(&desk, &format!("--memory {bytes}"))["fillers"]), ["const", "soon"]);
+    assert_eq!(names(&designed(&desk, &format!("--memory {bytes}"))), ["const", "soon"]);
     desk.fails(
         &format!("design study.toml --device cpu --memory {}", bytes - 1),
         3,
@@ -159,10 +151,9 @@ fn constraints_leave_out_what_breaks_them_and_keep_what_just_meets_them() {
     let sweep = "[[sweep]]\nkey = \"gyro.tick\"\nlist = [\"4 ms\", \"5 ms\"]\n";
     desk.write("study.toml", &format!("{STUDY}{sweep}"));
     let found = designed(&desk, "--latency 8ms");
-    let fillers: Vec<Vec<&str>> =
-        found["variants"].as_array().unwrap().iter().map(|variant| names(&variant["fillers"])).collect();
-    assert_eq!(fillers, [vec!["const", "soon"], vec!["soon"]]);
-    assert_eq!(found["constraints"]["left_out"][0]["variants"], 1);
+    let ticks = rows_of(&found, "fillers").iter().map(|row| number(row, "gyro.tick_s"));
+    let fillers: Vec<(&str, f64)> = names(&found).into_iter().zip(ticks).collect();
+    assert_eq!(fillers, [("const", 0.004), ("soon", 0.004), ("soon", 0.005)]);
 }
 
 #[test]
@@ -170,26 +161,20 @@ fn a_search_adds_fillers_that_meet_the_constraints_and_beat_those_of_the_study()
     let desk = Desk::with(STUDY);
     let plain = designed(&desk, "");
     let found = designed(&desk, "--search --latency 20ms --memory 400");
-    let fillers = names(&found["fillers"]);
+    let fillers = names(&found);
     assert_eq!(fillers[..2], ["const", "soon"]);
     assert!((3..=8).contains(&fillers.len()), "{fillers:?}");
     assert!(fillers[2..].iter().all(|name| name.starts_with("searched ")), "{fillers:?}");
-    for one in found["pareto"].as_array().unwrap() {
-        assert!(number(one, "latency_s") <= 0.02 && number(one, "memory_bytes") <= 400.0, "{one}");
+    for one in rows_of(&found, "pareto") {
+        assert!(number(one, "latency_s") <= 0.02 && number(one, "memory") <= 400.0, "{one}");
     }
-    assert!(
-        number(&found, "drift") < number(&plain, "drift"),
-        "{} with, {} without",
-        found["drift"],
-        plain["drift"]
-    );
+    let [with, without] = [&found, &plain].map(|found| number(best(found), "drift_deg_per_h"));
+    assert!(with < without, "{with} with, {without} without");
     assert!(desk.read("out/report.html").contains("searched"), "the page has the study with its fillers");
     let wide = designed(&desk, "--search --band 15Hz,25Hz --latency 20ms");
-    assert!(wide["fillers"].as_array().unwrap().len() > 2, "{wide:#}");
+    assert!(names(&wide).len() > 2, "{wide:#}");
     let own = |found: &Value| {
-        found["fillers"]
-            .as_array()
-            .unwrap()
+        rows_of(found, "fillers")
             .iter()
             .skip(2)
             .map(|one| number(one, "residual_rms_arcsec"))

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::desk::Desk;
+use crate::desk::{Desk, rows_of};
 use crate::logs::{desk_with, noise};
 
 const READ: &str = "--data rate --unit deg/h --rate 100Hz";
@@ -20,10 +20,17 @@ fn document(desk: &Desk, words: &str) -> Value {
     serde_json::from_str(&desk.done(&format!("{words} --json")).stdout).unwrap()
 }
 
-/// The kinds of a list of events, with what was done with them.
-fn kinds(events: &Value) -> Vec<[&str; 2]> {
-    let rows = events.as_array().unwrap();
-    rows.iter().map(|row| [row["event"].as_str().unwrap(), row["done"].as_str().unwrap()]).collect()
+/// The events of a record by its name, without single gaps and outliers.
+fn events<'d>(document: &'d Value, record: &str) -> Vec<&'d Value> {
+    let is_event =
+        |row: &&Value| row["column"] == record && row["event"] != "gap" && row["event"] != "outlier";
+    rows_of(document, "events").iter().filter(is_event).collect()
+}
+
+/// The kinds of the events of a record, with what was done with them.
+fn kinds<'d>(document: &'d Value, record: &str) -> Vec<[&'d str; 2]> {
+    let rows = events(document, record).into_iter();
+    rows.map(|row| [row["event"].as_str().unwrap(), row["done"].as_str().unwrap()]).collect()
 }
 
 #[test]
@@ -39,7 +46,7 @@ fn model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
         let page = desk.read(&format!("results/{folder}/report.html"));
         assert!(page.contains("<h2>What this record shows</h2>"), "{command}");
         let found = document(&desk, &words);
-        assert_eq!(kinds(&found["columns"][0]["events"]), [["line", done]], "{command}");
+        assert_eq!(kinds(&found, "1"), [["line", done]], "{command}");
     }
 }
 
@@ -47,8 +54,7 @@ fn model_and_allan_list_the_events_of_a_record_in_text_json_and_page() {
 fn what_is_removed_has_no_option_that_removes_it() {
     let desk = desk_with("gyro.csv", with_line());
     let words = format!("allan gyro.csv {READ} --bootstrap 0");
-    let option =
-        |more: &str| document(&desk, &format!("{words} {more}"))["columns"][0]["events"][0]["option"].clone();
+    let option = |more: &str| events(&document(&desk, &format!("{words} {more}")), "1")[0]["option"].clone();
     assert_eq!(option(""), "--remove-events");
     assert_eq!(option("--remove-events"), Value::Null);
 }
@@ -58,14 +64,14 @@ fn a_record_given_twice_is_noted_with_the_name_of_the_first() {
     let desk = desk_with("a.csv", with_line());
     desk.write("b.csv", &with_line());
     let found = document(&desk, &format!("allan a.csv b.csv {READ} --bootstrap 0"));
-    let [first, again] = [0, 1].map(|log| &found[log]["columns"][0]["events"]);
-    assert_eq!(kinds(first)[0][0], "line");
-    assert_eq!((kinds(again)[0], &again[0]["other"]), (["same record", "noted"], &"a.csv 1".into()));
+    assert_eq!(kinds(&found[0], "1")[0][0], "line");
+    let other = &events(&found[1], "1")[0]["other"];
+    assert_eq!((kinds(&found[1], "1")[0], other), (["same record", "noted"], &"a.csv 1".into()));
 
     let words = format!("compare a.csv b.csv {READ}");
     let found = document(&desk, &words);
-    assert_eq!(kinds(&found["a"]["events"]), [["line", "removed"]]);
-    assert_eq!(kinds(&found["b"]["events"]), [["same record", "noted"], ["line", "removed"]]);
+    assert_eq!(kinds(&found, "a"), [["line", "removed"]]);
+    assert_eq!(kinds(&found, "b"), [["same record", "noted"], ["line", "removed"]]);
     let text = desk.full(&words).stdout;
     let list = text.split("\nWhat these records show\n").nth(1).unwrap();
     let rows: Vec<Vec<&str>> =
@@ -83,12 +89,12 @@ fn lines_that_only_a_noise_burst_makes_are_none_and_its_samples_count_as_missing
     let text = sums.enumerate().map(|(i, y)| format!("{}\n", louder(i) * y)).collect::<String>();
     let desk = desk_with("gyro.csv", text);
     let spectrum = document(&desk, &format!("allan gyro.csv {READ} --bootstrap 0"));
-    assert_eq!(kinds(&spectrum["columns"][0]["events"]), [["noise burst", "left out of the fit"]]);
-    assert_eq!(spectrum["columns"][0]["spectrum"]["lines"], Value::Array(vec![]));
+    assert_eq!(kinds(&spectrum, "1"), [["noise burst", "left out of the fit"]]);
+    assert!(rows_of(&spectrum, "lines").is_empty());
 
     let missing = |more: &str| {
         let found = document(&desk, &format!("allan gyro.csv {READ} --bootstrap 0 {more}"));
-        found["columns"][0]["missing"].as_u64().unwrap()
+        rows_of(&found, "records")[0]["missing"].as_u64().unwrap()
     };
     let removed = missing("--remove-events");
     assert!(missing("") == 0 && removed.abs_diff(2000) < 100, "{removed}");

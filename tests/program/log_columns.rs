@@ -1,6 +1,6 @@
 //! The columns and units that are taken from a log without options, and the questions where they are not clear.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, rows_of};
 use crate::logs::{desk_with, noise};
 use serde_json::Value;
 
@@ -23,9 +23,9 @@ fn said(desk: &Desk, words: &str) -> String {
 /// The columns that are read, and the sampling rate.
 fn read(desk: &Desk, words: &str) -> (Vec<String>, f64) {
     let document = document(desk, words);
-    let columns = document["columns"].as_array().unwrap().iter();
-    let names = columns.map(|column| column["column"].as_str().unwrap().to_owned()).collect();
-    (names, 1.0 / document["step_s"].as_f64().unwrap())
+    let records = rows_of(&document, "records");
+    let names = records.iter().map(|record| record["column"].as_str().unwrap().to_owned()).collect();
+    (names, 1.0 / records[0]["step_s"].as_f64().unwrap())
 }
 
 /// Rates are equal within the digits of stamps.
@@ -123,7 +123,7 @@ fn all_units_of_times_that_give_the_rate_of_a_sensor_are_proposed() {
 
 /// The first deviation of the first column.
 fn first(desk: &Desk) -> f64 {
-    document(desk, "--data increment")["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap()
+    rows_of(&document(desk, "--data increment"), "curve")[0]["value"].as_f64().unwrap()
 }
 
 #[test]

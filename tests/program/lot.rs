@@ -1,6 +1,6 @@
 //! `sagnac lot` as a user meets it: tables, files, pictures and sentences, and what it refuses.
 
-use crate::desk::{Desk, number, row};
+use crate::desk::{Desk, number, row, rows_of};
 use crate::logs::desk_with;
 use crate::noise;
 use serde_json::Value;
@@ -60,11 +60,11 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     assert!(desk.read("results/lot/chart-1.svg").contains("g4, outlier"));
     let json = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6 --json")).stdout;
     let document: Value = serde_json::from_str(&json).unwrap();
-    let n = |of: &Value| {
-        of["coefficients"].as_array().unwrap().iter().find(|one| one["coefficient"] == "N").unwrap().clone()
-    };
-    assert_eq!(n(&document["units"][3])["outlier"], "higher");
-    assert_eq!(n(&document)["without_outliers"]["units"], 5);
+    let is_n = |row: &&Value| row["coefficient"] == "N";
+    let units: Vec<_> = rows_of(&document, "units").iter().filter(is_n).collect();
+    assert_eq!((&units[3]["outlier"], units.len()), (&"higher".into(), 6));
+    let batch: Vec<_> = rows_of(&document, "batch").iter().filter(is_n).collect();
+    assert_eq!((&batch[1]["of"], &batch[1]["units"]), (&"without outliers".into(), &5.into()));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::desk::{Desk, PROGRAM};
+use crate::desk::{Desk, PROGRAM, rows_of};
 use crate::logs::{desk_with, noise};
 use serde_json::Value;
 
@@ -19,8 +19,9 @@ fn log(header: &str, row: impl Fn(usize, f64) -> String) -> String {
 fn missing(desk: &Desk, words: &str) -> (u64, u64, f64) {
     let ended = desk.done(&format!("allan {words} --json"));
     let document: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let record = &rows_of(&document, "records")[0];
     let of = |value: &Value| value.as_u64().unwrap();
-    (of(&document["columns"][0]["missing"]), of(&document["samples"]), document["step_s"].as_f64().unwrap())
+    (of(&record["missing"]), of(&record["samples"]), record["step_s"].as_f64().unwrap())
 }
 
 #[test]
@@ -357,10 +358,11 @@ fn headers_of_loggers_are_read_without_options() {
         std::fs::write(desk.path("log.csv"), bytes).unwrap();
         let ended = desk.done("allan log.csv --data rate --json");
         let document: Value = serde_json::from_str(&ended.stdout).unwrap();
-        assert_eq!(document["columns"][0]["column"].as_str(), Some(name), "{logger}");
-        let rate = 1.0 / document["step_s"].as_f64().unwrap();
+        let record = &rows_of(&document, "records")[0];
+        assert_eq!(record["column"].as_str(), Some(name), "{logger}");
+        let rate = 1.0 / record["step_s"].as_f64().unwrap();
         assert!((rate / rate_hz - 1.0).abs() < 1e-6, "{logger}: {rate} Hz");
-        assert_eq!(document["columns"][0]["missing"].as_u64(), Some(0), "{logger}");
+        assert_eq!(record["missing"].as_u64(), Some(0), "{logger}");
     }
 }
 
@@ -381,8 +383,10 @@ fn a_clock_in_two_cells_of_whole_seconds_shows_the_mean_rate() {
     );
     for columns in ["3-4", "all", "3,4"] {
         let found = document(&format!("--unit deg/s --column {columns}"));
-        assert_eq!(found["step_s"].as_f64().map(|step_s| libm::round(1e6 * step_s)), Some(2e5), "{columns}");
-        assert_eq!(found["columns"].as_array().map(Vec::len), Some(2));
+        let records = rows_of(&found, "records");
+        let step_s = records[0]["step_s"].as_f64();
+        assert_eq!(step_s.map(|step_s| libm::round(1e6 * step_s)), Some(2e5), "{columns}");
+        assert_eq!(records.len(), 2);
     }
 }
 
@@ -517,8 +521,7 @@ fn increments_over_a_part_of_each_step_are_those_of_the_whole_step() {
     );
     let rate: Value =
         serde_json::from_str(&desk.done("allan rate.csv --data rate --rate 2Hz --json").stdout).unwrap();
-    let first =
-        |document: &Value| document["columns"][0]["curves"][0]["points"][0]["value"].as_f64().unwrap();
+    let first = |document: &Value| rows_of(document, "curve")[0]["value"].as_f64().unwrap();
     assert!((first(&document) / first(&rate) - 1.0).abs() < 1e-6);
     desk.write("gap.csv", &desk.read("log.csv").replacen(",4000\n", ",0\n", 3));
     assert_eq!(missing(&desk, "gap.csv --data increment").0, 3, "an increment over no time is none");

@@ -114,7 +114,7 @@ fn a_killed_run_resumes_to_the_same_table() {
         let before = provenance(&desk.path(&folder));
         let resumed = desk.done(&format!("{run} {folder}"));
         let json: serde_json::Value = serde_json::from_str(&resumed.stdout).unwrap();
-        let sampled = json["sampled_trials"].as_u64().unwrap();
+        let sampled = json["provenance"]["sampled_trials"].as_u64().unwrap();
         assert!(
             (1..all).contains(&sampled),
             "{kib} KiB: {sampled} of {all} trials were sampled after the kill"

@@ -1,6 +1,6 @@
 //! What a run writes and prints: tables, charts and JSON.
 
-use crate::desk::{Desk, HEADER, SHIPPED, STUDY, replaced, swept_chart, with};
+use crate::desk::{Desk, HEADER, SHIPPED, STUDY, replaced, rows_of, swept_chart, with};
 
 #[test]
 fn a_study_without_sweeps_has_no_swept_columns_and_its_fillers_side_by_side() {
@@ -249,10 +249,13 @@ fn json_has_the_numbers_of_the_table() {
     let desk = Desk::with(SHIPPED);
     let ended = desk.done("run study.toml --device cpu --trials 1000 --json");
     let json: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
-    assert_eq!((json["trials"].as_u64(), json["seed"].as_u64()), (Some(1000), Some(1)));
-    assert_eq!(json["sampled_trials"].as_u64(), Some(72_000));
+    assert_eq!(
+        (json["provenance"]["trials"].as_u64(), json["provenance"]["seed"].as_u64()),
+        (Some(1000), Some(1))
+    );
+    assert_eq!(json["provenance"]["sampled_trials"].as_u64(), Some(72_000));
     let rows = desk.points("results/study");
-    let points = json["points"].as_array().unwrap();
+    let points = rows_of(&json, "points");
     assert_eq!(points.len(), rows.len());
     for (point, row) in points.iter().zip(&rows) {
         assert_eq!(point.as_object().unwrap().len(), row.len());

@@ -13,7 +13,7 @@ use sagnac::analysis::spectrum::{self, densities, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
-use serde_json::{Value, json};
+use sagnac::view::report::document::json;
 
 pub use crate::allan::options::Options;
 use crate::allan::thermal::Thermal;
@@ -23,7 +23,7 @@ use crate::outcome::Outcome;
 use crate::output::{print_documents, write_new};
 
 /// The files of the command, of which stars stand for names of columns and units.
-const NAMES: [&str; 20] = [
+const NAMES: [&str; 22] = [
     "curve.csv",
     "coefficients.csv",
     "events.csv",
@@ -34,6 +34,8 @@ const NAMES: [&str; 20] = [
     "compensation.csv",
     "dynamic.csv",
     "stationarity.csv",
+    "limits.csv",
+    "navigation.csv",
     "noise*.toml",
     "navigation*.toml",
     "chart",
@@ -51,7 +53,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
     options.check(&request)?;
     let folders = folders(options)?;
-    let mut documents: Vec<Value> = Vec::new();
+    let mut documents: Vec<String> = Vec::new();
     let mut earlier = vec![];
     for (path, folder) in options.files.iter().zip(&folders) {
         documents.extend(of_log(options, &request, path, folder, &mut earlier)?);
@@ -66,7 +68,7 @@ fn of_log(
     path: &Path,
     folder: &Path,
     earlier: &mut Vec<(u64, String)>,
-) -> Result<Option<Value>, Failure> {
+) -> Result<Option<String>, Failure> {
     let treatment = options.reading.treatment();
     let (mut log, temperature) = options.reading.read_as_recorded(path, request)?;
     options.check_record(&log)?;
@@ -109,10 +111,12 @@ fn of_log(
         page.tables.push(("dynamic.csv", dynamic::tables::windows(dynamic)));
         page.tables.push(("stationarity.csv", dynamic::tables::octaves(dynamic)));
     }
+    page.tables.extend(navigation.as_ref().map(|found| ("navigation.csv", navigators::table(found))));
+    page.tables.extend(decision.file());
     page.sections.extend(aside.map(|found| page::of_navigators(&found)));
     let mut outcome = Outcome::new(notes::heading(analysis), page);
     if !with_spectra.spectra.is_empty() {
-        outcome.add_table("psd.csv", &tables::table(&with_spectra))?;
+        outcome.tables.push(("psd.csv", tables::table(&with_spectra)));
     }
     let texts = noise_file::files(analysis).into_iter().chain(studies(analysis, navigation.as_deref()));
     outcome.files.extend(texts.map(|(name, text)| (name, text.into_bytes())));
@@ -129,22 +133,7 @@ fn of_log(
         outcome.places.push(format!("the record as it is analysed is {}", path.display()));
     }
     if options.output.json {
-        let mut document = tables::document(&with_spectra, &decision);
-        document["answer"] = json!(outcome.page.answer);
-        if let Some(thermal) = &thermal {
-            document["temperature"] = thermal.document(analysis);
-        }
-        for place in 0..analysis.columns.len() {
-            let column = &mut document["columns"][place];
-            if let Some(dynamic) = &dynamic {
-                column["dynamic"] = dynamic::tables::document(dynamic, &dynamic.columns[place]);
-            }
-            if let Some(navigation) = &navigation {
-                let found = navigation[place].as_ref();
-                column["navigation"] = found.map_or_else(|why| json!(why), Navigators::json);
-            }
-        }
-        return Ok(Some(document));
+        return Ok(Some(json(&outcome.document())));
     }
     outcome.show(&options.output.printed, folder)?;
     Ok(None)

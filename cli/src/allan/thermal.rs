@@ -6,7 +6,6 @@ use sagnac::analysis::page::of_temperature;
 use sagnac::analysis::temperature::{Temperature, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::view::report::sections::Page;
-use serde_json::Value;
 
 /// A dependence with the analysis that is not the main one: that of the compensated log, or of the log as it is.
 pub struct Thermal {
@@ -35,12 +34,6 @@ impl Thermal {
     /// The analyses before and after compensation.
     fn sides<'a>(&'a self, analysis: &'a Analysis) -> [&'a Analysis; 2] {
         if analysis.treatment.is_compensated { [&self.other, analysis] } else { [analysis, &self.other] }
-    }
-
-    /// The dependence as JSON.
-    pub fn document(&self, analysis: &Analysis) -> Value {
-        let [_, after] = self.sides(analysis);
-        tables::document(&self.temperature, after, analysis.treatment.is_compensated)
     }
 
     /// Adds its section and its tables to the page.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use sagnac::analysis::log::{self, Asked};
-use sagnac::analysis::lot::{Lot, tables};
+use sagnac::analysis::lot::Lot;
 use sagnac::analysis::page::of_lot;
 use sagnac::analysis::requirement::Limit;
 use sagnac::progress::Silent;
@@ -29,9 +29,9 @@ pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
     let heading = format!("{} units of {logs}", lot.labels.len());
     let outcome = Outcome::new(heading, of_lot(&lot, &decision));
     let results = Folder::open(&folder)?.reading(options.files.iter().map(PathBuf::as_path));
-    outcome.save(&results, &["units.csv", "batch.csv", "chart-1", "chart-2"])?;
+    outcome.save(&results, &["limits.csv", "chart-1", "chart-2"])?;
     if options.output.json {
-        return print_json(&tables::document(&lot, &decision));
+        return print_json(&outcome.document());
     }
     outcome.show(&options.output.printed, &folder)
 }

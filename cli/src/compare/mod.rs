@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sagnac::analysis::compare::limit::{RatioLimit, check};
 use sagnac::analysis::compare::logs::Analysis;
-use sagnac::analysis::compare::tables;
 use sagnac::analysis::page::of_comparison;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::key::renamed::note;
@@ -89,9 +88,9 @@ fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
     let [one, other] = &analysis.sides;
     let outcome = Outcome::new(format!("A {} · B {}", one.heading(), other.heading()), page);
     let results = Folder::open(&folder)?.reading([first.as_path(), second.as_path()]);
-    outcome.save(&results, &["compare.csv", "coefficients.csv", "chart-1", "chart-2"])?;
+    outcome.save(&results, &["coefficients.csv", "limits.csv", "chart-1", "chart-2"])?;
     if options.output.json {
-        return print_json(&tables::document(&analysis, &decision));
+        return print_json(&outcome.document());
     }
     outcome.show(&options.output.printed, &folder)
 }

@@ -12,8 +12,8 @@ use crate::outcome::Outcome;
 use crate::output::{print_json, unwritten};
 
 /// The files of the command.
-const NAMES: [&str; 6] =
-    ["weights.csv", "trade.csv", "test_vectors.csv", "sagnac_filler.h", "response", "trade"];
+const NAMES: [&str; 7] =
+    ["fillers.csv", "weights.csv", "trade.csv", "test_vectors.csv", "sagnac_filler.h", "response", "trade"];
 
 /// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
@@ -32,7 +32,7 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
     // Vectors of an earlier call are removed, because they may belong to other weights.
     outcome.save(&results, &NAMES)?;
     if options.json {
-        return print_json(&firmware.document());
+        return print_json(&outcome.document());
     }
     outcome.show(&options.printed, &folder)
 }

@@ -6,11 +6,12 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use sagnac::allan::tau::Taus;
 use sagnac::analysis::log::{self, Asked as OfLog, Treatment};
+use sagnac::analysis::model::document::document;
 use sagnac::analysis::model::noise::of_file;
 use sagnac::analysis::model::search::MOST_STATES;
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
-use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization, tables};
+use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization};
 use sagnac::analysis::page::of_model;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::store::folder::Folder;
@@ -144,7 +145,7 @@ pub fn model(options: &Options) -> Result<(), Failure> {
     let names: Vec<&str> = ["model.csv", "model", "model-accelerometers"].into_iter().chain(files).collect();
     outcome.save(&results, &names)?;
     if options.output.json {
-        return print_json(&tables::document(&analysis));
+        return print_json(&document(&analysis, &outcome.page, writers));
     }
     outcome.show(&options.output.printed, &folder)
 }

@@ -6,7 +6,6 @@ use std::panic::resume_unwind;
 use std::path::Path;
 use std::thread;
 
-use sagnac::analysis::decision::Sheet;
 use sagnac::analysis::page::Results;
 use sagnac::chart::Source;
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
@@ -17,7 +16,7 @@ use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::chart_stem;
 use sagnac::view::report::FILE as REPORT;
-use serde_json::{Value, json};
+use sagnac::view::report::document::{Provenance, json};
 
 use crate::failure::Failure;
 use crate::outcome::Outcome;
@@ -115,27 +114,21 @@ impl Ran<'_> {
         store: &Store,
         progress: &Shown,
         place: Option<String>,
-    ) -> Result<Option<Value>, Failure> {
+    ) -> Result<Option<String>, Failure> {
         let Ran { study, plan, folder, done, lacking, shown, .. } = self;
         let tables = plan.tables(store, progress)?;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        let mut document = None;
         // Long tables take as long to write as everything else that is made of them. They have a thread of their own, because the
         // others wait for what they share among threads.
         let mut outcome = thread::scope(|scope| {
             let written = scope.spawn(|| write_tables(folder, &tables));
             let results = Results::new(plan, store, &tables, *lacking, degraded, progress)?;
-            let files = vec![(RESOLVED.to_owned(), results.resolved().into_bytes())];
+            let resolved = (RESOLVED.to_owned(), results.resolved().into_bytes());
             let details = if shown.table { summary(study, &tables, &results.curves)? } else { String::new() };
-            let sheet = results.sheet.as_ref().map(Sheet::json);
             let page = results.page(&written.join().unwrap_or_else(|panic| resume_unwind(panic))?);
-            if self.json {
-                let json = document.insert(self.to_json(&tables, &page.all_notes()));
-                json["answer"] = json!(page.answer);
-                json["decision"] = json!(sheet);
-            }
-            let heading = format!("{} · {}", page.title, page.scope);
-            Ok::<_, Failure>(Outcome { heading, page, details, files, places: place.into_iter().collect() })
+            let outcome = Outcome::new(format!("{} · {}", page.title, page.scope), page);
+            let (files, places) = (vec![resolved], place.into_iter().collect());
+            Ok::<_, Failure>(Outcome { details, provenance: self.provenance(), files, places, ..outcome })
         })?;
         outcome.page.tables = tables.into_files(&study.charts);
         let mut pictures = folder.listed();
@@ -150,35 +143,18 @@ impl Ran<'_> {
         } else {
             shown.open_page(self.path);
         }
-        Ok(document)
+        Ok(self.json.then(|| json(&outcome.document())))
     }
 
-    fn to_json(&self, tables: &Tables, notes: &[String]) -> Value {
-        let done = self.done.as_ref().map(|(done, _)| done);
-        let sampled = self.plan.is_sampled().then_some(());
-        let rows = |table: &Table| -> Vec<Value> {
-            let row = |row: usize| {
-                table.columns.iter().map(|column| (column.header(), json!(column.cells[row]))).collect()
-            };
-            (0..table.rows()).map(row).collect()
-        };
-        let mut document = json!({
-            "title": self.study.title,
-            "question": self.study.question,
-            "seed": sampled.map(|_| self.study.seed),
-            "trials": sampled.map(|_| self.study.trials),
-            "device": self.done.as_ref().map(|(_, device)| device),
-            "sampled_trials": done.map(|done| done.trials),
-            "seconds": done.map(|done| done.seconds),
-            "notes": notes,
-            "points": rows(&tables.points),
-        });
-        if self.lacking > 0 {
-            document["missing_trials"] = json!(self.lacking);
-        }
-        if let Some(coefficients) = &tables.coefficients {
-            document["coefficients"] = json!(rows(coefficients));
-        }
-        document
+    /// How the results were sampled, if they were.
+    fn provenance(&self) -> Option<Provenance> {
+        let done = self.done.as_ref();
+        self.plan.is_sampled().then(|| Provenance {
+            device: done.map(|(_, device)| device.clone()),
+            sampled_trials: done.map(|(done, _)| done.trials),
+            seconds: done.map(|(done, _)| done.seconds),
+            missing_trials: self.lacking,
+            ..Provenance::new(self.study.seed, self.study.trials)
+        })
     }
 }

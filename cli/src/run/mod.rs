@@ -16,7 +16,6 @@ use sagnac::store::folder::Folder;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::view::picture::pictures;
-use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::kind;
@@ -139,7 +138,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let plans = plans.collect::<Result<Vec<_>, _>>()?;
     let is_sampled = plans.iter().any(Plan::is_sampled);
     let mut device = is_sampled.then(|| options.device.select(!options.printed.quiet)).transpose()?;
-    let mut documents: Vec<Value> = Vec::new();
+    let mut documents: Vec<String> = Vec::new();
     let mut ended = Ok(());
     for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
         if at > 0 && !options.json && !options.printed.quiet {
@@ -233,7 +232,7 @@ fn run_study(
     device: Option<&mut Device>,
     course: &Course,
     options: &Options,
-) -> Result<Option<Value>, Failure> {
+) -> Result<Option<String>, Failure> {
     let results = Folder::open(folder)?;
     check_places(study, plan, &results)?;
     // Closed forms too have a store, which binds the folder to one study.

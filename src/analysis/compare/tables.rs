@@ -1,16 +1,14 @@
-//! The results of `sagnac compare` as tables and as JSON.
+//! The results of `sagnac compare` as tables.
 
-use crate::allan::{Deviation, Point};
+use crate::allan::Deviation;
 use crate::analysis::compare::{Length, Ratio};
-use crate::table::column::{columns_of, object};
+use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
-use serde_json::{Value, json};
 
-use crate::analysis::compare::logs::{Analysis, Side};
+use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::Row;
-use crate::analysis::log::events;
+use crate::analysis::log::records::{self, Record};
 use crate::analysis::log::tables::text;
-use crate::analysis::requirement::Decision;
 
 /// A row of `compare.csv`.
 pub(crate) struct RatioRow<'a> {
@@ -131,84 +129,20 @@ fn beyond(length: Length) -> Option<f64> {
     if let Length::Beyond(length_s) = length { Some(length_s) } else { None }
 }
 
-/// The complete comparison as JSON, with the decision to which it leads.
-pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
-    let comparison = &analysis.comparison;
-    let [a, b] = &analysis.sides;
-    let [of_a, of_b] = analysis.events();
-    let same = comparison.same.map(|same| {
-        let by = if same.chi_squared.is_some() { "chi_squared" } else { "least_p" };
-        json!({ "p": same.p, "times": same.times, "shortest_s": same.shortest_s, "longest_s": same.longest_s, "by": by, "chi_squared": same.chi_squared })
-    });
-    json!({
-        "a": of_side(a, &of_a, &comparison.curves[0]),
-        "b": of_side(b, &of_b, &comparison.curves[1]),
-        "one_record": analysis.is_one_record,
-        "treatment": analysis.treatment().summary(),
-        "unit": analysis.unit.in_files(Deviation::Oadev),
-        "times_left_out": comparison.common.left_out,
-        "times_apart": comparison.common.farthest,
-        "ratios": comparison.ratios.iter().map(of_ratio).collect::<Vec<_>>(),
-        "same_noise": same,
-        "coefficients": analysis.rows.iter().flatten().map(of_row).collect::<Vec<_>>(),
-        "coefficients_missing": analysis.rows.as_ref().err(),
-        "described": described(comparison.described()),
-        "answer": decision.answer,
-        "decision": decision.json(),
-    })
-}
-
-fn of_side(side: &Side, events: &[events::Row], curve: &[Point]) -> Value {
-    let points: Vec<Value> = curve.iter().map(of_point).collect();
-    json!({
-        "file": side.path.display().to_string(),
-        "column": side.column,
-        "label": side.label,
-        "data": side.data.name(),
-        "samples": side.samples,
-        "step_s": side.step_s,
-        "length_s": side.length_s(),
-        "missing": side.missing,
-        "reading": side.reading,
-        "outliers": side.outliers.samples.len(),
-        "events": events::document(events),
-        "points": points,
-    })
-}
-
-fn of_point(point: &Point) -> Value {
-    json!({
-        "m": point.m,
-        "tau_s": point.tau_s,
-        "differences": point.terms,
-        "edf": point.edf,
-        "lower": point.interval.map(|ends| ends.0),
-        "value": point.value,
-        "upper": point.interval.map(|ends| ends.1),
-    })
-}
-
-fn of_ratio(ratio: &Ratio) -> Value {
-    let [a, b] = &ratio.points;
-    json!({
-        "tau_s": ratio.tau_s(),
-        "m_a": a.m,
-        "m_b": b.m,
-        "a": a.value,
-        "b": b.value,
-        "edf_a": a.edf,
-        "edf_b": b.edf,
-        "ratio": ratio.value,
-        "lower": ratio.interval.map(|ends| ends[0]),
-        "upper": ratio.interval.map(|ends| ends[1]),
-        "p": ratio.p,
-        "status": verdict(ratio),
-    })
-}
-
-fn of_row(row: &Row) -> Value {
-    let mut document = object(&coefficient_columns(), &row, &["described"]);
-    // Plain numbers have an empty unit.
-    document["unit"] = json!(row.unit);
-    document
+/// The records of both logs: `records.csv`.
+pub fn records(analysis: &Analysis) -> Table {
+    records::table(analysis.sides.iter().map(|side| Record {
+        name: &side.label,
+        path: &side.path,
+        data: side.data,
+        samples: side.samples,
+        step_s: side.step_s,
+        missing: side.missing,
+        outliers: &side.outliers,
+        unit: analysis.unit,
+        mean: None,
+        slope: None,
+        noise: None,
+        density: None,
+    }))
 }

@@ -3,14 +3,10 @@
 use crate::analysis::decision::budget::mean_square;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator};
-use crate::analysis::decision::place::{Change, EVALUATIONS, Input, Place, Tried, changed};
+use crate::analysis::decision::place::{Change, EVALUATIONS, Place, Tried, changed};
 use crate::analysis::decision::words::short;
 use crate::analysis::decision::{DecisionError, Figure};
 use crate::answer::{Alternative, Fact};
-use crate::filler::{FILLERS, Method};
-use crate::kinds::gap_fill::GapFill;
-use crate::kinds::gyro::TICK;
-use crate::kinds::switched_run::SwitchedRun;
 use crate::quantity::units::Quantity;
 use crate::study::Study;
 use crate::table::Table;
@@ -39,8 +35,6 @@ pub struct Lever {
     pub gain: Figure,
     /// What meets the limit; absent where the limit is met or there is none.
     pub needed: Option<Needed>,
-    /// What else a change of it does, as a sentence; empty for nothing.
-    pub remark: String,
     /// Other inputs that meet the limit by themselves.
     pub also: Vec<Also>,
 }
@@ -109,9 +103,9 @@ pub(crate) fn lever(
         if !meets && gain.value < LEAST_GAIN {
             continue;
         }
-        let lever = |gain, needed, remark| {
+        let lever = |gain, needed| {
             let (key, label, from) = (input.key.name, input.key.label, input.value);
-            Lever { key, label, from, to, gain, needed, remark, also: vec![] }
+            Lever { key, label, from, to, gain, needed, also: vec![] }
         };
         match at.gain_everywhere(&input, to, judged, evaluator)? {
             Some(largest) if largest < LEAST_GAIN => continue,
@@ -121,8 +115,7 @@ pub(crate) fn lever(
             }
             _ => {}
         }
-        let remark = remark(study, table, choice, &input, factor < 1.0);
-        levers.push(lever(gain, needed, remark));
+        levers.push(lever(gain, needed));
         if levers.len() == if limit.is_some() { COMPARED } else { 1 } {
             break;
         }
@@ -134,27 +127,6 @@ pub(crate) fn lever(
         first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
         first
     }))
-}
-
-/// What a change of an input does besides what its name says: a tick that changes keeps the number of lost ticks, and fillers
-/// of least variance are designed for the changed inputs.
-fn remark(study: &Study, table: &Table, choice: &Choice, input: &Input, is_down: bool) -> String {
-    let fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref());
-    let name = table.listed_by(FILLERS).map(|column| column.cells[choice.row].text());
-    let chosen = fill.and_then(|fill| fill.fillers.iter().find(|filler| Some(&filler.name) == name.as_ref()));
-    let is_designed = chosen.is_some_and(|filler| matches!(filler.method, Method::MinimumVariance(_)));
-    let of_design =
-        ["gyro.", "motion.", "noise.", "switching."].iter().any(|part| input.key.name.starts_with(part));
-    let of_tick = std::ptr::eq(input.key, &TICK) && fill.is_some();
-    let length = if is_down { "shorter" } else { "longer" };
-    match (of_tick, is_designed && of_design) {
-        (true, true) => format!(
-            "The number of lost ticks stays, so that the gap is {length} too, and the filler is designed anew for it."
-        ),
-        (true, false) => format!("The number of lost ticks stays, so that the gap is {length} too."),
-        (false, true) => "The filler is designed anew for it.".to_owned(),
-        (false, false) => String::new(),
-    }
 }
 
 /// Significant digits of an input.

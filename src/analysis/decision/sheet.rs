@@ -1,15 +1,13 @@
-//! The decision sheet as facts and as JSON.
-
-use serde_json::{Value as Json, json};
+//! The decision sheet and its facts.
 
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::{Choice, Next};
-use crate::analysis::decision::lever::{Lever, Needed};
+use crate::analysis::decision::lever::Lever;
 use crate::answer::{self as fact, Fact, Reading, Status};
 use crate::chart::Limit;
 use crate::quantity::list::listed;
-use crate::table::{Unit, titled};
+use crate::table::Unit;
 
 /// The decision sheet of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,14 +76,6 @@ impl Sheet {
         self.value.interval.is_some_and(|(low, high)| low <= limit && limit < high)
     }
 
-    /// The fraction of the limit that is left; negative where it is exceeded.
-    pub fn margin(&self) -> Option<Figure> {
-        let limit = self.limit?.value;
-        let left = |value: f64| 1.0 - value / limit;
-        let interval = self.value.interval.map(|(low, high)| (left(high), left(low)));
-        Some(Figure { value: left(self.value.value), interval })
-    }
-
     /// The state of the limit.
     pub fn status(&self) -> Status {
         match (self.limit, self.is_met(), self.met) {
@@ -124,41 +114,5 @@ impl Sheet {
             });
         }
         facts
-    }
-
-    /// The sheet as JSON; values are in the units of tables, fractions as such.
-    pub fn json(&self) -> Json {
-        let figure = |figure: Figure| json!({ "value": figure.value, "interval95": figure.interval });
-        let unit = self.unit.symbol;
-        let part = |part: &Part| json!({ "part": part.name, "share_of_mean_square": figure(part.share), "without": figure(part.without) });
-        let lever = |lever: &Lever| {
-            let (meets, not_even) = match &lever.needed {
-                Some(Needed::Value(value)) => (Some(value.to_string()), None),
-                Some(Needed::NotEven(value, _)) => (None, Some(value.to_string())),
-                None => (None, None),
-            };
-            json!({
-                "key": lever.key,
-                "from": lever.from.to_string(),
-                "to": lever.to.to_string(),
-                "gain": figure(lever.gain),
-                "meets_limit": meets,
-                "not_even": not_even,
-                "remark": lever.remark,
-                "also_meet": lever.also.iter().map(|also| json!({ "key": also.key, "value": also.to.to_string() })).collect::<Vec<_>>(),
-            })
-        };
-        json!({
-            "of": titled(&self.label, unit),
-            "unit": unit,
-            "limit": self.limit.map(|limit| limit.value),
-            "met": self.is_met(),
-            "best": { "option": self.option, "of": self.options, "at": self.condition, "estimate": figure(self.value) },
-            "as_good": self.equal,
-            "next": self.next.as_ref().map(|next| json!({ "option": next.option, "estimate": next.value })),
-            "margin": self.margin().map(figure),
-            "budget": self.budget.iter().map(part).collect::<Vec<_>>(),
-            "lever": self.lever.as_ref().map(lever),
-        })
     }
 }

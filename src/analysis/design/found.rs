@@ -172,13 +172,7 @@ impl Design {
         self.variant().best()
     }
 
-    /// The ratio of the drift of another filler at its own best interval to the least one, with its 95 % interval, from
-    /// the same random numbers.
-    pub fn worse_by(&self, filler: &Filler) -> Found {
-        self.times_best(filler.best())
-    }
-
-    /// The ratio of the drift of any runs to the least one, with its 95 % interval.
+    /// The ratio of the drift of any runs to the least one, with its 95 % interval, from the same random numbers.
     pub fn times_best(&self, other: &Tried) -> Found {
         let best = self.best().best();
         let ratio = |k: usize| [0, 1].map(|half| other.halves[k][half] / best.halves[k][half]);

@@ -1,14 +1,11 @@
-//! The noise of a log over time as tables and as JSON.
-
-use serde_json::{Value, json};
+//! The noise of a log over time as tables.
 
 use crate::allan::{Deviation, Point};
 use crate::analysis::log::tables::{key, text};
-use crate::table::column::{columns_of, object};
+use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 use crate::analysis::dynamic::change::Octave;
-use crate::analysis::dynamic::words::sentence;
 use crate::analysis::dynamic::{Column, Dynamic, Window};
 
 /// A row of `dynamic.csv`.
@@ -92,27 +89,4 @@ pub fn octaves(dynamic: &Dynamic) -> Table {
         rows.extend(column.octaves.iter().map(|octave| OctaveRow { column, octave }));
     }
     Table { columns: columns_of(&octave_columns(), &rows) }
-}
-
-/// The noise of a column over time as JSON.
-pub fn document(dynamic: &Dynamic, column: &Column) -> Value {
-    let (points, octaves) = (point_columns(), octave_columns());
-    let of_octave = |octave| object(&octaves, &OctaveRow { column, octave }, &["column", "unit"]);
-    let mut windows = Vec::new();
-    for window in &column.windows {
-        let omitted = ["column", "start", "end", "unit"];
-        let of_point = |point| object(&points, &PointRow { column, window, point }, &omitted);
-        windows.push(json!({
-            "start_s": window.range_s[0],
-            "end_s": window.range_s[1],
-            "points": window.points.iter().map(of_point).collect::<Vec<_>>(),
-        }));
-    }
-    json!({
-        "window_s": dynamic.window_s,
-        "unit": column.unit.in_files(Deviation::Oadev),
-        "windows": windows,
-        "stationarity": column.octaves.iter().map(of_octave).collect::<Vec<_>>(),
-        "sentence": sentence(column),
-    })
 }

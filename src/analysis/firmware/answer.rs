@@ -47,14 +47,19 @@ fn budget(rms: f64, noise_rms: f64) -> Fact {
 }
 
 impl Firmware {
-    /// The gap and the point of the study in a line.
-    pub fn heading(&self) -> String {
+    /// The lost ticks, such as `3 lost ticks of 5 ms`.
+    pub(crate) fn lost(&self) -> String {
         let n = self.gap_ticks;
         let plural = if n == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
+        format!("{n} lost tick{plural}{of}")
+    }
+
+    /// The gap and the point of the study in a line.
+    pub fn heading(&self) -> String {
         let place = self.place();
         let at = if place.is_empty() { String::new() } else { format!(" · {place}") };
-        format!("{} · n = {n} lost tick{plural}{of}{at}", self.title)
+        format!("{} · n = {}{at}", self.title, self.lost())
     }
 
     /// The answer: that of the search where there is one, else which filler leaves least.

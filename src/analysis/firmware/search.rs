@@ -8,7 +8,6 @@
 //! latency.
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 use crate::filler::Target;
 use crate::filler::closed::MINIMUM_VARIANCE;
@@ -150,11 +149,6 @@ impl Trade {
         entry(format!("searched {before}+{after}"), before, after).into()
     }
 
-    /// Whether the choice meets the limit; `None` without one.
-    pub fn meets(&self) -> Option<bool> {
-        self.asked.limit_arcsec.map(|limit| self.chosen.level <= limit)
-    }
-
     /// For each number of ticks after the gap the fewest before it that meet the limit; without a limit, and where none
     /// meets it, those of the least error.
     pub fn rows(&self) -> Vec<Candidate> {
@@ -211,29 +205,6 @@ impl Trade {
         let rows: Vec<Row> = self.candidates.iter().map(|one| (one, self.latency_s(*one))).collect();
         Table { columns: columns_of(&columns(), &rows) }
     }
-
-    /// The search as JSON.
-    pub fn document(&self) -> Value {
-        let of = |one: &Candidate| {
-            json!({
-                "before": one.before,
-                "after": one.after,
-                "latency_s": self.latency_s(*one),
-                "own_rms_arcsec": one.own_rms,
-                "rms_arcsec": one.rms,
-                "own_p99_73_arcsec": one.own_level,
-                "p99_73_arcsec": one.level,
-            })
-        };
-        json!({
-            "limit_arcsec": self.asked.limit_arcsec,
-            "latency_s": self.asked.latency_s,
-            "shift": self.shift,
-            "chosen": of(&self.chosen),
-            "meets_limit": self.meets(),
-            "candidates": self.candidates.iter().map(of).collect::<Vec<_>>(),
-        })
-    }
 }
 
 /// A filler of least variance as a study writes it, by the ticks before and after the gap that it reads.
@@ -254,6 +225,11 @@ mod tests {
     use crate::kinds::gap_fill::inputs::TickNoise;
     use crate::motion::{Gaussian, Motion};
 
+    /// Whether the choice meets the limit; `None` without one.
+    fn is_met(trade: &Trade) -> Option<bool> {
+        trade.asked.limit_arcsec.map(|limit| trade.chosen.level <= limit)
+    }
+
     fn inputs() -> Inputs {
         let band = Band { low_hz: 18.0, high_hz: 22.0 };
         Inputs {
@@ -272,7 +248,7 @@ mod tests {
         let asked = Asked { limit_arcsec: Some(9.0), latency_s: Some(0.02) };
         let trade = Trade::new(&inputs(), asked, None).unwrap();
         let Candidate { before, after, level, .. } = trade.chosen;
-        assert!(level <= 9.0 && trade.meets() == Some(true) && after <= 4, "{:?}", trade.chosen);
+        assert!(level <= 9.0 && is_met(&trade) == Some(true) && after <= 4, "{:?}", trade.chosen);
         for one in &trade.candidates {
             assert!(one.after <= 4 && one.rms >= one.own_rms && one.level >= one.own_level, "{one:?}");
             let sooner = (one.after, one.before) < (after, before);
@@ -294,7 +270,7 @@ mod tests {
     fn without_a_limit_and_beyond_it_few_ticks_come_near_to_the_least_error() {
         let of = |limit_arcsec| Trade::new(&inputs(), Asked { limit_arcsec, latency_s: None }, None).unwrap();
         let (free, strict) = (of(None), of(Some(1e-6)));
-        assert_eq!((free.meets(), strict.meets()), (None, Some(false)));
+        assert_eq!((is_met(&free), is_met(&strict)), (None, Some(false)));
         assert_eq!(free.chosen, strict.chosen);
         let least = free.candidates.iter().map(|one| one.level).fold(f64::INFINITY, f64::min);
         assert!(free.chosen.level <= 1.05 * least);
@@ -319,7 +295,7 @@ mod tests {
                 let trade = of(limit);
                 let meets = |one: &Candidate| limit.is_some_and(|limit| one.level <= limit);
                 let chosen = trade.chosen;
-                let is_better = |one: &&Candidate| match trade.meets() {
+                let is_better = |one: &&Candidate| match is_met(&trade) {
                     Some(true) => meets(one) && (one.after, one.before) < (chosen.after, chosen.before),
                     _ => {
                         let is_fewer = one.before + one.after < chosen.before + chosen.after;

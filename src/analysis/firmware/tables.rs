@@ -1,11 +1,10 @@
-//! The fillers as a JSON document, and `weights.csv`, with a row for each weight.
+//! `fillers.csv`, with the errors and gains of fillers, and `weights.csv`, with a row for each weight.
 
-use serde_json::{Value, json};
-
-use crate::analysis::firmware::{Closed, Design, Firmware, Rule, Trade};
+use crate::analysis::firmware::{Closed, Design, Firmware, Rule};
 use crate::filler::FILLERS;
 use crate::filler::keys::Error;
 use crate::kinds::gap_fill::columns::FILLER;
+use crate::kinds::gap_fill::judged::Size;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
@@ -44,49 +43,60 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     ]
 }
 
+/// A row of `fillers.csv`.
+pub(crate) struct FillerRow<'a> {
+    design: &'a Design,
+    error: Error,
+    rule: &'a Rule,
+    closed: Closed,
+}
+
+impl FillerRow<'_> {
+    /// A size of the residual off the given motion.
+    fn shifted(&self, of: fn(Size) -> f64) -> Cell {
+        self.design.judged.filter(|_| self.error == Error::Residual).map(|judged| of(judged.shifted)).into()
+    }
+}
+
+/// The columns of `fillers.csv` in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn filler_columns<'a>() -> Vec<ColumnOf<FillerRow<'a>>> {
+    type Of<'a> = ColumnOf<FillerRow<'a>>;
+    vec![
+        Of::new("filler", Unit::NONE, "filler", |row| row.design.name.as_str().into())
+            .is_of(FILLERS, Role::Key, FILLER),
+        Of::new("error", Unit::NONE, "error", |row| row.error.name().into())
+            .is(Role::Key, "`extrapolation` of the weights while the gap is open, or `residual` of those once the ticks after it are known."),
+        Of::new("rms", Unit::ARCSEC, "rms error", |row| row.closed.rms.into())
+            .is(Role::Error, "Root mean square error with noise in closed form, ″; blank where the motion has none."),
+        Of::new("amplitude", Unit::ARCSEC, "amplitude", |row| row.closed.amplitude.into())
+            .is(Role::Estimate, "Largest error over the phase of a single tone, without noise, ″."),
+        Of::new("shifted_rms", Unit::ARCSEC, "rms residual off the motion", |row| row.shifted(|size| size.rms))
+            .is(Role::Estimate, "The largest root mean square residual with all frequencies lower or higher, or within the tolerances of a specification, ″."),
+        Of::new("shifted_p99_73", Unit::ARCSEC, "99.73 % residual off the motion", |row| row.shifted(|size| size.level))
+            .is(Role::Estimate, "The largest 99.73 % level of the residual under the same changes, ″."),
+        Of::new("noise_gain", Unit::NONE, "noise gain", |row| row.rule.whole().noise_gain().into())
+            .is(Role::Estimate, "√Σw² of the weights of the whole gap."),
+        Of::new("largest_gain", Unit::NONE, "largest gain", |row| row.rule.whole().largest_gain().into())
+            .is(Role::Estimate, "Σ|w| of the weights of the whole gap."),
+        Of::new("largest_input", Unit::NONE, "largest input", |row| Cell::Integer(row.rule.largest_input().into()))
+            .is(Role::Count, "The largest integer |P| for which 64 bits suffice."),
+        Of::new("latency_ticks", Unit::NONE, "latency, ticks", |row| Cell::Integer(row.design.latency_ticks.into()))
+            .is(Role::Count, "Ticks from the end of the gap to the correction."),
+        Of::new("exact", Unit::NONE, "exact", |row| (if row.rule.exact { "yes" } else { "no" }).into())
+            .is(Role::Note, "Whether the fractions are the exact weights (`yes`), or the nearest ones over a power of two (`no`)."),
+        Of::new("method", Unit::NONE, "method", |row| row.design.method.as_str().into())
+            .is(Role::Note, "The method by which the filler gets its weights."),
+    ]
+}
+
 impl Firmware {
-    /// All fillers as JSON.
-    pub fn document(&self) -> Value {
-        let of_rule = |(error, rule, closed): (Error, &Rule, Closed)| {
-            let whole = rule.whole();
-            json!({
-                "error": error.name(),
-                "ticks": rule.ticks,
-                "denominator": rule.denominator,
-                "exact": rule.exact,
-                "by_tick": (rule.rows.len() == self.gap_ticks as usize).then_some(&rule.rows),
-                "numerators": whole.numerators,
-                "weights": whole.values().collect::<Vec<_>>(),
-                "noise_gain": whole.noise_gain(),
-                "largest_gain": whole.largest_gain(),
-                "largest_input": rule.largest_input(),
-                "amplitude_arcsec": closed.amplitude,
-                "rms_arcsec": closed.rms,
-            })
-        };
-        let of_filler = |design: &Design| {
-            let errors: Vec<Value> = design.rules().map(of_rule).collect();
-            json!({
-                "name": design.name,
-                "method": design.method,
-                "errors": errors,
-                "latency_ticks": design.latency_ticks,
-                "shifted_rms_arcsec": design.judged.map(|judged| judged.shifted.rms),
-                "shifted_p99_73_arcsec": design.judged.map(|judged| judged.shifted.level),
-            })
-        };
-        let at: serde_json::Map<String, Value> =
-            self.at.iter().map(|(key, value)| ((*key).to_owned(), json!(value.to_string()))).collect();
-        json!({
-            "title": self.title,
-            "answer": self.answer(),
-            "at": at,
-            "tick_s": self.tick_s,
-            "gap_ticks": self.gap_ticks,
-            "fillers": self.designs.iter().map(of_filler).collect::<Vec<_>>(),
-            "no_rms_because": self.unsampled,
-            "search": self.trade.as_ref().map(Trade::document),
-        })
+    /// A row for each error of each filler.
+    pub fn fillers(&self) -> Table {
+        let of_rule = |design| move |(error, rule, closed)| FillerRow { design, error, rule, closed };
+        let rows: Vec<FillerRow> =
+            self.designs.iter().flat_map(|design| design.rules().map(of_rule(design))).collect();
+        Table { columns: columns_of(&filler_columns(), &rows) }
     }
 
     /// A row for each weight, of each lost tick and of their sum.

@@ -4,14 +4,12 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use serde_json::Value;
-
 use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::log::{Analysis, Column, Treatment};
 use crate::events::{Event, What};
 use crate::quantity::number::significant;
-use crate::table::column::{columns_of, object};
+use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::theory::allan::Term;
 
@@ -253,8 +251,7 @@ pub fn table(analysis: &Analysis) -> Table {
         rows.extend(of_column(analysis, column));
         rows
     };
-    let rows: Vec<Row> = analysis.columns.iter().flat_map(all).collect();
-    Table { columns: columns_of(&columns(), &rows) }
+    table_of(&analysis.columns.iter().flat_map(all).collect::<Vec<_>>())
 }
 
 fn record<'a>(analysis: &'a Analysis, column: &'a Column) -> Record<'a> {
@@ -293,8 +290,7 @@ pub fn list(rows: &[Row]) -> Vec<Vec<String>> {
     rows.iter().map(Row::line).collect()
 }
 
-/// The events of a record as JSON.
-pub fn document(rows: &[Row]) -> Vec<Value> {
-    let columns = columns();
-    rows.iter().map(|row| object(&columns, row, &["column"])).collect()
+/// Events as a table.
+pub fn table_of(rows: &[Row]) -> Table {
+    Table { columns: columns_of(&columns(), rows) }
 }

@@ -1,7 +1,7 @@
 //! The noise of a recorded log: its deviations, its coefficients, and notes on both.
 //!
 //! ```text
-//! Log, Asked ─ of ─▶ Analysis ─┬─ tables ─▶ curve.csv, coefficients.csv, JSON
+//! Log, Asked ─ of ─▶ Analysis ─┬─ tables, records ─▶ curve.csv, coefficients.csv, records.csv
 //!                              ├─ events ─▶ events.csv
 //!                              ├─ figures ─▶ charts
 //!                              ├─ noise_file ─▶ noise.toml, for studies
@@ -15,6 +15,7 @@ pub mod kalibr;
 pub mod navigators;
 pub mod noise_file;
 pub mod notes;
+pub(crate) mod records;
 pub mod tables;
 
 use std::ops::Range;

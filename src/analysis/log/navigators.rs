@@ -4,12 +4,11 @@
 //! at the upper end of its interval. The decision sheet is that of the study, whose parts and levers are compared with the first
 //! sets of coefficients only, so that another value may meet the limit by the third digit.
 
-use serde_json::{Value as Json, json};
-
 use crate::allan::Unit;
 use crate::analysis::decision::{Figure, Sheet, decide};
 use crate::analysis::log::noise_file::{self, quantity};
 use crate::analysis::log::notes::one_line;
+use crate::analysis::log::tables::{key, text};
 use crate::analysis::log::{Analysis, Column};
 use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
 use crate::device::Device;
@@ -22,7 +21,8 @@ use crate::quantity::units::Quantity;
 use crate::run::{Plan, Tables};
 use crate::store::Store;
 use crate::study::Study;
-use crate::table::Usual;
+use crate::table::column::columns_of;
+use crate::table::{Cell, ColumnOf, Role, Table, Unit as TableUnit, Usual};
 use crate::tally::share::Share;
 use crate::theory::allan::Term;
 
@@ -118,11 +118,11 @@ fn of_column(
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     let about = format!("{START}{} of {}", one_line(&column.name), one_line(&file));
     let spreads: Vec<String> = coefficients.iter().copied().filter_map(spread).collect();
-    let study = text(&about, asked, DRAWS, &lines, &spreads);
+    let study = study_of(&about, asked, DRAWS, &lines, &spreads);
     let tables = tables(&study)?;
     let (within, unit) = radius(&tables)?;
     let (half, class) = circular(&tables).ok_or("no navigator has a circular error")?;
-    let compared = parsed(&text(&about, asked, DRAWS_COMPARED, &lines, &spreads))?;
+    let compared = parsed(&study_of(&about, asked, DRAWS_COMPARED, &lines, &spreads))?;
     let sheet = decide(&compared, &tables, progress).map_err(|error| error.to_string())?;
     let sheet = sheet.ok_or("the study judges nothing")?;
     let bounds: Vec<(&Coefficient, String)> =
@@ -133,7 +133,7 @@ fn of_column(
             let all: Vec<String> =
                 lines.iter().cloned().chain(bounds.iter().map(|one| one.1.clone())).collect();
             let names = bounds.iter().map(|(one, _)| one.term.symbol().to_owned()).collect();
-            let tables = self::tables(&text(&about, asked, DRAWS, &all, &spreads))?;
+            let tables = self::tables(&study_of(&about, asked, DRAWS, &all, &spreads))?;
             Some((names, radius(&tables)?.0.value))
         }
     };
@@ -171,7 +171,7 @@ fn spread(coefficient: &Coefficient) -> Option<String> {
     })
 }
 
-fn text(about: &str, asked: &Asked, draws: u64, noise: &[String], spreads: &[String]) -> String {
+fn study_of(about: &str, asked: &Asked, draws: u64, noise: &[String], spreads: &[String]) -> String {
     let duration_s = asked.duration_s;
     let draws = if spreads.is_empty() { String::new() } else { format!("draws = {draws}\n") };
     let limit = asked.limit.map_or_else(String::new, |limit| format!("limit = \"{limit}\"\n"));
@@ -225,21 +225,34 @@ fn spoken(time_s: f64) -> String {
     with_unit(time_s / unit_s, 4, unit)
 }
 
-impl Navigators {
-    /// The answer as JSON.
-    pub fn json(&self) -> Json {
-        let bounds = self.at_bounds.as_ref();
-        json!({
-            "duration_s": self.duration_s,
-            "unit": self.unit,
-            "within95": { "value": self.within.value, "interval95": self.within.interval },
-            "within50": self.half,
-            "class": self.class,
-            "not_shown": bounds.map(|(names, _)| names),
-            "within95_at_upper_ends": bounds.map(|(_, value)| value),
-            "decision": self.sheet.json(),
-        })
-    }
+/// The columns of `navigation.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<&'a Navigators>> {
+    type Of<'a> = ColumnOf<&'a Navigators>;
+    vec![
+        key(|row| text(&row.column)),
+        Of::new("duration", TableUnit::S, "duration", |row| Cell::Number(row.duration_s))
+            .is(Role::Coordinate, "Time after the start, s."),
+        Of::new("p95", TableUnit::NONE, "R95", |row| Cell::Number(row.within.value))
+            .is(Role::Error, "Radius that 95 % of navigators stay within, in `unit`."),
+        Of::new("lower", TableUnit::NONE, "lower", |row| row.within.interval.map(|ends| ends.0).into())
+            .is_of("p95", Role::Lower, "Lower end of the 95 % interval of `p95`."),
+        Of::new("upper", TableUnit::NONE, "upper", |row| row.within.interval.map(|ends| ends.1).into())
+            .is_of("p95", Role::Upper, "Upper end of the 95 % interval of `p95`."),
+        Of::new("cep", TableUnit::NONE, "CEP", |row| Cell::Number(row.half))
+            .is(Role::Error, "Radius that half of them stay within, in `unit`."),
+        Of::new("p95_at_bounds", TableUnit::NONE, "R95 at the bounds", |row| row.at_bounds.as_ref().map(|(_, radius)| *radius).into())
+            .is(Role::Estimate, "The same radius as `p95` with the coefficients that the record does not show at the upper ends of their intervals."),
+        Of::new("unit", TableUnit::NONE, "unit", |row| text(row.unit))
+            .is(Role::Note, "Unit of the radii."),
+        Of::new("class", TableUnit::NONE, "class", |row| text(&row.class))
+            .is(Role::Note, "The class of such navigators by the growth of that radius; `none` for a worse one than all classes."),
+    ]
+}
+
+/// The navigators of the columns that have some: `navigation.csv`.
+pub fn table(found: &[Result<Navigators, String>]) -> Table {
+    Table { columns: columns_of(&columns(), &found.iter().flatten().collect::<Vec<_>>()) }
 }
 
 /// The answer of the navigators of a log: those that are off by most, and a row for each column; `None` without any.
@@ -321,7 +334,7 @@ mod tests {
             "bias_instability = \"0.00164 deg/h\"".to_owned(),
         ];
         let asked = Asked { duration_s: 3600.0, limit: None };
-        let tables = tables(&text("# A gyro", &asked, DRAWS, &lines, &[])).unwrap();
+        let tables = tables(&study_of("# A gyro", &asked, DRAWS, &lines, &[])).unwrap();
         let (found, unit) = radius(&tables).unwrap();
         // LGV-1 without its Q, which changes the third digit: 0.3675 nmi.
         assert!((found.value - 0.3675).abs() < 0.03 * 0.3675, "{found:?}");

@@ -1,14 +1,11 @@
-//! The results of `sagnac allan` as a table and as JSON.
+//! The results of `sagnac allan` as tables.
 
-use crate::allan::{Deviation, Minimum, Point, Trend, Unit as Curves, minimum};
+use crate::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
 use crate::analysis::data_sheet::Row;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
-use serde_json::{Value, json};
 
-use crate::analysis::log::notes::of_columns;
-use crate::analysis::log::{self, Analysis, Curve, events};
-use crate::analysis::requirement::Decision;
+use crate::analysis::log::{self, Analysis, Curve};
 
 /// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
 const SHORTEST_RECORD: usize = 8;
@@ -184,19 +181,6 @@ pub fn least_or_bound(unit: Curves, deviation: Deviation, points: &[Point], samp
     })
 }
 
-/// A coefficient as JSON.
-pub(crate) fn document_of(row: &Row) -> Value {
-    json!({
-        "coefficient": row.name,
-        "value": row.value,
-        "lower": row.interval.map(|ends| ends[0]),
-        "upper": row.interval.map(|ends| ends[1]),
-        "unit": row.unit,
-        "status": row.verdict,
-        "fitted": row.fitted,
-    })
-}
-
 /// Whether the noise was identified at this τ.
 fn alpha_from(point: &Point) -> &'static str {
     match point.noise {
@@ -204,93 +188,4 @@ fn alpha_from(point: &Point) -> &'static str {
         Some(_) => "estimated",
         None => "",
     }
-}
-
-/// The complete analysis as JSON, with the decision to which it leads.
-pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
-    let treatment = &analysis.treatment;
-    let columns: Vec<Value> = analysis.columns.iter().map(|column| of_column(analysis, column)).collect();
-    json!({
-        "file": analysis.path.display().to_string(),
-        "data": analysis.data.name(),
-        "samples": analysis.samples,
-        "step_s": analysis.step_s,
-        "length_s": analysis.length_s(),
-        "confidence": analysis.confidence,
-        "treatment": {
-            "from_s": treatment.skip_s,
-            "until_s": treatment.until_s,
-            "detrend": match treatment.trend { Trend::None => "none", Trend::Linear => "linear" },
-            "effect": treatment.effect(analysis.length_s()),
-            "outliers_removed": treatment.outliers_removed,
-            "temperature_compensated": treatment.is_compensated,
-        },
-        "reading": analysis.reading,
-        "answer": decision.answer,
-        "decision": decision.json(),
-        "columns": columns,
-        "notes": of_columns(analysis),
-    })
-}
-
-fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
-    /// Most outliers in a document, which suffice to find them.
-    const MOST: usize = 100;
-    let outliers = &column.outliers;
-    let times: Vec<f64> = analysis.times(&outliers.samples).take(MOST).collect();
-    let curves: Vec<Value> = column.curves.iter().map(|curve| of_curve(column, curve)).collect();
-    json!({
-        "column": column.name,
-        "missing": column.missing,
-        "mean_rate": column.mean_rate,
-        "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
-        "removed_slope_per_s": column.slope,
-        "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
-        "events": events::document(&events::of_column(analysis, column)),
-        "coefficients": column.coefficients().iter().map(document_of).collect::<Vec<_>>(),
-        "coefficients_missing": column.noise.as_ref().err(),
-        "fit": column.noise().map(|noise| json!({
-            "from_s": noise.fit.tau_range[0],
-            "to_s": noise.fit.tau_range[1],
-            "described": noise.fit.is_described(),
-            "chi_squared": noise.fit.chi_squared,
-            "degrees_of_freedom": noise.fit.degrees_of_freedom,
-            "p": noise.fit.p_value(),
-        })),
-        "coefficient_intervals": column.noise().map(|noise| json!({
-            "from": noise.intervals.name(),
-            "simulated_records": noise.intervals.records,
-        })),
-        "curves": curves,
-    })
-}
-
-fn of_curve(column: &log::Column, curve: &Curve) -> Value {
-    let points: Vec<Value> = curve.points.iter().map(of_point).collect();
-    let minimum = curve.minimum.map(|minimum| {
-        let mut point = of_point(&minimum.point);
-        point["at_end"] = json!(minimum.at_end);
-        point
-    });
-    json!({
-        "deviation": curve.deviation.name(),
-        "unit": column.unit.in_files(curve.deviation),
-        "points": points,
-        "in_run_bias_stability": minimum,
-    })
-}
-
-fn of_point(point: &Point) -> Value {
-    json!({
-        "m": point.m,
-        "tau_s": point.tau_s,
-        "differences": point.terms,
-        "alpha": point.noise.map(|noise| noise.alpha),
-        "alpha_carried": point.noise.map(|noise| noise.carried),
-        "edf": point.edf,
-        "edf_from": point.edf.map(|_| point.supposes.name()),
-        "lower": point.interval.map(|ends| ends.0),
-        "value": point.value,
-        "upper": point.interval.map(|ends| ends.1),
-    })
 }

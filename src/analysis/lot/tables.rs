@@ -1,11 +1,9 @@
-//! The results of `sagnac lot` as tables and as JSON.
-
-use serde_json::{Value, json};
+//! The results of `sagnac lot` as tables.
 
 use crate::analysis::log;
-use crate::analysis::log::tables::{document_of, text};
-use crate::analysis::requirement::Decision;
-use crate::table::column::{columns_of, object};
+use crate::analysis::log::records::{self, Record};
+use crate::analysis::log::tables::text;
+use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 use crate::analysis::lot::pool::Pooled;
@@ -137,59 +135,8 @@ pub fn lot(lot: &Lot) -> Table {
     Table { columns: columns_of(&lot_columns(), &rows) }
 }
 
-/// The complete lot as JSON, with the decision to which it leads.
-pub fn document(lot: &Lot, decision: &Decision) -> Value {
-    let units: Vec<Value> = lot
-        .units()
-        .zip(&lot.labels)
-        .enumerate()
-        .map(|(unit, ((log, column), label))| {
-            let found = lot.coefficients.iter().filter_map(|one| one.found[unit].as_ref());
-            json!({
-                "label": label,
-                "file": log.path.display().to_string(),
-                "column": column.name,
-                "data": log.data.name(),
-                "samples": log.samples,
-                "step_s": log.step_s,
-                "length_s": log.length_s(),
-                "missing": column.missing,
-                "reading": log.reading,
-                "coefficients": found.map(of_found).collect::<Vec<_>>(),
-                "coefficients_missing": column.noise.as_ref().err(),
-            })
-        })
-        .collect();
-    json!({
-        "units": units,
-        "treatment": lot.treatment(),
-        "tests": lot.tests,
-        "coefficients": lot.coefficients.iter().map(of_coefficient).collect::<Vec<_>>(),
-        "answer": decision.answer,
-        "decision": decision.json(),
-    })
-}
-
-fn of_found(found: &Found) -> Value {
-    let mut document = document_of(&found.row);
-    document["p"] = json!(found.p);
-    document["outlier"] = json!(found.odd.map(Odd::name));
-    document
-}
-
-fn of_coefficient(one: &Coefficient) -> Value {
-    let columns = lot_columns();
-    let of = |pooled| {
-        let omitted = ["coefficient", "of", "bounded", "missing", "unit"];
-        object(&columns, &LotRow { one, of: "", pooled: Some(pooled) }, &omitted)
-    };
-    json!({
-        "coefficient": one.name,
-        "unit": one.unit,
-        "units": one.estimates().len(),
-        "bounded": one.bounds().len(),
-        "missing": one.silent().count(),
-        "all": one.pooled.map(of),
-        "without_outliers": one.without_odd.map(of),
-    })
+/// The records of all units: `records.csv`.
+pub fn records(lot: &Lot) -> Table {
+    let units = lot.units().zip(&lot.labels);
+    records::table(units.map(|((log, column), label)| Record::new(log, column, label)))
 }

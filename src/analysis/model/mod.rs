@@ -22,6 +22,7 @@
 //! (`docs/numerics.md` has the consistency of a Kalman filter).
 
 pub mod answer;
+pub mod document;
 pub mod figures;
 pub(crate) mod least;
 pub mod noise;

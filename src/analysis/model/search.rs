@@ -1,6 +1,7 @@
 //! The search for the fewest Markov states.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::analysis::model::least::{Rows, least};
 use crate::analysis::model::repeat::repeated;
@@ -36,12 +37,14 @@ pub struct Found {
 }
 
 /// The best model with a number of states.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Tried {
     /// Number of Markov states.
     pub states: usize,
     /// How far its deviation lies at most above what it bounds, both without the quantization, as a part; absent where no model is
     /// possible.
+    #[serde(rename = "largest_excess")]
     pub excess: Option<f64>,
 }
 

@@ -11,6 +11,8 @@
 //!
 //! for the random walk F = [1 Δ; 0 1] and Q = K² [Δ³/3 Δ²/2; Δ²/2 Δ], and N²Δ for the angle.
 
+use serde::Serialize;
+
 use crate::allan::Unit;
 use crate::analysis::model::Model;
 use crate::quantity::expression::STANDARD_GRAVITY;
@@ -25,24 +27,32 @@ pub fn si(unit: Unit) -> f64 {
 }
 
 /// A model at the rate of a filter. Angles are in rad, rates in rad/s; of accelerometers velocities in m/s and accelerations in m/s².
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(deny_unknown_fields))]
 pub struct Discrete {
     /// Step Δ, s.
     pub step_s: f64,
     /// Names of the states.
+    #[serde(rename = "states")]
     pub names: Vec<String>,
     /// Transition matrix F, row by row.
+    #[serde(rename = "F")]
     pub transition: Vec<Vec<f64>>,
     /// Covariance Q of what a step adds.
+    #[serde(rename = "Q")]
     pub added: Vec<Vec<f64>>,
     /// Variance R of a reading of the angle: Q² of the quantization; 0 without it.
+    #[serde(rename = "R")]
     pub reading: f64,
     /// Variance of a rate sample over the step: N²/Δ.
+    #[serde(rename = "rate_variance")]
     pub rate: f64,
     /// Stationary variance of each state; absent of those that have none.
+    #[serde(rename = "stationary_variance")]
     pub stationary: Vec<Option<f64>>,
     /// Variance of each state at the start: 0 for the angle, the stationary one of Markov states, and of the random walk what it
     /// accumulates over the longest τ. The turn-on bias is not part of it.
+    #[serde(rename = "initial_variance")]
     pub initial: Vec<f64>,
 }
 

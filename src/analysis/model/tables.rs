@@ -1,17 +1,12 @@
-//! The results of `sagnac model` as a table and as JSON.
-
-use serde_json::{Map, Value, json};
+//! The results of `sagnac model` as a table.
 
 use crate::allan::{Deviation, Unit as Curves};
-use crate::analysis::log::events;
 use crate::analysis::log::tables::{key, text};
-use crate::analysis::model::answer::notes;
-use crate::analysis::model::search::Tried;
-use crate::analysis::model::states::{discrete, si};
+use crate::analysis::model::states::si;
 use crate::analysis::model::target::Point;
-use crate::analysis::model::{Aim, Analysis, Column, Markov};
+use crate::analysis::model::{Aim, Analysis, Column};
 use crate::fit::Term;
-use crate::table::column::{columns_of, object};
+use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::theory::allan::{Part, continuous};
 
@@ -111,109 +106,6 @@ pub fn figures(column: &Column) -> Vec<Figure> {
         ],
     };
     all.into()
-}
-
-/// The complete models as JSON. With a single column, its numbers stand at the top as well.
-pub fn document(analysis: &Analysis) -> Value {
-    let asked = &analysis.asked;
-    let columns: Vec<Value> = analysis.columns.iter().map(|column| of_column(analysis, column)).collect();
-    let mut document = json!({
-        "file": analysis.source.path.display().to_string(),
-        "aim": asked.aim.name(),
-        "confidence": asked.confidence,
-        "margin": asked.margin,
-        "filter_hz": analysis.filter_hz(),
-        "answer": analysis.answer(),
-        "notes": notes(analysis),
-    });
-    if let (Value::Object(document), [Value::Object(only)]) = (&mut document, &columns[..]) {
-        document.extend(only.clone());
-    }
-    document["columns"] = json!(columns);
-    document
-}
-
-fn of_column(analysis: &Analysis, column: &Column) -> Value {
-    let (target, found) = (&column.target, &column.found);
-    let [from_s, to_s] = target.taus();
-    let [largest, at_s] = found.over_record(target);
-    let is_bound = analysis.asked.aim != Aim::Describe;
-    let mut document: Map<String, Value> = figures(column)
-        .into_iter()
-        .filter(|figure| !figure.key.is_empty())
-        .map(|figure| (figure.key, json!(figure.value)))
-        .collect();
-    let sigma = match target.unit {
-        Curves::Acceleration => "sigma_ug",
-        Curves::Angular | Curves::Plain => "sigma_deg_per_h",
-    };
-    let state = |state: &Markov| json!({ sigma: state.sigma, "correlation_time_s": state.time_s });
-    let tried = |tried: &Tried| json!({ "states": tried.states, "largest_excess": tried.excess });
-    let (shown, all) = (columns(), rows(analysis, column));
-    let points = all.iter().map(|row| object(&shown, row, &["column", "unit"]));
-    let rest = json!({
-        "column": target.name,
-        "unit": target.unit.in_files(Deviation::Oadev),
-        "from_s": from_s,
-        "to_s": to_s,
-        "markov": found.model.markov.iter().map(state).collect::<Vec<_>>(),
-        "largest_excess": largest,
-        "largest_excess_tau_s": at_s,
-        "largest_excess_over_bound": is_bound.then(|| found.over_bound(target)[0]),
-        "events": events::document(&target.events),
-        "tried": found.tried.iter().map(tried).collect::<Vec<_>>(),
-        "continuous": of_continuous(column),
-        "discrete": analysis.filter_hz().map(|filter_hz| of_discrete(column, 1.0 / filter_hz)),
-        "points": points.collect::<Vec<_>>(),
-    });
-    if let Value::Object(rest) = rest {
-        document.extend(rest);
-    }
-    Value::Object(document)
-}
-
-/// Letters of the unit of an angle, or of a velocity, in keys.
-fn of_angle(unit: Curves) -> &'static str {
-    if unit == Curves::Acceleration { "m_per_s" } else { "rad" }
-}
-
-/// The model as a stochastic differential equation, in SI units.
-fn of_continuous(column: &Column) -> Value {
-    let (model, unit) = (&column.found.model, of_angle(column.target.unit));
-    let size = si(column.target.unit);
-    let square = |x: f64| size * size * x * x;
-    let state = |state: &Markov| {
-        json!({
-            format!("sigma_{unit}_per_s"): size * state.sigma,
-            "decay_per_s": 1.0 / state.time_s,
-            format!("driving_two_sided_{unit}2_per_s3"): 2.0 * square(state.sigma) / state.time_s,
-        })
-    };
-    json!({
-        format!("white_{unit}_per_s_per_rt_hz"): size * model.white,
-        format!("white_two_sided_{unit}2_per_s2_per_hz"): square(model.white),
-        format!("white_one_sided_{unit}2_per_s2_per_hz"): 2.0 * square(model.white),
-        format!("random_walk_{unit}_per_s2_per_rt_hz"): size * model.walk,
-        format!("random_walk_driving_two_sided_{unit}2_per_s4_per_hz"): square(model.walk),
-        "markov": model.markov.iter().map(state).collect::<Vec<_>>(),
-    })
-}
-
-/// The model at the rate of a filter.
-fn of_discrete(column: &Column, step_s: f64) -> Value {
-    let [_, longest_s] = column.target.taus();
-    let found = discrete(&column.found.model, column.target.unit, step_s, longest_s);
-    let unit = of_angle(column.target.unit);
-    json!({
-        "step_s": found.step_s,
-        "states": found.names,
-        "F": found.transition,
-        "Q": found.added,
-        format!("R_{unit}2"): found.reading,
-        format!("rate_variance_{unit}2_per_s2"): found.rate,
-        "stationary_variance": found.stationary,
-        "initial_variance": found.initial,
-    })
 }
 
 /// Each part of a model with its label and its deviation over τ, for charts.

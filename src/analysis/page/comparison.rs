@@ -7,6 +7,7 @@ use crate::analysis::compare::notes::notes;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{interval, length, times};
 use crate::analysis::compare::{figures, tables};
+use crate::analysis::log::events;
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
 use crate::analysis::page::{chart, shown};
 use crate::analysis::requirement::Decision;
@@ -24,6 +25,7 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
     let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
     let deviations = charts.into_iter().chain([ratios(analysis)]);
     let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
+    let shows = analysis.events().concat();
     Page {
         title: format!("{} and {} compared", a.label, b.label),
         scope: String::new(),
@@ -38,10 +40,18 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
         sections: vec![
             Section::new("deviations", "Deviations", deviations),
             Section::new("coefficients", "Coefficients", coefficients(analysis)),
-            shown("What these records show", &analysis.events().concat()),
+            shown("What these records show", &shows),
             Section::new("record", "Records", records(logs, analysis)),
         ],
-        tables: of_fits.into_iter().chain([("compare.csv", tables::ratios(analysis))]).collect(),
+        tables: of_fits
+            .into_iter()
+            .chain([
+                ("compare.csv", tables::ratios(analysis)),
+                ("events.csv", events::table_of(&shows)),
+                ("records.csv", tables::records(analysis)),
+            ])
+            .chain(decision.file())
+            .collect(),
     }
 }
 

@@ -1,9 +1,8 @@
 //! The page of a design.
 
-use std::iter::once;
-
 use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
+use crate::analysis::page::grid;
 use crate::analysis::page::{chart, study_file};
 use crate::quantity::number::significant;
 use crate::view::chart::picture::Picture;
@@ -14,15 +13,16 @@ pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Pag
     let study = &found.study;
     let duration = report::duration(found.variant().duration_s);
     let runs = format!("{} of {duration}", significant(found.trials as f64, 9));
-    let variants = report::by_variant(found).map(Block::Grid);
     let made = Block::Facts(vec![
         ("Runs at each interval", vec![runs]),
         ("Seed", vec![study.seed.to_string()]),
         ("Chosen by", vec![format!("the {} without the non-magnetic drift", found.measure.label())]),
     ]);
     let trade = report::pareto_figure(found).map(|figure| chart("pareto", Picture::Curves(figure)));
-    let trade = trade.into_iter().chain(report::by_choice(found).map(Block::Grid));
-    let pareto = report::pareto_table(found).map(|table| ("pareto.csv", table));
+    let (pareto, fillers) = (report::pareto_table(found), report::filler_table(found));
+    let front = pareto.as_ref().map(|table| Block::Grid(grid(table, &["constants"])));
+    let trade = trade.into_iter().chain(front);
+    let at_best = Block::Grid(grid(&fillers, &["constants", "duration", "residual_max", "rule_bound"]));
     Page {
         title: study.title.clone(),
         scope: String::new(),
@@ -32,14 +32,12 @@ pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Pag
         sections: vec![
             Section::new("drift", "Drift over the switching interval", [chart("design", picture)]),
             Section::new("trade", "What latency and memory cost", trade),
-            Section::new("variants", "Values of swept keys at their best intervals", variants),
-            Section::new(
-                "fillers",
-                "Fillers at their best intervals",
-                [Block::Grid(report::by_filler(found))],
-            ),
+            Section::new("fillers", "Fillers at their best intervals", [at_best]),
             Section::new("source", "How it was made", [made, study_file(study, found.trials)]),
         ],
-        tables: once(("design.csv", report::table(found))).chain(pareto).collect(),
+        tables: [("design.csv", report::table(found)), ("fillers.csv", fillers)]
+            .into_iter()
+            .chain(pareto.map(|table| ("pareto.csv", table)))
+            .collect(),
     }
 }

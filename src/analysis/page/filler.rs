@@ -2,9 +2,8 @@
 
 use crate::analysis::firmware::design::Closed;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Rule, Trade};
-use crate::analysis::page::{chart, study_file};
+use crate::analysis::page::{chart, grid, study_file};
 use crate::filler::keys::Error;
-use crate::kinds::gap_fill::judged::{Judged, deviation};
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::theory::gap::Weights;
@@ -16,13 +15,13 @@ const MAX_DENOMINATOR: i64 = 999;
 
 /// The page of fillers at a point of a study.
 pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
-    let ticks = if firmware.gap_ticks == 1 { "tick" } else { "ticks" };
     let place = firmware.place();
     let place = if place.is_empty() { place } else { format!(", at {place}") };
     let search = firmware.trade.as_ref().map_or(vec![], |trade| {
         vec![chart("trade", Picture::Curves(trade.figure())), Block::Grid(of_trade(trade))]
     });
-    let fillers = std::iter::once(Block::Grid(of_designs(firmware)));
+    let fillers = firmware.fillers();
+    let of_fillers = std::iter::once(Block::Grid(grid(&fillers, &["largest_input", "method"])));
     let weights = firmware.designs.iter().flat_map(|design| rules(firmware, design));
     let header =
         vec![Block::File("sagnac_filler.h".to_owned(), firmware.header()), study_file(study, study.trials)];
@@ -31,14 +30,14 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
         title: firmware.title.clone(),
         scope: String::new(),
         subtitle: format!(
-            "Which filler belongs in the firmware? Weights for a gap of {} lost {ticks}{place}",
-            firmware.gap_ticks
+            "Which filler belongs in the firmware? Weights for a gap of {}{place}",
+            firmware.lost()
         ),
         answer: firmware.answer(),
         notes: vec![],
         sections: vec![
             Section::new("search", "Ticks before and after the gap", search),
-            Section::new("fillers", "Fillers", fillers.chain(weights)),
+            Section::new("fillers", "Fillers", of_fillers.chain(weights)),
             Section::new(
                 "response",
                 "Response to vibration",
@@ -46,32 +45,11 @@ pub fn of_filler(study: &Study, firmware: &Firmware) -> Page {
             ),
             Section::new("source", "For the firmware", header),
         ],
-        tables: trade.into_iter().chain([("weights.csv", firmware.weights())]).collect(),
+        tables: trade
+            .into_iter()
+            .chain([("fillers.csv", fillers), ("weights.csv", firmware.weights())])
+            .collect(),
     }
-}
-
-/// The fillers with the errors of their residuals.
-fn of_designs(firmware: &Firmware) -> Grid {
-    let size = if firmware.shift.is_none() { "99.73 %" } else { "rms" };
-    let shifted = format!("{size} with {}, ″", deviation(firmware.shift));
-    let head = ["filler", "ticks", "noise gain √Σw²", "rms residual, ″", &shifted];
-    let of_shifted = |Judged { shifted, .. }: Judged| match firmware.shift {
-        None => shifted.level,
-        Some(_) => shifted.rms,
-    };
-    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| significant(value, 4));
-    let row = |design: &Design| {
-        let rule = &design.interpolation;
-        let ticks: Vec<String> = rule.ticks.iter().map(|tick| tick.to_string().replace('-', "−")).collect();
-        [
-            design.name.clone(),
-            ticks.join(", "),
-            significant(rule.whole().noise_gain(), 4),
-            number(design.errors[0].rms),
-            number(design.judged.map(of_shifted)),
-        ]
-    };
-    Grid::new(head, firmware.designs.iter().map(row))
 }
 
 /// The best numbers of ticks before the gap for each number after it.

@@ -38,6 +38,7 @@ pub fn of_log(log: &Log, analysis: &Analysis, answer: Answer, without: Option<&N
         ("coefficients.csv", log::tables::coefficients(noise)),
         ("curve.csv", log::tables::table(noise)),
         ("events.csv", events::table(noise)),
+        ("records.csv", tables::records(analysis)),
     ];
     let sections = [
         deviations(noise),

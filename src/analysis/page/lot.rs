@@ -28,7 +28,14 @@ pub fn of_lot(lot: &Lot, decision: &Decision) -> Page {
             Section::new("coefficients", "Coefficients", coefficients.into_iter().chain(tables)),
             Section::new("deviations", "Deviations", curves),
         ],
-        tables: vec![("batch.csv", tables::lot(lot)), ("units.csv", tables::units(lot))],
+        tables: [
+            ("batch.csv", tables::lot(lot)),
+            ("units.csv", tables::units(lot)),
+            ("records.csv", tables::records(lot)),
+        ]
+        .into_iter()
+        .chain(decision.file())
+        .collect(),
     }
 }
 

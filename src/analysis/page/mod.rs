@@ -40,9 +40,10 @@ use crate::analysis::log::{Column, events};
 use crate::fit::Fit;
 use crate::quantity::number::{significant, with_unit};
 use crate::study::Study;
+use crate::table::{self, Role, Table};
 use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
-use crate::view::report::sections::{Block, Grid, Section};
+use crate::view::report::sections::{Block, Cell, Grid, Section};
 
 /// Significant digits of values.
 const DIGITS: usize = 4;
@@ -71,6 +72,28 @@ pub(crate) fn range(fit: &Fit) -> String {
 /// An interval such as `0.199 … 0.201`.
 pub(crate) fn interval(ends: [f64; 2]) -> String {
     ends.map(|end| significant(end, DIGITS)).join(" … ")
+}
+
+/// A table to read, with the ends of an interval below its value; without columns of these names, and those without values.
+pub(crate) fn grid(table: &Table, omitted: &[&str]) -> Grid {
+    let is_blank =
+        |column: &table::Column| (0..table.rows()).all(|row| column.cells[row] == table::Cell::Blank);
+    let is_shown = |column: &&table::Column| {
+        let is_end = matches!(column.role, Role::Lower | Role::Upper);
+        !is_end && !omitted.contains(&column.name.as_str()) && !is_blank(column)
+    };
+    let shown: Vec<&table::Column> = table.columns.iter().filter(is_shown).collect();
+    let end = |column: &table::Column, role: Role, row: usize| {
+        let end = table.columns.iter().find(|end| end.role == role && end.of == column.name)?;
+        end.cells[row].number()
+    };
+    let cell = |column: &table::Column, row: usize| {
+        let ends = end(column, Role::Lower, row).zip(end(column, Role::Upper, row));
+        let below = ends.map(|ends| interval(ends.into())).unwrap_or_default();
+        Cell { text: column.cells[row].rounded(DIGITS), below }
+    };
+    let rows = (0..table.rows()).map(|row| shown.iter().map(|column| cell(column, row)).collect::<Vec<_>>());
+    Grid::new(shown.iter().map(|column| column.title()), rows)
 }
 
 /// A value with its unit, if it has one.

@@ -1,6 +1,7 @@
 //! The page of a model for a filter.
 
 use crate::allan::Deviation;
+use crate::analysis::log::events;
 use crate::analysis::model::answer::notes;
 use crate::analysis::model::states::discrete;
 use crate::analysis::model::target::Point;
@@ -37,7 +38,10 @@ pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {
             Section::new("discrete", "At the rate of the filter", at_rate),
             Section::new("files", "Files for tools", files),
         ],
-        tables: vec![("model.csv", tables::table(analysis))],
+        tables: vec![
+            ("model.csv", tables::table(analysis)),
+            ("events.csv", events::table_of(&analysis.events())),
+        ],
     }
 }
 

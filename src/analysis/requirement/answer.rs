@@ -1,16 +1,16 @@
 //! The answer of records: what they show of their noise, and whether that meets limits.
 
-use serde_json::{Value as Json, json};
-
 use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::requirement::change::{to_decide, to_meet};
-use crate::analysis::requirement::judged::{Judged, Judgement, Shown, Standing, met};
+use crate::analysis::requirement::judged::{Judged, Judgement, Shown, Standing, columns};
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::Subject;
 use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status};
 use crate::fit::{Quantity, Term};
 use crate::quantity::number::significant;
+use crate::table::Table;
+use crate::table::column::columns_of;
 
 /// Coefficients by which records are compared without a limit, the first that they show.
 const ORDER: [Term; 5] =
@@ -26,13 +26,14 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// The judgements as JSON.
-    pub fn json(&self) -> Json {
-        let standings: Vec<Standing> = self.judgements.iter().map(|one| one.standing).collect();
-        json!({
-            "met": met(&standings),
-            "limits": self.judgements.iter().map(Judgement::json).collect::<Vec<_>>(),
-        })
+    /// The judgements as a table.
+    pub fn table(&self) -> Table {
+        Table { columns: columns_of(&columns(), &self.judgements) }
+    }
+
+    /// The file of the judgements; `None` without limits.
+    pub fn file(&self) -> Option<(&'static str, Table)> {
+        (!self.judgements.is_empty()).then(|| ("limits.csv", self.table()))
     }
 }
 
@@ -195,12 +196,12 @@ impl<'a> Panel<'a> {
             vec![title.to_owned().into(), row.cell(), interval.into(), state.to_owned().into()]
         };
         let at = subject.stability_tau_s.map(|tau_s| format!("τ = {} s", significant(tau_s, 3)));
-        let state = |row: &Row| self.judgement(row).map_or_else(|| state(row), |one| one.standing().word());
+        let state = |row: &Row| self.judgement(row).map_or_else(|| state(row), |one| one.standing().name());
         let all: Vec<(&Row, String, String)> = rows
             .iter()
             .map(|row| (row, title(row.name, subject.unit), state(row).to_owned()))
             .chain(stability.map(|row| {
-                let state = self.judgement(row).map(|one| one.standing().word().to_owned());
+                let state = self.judgement(row).map(|one| one.standing().name().to_owned());
                 (row, "curve minimum".to_owned(), state.or(at.clone()).unwrap_or_default())
             }))
             .chain(floor.map(|row| (row, "N of the floor".to_owned(), state(row).to_owned())))

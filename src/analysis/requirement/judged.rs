@@ -1,11 +1,11 @@
-//! Records checked against limits.
-
-use serde_json::{Value as Json, json};
+//! Records checked against limits, and `limits.csv`.
 
 use crate::analysis::data_sheet::Row;
+use crate::analysis::log::tables::text;
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::{Gap, Subject};
 use crate::answer::Reading;
+use crate::table::{Cell, ColumnOf, Role, Unit};
 
 /// How an interval lies to its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,18 +31,10 @@ impl Standing {
     }
 
     /// The standing as the status of a limit.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Standing::Open => "inconclusive",
-            standing => standing.name(),
-        }
-    }
-
-    /// Name in documents.
     pub fn name(self) -> &'static str {
         match self {
             Standing::NotMet => "not met",
-            Standing::Open => "not decided",
+            Standing::Open => "inconclusive",
             Standing::Unknown => "unknown",
             Standing::Met => "met",
         }
@@ -68,29 +60,28 @@ pub struct Judgement {
     pub standing: Standing,
 }
 
-impl Judgement {
-    /// The judgement as JSON.
-    pub(crate) fn json(&self) -> Json {
-        json!({
-            "record": self.record,
-            "coefficient": self.coefficient,
-            "unit": self.unit,
-            "limit": self.limit,
-            "value": self.value,
-            "lower": self.interval.map(|ends| ends[0]),
-            "upper": self.interval.map(|ends| ends[1]),
-            "standing": self.standing.name(),
-        })
-    }
-}
-
-/// Whether all of some limits are met; `None` where a record does not decide it, and without limits.
-pub(crate) fn met(standings: &[Standing]) -> Option<bool> {
-    match standings.iter().min()? {
-        Standing::NotMet => Some(false),
-        Standing::Open | Standing::Unknown => None,
-        Standing::Met => Some(true),
-    }
+/// The columns of `limits.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns() -> Vec<ColumnOf<Judgement>> {
+    type Of = ColumnOf<Judgement>;
+    vec![
+        Of::new("record", Unit::NONE, "record", |row| text(&row.record))
+            .is(Role::Key, "Record: the column of a log, the unit of a batch, or the ratio of two logs."),
+        Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.coefficient))
+            .is(Role::Key, "What is limited: a coefficient, `in_run_bias_stability` or `floor`."),
+        Of::new("limit", Unit::NONE, "limit", |row| Cell::Number(row.limit))
+            .is(Role::Estimate, "Largest accepted value, in `unit`."),
+        Of::new("value", Unit::NONE, "value", |row| row.value.into())
+            .is(Role::Estimate, "What the record shows, in `unit`; blank for a bound, and where it shows nothing."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.interval.map(|ends| ends[0]).into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.interval.map(|ends| ends[1]).into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`, or the bound."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
+            .is(Role::Note, "Unit of the numbers; empty for ratios and plain numbers."),
+        Of::new("status", Unit::NONE, "status", |row| text(row.standing.name()))
+            .is(Role::Note, "`met`, `not met`, `inconclusive` where the interval contains the limit, or `unknown` where the record shows nothing."),
+    ]
 }
 
 /// A record and a limit that applies to it.

@@ -22,4 +22,5 @@ pub use crate::analysis::requirement::limit::{Limit, LimitError, Limited, applie
 pub use crate::analysis::requirement::subject::Subject;
 
 pub(crate) use crate::analysis::requirement::answer::{status, value_or_bound};
+pub(crate) use crate::analysis::requirement::judged::columns;
 pub(crate) use crate::analysis::requirement::limit::{is_fitted, named, twice};

@@ -1,19 +1,15 @@
-//! The output of an analysis: all inputs as a table and as a tornado chart, and the result as JSON.
-
-use serde_json::{Value, json};
+//! The output of an analysis: all inputs as a table and as a tornado chart, and the distribution of the answer.
 
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
 use crate::answer::Reading;
 use crate::key::scale::Scale;
-use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::columns_of;
 use crate::table::{ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::{
     Axis, Entry, Figure as Drawing, Grouping, Law, LawLine, Mark, Part, Parts, Series, SeriesPoint, Shape,
 };
-use crate::view::report::sections::Grid;
 
 type Of<'a> = ColumnOf<&'a Input>;
 
@@ -67,27 +63,44 @@ pub fn table(found: &Sensitivity) -> Table {
     Table { columns }
 }
 
-/// The inputs to read, by falling total index.
-pub(crate) fn by_input(found: &Sensitivity) -> Grid {
-    let answer = format!("{} over that range", found.answer.label);
-    let heading = ["input", "5 % to 95 %", "first-order index", "total index", &answer];
-    let range = |[low, high]: [f64; 2], symbol: &str| {
-        format!("{} to {} {symbol}", significant(low, 4), significant(high, 4)).trim_end().to_owned()
-    };
-    let index = |found: Found| match found.interval {
-        Some((low, high)) => format!("{:.3} ({low:.3} to {high:.3})", found.value),
-        None => format!("{:.3}", found.value),
-    };
-    let lines = found.by_total().into_iter().map(|input| {
-        [
-            input.key.to_owned(),
-            range(input.range, input.unit.symbol),
-            index(input.index.first),
-            index(input.index.total),
-            range(input.swing, found.answer.unit.symbol),
-        ]
-    });
-    Grid::new(heading, lines)
+/// A row of `distribution.csv`: a name, its value and its unit.
+pub(crate) type Number = (String, Found, &'static str);
+
+/// The columns of `distribution.csv`.
+#[rustfmt::skip]
+pub(crate) fn distribution_columns() -> Vec<ColumnOf<Number>> {
+    type Of = ColumnOf<Number>;
+    vec![
+        Of::new("quantity", Unit::NONE, "quantity", |(name, ..)| name.as_str().into())
+            .is(Role::Key, "`nominal` for the answer with all inputs at their nominal values; `mean`, `sd` and quantiles of the answer; \
+                `within_limit` for the part of answers within the limit of the study; `noise` for the part of the variance that is at most \
+                due to sampling; `samples` and `evaluations` for their numbers."),
+        Of::new("value", Unit::NONE, "value", |(_, found, _)| found.value.into())
+            .is(Role::Estimate, "The number, in `unit`.")
+            .within(|(_, found, _)| found.interval),
+        Of::new("lower", Unit::NONE, "lower end", |(_, found, _)| ends(*found)[0].into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
+        Of::new("upper", Unit::NONE, "upper end", |(_, found, _)| ends(*found)[1].into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`."),
+        Of::new("unit", Unit::NONE, "unit", |(.., unit)| (*unit).into())
+            .is(Role::Note, "Unit of `value`; empty for parts and pure numbers."),
+    ]
+}
+
+/// The distribution of the answer as a table.
+pub fn distribution(found: &Sensitivity) -> Table {
+    let exact = |value| Found { value, interval: None };
+    let quantiles = LEVELS.iter().zip(found.quantiles);
+    let quantiles = quantiles.map(|(level, value)| (format!("quantile_{level}"), exact(value)));
+    let of_answer = [("nominal", exact(found.nominal)), ("mean", found.mean), ("sd", found.sd)];
+    let of_answer = of_answer.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(quantiles);
+    let within = found.within.map(|(_, part)| ("within_limit", part)).into_iter();
+    let counts = [("samples", found.samples), ("evaluations", found.evaluations)];
+    let counts = counts.map(|(name, count)| (name, exact(count as f64)));
+    let others = within.chain([("noise", exact(found.noise))]).chain(counts);
+    let others = others.map(|(name, value)| (name.to_owned(), value, ""));
+    let of_answer = of_answer.map(|(name, value)| (name, value, found.answer.unit.symbol));
+    Table { columns: columns_of(&distribution_columns(), &of_answer.chain(others).collect::<Vec<_>>()) }
 }
 
 /// How the answer was evaluated, in one line.
@@ -173,47 +186,4 @@ pub fn figure(study: &Study, found: &Sensitivity) -> Drawing {
 /// The ends of the interval of a value.
 fn ends(found: Found) -> [Option<f64>; 2] {
     found.interval.map_or([None; 2], |(low, high)| [Some(low), Some(high)])
-}
-
-/// The result with all inputs.
-pub fn json(study: &Study, found: &Sensitivity) -> Value {
-    let with_ends =
-        |found: Found| json!({ "value": found.value, "lo": ends(found)[0], "hi": ends(found)[1] });
-    let input = |input: &&Input| {
-        json!({
-            "input": input.key,
-            "unit": input.unit.symbol,
-            "from": input.range[0],
-            "to": input.range[1],
-            "first": with_ends(input.index.first),
-            "total": with_ends(input.index.total),
-            "at_from": input.ends[0],
-            "at_to": input.ends[1],
-            "least": input.swing[0],
-            "greatest": input.swing[1],
-        })
-    };
-    let rows = found.rows.iter().map(|(column, value)| (column.clone(), json!(value)));
-    let level = |(level, value): (&f64, &f64)| json!({ "level": level, "value": value });
-    json!({
-        "title": study.title,
-        "answer": found.answer(),
-        "column": found.answer.name,
-        "unit": found.answer.unit.symbol,
-        "rows": rows.collect::<serde_json::Map<String, Value>>(),
-        "samples": found.samples,
-        "evaluations": found.evaluations,
-        "trials": found.trials,
-        "seed": study.seed,
-        "decisive": found.decisive().key,
-        "nominal": found.nominal,
-        "mean": with_ends(found.mean),
-        "sd": with_ends(found.sd),
-        "quantiles": LEVELS.iter().zip(&found.quantiles).map(level).collect::<Vec<Value>>(),
-        "limit": found.within.map(|(limit, _)| limit.value),
-        "within_limit": found.within.map(|(_, part)| with_ends(part)),
-        "noise": found.noise,
-        "inputs": found.by_total().iter().map(input).collect::<Vec<Value>>(),
-        "notes": found.notes,
-    })
 }

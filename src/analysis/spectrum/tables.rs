@@ -1,16 +1,13 @@
-//! The spectra of a log as tables and as JSON.
+//! The spectra of a log as tables.
 
-use serde_json::{Value, json};
-
-use crate::allan::{Deviation, Trend, Unit as Curves};
+use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log;
+use crate::analysis::log::records::{self, Record};
 use crate::analysis::log::tables::{key, text};
-use crate::analysis::requirement::Decision;
-use crate::analysis::spectrum::notes::of_columns;
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
-use crate::spectrum::{FALSE_ALARM, Line, Point};
-use crate::table::column::{columns_of, object};
+use crate::spectrum::{Line, Point};
+use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
 /// Unit of densities in files.
@@ -154,56 +151,12 @@ pub fn white_noise(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&white_columns(), &rows) }
 }
 
-/// The complete analysis as JSON: that of the noise, with the spectrum of each column.
-pub fn document(analysis: &Analysis, decision: &Decision) -> Value {
-    let mut document = log::tables::document(&analysis.noise, decision);
-    document["density"] = json!({ "sides": 1, "window": "hann", "overlap": 0.5, "false_alarm": FALSE_ALARM });
-    document["notes"] = json!(of_columns(analysis));
-    for (place, (column, spectrum)) in analysis.columns().enumerate() {
-        document["columns"][place]["spectrum"] = of_column(column, spectrum);
-    }
-    document
-}
-
-fn of_column(column: &log::Column, spectrum: &Spectrum) -> Value {
-    let density = &spectrum.density;
-    let white = &spectrum.white;
-    let ends = |row: &Row| {
-        json!({
-            "n": row.value,
-            "lower": row.interval.map(|ends| ends[0]),
-            "upper": row.interval.map(|ends| ends[1]),
-            "unit": row.unit,
-            "status": row.verdict,
-        })
-    };
-    let columns = density_columns();
-    let of_point = |point| {
-        let row = DensityRow { column, spectrum, point, treatment: "" };
-        object(&columns, &row, &["column", "unit", "treatment"])
-    };
-    json!({
-        "segment_samples": density.segment,
-        "segment_detrend": match density.trend { Trend::None => "constant", Trend::Linear => "linear" },
-        "segments": density.segments,
-        "unused_samples": density.unused,
-        "degrees_of_freedom": density.freedom,
-        "density_unit": in_files(column.unit),
-        "points": density.points.iter().map(of_point).collect::<Vec<_>>(),
-        "lines": spectrum.lines.iter().map(|line| json!({
-            "f_hz": line.frequency_hz,
-            "amplitude": line.amplitude,
-            "unit": column.unit.in_files(Deviation::Oadev),
-            "over_floor": line.over_floor,
-            "p": line.p,
-        })).collect::<Vec<_>>(),
-        "white_noise": {
-            "floor": white.from_floor.as_ref().map(ends),
-            "fit": white.from_fit.as_ref().map(ends),
-            "range_hz": range(white),
-            "others": white.model.map(|[_, others]| others),
-            "told_apart": white.is_told_apart(),
-            "status": white.verdict(),
-        },
-    })
+/// The records with their fits and spectra: `records.csv`.
+pub fn records(analysis: &Analysis) -> Table {
+    let Analysis { noise, spectra } = analysis;
+    let columns = noise.columns.iter().enumerate();
+    records::table(columns.map(|(place, column)| Record {
+        density: spectra.get(place).map(|spectrum| &spectrum.density),
+        ..Record::new(noise, column, &column.name)
+    }))
 }

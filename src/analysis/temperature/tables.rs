@@ -1,10 +1,7 @@
-//! The dependence on temperature as tables and as JSON.
-
-use serde_json::{Value, json};
+//! The dependence on temperature as tables.
 
 use crate::allan::Deviation;
-use crate::analysis::log::Analysis;
-use crate::analysis::log::tables::{document_of, key, text};
+use crate::analysis::log::tables::{key, text};
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::Finding;
 use crate::analysis::temperature::{Column, Dependence, Temperature};
@@ -173,49 +170,4 @@ impl Column {
             .filter(|found| found.is_of_temperature())
             .map_or(vec![], Dependence::compensation)
     }
-}
-
-/// The dependence as JSON, with the coefficients of the noise of the compensated record; `is_compensated` says whether all other
-/// results are those of that record too.
-pub fn document(temperature: &Temperature, after: &Analysis, is_compensated: bool) -> Value {
-    let of = |(column, after): (&Column, &crate::analysis::log::Column)| {
-        let row = |row: &Row| {
-            json!({
-                "coefficient": row.name,
-                "value": row.value,
-                "lower": row.interval.map(|ends| ends[0]),
-                "upper": row.interval.map(|ends| ends[1]),
-                "unit": row.unit[0],
-                "status": row.verdict,
-                "intervals": row.intervals,
-            })
-        };
-        let point = |(temperature_c, rate): &(f64, Estimate)| {
-            json!({
-                "temperature_c": temperature_c,
-                "rate": rate.value,
-                "lower": rate.interval[0],
-                "upper": rate.interval[1],
-            })
-        };
-        let found = column.found.as_ref().ok();
-        json!({
-            "column": column.name,
-            "missing": column.found.as_ref().err(),
-            "coefficients": rows(column).iter().map(row).collect::<Vec<_>>(),
-            "range_c": found.map(|found| found.averages.range_c),
-            "block_s": found.map(|found| found.averages.m as f64 * temperature.step_s),
-            "blocks": found.map(|found| found.averages.places.len()),
-            "p": found.map(|found| found.model.p_value),
-            "compensation": column.table().iter().map(point).collect::<Vec<_>>(),
-            "coefficients_after": after.coefficients().iter().map(document_of).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "compensated": is_compensated,
-        "smoothed_over_s": (2 * temperature.course.half_window + 1) as f64 * temperature.step_s,
-        "sensor_error_k": temperature.course.error,
-        "missing": temperature.missing[0],
-        "columns": temperature.columns.iter().zip(&after.columns).map(of).collect::<Vec<_>>(),
-    })
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use miette::NamedSource;
 use serde::de::{Deserialize, Deserializer, Error};
+use serde_json::value::RawValue;
 
 use crate::key::reading::Reading;
 use crate::kinds::navigation::keys::FILTER;
@@ -77,17 +78,41 @@ fn read(name: &str, span: Range<usize>, files: &Files) -> Result<Model, Wrong> {
     parse(text.inner()).map_err(|fault| Wrong::Elsewhere(fault.within(&text)))
 }
 
-fn parse(text: &str) -> Result<Model, Fault> {
+/// A document of `sagnac model --json`.
+#[derive(serde::Deserialize)]
+struct Printed<'a> {
+    #[serde(borrow)]
+    model: Columns<'a>,
+}
+
+#[derive(serde::Deserialize)]
+struct Columns<'a> {
+    #[serde(borrow)]
+    columns: Vec<&'a RawValue>,
+}
+
+/// The part of a document that has the model: of `model.json` the whole, of what `--json` prints that of its only column.
+fn of_column(text: &str) -> &str {
+    match serde_json::from_str(text) {
+        Ok(Printed { model: Columns { columns } }) if columns.len() == 1 => columns[0].get(),
+        _ => text,
+    }
+}
+
+fn parse(whole: &str) -> Result<Model, Fault> {
+    let text = of_column(whole);
+    let start = whole.find(text).unwrap_or(0);
     let document: Document = serde_json::from_str(text).map_err(|error| {
-        let whole = error.to_string();
-        let found = whole.rsplit_once(" at line").map_or(whole.as_str(), |(found, _)| found);
+        let message = error.to_string();
+        let found = message.rsplit_once(" at line").map_or(message.as_str(), |(found, _)| found);
         let message = format!("the model of a filter cannot be read: {found}");
-        Fault::new(place(text, error.line(), error.column()), message, "here", HELP)
+        let at = place(text, error.line(), error.column());
+        Fault::new(start + at.start..start + at.end, message, "here", HELP)
     })?;
     if document.markov.len() > MOST_STATES {
         let message = format!("the model of a filter has {} Markov states", document.markov.len());
         return Err(Fault::new(
-            0..text.len(),
+            0..whole.len(),
             message,
             "in this document",
             format!("accepted: up to {MOST_STATES}"),
@@ -103,7 +128,7 @@ fn parse(text: &str) -> Result<Model, Fault> {
     };
     if model.is_nothing() {
         return Err(Fault::new(
-            0..text.len(),
+            0..whole.len(),
             "the model of a filter has no noise",
             "in this document",
             HELP,

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::fillers::{STUDY, SWEEPS, entry, near, swept, tables};
-use crate::desk::{Desk, number, row, unwrapped};
+use super::fillers::{STUDY, SWEEPS, chosen, entry, names, near, swept, tables};
+use crate::desk::{Desk, fact_of, number, row, rows_of, unwrapped};
 use sagnac::quantity::number::significant;
 
 #[test]
@@ -12,12 +12,13 @@ fn the_point_of_a_study_with_sweeps_is_the_one_asked_for_or_the_first_of_those_w
     for at in ["--at motion.frequency=25Hz --at gap_ticks=2", "--at frequency=25 --at switching.gap_ticks=2"]
     {
         let json = tables(&desk, &format!("study.toml {at}"));
-        assert_eq!(json["gap_ticks"], 2);
-        assert_eq!(json["at"]["motion.frequency"], "25 Hz");
+        let question = json["question"].as_str().unwrap();
+        assert!(question.contains("gap of 2 lost ticks of 5 ms"), "{question}");
+        assert!(question.contains("motion.frequency = 25 Hz"), "{question}");
         near(&entry(&json, "quadratic", "residual")["weights"], &[-0.5, 1.5, 1.5, -0.5], 0.0);
     }
     let json = tables(&desk, "study.toml --at gap_ticks=3");
-    assert_eq!(json["at"]["motion.frequency"], "20 Hz");
+    assert!(json["question"].as_str().unwrap().contains("motion.frequency = 20 Hz"), "{json:#}");
     near(&entry(&json, "quadratic", "residual")["amplitude_arcsec"], &[26.848], 5e-4);
     let shown = desk.done("filler study.toml --at gap_ticks=3").stdout;
     assert!(unwrapped(&shown).contains("motion.frequency = 20 Hz, switching.gap_ticks = 3"), "{shown}");
@@ -53,9 +54,7 @@ fn a_point_is_asked_for_where_weights_differ_and_by_the_keys_that_matter() {
 fn a_filler_is_chosen_by_its_name() {
     let desk = Desk::with(STUDY);
     let json = tables(&desk, "study.toml --filler mv8+2 --filler const");
-    let names: Vec<&str> =
-        json["fillers"].as_array().unwrap().iter().map(|filler| filler["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["const", "mv8+2"]);
+    assert_eq!(names(&json), ["const", "mv8+2"]);
     let header = desk.read("results/study/filler/sagnac_filler.h");
     assert!(header.contains("sagnac_mv8_2 = {") && !header.contains("sagnac_linear"), "{header}");
 }
@@ -91,14 +90,15 @@ fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
 fn polynomials_need_no_study_and_no_tick() {
     let desk = Desk::with(STUDY);
     let json = tables(&desk, "quadratic --gap-ticks 3");
-    assert_eq!((json["fillers"].as_array().unwrap().len(), &json["tick_s"]), (1, &Value::Null));
+    assert_eq!(names(&json).len(), 1);
+    assert_eq!(json["question"], "Weights for a gap of 3 lost ticks");
     near(&entry(&json, "quadratic", "extrapolation")["weights"], &[6.35, -9.05, -6.95, 12.65], 1e-12);
     assert!(!desk.read("results/quadratic/filler/sagnac_filler.h").contains("T = "));
     assert!(desk.read("results/quadratic/filler/response.svg").contains("cycles per tick"));
     let of_5_ms = "linear const --gap-ticks 3 --tick 5ms --noise 1arcsec";
     let ticks = "--fit-ticks -3..0,n+1,n+2 --extrapolation-ticks=-1,0";
     let json = tables(&desk, &format!("{of_5_ms} {ticks}"));
-    assert_eq!(json["tick_s"], 0.005);
+    assert_eq!(json["question"], "Weights for a gap of 3 lost ticks of 5 ms");
     let linear = entry(&json, "linear", "residual");
     assert_eq!(linear["ticks"], serde_json::json!([-3, -2, -1, 0, 4, 5]));
     // A line through two ticks: tick j is P₀ + j (P₀ − P₋₁), over three ticks −6 and 9.
@@ -123,8 +123,8 @@ fn minimum_variance_from_options_is_that_of_the_study_that_says_the_same() {
 }
 
 /// The 99.73 % level of the chosen ticks with four digits.
-fn level_of(search: &Value) -> String {
-    significant(search["chosen"]["p99_73_arcsec"].as_f64().unwrap(), 4)
+fn level_of(chosen: &Value) -> String {
+    significant(chosen["p99_73_arcsec"].as_f64().unwrap(), 4)
 }
 
 #[test]
@@ -132,31 +132,27 @@ fn a_search_finds_the_ticks_for_a_limit_and_a_latency_and_shows_the_trade() {
     let desk = Desk::with(STUDY);
     let words = "minimum-variance --gap-ticks 3 --tick 5ms --band 18Hz,22Hz --amplitude 12000arcsec/s --noise 0.5arcsec";
     let found = tables(&desk, &format!("{words} --limit residual=8arcsec --latency 20ms"));
-    let search = &found["search"];
-    assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &serde_json::json!(0.05)));
-    let [before, after] = ["before", "after"].map(|key| search["chosen"][key].as_i64().unwrap());
+    let chosen = chosen(&found);
+    assert_eq!(fact_of(&found, "caveat")["text"], "at worst with all frequencies up to 5 % lower or higher");
+    let [before, after] = ["before", "after"].map(|key| chosen[key].as_i64().unwrap());
     let ticks: Vec<i64> = (1 - before..=0).chain(4..=3 + after).collect();
     let residual = entry(&found, "minimum-variance", "residual");
     assert_eq!(residual["ticks"], serde_json::json!(ticks));
     // What the search computes is the closed form of what it writes, and the judgement of the filler.
-    near(&search["chosen"]["own_rms_arcsec"], &[residual["rms_arcsec"].as_f64().unwrap()], 1e-3);
-    near(
-        &search["chosen"]["rms_arcsec"],
-        &[found["fillers"][0]["shifted_rms_arcsec"].as_f64().unwrap()],
-        1e-6,
-    );
-    assert!(search["chosen"]["p99_73_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{search:#}");
+    near(&chosen["own_rms_arcsec"], &[residual["rms_arcsec"].as_f64().unwrap()], 1e-3);
+    near(&chosen["rms_arcsec"], &[residual["shifted_rms_arcsec"].as_f64().unwrap()], 1e-6);
+    assert!(chosen["p99_73_arcsec"].as_f64().unwrap() <= 8.0 && after <= 4, "{chosen:#}");
     let answer = &found["answer"];
     assert_eq!(answer["status"]["is"], "met");
-    assert_eq!(answer["value"]["value"], search["chosen"]["p99_73_arcsec"]);
+    assert_eq!(answer["value"]["value"], chosen["p99_73_arcsec"]);
     assert!(answer["headline"].as_str().unwrap().ends_with("at 99.73 % meets the 8″ limit"), "{answer:#}");
     let folder = "results/minimum-variance/filler";
     // The chart's numbers are in the table, and the headline has the error that the limit is checked against.
     let trade = desk.table(&format!("{folder}/trade.csv"));
     let own = row(&trade, &[("before", &before.to_string()), ("after", &after.to_string())]);
-    let level = level_of(search);
+    let level = level_of(chosen);
     assert_eq!(significant(number(own, "p99_73_arcsec"), 4), level);
-    assert_eq!(trade.len(), search["candidates"].as_array().unwrap().len());
+    assert_eq!(trade.len(), rows_of(&found, "trade").len());
     let answer = found["answer"]["headline"].as_str().unwrap();
     assert_eq!(answer, format!("{before}+{after} ticks: {}″ at 99.73 % meets the 8″ limit", &level[..4]));
     assert!(desk.read(&format!("{folder}/report.html")).contains(answer));
@@ -176,8 +172,8 @@ fn the_level_of_a_search_is_that_of_sampled_errors() {
     let words = "minimum-variance --gap-ticks 3 --tick 5ms --amplitude 12000arcsec/s --noise 0.5arcsec";
     for (band, frequency) in [("18Hz,22Hz", r#"["18 Hz", "22 Hz"]"#), ("20Hz", r#""20 Hz""#)] {
         let found = tables(&desk, &format!("{words} --band {band} --limit residual=8arcsec"));
-        let chosen = &found["search"]["chosen"];
-        let ticks = &entry(&found, "minimum-variance", "residual")["ticks"];
+        let chosen = chosen(&found);
+        let ticks = entry(&found, "minimum-variance", "residual")["ticks"].take();
         let ticks: Vec<String> = ticks.as_array().unwrap().iter().map(|tick| format!("\"{tick}\"")).collect();
         let study = format!(
             "title = \"x\"\nkind = \"gap-fill\"\ntrials = 400000\n[gyro]\ntick = \"5 ms\"\ntick_noise = {{ std = \"0.5 arcsec\" }}\n\
@@ -214,7 +210,7 @@ fn a_search_of_a_study_takes_its_recorded_motion_and_agrees_with_a_run_of_what_i
     };
     desk.write("study.toml", &study("\"const\", \"quadratic\""));
     let found = tables(&desk, "study.toml --latency 20ms");
-    let chosen = &found["search"]["chosen"];
+    let chosen = chosen(&found);
     let after = chosen["after"].as_i64().unwrap();
     assert!(after <= 4, "{chosen:#}");
     let name = format!("searched {}+{after}", chosen["before"]);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::desk::Desk;
+use crate::desk::{Desk, rows_of};
 
 /// The paper's working point, with minimum variance and given weights beside the polynomials.
 pub const STUDY: &str = r#"title = "Fillers /* of a \"gyro\" */ ??/"
@@ -52,13 +52,43 @@ pub fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
     csv::Reader::from_path(path).unwrap().deserialize().map(Result::unwrap).collect()
 }
 
-/// The entry of a filler and an error in the JSON.
-pub fn entry<'v>(json: &'v Value, filler: &str, error: &str) -> &'v Value {
-    let named = |list: &'v Value, key: &str, name: &str| {
-        let found = list.as_array().unwrap().iter().find(|entry| entry[key] == name);
-        found.unwrap_or_else(|| panic!("no {name} in {list:#}"))
+/// The names of the fillers in a document.
+pub fn names(json: &Value) -> Vec<&str> {
+    let residuals = rows_of(json, "fillers").iter().filter(|row| row["error"] == "residual");
+    residuals.map(|row| row["filler"].as_str().unwrap()).collect()
+}
+
+/// What a document says of a filler and an error: its row, with `ticks`, `numerators` and `weights` of the whole gap, their
+/// `denominator`, and the numerators `by_tick`, which are null where it has those of the sum alone.
+pub fn entry(json: &Value, filler: &str, error: &str) -> Value {
+    let own = |table: &str| -> Vec<&Value> {
+        let is_own = |row: &&Value| row["filler"] == filler && row["error"] == error;
+        rows_of(json, table).iter().filter(is_own).collect()
     };
-    named(&named(&json["fillers"], "name", filler)["errors"], "error", error)
+    let mut entry = (*own("fillers").first().unwrap_or_else(|| panic!("no {filler} in {json:#}"))).clone();
+    let weights = own("weights");
+    let of = |row: &str| -> Vec<&Value> { weights.iter().copied().filter(|w| w["row"] == row).collect() };
+    let column = |row: &str, name: &str| of(row).iter().map(|w| w[name].clone()).collect::<Value>();
+    let sum = of("sum");
+    let weight = |w: &&Value| w["numerator"].as_f64().unwrap() / w["denominator"].as_f64().unwrap();
+    entry["ticks"] = column("sum", "tick");
+    entry["numerators"] = column("sum", "numerator");
+    entry["denominator"] = sum[0]["denominator"].clone();
+    entry["weights"] = sum.iter().map(weight).collect();
+    let by_tick = (1..).map(|j: u32| column(&j.to_string(), "numerator"));
+    let by_tick: Vec<Value> =
+        by_tick.take_while(|row| row.as_array().is_some_and(|row| !row.is_empty())).collect();
+    entry["by_tick"] = if by_tick.is_empty() { Value::Null } else { by_tick.into() };
+    entry
+}
+
+/// The candidate of a search whose ticks the first filler reads.
+pub fn chosen(json: &Value) -> &Value {
+    let ticks = entry(json, names(json)[0], "residual")["ticks"].take();
+    let (before, after): (Vec<i64>, Vec<i64>) =
+        ticks.as_array().unwrap().iter().map(|tick| tick.as_i64().unwrap()).partition(|tick| *tick <= 0);
+    let is_it = |row: &&Value| row["before"] == before.len() && row["after"] == after.len();
+    rows_of(json, "trade").iter().find(is_it).unwrap()
 }
 
 #[track_caller]

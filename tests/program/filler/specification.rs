@@ -1,9 +1,7 @@
 //! Fillers for a specification: bands and lines, each with its own tolerance, apart from the motion that is sampled.
 
-use serde_json::Value;
-
-use super::fillers::{entry, near, tables};
-use crate::desk::{Desk, number, row};
+use super::fillers::{chosen, entry, near, tables};
+use crate::desk::{Desk, number, row, rows_of};
 
 /// A band of 30 to 80 Hz and a dither at 345 Hz, above half the tick rate, with the sampled motion `line` and `band`.
 fn study(line: &str, band: &str, fillers: &str) -> String {
@@ -38,19 +36,20 @@ fn a_filler_for_a_band_and_a_dither_keeps_a_limit_within_their_tolerances() {
     let [line, band] = NOMINAL;
     let desk = Desk::with(&study(line, band, "\"const\""));
     let found = tables(&desk, "study.toml --limit residual=4arcsec");
-    let search = &found["search"];
-    assert_eq!((&search["meets_limit"], &search["shift"]), (&Value::Bool(true), &Value::Null));
-    let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
+    let search = chosen(&found);
+    let chosen = |key: &str| search[key].as_f64().unwrap();
+    assert_eq!(found["answer"]["status"]["is"], "met");
+    assert_eq!(found["answer"]["table"]["columns"][3], "rms within tolerance");
     assert!(
         chosen("p99_73_arcsec") <= 4.0 && chosen("own_p99_73_arcsec") < chosen("p99_73_arcsec"),
         "{search:#}"
     );
-    let filler = &found["fillers"][0];
+    let filler = &rows_of(&found, "fillers")[0];
     // That of the weights in whole numbers.
     near(&filler["shifted_p99_73_arcsec"], &[chosen("p99_73_arcsec")], 1e-4);
-    assert_eq!(filler["latency_ticks"], search["chosen"]["after"]);
+    assert_eq!(filler["latency_ticks"], search["after"]);
     // The closed form of what is sampled is that on the specification as given.
-    let name = filler["name"].as_str().unwrap();
+    let name = filler["filler"].as_str().unwrap();
     near(&entry(&found, name, "residual")["rms_arcsec"], &[chosen("own_rms_arcsec")], 1e-4);
     let header = desk.read("results/study/filler/sagnac_filler.h");
     assert!(header.contains(" as specified with its tolerances, and 0.2″ rms of noise"), "{header}");
@@ -124,14 +123,15 @@ fn the_limit_of_a_study_is_that_of_its_fillers_unless_another_one_is_asked_for()
     let text = study(line, band, fillers).replace("gap_ticks = 3", "gap_ticks = 2");
     let desk = Desk::with(&format!("limit = \"4 arcsec\"\n{text}"));
     for (options, told, limit) in [
-        ("", "mv: 4.5″ at 99.73 % misses the 4″ limit", None),
-        ("--latency 4ms", "+0 ticks: 3.98″ at 99.73 % meets the 4″ limit", Some(4.0)),
-        ("--limit residual=5arcsec", "meets the 5″ limit", Some(5.0)),
+        ("", "mv: 4.5″ at 99.73 % misses the 4″ limit", 4.0),
+        ("--latency 4ms", "+0 ticks: 3.98″ at 99.73 % meets the 4″ limit", 4.0),
+        ("--limit residual=5arcsec", "meets the 5″ limit", 5.0),
     ] {
         let found = tables(&desk, &format!("study.toml {options}"));
         let headline = found["answer"]["headline"].as_str().unwrap();
         assert!(headline.contains(told), "{options}: {headline}");
-        assert_eq!(found["search"]["limit_arcsec"].as_f64(), limit, "{options}");
+        assert_eq!(found["answer"]["limit"]["value"], limit, "{options}");
+        assert_eq!(found["tables"].get("trade").is_some(), !options.is_empty(), "{options}");
     }
     let (before, rest) = text.split_once("[specification]").unwrap();
     let own =
@@ -180,8 +180,9 @@ fn the_study_of_the_guide_finds_what_the_guide_says() {
         .expect("the guide has the study");
     let command = rest.split_once("`sagnac ").and_then(|(_, rest)| rest.split_once('`')).unwrap().0;
     let told = rest.trim_start().split("\n\n").next().unwrap().replace('\n', " ");
-    let search = &tables(&Desk::with(study), "study.toml --latency 32ms")["search"];
-    let chosen = |key: &str| search["chosen"][key].as_f64().unwrap();
+    let found = tables(&Desk::with(study), "study.toml --latency 32ms");
+    let search = chosen(&found);
+    let chosen = |key: &str| search[key].as_f64().unwrap();
     let [before, after, level] = ["before", "after", "p99_73_arcsec"].map(chosen);
     assert_eq!(command, "filler mine.toml --latency \"32 ms\"");
     for piece in [

@@ -12,7 +12,7 @@ use crate::desk::Desk;
 fn weights_gains_and_amplitudes_are_those_of_theory() {
     let desk = Desk::with(STUDY);
     let json = tables(&desk, "study.toml");
-    assert_eq!((&json["gap_ticks"], &json["tick_s"]), (&Value::from(3), &Value::from(0.005)));
+    assert_eq!(json["question"], "Weights for a gap of 3 lost ticks of 5 ms");
     let quadratic = entry(&json, "quadratic", "residual");
     assert_eq!(quadratic["ticks"], serde_json::json!([-1, 0, 4, 5]));
     near(&quadratic["weights"], &[-1.0, 2.5, 2.5, -1.0], 0.0);
@@ -46,7 +46,7 @@ fn polynomials_are_those_of_the_reference_table() {
             let found = entry(&json, &row["order"], &row["error"]);
             near(&found["weights"], &["w1", "w2", "w3", "w4"].map(number), 1e-11);
             near(&found["noise_gain"], &[number("noise_gain")], 1e-10);
-            assert_eq!(found["exact"], true);
+            assert_eq!(found["exact"], "yes");
             let sum: i64 = found["numerators"].as_array().unwrap().iter().map(|w| w.as_i64().unwrap()).sum();
             assert_eq!(Some(sum), found["denominator"].as_i64().map(|d| n * d), "{row:?}");
         }
@@ -78,7 +78,7 @@ fn minimum_variance_is_that_of_the_reference_table() {
         let weights = found["weights"].as_array().unwrap().iter().map(|w| w.as_f64().unwrap().abs());
         near(&Value::from(weights.fold(0.0, f64::max)), &[number("largest_weight")], tolerance);
         near(&found["rms_arcsec"], &[number("rms_arcsec")], 2e-4 * number("rms_arcsec"));
-        assert_eq!(found["exact"], false);
+        assert_eq!(found["exact"], "no");
     }
 }
 

@@ -6,7 +6,7 @@ use crate::quantity::number::significant;
 use crate::quantity::units::{Dimension, Quantity};
 
 /// One cell. An unknown value is [`Cell::Blank`], never 0; in JSON it is null.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum Cell {
     /// An unknown value, or one without meaning in this row.

@@ -1,7 +1,6 @@
 //! Declared columns, each of which is one row with all its properties and the function that makes its cells.
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 use crate::quantity::unit::{Unit, bare};
 use crate::table::{Cell, Cells, Column};
@@ -231,12 +230,6 @@ pub fn columns_of<R: Sync>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
     // Short columns are made on one thread.
     let together = if rows.len() < FEW_ROWS { columns.len() } else { 1 };
     columns.par_iter().with_min_len(together).map(of).collect()
-}
-
-/// A row as a JSON object: its cells by the headers of their columns, except those of the `omitted` names.
-pub fn object<R>(columns: &[ColumnOf<R>], row: &R, omitted: &[&str]) -> Value {
-    let shown = columns.iter().filter(|column| !omitted.contains(&column.about.name));
-    shown.map(|column| (column.about.with(Cells::default()).header(), json!((column.cell)(row)))).collect()
 }
 
 /// The properties of some columns, without their cells.

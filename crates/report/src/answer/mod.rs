@@ -31,8 +31,7 @@ pub const MAX_ROWS: usize = 7;
 pub const MAX_COLUMNS: usize = 6;
 
 /// The kind of a question.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Which option has the least value?
@@ -51,8 +50,7 @@ pub enum Kind {
 }
 
 /// The state of the limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", tag = "is")]
 pub enum Status {
     /// The best option is within it under all conditions.
@@ -93,8 +91,7 @@ impl Status {
 }
 
 /// A cell of an answer's table.
-#[derive(Debug, Clone, PartialEq, Serialize, Default)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Default, schemars::JsonSchema)]
 pub struct AnswerCell {
     /// Its text, with its unit.
     pub text: String,
@@ -115,8 +112,7 @@ impl From<Reading> for AnswerCell {
 }
 
 /// The table of an answer: a row for each option, the best one first.
-#[derive(Debug, Clone, PartialEq, Serialize, Default)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Default, schemars::JsonSchema)]
 pub struct AnswerTable {
     /// Headings of the columns; the first one is that of the options.
     pub columns: Vec<String>,
@@ -129,8 +125,7 @@ pub struct AnswerTable {
 }
 
 /// A check of the results.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", tag = "check")]
 pub enum Check {
     /// Agreement of sampled values with their closed forms.
@@ -160,8 +155,7 @@ impl Check {
 }
 
 /// An answer.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, schemars::JsonSchema)]
 pub struct Answer {
     /// The kind of the question.
     pub kind: Kind,
@@ -186,42 +180,5 @@ impl Answer {
     pub fn chips(&self) -> Vec<String> {
         let limit = self.limit.as_ref().map(|limit| format!("limit {}", limit.text()));
         std::iter::once(self.status.text()).chain(limit).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use serde_json::Value;
-
-    use super::Answer;
-
-    /// The documents that contain an answer.
-    const DOCUMENTS: [&str; 8] =
-        ["allan", "compare", "design", "filler", "lot", "model", "run", "sensitivity"];
-
-    #[test]
-    fn schemas_have_the_definitions_of_an_answer_that_follow_from_its_type() {
-        let mut generated = schemars::schema_for!(Answer).to_value();
-        let mut definitions = generated["$defs"].take();
-        for key in ["$schema", "$defs"] {
-            generated.as_object_mut().unwrap().remove(key);
-        }
-        definitions["Answer"] = generated;
-        let mut outdated = vec![];
-        for document in DOCUMENTS {
-            let name = format!("../../schema/{document}.schema.json");
-            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(&name);
-            let shipped: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-            let mut present = shipped.clone();
-            for (name, definition) in definitions.as_object().unwrap() {
-                present["$defs"][name] = definition.clone();
-            }
-            if present != shipped {
-                let text = serde_json::to_string_pretty(&present).unwrap() + "\n";
-                std::fs::write(path.with_extension("json.new"), text).unwrap();
-                outdated.push(name);
-            }
-        }
-        assert!(outdated.is_empty(), "out of date, the present ones end in .new: {outdated:?}");
     }
 }

@@ -13,8 +13,7 @@ const DIGITS: usize = 3;
 const MAX_DIGITS: usize = 4;
 
 /// A value in the unit in which it is shown, with its 95 % interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Reading {
     /// Header of its column.
     pub quantity: String,

@@ -12,6 +12,7 @@
 //! prints sharply nor works with a screen reader.
 
 mod data;
+pub mod document;
 pub mod gallery;
 mod html;
 pub mod sections;

@@ -1,13 +1,9 @@
-//! What latency and memory cost: the choices that no other one beats, as a table, a chart and sentences.
-
-use serde_json::{Value, json};
+//! What latency and memory cost: each filler at its best interval, and the choices that no other one beats, as tables and a chart.
 
 use crate::analysis::design::constraints::milliseconds;
 use crate::analysis::design::pareto::Choice;
-use crate::analysis::design::report::json::swept;
-use crate::analysis::design::report::variants::shown;
-use crate::analysis::design::report::{called, ends, four_digits, three_digits};
-use crate::analysis::design::{Design, Measure};
+use crate::analysis::design::report::{called, ends, four_digits};
+use crate::analysis::design::{Cost, Design, Filler, Found, Measure, PapersRule, Variant};
 use crate::filler::FILLERS;
 use crate::filler::closed::LISTED;
 use crate::key::scale::Scale;
@@ -16,13 +12,32 @@ use crate::kinds::table::table as table_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 use crate::view::chart::styles::of_names;
-use crate::view::report::sections::Grid;
 
-/// A row of `pareto.csv`.
+/// A filler at its best interval: a row of `pareto.csv` and `fillers.csv`.
 pub(crate) struct Row<'a> {
-    choice: Choice<'a>,
-    times: [f64; 3],
+    variant: &'a Variant,
+    filler: &'a Filler,
+    times: Found,
     as_good: bool,
+}
+
+impl Row<'_> {
+    fn new<'a>(found: &Design, variant: &'a Variant, filler: &'a Filler) -> Row<'a> {
+        let best = filler.best();
+        Row { variant, filler, times: found.times_best(best), as_good: found.is_as_good(best) }
+    }
+
+    fn drift(&self) -> Found {
+        self.filler.best().drift
+    }
+
+    fn of_cost<T: Into<Cell>>(&self, of: fn(Cost) -> T) -> Cell {
+        self.filler.cost.map_or(Cell::Blank, |cost| of(cost).into())
+    }
+
+    fn of_rule(&self, of: fn(&PapersRule) -> f64) -> Cell {
+        self.filler.papers_rule.as_ref().map(of).into()
+    }
 }
 
 /// The columns of `pareto.csv` except the swept keys, in the order of the file.
@@ -30,47 +45,76 @@ pub(crate) struct Row<'a> {
 pub(crate) fn pareto_columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
-        Of::new("filler", Unit::NONE, "filler", |row| called(row.choice.filler).into())
+        Of::new("filler", Unit::NONE, "filler", |row| called(row.filler).into())
             .is_of(FILLERS, Role::Key, FILLER)
             .styled(LISTED),
-        Of::new("latency", Unit::S, "latency", |row| Cell::Number(row.choice.cost.latency_s))
+        Of::new("latency", Unit::S, "latency", |row| row.of_cost(|cost| cost.latency_s))
             .is(Role::Coordinate, "Time from the end of the gap to the correction, s."),
-        Of::new("memory", Unit::NONE, "memory, bytes", |row| row.choice.cost.memory.bytes().into())
+        Of::new("memory", Unit::NONE, "memory, bytes", |row| row.of_cost(|cost| cost.memory.bytes()))
             .is(Role::Count, "Memory of the filler in firmware on a 32-bit processor, bytes: constants and state."),
-        Of::new("constants", Unit::NONE, "constants, bytes", |row| row.choice.cost.memory.constants.into())
+        Of::new("constants", Unit::NONE, "constants, bytes", |row| row.of_cost(|cost| cost.memory.constants))
             .is(Role::Count, "Its part that holds ticks and weights, which may be in flash, bytes."),
-        Of::new("interval", Unit::S, "switching interval", |row| Cell::Number(row.choice.filler.best().interval_s))
+        Of::new("interval", Unit::S, "switching interval", |row| Cell::Number(row.filler.best().interval_s))
             .is(Role::Coordinate, "Best switching interval, s."),
-        Of::new("drift", Unit::DEG_PER_H, "drift", |row| Cell::Number(row.choice.drift().value))
+        Of::new("drift", Unit::DEG_PER_H, "drift", |row| Cell::Number(row.drift().value))
             .is(Role::Error, "The minimized drift there, °/h: the estimate that `--by` names.")
-            .within(|row| row.choice.drift().interval),
-        Of::new("drift_lo", Unit::DEG_PER_H, "lower end", |row| ends(row.choice.drift())[0].into())
+            .within(|row| row.drift().interval),
+        Of::new("drift_lo", Unit::DEG_PER_H, "lower end", |row| ends(row.drift())[0].into())
             .is_of("drift", Role::Lower, "Lower end of the 95 % interval of `drift`, °/h."),
-        Of::new("drift_hi", Unit::DEG_PER_H, "upper end", |row| ends(row.choice.drift())[1].into())
+        Of::new("drift_hi", Unit::DEG_PER_H, "upper end", |row| ends(row.drift())[1].into())
             .is_of("drift", Role::Upper, "Upper end of the 95 % interval of `drift`, °/h."),
-        Of::new("times_least", Unit::NONE, "times the least", |row| Cell::Number(row.times[0]))
+        Of::new("times_least", Unit::NONE, "times the least", |row| Cell::Number(row.times.value))
             .is(Role::Estimate, "Ratio of the drift to the least one, in runs with the same random numbers.")
-            .within(|row| Some((row.times[1], row.times[2]))),
-        Of::new("times_least_lo", Unit::NONE, "lower end", |row| Cell::Number(row.times[1]))
+            .within(|row| row.times.interval),
+        Of::new("times_least_lo", Unit::NONE, "lower end", |row| ends(row.times)[0].into())
             .is_of("times_least", Role::Lower, "Lower end of the 95 % interval of `times_least`."),
-        Of::new("times_least_hi", Unit::NONE, "upper end", |row| Cell::Number(row.times[2]))
+        Of::new("times_least_hi", Unit::NONE, "upper end", |row| ends(row.times)[1].into())
             .is_of("times_least", Role::Upper, "Upper end of the 95 % interval of `times_least`."),
         Of::new("as_good", Unit::NONE, "as good", |row| (if row.as_good { "yes" } else { "no" }).into())
             .is(Role::Note, "Whether the drift does not differ significantly from the least one: `yes` or `no`."),
     ]
 }
 
+/// The columns of `fillers.csv` except the swept keys, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn filler_columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    let further = [
+        Of::new("interval_lo", Unit::S, "lower end", |row| ends(row.filler.optimum)[0].into())
+            .is_of("interval", Role::Lower, "Lower end of the 95 % interval of the best switching interval, s; blank where too few were tried around it."),
+        Of::new("interval_hi", Unit::S, "upper end", |row| ends(row.filler.optimum)[1].into())
+            .is_of("interval", Role::Upper, "Upper end of the 95 % interval of the best switching interval, s."),
+        Of::new("angle", Unit::ARCSEC, "angle at the end", |row| Cell::Number(row.variant.angle(row.drift().value)))
+            .is(Role::Estimate, "The drift times the run time, ″."),
+        Of::new("duration", Unit::S, "run time", |row| Cell::Number(row.variant.duration_s))
+            .is(Role::Estimate, "Run time, s."),
+        Of::new("residual_rms", Unit::ARCSEC, "rms residual", |row| row.filler.residual_rms.into())
+            .is(Role::Estimate, "Root mean square residual of a switch, ″; blank without fillers."),
+        Of::new("residual_max", Unit::ARCSEC, "largest residual", |row| row.filler.residual_max.into())
+            .is(Role::Estimate, "Bound on the residual of a switch, ″; blank where there is none."),
+        Of::new("rule_interval", Unit::S, "interval of the paper's rule", |row| row.of_rule(|rule| rule.interval_s))
+            .is(Role::Estimate, "Switching interval by the paper's rule, s; blank where the rule does not apply."),
+        Of::new("rule_bound", Unit::DEG_PER_H, "bound of the paper's rule", |row| row.of_rule(|rule| rule.bound))
+            .is(Role::Estimate, "Bound on the drift by the paper's rule, °/h."),
+        Of::new("rule_drift", Unit::DEG_PER_H, "drift at the paper's interval", |row| row.of_rule(|rule| rule.tried.drift.value))
+            .is(Role::Estimate, "Drift at the interval of the paper's rule, °/h: the estimate that `--by` names."),
+    ];
+    pareto_columns().into_iter().chain(further).collect()
+}
+
 /// The rows of `pareto.csv`.
 fn rows(found: &Design) -> Vec<Row<'_>> {
-    let row = |choice: Choice<'_>| {
-        let best = choice.filler.best();
-        let times = found.times_best(best);
-        let (low, high) = times.interval.unwrap_or((times.value, times.value));
-        (times.value, low, high, found.is_as_good(best))
-    };
-    let each = found.pareto().into_iter().map(|choice| (choice, row(choice)));
-    each.map(|(choice, (value, low, high, as_good))| Row { choice, times: [value, low, high], as_good })
-        .collect()
+    let front = found.pareto().into_iter();
+    front.map(|choice| Row::new(found, choice.variant, choice.filler)).collect()
+}
+
+/// Each filler at its best interval, for each combination of swept values.
+pub fn filler_table(found: &Design) -> Table {
+    let mut rows = Vec::new();
+    for variant in &found.variants {
+        rows.extend(variant.fillers.iter().map(|filler| Row::new(found, variant, filler)));
+    }
+    table_of(&found.keys(), &filler_columns(), &rows, |row| &row.variant.swept)
 }
 
 /// The choices that no other one beats in drift, latency and memory. `None` where there is nothing to trade: no swept key
@@ -78,61 +122,7 @@ fn rows(found: &Design) -> Vec<Row<'_>> {
 pub fn pareto_table(found: &Design) -> Option<Table> {
     let rows = rows(found);
     let is_shown = found.trades() && !rows.is_empty();
-    is_shown.then(|| table_of(&found.keys(), &pareto_columns(), &rows, |row| &row.choice.variant.swept))
-}
-
-/// The same choices to read. `None` where there is no table of them.
-pub(crate) fn by_choice(found: &Design) -> Option<Grid> {
-    pareto_table(found)?;
-    let keys = found.keys();
-    let own = [
-        "filler",
-        "latency, ms",
-        "memory, bytes",
-        "best interval, s",
-        found.measure.label(),
-        "times the least",
-    ];
-    let head = keys.iter().map(|sweep| sweep.key.label).chain(own);
-    let line = |row: Row| {
-        let Row { choice, times, as_good } = row;
-        let times = three_digits(times[0]);
-        let is_best = std::ptr::eq(choice.filler, found.best());
-        let own = [
-            called(choice.filler).to_owned(),
-            milliseconds(choice.cost.latency_s).trim_end_matches(" ms").to_owned(),
-            choice.cost.memory.bytes().to_string(),
-            four_digits(choice.filler.best().interval_s),
-            format!("{} °/h", three_digits(choice.drift().value)),
-            if as_good && !is_best { format!("{times}, as good") } else { times },
-        ];
-        choice.variant.swept.iter().map(|(_, value)| shown(value)).chain(own).collect::<Vec<_>>()
-    };
-    Some(Grid::new(head, rows(found).into_iter().map(line)))
-}
-
-/// Gives the choices that are not dominated as JSON.
-pub(crate) fn pareto_json(found: &Design) -> Value {
-    let one = |row: Row| {
-        let Row { choice, times, as_good } = row;
-        let [drift_lo, drift_hi] = ends(choice.drift());
-        json!({
-            "swept": swept(found, choice.variant),
-            "filler": choice.filler.name,
-            "interval_s": choice.filler.best().interval_s,
-            "latency_s": choice.cost.latency_s,
-            "memory_bytes": choice.cost.memory.bytes(),
-            "constants_bytes": choice.cost.memory.constants,
-            "drift": choice.drift().value,
-            "drift_lo": drift_lo,
-            "drift_hi": drift_hi,
-            "times_least": times[0],
-            "times_least_lo": times[1],
-            "times_least_hi": times[2],
-            "as_good": as_good,
-        })
-    };
-    rows(found).into_iter().map(one).collect()
+    is_shown.then(|| table_of(&found.keys(), &pareto_columns(), &rows, |row| &row.variant.swept))
 }
 
 /// The limit of the study on the minimized drift of a run of this length, °/h; `None` where it has none on that estimate.
