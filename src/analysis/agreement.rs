@@ -153,7 +153,7 @@ mod tests {
         let found = agreements(&table);
         assert_eq!((found.len(), found[0].rows, found[0].at, found[0].largest), (1, 3, 2, 3.0));
         assert!((found[0].rms - libm::sqrt(14.0 / 3.0)).abs() < 1e-12 && found[0].holds());
-        assert_eq!(row(&table), ["The rms", "3", "2.16", "3", "filler 2", "0.972 … 2.64"]);
+        assert_eq!(row(&table), ["The rms", "3", "2.16", "3", "filler 2", "0.375 … 2.64"]);
     }
 
     #[test]

@@ -138,10 +138,10 @@ impl Ran<'_> {
         pictures.retain(stem);
         outcome.save_page(folder, &pictures.iter().map(String::as_str).collect::<Vec<_>>())?;
         progress.clear();
-        if !self.json && !(shown.quiet && *lacking > 0) {
-            outcome.show(shown, self.path)?;
-        } else {
+        if self.json || shown.quiet && *lacking > 0 {
             shown.open_page(self.path);
+        } else {
+            outcome.show(shown, self.path)?;
         }
         Ok(self.json.then(|| json(&outcome.document())))
     }
