@@ -108,6 +108,12 @@ def _curves(figure: Mapping[str, Any], ax: Axes) -> None:
                 ax.vlines(at, low, high, color=look)
             else:
                 ax.fill_between(at, low, high, color=look, alpha=0.2, linewidth=0)
+    for mark in figure["marks"]:
+        if mark["range"] is not None:
+            ax.axvspan(*mark["range"], color="0.5", alpha=0.15, linewidth=0)
+        ax.plot(*mark["place"], "D", color="black", markersize=6, markerfacecolor="white", zorder=4)
+        if mark["label"]:
+            ax.annotate(mark["label"], mark["place"], textcoords="offset points", xytext=(6, 6), fontsize="small")
     limit = figure["limit"]
     if limit is not None:
         ax.axhline(limit["value"], color="#b3001b", linestyle="--", linewidth=1.2, label=limit["label"])

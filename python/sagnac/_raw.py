@@ -95,6 +95,7 @@ class RawFit(RawRecord):
     tau: Numbers
     deviation: Numbers
     fitted: Numbers
+    marks: list[tuple[str, float, float]]
 
 
 class RawRule(TypedDict):

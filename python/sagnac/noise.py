@@ -91,12 +91,16 @@ class Allan(Mapping[str, Curve]):
     """What the record shows besides noise, as ``sagnac allan --json`` lists it: ``event``, ``size`` in ``unit``, ``time_s``, ``f_hz`` and
     others, and in ``done`` what was done with it."""
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the curves with their intervals with matplotlib, which has to be installed; returns the axes."""
+    def plot(self, *, ax: Axes | None = None, label: str | None = None, color: str | None = None) -> Axes:
+        """Draws the curves with their intervals with matplotlib, which has to be installed; returns the axes.
+
+        ``label`` names the record in the legend, and ``color`` is the colour of all its curves, so that several records share axes.
+        """
         ax = _plot.axes_of(ax)
         for style, curve in enumerate(self.curves.values()):
-            look = _plot.colour(style)
-            ax.loglog(curve.tau, curve.value, color=look, marker="o", markersize=3, label=curve.deviation)
+            look = _plot.colour(style) if color is None else color
+            name = curve.deviation if label is None else label if len(self.curves) == 1 else f"{label}, {curve.deviation}"
+            ax.loglog(curve.tau, curve.value, color=look, marker="o", markersize=3, label=name)
             ax.fill_between(curve.tau, curve.lower, curve.upper, color=look, alpha=0.2, linewidth=0)
         units = {curve.unit for curve in self.curves.values()}
         ax.set_xlabel("averaging time τ, s")
@@ -170,6 +174,9 @@ class Fit(Mapping[str, Coefficient]):
     fitted: Numbers
     """The deviation of the best fit at this sampling rate, including terms that are not identified; NaN at averaging times that
     the fit leaves out, and everywhere if it does not describe the curve."""
+    marks: dict[str, tuple[float, float]]
+    """The averaging time, s, and the deviation at which each coefficient that the record shows is read off: N at 1 s, K at 3 s, Q at √3 s,
+    R at √2 s, B at 0.664 of itself where the fit is least."""
     missing: int
     mean_rate: float | None
     removed_slope_per_s: float
@@ -178,11 +185,18 @@ class Fit(Mapping[str, Coefficient]):
     events: list[dict[str, Any]]
     """The same as in :class:`Allan`, with what the fit shows besides."""
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the curve and the fit with matplotlib, which has to be installed; returns the axes."""
+    def plot(self, *, ax: Axes | None = None, label: str | None = None, color: str | None = None) -> Axes:
+        """Draws the curve, the fit and the marks of its coefficients with matplotlib, which has to be installed; returns the axes.
+
+        ``label`` names the record in the legend, and ``color`` is the colour of all that is drawn, so that several records share axes.
+        """
         ax = _plot.axes_of(ax)
-        ax.loglog(self.tau, self.deviation, "o", color=_plot.colour(0), markersize=4, label="overlapping Allan deviation")
-        ax.loglog(self.tau, self.fitted, color=_plot.colour(1), label="fit")
+        measured, fit = (color, color) if color is not None else (_plot.colour(0), _plot.colour(1))
+        ax.loglog(self.tau, self.deviation, "o", color=measured, markersize=4, label=label or "overlapping Allan deviation")
+        ax.loglog(self.tau, self.fitted, color=fit, label="fit" if label is None else None)
+        for name, place in self.marks.items():
+            ax.loglog(*place, "D", color=fit, markersize=6, markerfacecolor="white")
+            ax.annotate(name, place, textcoords="offset points", xytext=(6, 6), fontsize="small")
         ax.set_xlabel("averaging time τ, s")
         ax.set_ylabel(f"deviation σ(τ), {self.unit}" if self.unit else "deviation σ(τ)")
         ax.legend()

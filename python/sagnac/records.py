@@ -223,6 +223,7 @@ def fit(
         unit=found["unit"],
         deviation=found["deviation"],
         fitted=found["fitted"],
+        marks={name: (tau, deviation) for name, tau, deviation in found["marks"]},
         missing=found["missing"],
         mean_rate=found["mean_rate"],
         removed_slope_per_s=found["removed_slope_per_s"],

@@ -175,5 +175,19 @@ def test_every_result_plots_what_its_chart_has(studies: Path) -> None:
             matplotlib.pyplot.close(axes.figure)
     for found in (sagnac.allan(values, RATE, unit="deg/h"), sagnac.fit(values, RATE, unit="deg/h", bootstrap=0)):
         assert found.answer and found.plot().get_xscale() == "log"
+    labelled = sagnac.allan(values, RATE, unit="deg/h").plot(label="unit 7", color="green")
+    fitted = sagnac.fit(values, RATE, unit="deg/h", bootstrap=0)
+    fitted.plot(ax=labelled, label="its fit", color="red")
+    assert [text.get_text() for text in labelled.get_legend().get_texts()] == ["unit 7", "its fit"]
+    # N at 1 s: the deviation there is N in °/√h times 60.
+    tau, deviation = fitted.marks["N"]
+    assert tau == 1.0 and abs(deviation / (60.0 * (fitted["N"].value or np.nan)) - 1.0) < 1e-12
+    assert any(np.array_equal(line.get_xydata(), [[tau, deviation]]) for line in labelled.get_lines())
+    matplotlib.pyplot.close(labelled.figure)
+    # The crossings of the answer are marked.
+    axes = results[0].plot()
+    marks = results[0].pictures[next(iter(results[0].charts))]["marks"]
+    assert marks and all(any(np.array_equal(line.get_xydata(), [mark["place"]]) for line in axes.get_lines()) for mark in marks)
+    matplotlib.pyplot.close(axes.figure)
     with pytest.raises(sagnac.UsageError, match="accepted: chart-1"):
         results[0].plot("none")

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::desk::Desk;
@@ -117,6 +118,7 @@ fn digests(study: &Path) -> ([String; 2], BTreeMap<String, String>) {
     assert_eq!(ended.code, 0, "{name}: {}", ended.stderr);
     let shown = ended.stdout.trim_end();
     let (headline, counts) = measured(name, shown);
+    agree(&desk, &words, name, shown);
     let text = std::fs::read_to_string(study).unwrap();
     let question = text.parse::<toml::Table>().unwrap()["question"].as_str().unwrap().to_owned();
     let row = format!("| [{name}](#{name}) | {headline} | {} | {} |\n", counts[0], counts[1]);
@@ -128,6 +130,44 @@ fn digests(study: &Path) -> ([String; 2], BTreeMap<String, String>) {
         (format!("{name}/{file}"), hex)
     });
     ([row, section], tables.collect())
+}
+
+/// Checks that document, page and terminal have the same answer, and document and file the same points.
+fn agree(desk: &Desk, words: &str, name: &str, shown: &str) {
+    let document: Value = serde_json::from_str(&desk.done(&format!("{words} --json")).stdout).unwrap();
+    let page = desk.read(&format!("{name}/report.html"));
+    let answer = &document["answer"];
+    let headline = answer["headline"].as_str().unwrap();
+    let is_on_page =
+        |text: &str| page.contains(&text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;"));
+    let one_line = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(is_on_page(headline) && one_line.contains(headline), "{name}: {headline}");
+    for row in answer["table"]["rows"].as_array().unwrap() {
+        let cells: Vec<&str> =
+            row.as_array().unwrap().iter().map(|cell| cell["text"].as_str().unwrap()).collect();
+        assert!(cells.iter().all(|cell| is_on_page(cell)), "{name}: {cells:?}");
+        // Columns in the middle may not fit.
+        let ends = [cells[0], cells[cells.len() - 1]];
+        let is_shown = |line: &str| ends.iter().all(|cell| line.contains(cell));
+        assert!(shown.lines().any(is_shown), "{name}: {ends:?}");
+    }
+    let points = desk.points(name);
+    let rows = document["tables"]["points"].as_array().unwrap();
+    assert_eq!(points.len(), rows.len(), "{name}");
+    for (row, cells) in rows.iter().zip(&points) {
+        for (column, value) in row.as_object().unwrap() {
+            // A file has nine digits.
+            let is_same = match value {
+                Value::Null => cells[column].is_empty(),
+                Value::String(text) => *text == cells[column],
+                number => {
+                    let (number, written) = (number.as_f64().unwrap(), cells[column].parse::<f64>().unwrap());
+                    (number - written).abs() <= 5.1e-9 * number.abs()
+                }
+            };
+            assert!(is_same, "{name}: {column} {value} {}", cells[column]);
+        }
+    }
 }
 
 /// The trials that a study asks for.

@@ -137,17 +137,6 @@ pub fn residuals(analysis: &Analysis) -> Option<Figure> {
     })
 }
 
-/// The averaging time at which the coefficient of a term is its deviation; `None` of terms that are read off elsewhere.
-fn read_at(term: Term) -> Option<f64> {
-    Some(match term {
-        Term::Quantization => libm::sqrt(3.0),
-        Term::AngleRandomWalk => 1.0,
-        Term::RateRandomWalk => 3.0,
-        Term::RateRamp => core::f64::consts::SQRT_2,
-        _ => return None,
-    })
-}
-
 /// The coefficients on the lines of their terms, the bias instability where the fit is least, and the minimum of the curve; each with
 /// its value as in the answer.
 fn marks(
@@ -165,7 +154,7 @@ fn marks(
     let coefficient = |(term, part): &(Term, figure::Part)| {
         let row =
             column.coefficients().iter().find(|row| row.name == term.symbol() && row.value.is_some())?;
-        let tau_s = if *term == Term::BiasInstability { plateau } else { read_at(*term) };
+        let tau_s = if *term == Term::BiasInstability { plateau } else { term.read_at() };
         let place = (tau_s?, along(&part.points, tau_s?)?);
         let label = match term {
             // The plateau is this much lower.

@@ -255,6 +255,18 @@ impl Term {
         self.row().symbol
     }
 
+    /// The averaging time, s, at which the Allan deviation of the term alone is its coefficient in base units; `None` of terms that
+    /// are read off elsewhere.
+    pub fn read_at(self) -> Option<f64> {
+        Some(match self {
+            Term::Quantization => libm::sqrt(3.0),
+            Term::AngleRandomWalk => 1.0,
+            Term::RateRandomWalk => 3.0,
+            Term::RateRamp => core::f64::consts::SQRT_2,
+            _ => return None,
+        })
+    }
+
     /// The time or frequency of a term, if it has one.
     pub(crate) fn shape(self) -> Option<&'static Shape> {
         self.row().shape.as_ref()
