@@ -87,7 +87,8 @@ def design(
     ...     "run": {"duration": "1 h"},
     ... }
     >>> found = design(gyro, by="drift_rms", trials=8192, device="cpu")
-    >>> 20.0 < found.tables["fillers.csv"]["interval_s"][0] < 25.0, found.answer[:12]       # in closed form 22.4 s
+    >>> [best] = found.data["tables"]["fillers"]
+    >>> 20.0 < best["interval_s"] < 25.0, found.answer[:12]       # in closed form 22.4 s
     (True, 'Switch every')
     """
     path, text = _source(study)

@@ -14,22 +14,35 @@ from program import Program
 
 
 def check(found: sagnac.Fillers, expected: Any) -> None:
-    assert (found.title, found.at, found.tick) == (expected["title"], expected["at"], expected["tick_s"])
-    assert (found.gap_ticks, found.no_rms_because) == (expected["gap_ticks"], expected["no_rms_because"])
-    assert list(found) == [filler["name"] for filler in expected["fillers"]]
-    for theirs in expected["fillers"]:
-        filler = found[theirs["name"]]
-        assert filler.method == theirs["method"]
+    tables, question = expected["tables"], expected["question"]
+    of_gap = f"Weights for a gap of {found.gap_ticks} lost tick{'s' if found.gap_ticks > 1 else ''}"
+    of_tick = "" if found.tick is None else f" of {1e3 * found.tick:g} ms"
+    place = ", ".join(f"{key} = {value}" for key, value in found.at.items())
+    assert (found.title, question) == (expected["title"], of_gap + of_tick + (f", at {place}" if place else ""))
+    caveats = [fact["text"] for fact in expected["answer"]["facts"] if fact["fact"] == "caveat"]
+    assert [text for text in caveats if "there is no rms" in text] == (
+        [] if found.no_rms_because is None else [f"there is no rms: {found.no_rms_because}"]
+    )
+    assert list(found) == list(dict.fromkeys(row["filler"] for row in tables["fillers"]))
+    for name, filler in found.items():
         rules = [filler.interpolation, *([filler.extrapolation] if filler.extrapolation else [])]
-        assert [rule.error for rule in rules] == [entry["error"] for entry in theirs["errors"]]
-        for rule, entry in zip(rules, theirs["errors"]):
-            denominator = entry["denominator"]
-            assert (list(rule.ticks), rule.denominator, rule.exact) == (entry["ticks"], denominator, entry["exact"])
-            assert list(rule.fractions) == [Fraction(top, denominator) for top in entry["numerators"]]
-            assert list(rule.weights) == entry["weights"]
-            if entry["by_tick"] is not None:
-                rows = [[Fraction(top, denominator) for top in row] for row in entry["by_tick"]]
-                assert [list(row) for row in rule.rows] == rows
+        entries = [row for row in tables["fillers"] if row["filler"] == name]
+        assert [rule.error for rule in rules] == [entry["error"] for entry in entries]
+        for rule, entry in zip(rules, entries, strict=True):
+            assert filler.method == entry["method"]
+            own = [row for row in tables["weights"] if (row["filler"], row["error"]) == (name, rule.error)]
+            rows: dict[str, list[Any]] = {}
+            for row in own:
+                rows.setdefault(row["row"], []).append(row)
+            whole = rows.pop("sum")
+            assert list(rule.ticks) == [row["tick"] for row in whole]
+            assert {rule.denominator} == {row["denominator"] for row in own}
+            assert rule.exact == (entry["exact"] == "yes")
+            assert list(rule.fractions) == [Fraction(row["numerator"], row["denominator"]) for row in whole]
+            assert list(rule.weights) == [float(row["weight"]) for row in whole]
+            if rows:
+                by_tick = [[Fraction(row["numerator"], row["denominator"]) for row in line] for line in rows.values()]
+                assert [list(row) for row in rule.rows] == by_tick
             for key in ["noise_gain", "largest_gain", "largest_input"]:
                 assert getattr(rule, key) == entry[key], key
             assert (rule.amplitude, rule.rms) == (entry["amplitude_arcsec"], entry["rms_arcsec"])
@@ -62,7 +75,7 @@ def test_fillers_of_a_study_are_those_of_the_program(program: Program, studies: 
 
 def test_the_response_is_the_amplitude_that_the_program_tells(program: Program) -> None:
     options = ["--gap-ticks", 3, "--tick", "5 ms", "--band", "20 Hz", "--amplitude", "12000 arcsec/s"]
-    expected = program("filler", "quadratic", *options)["fillers"][0]["errors"]
+    expected = program("filler", "quadratic", *options)["tables"]["fillers"]
     found = sagnac.filler("quadratic", 3, tick="5 ms", band="20 Hz", amplitude="12000 arcsec/s")["quadratic"]
     assert found.extrapolation is not None
     for rule, theirs in zip([found.interpolation, found.extrapolation], expected):

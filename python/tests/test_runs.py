@@ -114,7 +114,7 @@ def test_a_run_goes_on_from_what_the_folder_holds(studies: Path, tmp_path: Path,
     assert again.sampled_trials == 0 and again.folder == tmp_path / "out"
     # The program takes the folder over.
     more = program("run", study, "--trials", 2000, "--device", "cpu", "--out", tmp_path / "out")
-    assert more["sampled_trials"] == first.sampled_trials
+    assert more["provenance"]["sampled_trials"] == first.sampled_trials
 
 
 def test_columns_have_types_labels_and_units(studies: Path) -> None:
