@@ -15,7 +15,7 @@ from program import Program
 
 def check(found: sagnac.Fillers, expected: Any) -> None:
     tables, question = expected["tables"], expected["question"]
-    of_gap = f"Weights for a gap of {found.gap_ticks} lost tick{'s' if found.gap_ticks > 1 else ''}"
+    of_gap = f"Which filler belongs in the firmware? Weights for a gap of {found.gap_ticks} lost tick{'s' if found.gap_ticks > 1 else ''}"
     of_tick = "" if found.tick is None else f" of {1e3 * found.tick:g} ms"
     place = ", ".join(f"{key} = {value}" for key, value in found.at.items())
     assert (found.title, question) == (expected["title"], of_gap + of_tick + (f", at {place}" if place else ""))

@@ -91,14 +91,14 @@ fn polynomials_need_no_study_and_no_tick() {
     let desk = Desk::with(STUDY);
     let json = tables(&desk, "quadratic --gap-ticks 3");
     assert_eq!(names(&json).len(), 1);
-    assert_eq!(json["question"], "Weights for a gap of 3 lost ticks");
+    assert!(json["question"].as_str().unwrap().ends_with("Weights for a gap of 3 lost ticks"));
     near(&entry(&json, "quadratic", "extrapolation")["weights"], &[6.35, -9.05, -6.95, 12.65], 1e-12);
     assert!(!desk.read("results/quadratic/filler/sagnac_filler.h").contains("T = "));
     assert!(desk.read("results/quadratic/filler/response.svg").contains("cycles per tick"));
     let of_5_ms = "linear const --gap-ticks 3 --tick 5ms --noise 1arcsec";
     let ticks = "--fit-ticks -3..0,n+1,n+2 --extrapolation-ticks=-1,0";
     let json = tables(&desk, &format!("{of_5_ms} {ticks}"));
-    assert_eq!(json["question"], "Weights for a gap of 3 lost ticks of 5 ms");
+    assert!(json["question"].as_str().unwrap().ends_with("Weights for a gap of 3 lost ticks of 5 ms"));
     let linear = entry(&json, "linear", "residual");
     assert_eq!(linear["ticks"], serde_json::json!([-3, -2, -1, 0, 4, 5]));
     // A line through two ticks: tick j is P₀ + j (P₀ − P₋₁), over three ticks −6 and 9.

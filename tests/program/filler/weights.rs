@@ -12,7 +12,7 @@ use crate::desk::Desk;
 fn weights_gains_and_amplitudes_are_those_of_theory() {
     let desk = Desk::with(STUDY);
     let json = tables(&desk, "study.toml");
-    assert_eq!(json["question"], "Weights for a gap of 3 lost ticks of 5 ms");
+    assert!(json["question"].as_str().unwrap().ends_with("Weights for a gap of 3 lost ticks of 5 ms"));
     let quadratic = entry(&json, "quadratic", "residual");
     assert_eq!(quadratic["ticks"], serde_json::json!([-1, 0, 4, 5]));
     near(&quadratic["weights"], &[-1.0, 2.5, 2.5, -1.0], 0.0);
