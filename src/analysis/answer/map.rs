@@ -55,6 +55,7 @@ fn winners(map: &Map, names: &[(usize, &str)], won: &[Option<usize>]) -> Option<
         rows: shown.iter().map(line).collect(),
         best: None,
         omitted: 0,
+        are_places: true,
     };
     let (style, name) = *shown.first()?;
     // Where it begins to win at the lowest y, of the places in the table.
@@ -104,6 +105,7 @@ fn of_values(map: &Map, values: &[Option<f64>]) -> Option<Outline> {
         rows: sampled(map.rows.len(), 0).into_iter().map(line).collect(),
         best: None,
         omitted: 0,
+        are_places: true,
     };
     let value = Reading { quantity: map.z.label.clone(), value, unit: map.z.unit.clone(), interval: None };
     let at = [(&map.x, map.columns[cell % columns]), (&map.y, map.rows[cell / columns])]

@@ -511,7 +511,7 @@ pub(super) fn table(columns: Vec<String>, lines: Vec<Line>) -> AnswerTable {
     joined.truncate(MAX_ROWS);
     let row = |line: Line| std::iter::once(AnswerCell::from(line.name)).chain(line.cells).collect();
     let rows: Vec<Vec<AnswerCell>> = joined.into_iter().map(row).collect();
-    AnswerTable { columns, best: (rows.len() > 1).then_some(0), rows, omitted }
+    AnswerTable { columns, best: (rows.len() > 1).then_some(0), rows, omitted, ..AnswerTable::default() }
 }
 
 /// At most as many of some places as columns beside the first and some `others` are shown, evenly and with both ends.

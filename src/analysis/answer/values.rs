@@ -77,6 +77,7 @@ pub(super) fn outline(question: &Question) -> Outline {
     let told = told(question, &choices, is_error);
     let (headline, value, kind) = told.unwrap_or_else(|| (String::new(), None, Kind::Estimate));
     let mut table = table(columns, lines);
+    table.are_places = conditions.len() > 1 || places.len() > 1 && single.is_none();
     table.best = table.best.filter(|_| kind != Kind::Estimate && (single.is_none() || question.x.is_none()));
     // The largest value of a curve, where the answer has it.
     let is_told = |label: &String| {

@@ -158,6 +158,7 @@ impl Analysis {
             rows: all.iter().take(MAX_ROWS).map(row).collect(),
             best: told.map(|_| 0),
             omitted: all.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 

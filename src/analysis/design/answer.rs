@@ -123,6 +123,7 @@ impl Design {
             rows: all.iter().take(MAX_ROWS).map(row).collect(),
             best: Some(0),
             omitted: all.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 

@@ -152,6 +152,7 @@ impl Firmware {
             rows: all.iter().take(MAX_ROWS).map(row).collect(),
             best: (all.len() > 1 && !known.is_empty()).then_some(0),
             omitted: all.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 
@@ -253,6 +254,12 @@ impl Trade {
             columns.pop();
             rows.iter_mut().for_each(|row| row.truncate(columns.len()));
         }
-        AnswerTable { columns, rows, best: Some(place - first), omitted: all.len().saturating_sub(MAX_ROWS) }
+        AnswerTable {
+            columns,
+            rows,
+            best: Some(place - first),
+            omitted: all.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
+        }
     }
 }

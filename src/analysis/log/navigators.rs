@@ -306,6 +306,7 @@ pub fn answer(found: &[Result<Navigators, String>]) -> Option<Answer> {
             rows: all.iter().take(MAX_ROWS).map(row).collect(),
             best: Some(0),
             omitted: all.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         },
         facts,
         checks: vec![],

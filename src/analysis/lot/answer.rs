@@ -117,6 +117,7 @@ impl Lot {
             rows: units.iter().take(MAX_ROWS).map(row).collect(),
             best: units.first().filter(|&&unit| is_odd(unit)).map(|_| 0),
             omitted: units.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 

@@ -106,6 +106,7 @@ impl Analysis {
             rows: columns.iter().take(MAX_ROWS).map(row).collect(),
             best: worst.filter(|place| *place < MAX_ROWS),
             omitted: columns.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 
@@ -177,7 +178,13 @@ fn parameters(column: &Column) -> AnswerTable {
     let omitted = rows.len().saturating_sub(MAX_ROWS);
     rows.truncate(MAX_ROWS);
     let heads = ["parameter", "value", "correlation time"];
-    AnswerTable { columns: heads.map(str::to_owned).into(), rows, best: None, omitted }
+    AnswerTable {
+        columns: heads.map(str::to_owned).into(),
+        rows,
+        best: None,
+        omitted,
+        ..AnswerTable::default()
+    }
 }
 
 /// Notes on what was read and on what the model leaves out.

@@ -231,6 +231,7 @@ impl<'a> Panel<'a> {
             best: if headed.is_some() { best } else { first.or(best) },
             omitted: all.len() - kept.len(),
             rows: kept.into_iter().map(|(row, title, state)| line((row, title, state))).collect(),
+            ..AnswerTable::default()
         }
     }
 
@@ -284,6 +285,7 @@ impl<'a> Panel<'a> {
             rows: subjects.iter().take(MAX_ROWS).map(row).collect(),
             best: Some(0),
             omitted: subjects.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 

@@ -76,6 +76,7 @@ impl Sensitivity {
             rows: inputs.iter().take(MAX_ROWS).map(row).collect(),
             best: Some(0),
             omitted: inputs.len().saturating_sub(MAX_ROWS),
+            ..AnswerTable::default()
         }
     }
 

@@ -122,6 +122,9 @@ pub struct AnswerTable {
     pub best: Option<usize>,
     /// Number of rows that are not shown.
     pub omitted: usize,
+    /// Whether the columns are places or conditions of one quantity: where they do not all fit, those in the middle are left out, else
+    /// those at the end.
+    pub are_places: bool,
 }
 
 /// A check of the results.

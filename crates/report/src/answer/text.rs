@@ -38,7 +38,7 @@ impl Answer {
 }
 
 impl AnswerTable {
-    /// The table in aligned columns, numbers flush right; of columns that do not fit, those in the middle are left out.
+    /// The table in aligned columns, numbers flush right, without columns that do not fit.
     pub fn text(&self, width: usize) -> String {
         let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
         let length = |text: &str| in_cell(text).chars().count();
@@ -55,7 +55,7 @@ impl AnswerTable {
         let mut shown: Vec<usize> = (0..columns.len()).collect();
         let total = |shown: &[usize]| shown.iter().map(|&at| widths[at] + GAP).sum::<usize>() - GAP;
         while shown.len() > 2 && BEST.chars().count() + total(&shown) > width {
-            shown.remove(shown.len() / 2);
+            shown.remove(if self.are_places { shown.len() / 2 } else { shown.len() - 1 });
         }
         let broken: Vec<Vec<String>> = shown.iter().map(|&at| wrapped(&columns[at], widths[at])).collect();
         let height = broken.iter().map(Vec::len).max().unwrap_or(0);
