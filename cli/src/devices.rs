@@ -53,15 +53,18 @@ pub fn device(command: &Command) -> Result<(), Failure> {
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Former option: what explained unused GPUs is in the guide
+    /// Former option: the guide has a section on GPUs that are not used
     #[arg(long, hide = true)]
     why: bool,
+    /// Former option, which printed that as JSON
+    #[arg(long, hide = true)]
+    json: bool,
 }
 
 /// Lists the devices that can run kernels.
 pub fn devices(options: &Options) -> Result<(), Failure> {
-    if options.why {
-        say!("note: `--why` is gone: \"A GPU that is not used\" in the guide says what may be missing");
+    if options.why || options.json {
+        say!("note: `--why` is gone: \"A GPU that is not used\" in docs/guide.md says what may be missing");
     }
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     print(&format!("cpu: {}", widths.join(", ")))?;

@@ -85,7 +85,7 @@ commands! {
     /// List, verify or measure the devices that kernels run on
     Device(crate::devices::Command) = crate::devices::device;
     #[command(hide = true)]
-    Chart(crate::chart::Options) = |options| { renamed("chart", "report DIR --chart"); crate::chart::chart(options) };
+    Chart(crate::chart::Options) = |options| { renamed("chart", "report DIR --chart 1"); crate::chart::chart(options) };
     #[command(hide = true)]
     Psd(crate::allan::Options) = |options| { renamed("psd", "allan"); crate::allan::allan(options) };
     #[command(hide = true)]

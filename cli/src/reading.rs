@@ -17,7 +17,7 @@ use sagnac::record::binary::Binary;
 use sagnac::record::layout::Decimal;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::UnitCheck;
-use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::measure::{Data, Unit, UnitMismatch};
 use sagnac::record::log::read::{Duplicates, Hints, Request, Timing};
 use sagnac::record::log::temperature::Thermometer;
 use sagnac::theory::allan::terms::Term;
@@ -197,6 +197,18 @@ impl Reading {
         }
     }
 
+    /// The failure for a unit that does not fit; of an angle without its kind, that this is missing.
+    fn refused_unit(&self, wrong: &UnitMismatch) -> Failure {
+        let is_angle = |unit: &&String| Unit::of_header(unit, Data::Increment).is_ok();
+        match self.unit.iter().chain(&self.scale).find(is_angle).filter(|_| self.data.is_none()) {
+            Some(unit) => Failure::Usage(format!(
+                "\"{unit}\" is a unit of angles or velocities\nadd --data increment, if each number is what one sample gained, or \
+                 --data angle"
+            )),
+            None => Failure::Usage(in_options(&format!("{}\n{}", wrong.message, wrong.help))),
+        }
+    }
+
     /// The request for a file with this rate.
     fn request_at(&self, rate: Option<&String>) -> Result<Request, Failure> {
         // A unit that is given is that of a rate unless the kind is given too.
@@ -208,7 +220,7 @@ impl Reading {
         let units = units
             .chain(scales)
             .collect::<Result<Vec<Unit>, _>>()
-            .map_err(|wrong| Failure::Usage(in_options(&format!("{}\n{}", wrong.message, wrong.help))))?;
+            .map_err(|wrong| self.refused_unit(&wrong))?;
         let step_s = rate.map(|rate| step(rate)).transpose()?;
         let timing = match (step_s, self.time.as_deref()) {
             (Some(step_s), Some("none")) => Timing::Step(step_s),

@@ -50,7 +50,7 @@ Examples:
   sagnac report results
   sagnac report results/error_vs_dtnu --y rms --limit \"rms=5 arcsec\"
 
-Results are those of run, allan, psd, compare, lot, model, design, sensitivity and filler. Of the results of a study the
+Results are those of run, allan, compare, model, design, sensitivity and filler. Of the results of a study the
 page is made again; the other commands have written theirs, and its card for the gallery beside it.
 In a folder of folders, what design, sensitivity and filler wrote into the folders of studies is found too.";
 

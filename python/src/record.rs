@@ -1,6 +1,5 @@
 //! Deviations and fits of an array.
 
-use std::f64::consts::{LN_2, PI};
 use std::ffi::CString;
 
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -31,9 +30,9 @@ use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::samples::{Fault, Samples};
 use sagnac::table::Table;
-use sagnac::theory::allan::Part;
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
+use sagnac::theory::allan::{FLAT_LEVEL, Part};
 use sagnac::view::report::document::{Rows, json};
 
 use super::compute::{compute_on, read_on};
@@ -54,18 +53,21 @@ pub struct Reading {
 /// A point of a fitted curve: τ, the deviation, and that of the fit.
 type Fitted = (f64, f64, Option<f64>);
 
-/// The places at which coefficients are read off: name, τ and deviation. The bias instability is read off where the fit is least.
+/// The places at which coefficients are read off: name, τ and deviation. Those beyond the curve are left out. The bias instability is read
+/// off where the fit is least.
 fn marks(sheet: &DataSheet, fitted: &[Fitted]) -> Vec<(&'static str, f64, f64)> {
     let known = fitted.iter().filter_map(|&(tau_s, _, value)| Some((tau_s, value?)));
     let plateau = known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(tau_s, _)| tau_s);
-    // The floor of flicker of the rate.
-    let flicker = (2.0 * LN_2 / PI).sqrt();
+    let [first, last] = [fitted.first(), fitted.last()].map(|place| place.map_or(0.0, |(tau_s, ..)| *tau_s));
     let mark = |part: &Part| {
         let name = part.term.symbol();
         sheet.rows.iter().find(|row| row.name == name && row.value.is_some())?;
         match part.term {
-            Term::BiasInstability => Some((name, plateau?, flicker * part.size)),
-            term => Some((name, term.read_at()?, part.size)),
+            Term::BiasInstability => Some((name, plateau?, FLAT_LEVEL.sqrt() * part.size)),
+            term => {
+                let tau_s = term.read_at().filter(|tau_s| (first..=last).contains(tau_s))?;
+                Some((name, tau_s, part.size))
+            }
         }
     };
     sheet.fit.process.parts.iter().filter_map(mark).collect()

@@ -96,7 +96,8 @@ pub fn run<'py>(
     document.set_item("device", ran.done.as_ref().map(|(_, device)| device))?;
     document.set_item("sampled_trials", done.map(|done| done.trials))?;
     document.set_item("seconds", done.map(|done| done.seconds))?;
-    document.set_item("notes", ran.page.all_notes())?;
+    document
+        .set_item("notes", ran.page.all_notes().iter().map(|note| in_python(note)).collect::<Vec<_>>())?;
     let charts = ran.page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
     document.set_item("charts", charts.collect::<Vec<_>>())?;
     document.set_item("answer", shown(&ran.page.answer))?;

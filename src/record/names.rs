@@ -36,6 +36,9 @@ const INCREMENTS: [&str; 5] = ["delta", "dangle", "dtheta", "increment", "integr
 /// Words of names of angles since some start.
 const ANGLES: [&str; 3] = ["angle", "theta", "phase"];
 
+/// Words of names of attitudes, which are not angles of a gyro.
+const ATTITUDES: [&str; 6] = ["roll", "pitch", "yaw", "heading", "azimuth", "course"];
+
 /// Words for gyros, without the letter of their axis; `gyr` and what begins with it are others.
 const GYROS: [&str; 5] = ["w", "g", "omega", "ang", "angular"];
 
@@ -140,7 +143,9 @@ impl Name {
         match data {
             Data::Rate => false,
             Data::Increment => self.has_word(&INCREMENTS),
-            Data::Angle => self.has_word(&ANGLES) && !self.has_word(&INCREMENTS),
+            Data::Angle => {
+                self.has_word(&ANGLES) && !self.has_word(&INCREMENTS) && !self.has_word(&ATTITUDES)
+            }
         }
     }
 

@@ -146,8 +146,8 @@ fn agree(desk: &Desk, words: &str, name: &str, shown: &str) {
         let cells: Vec<&str> =
             row.as_array().unwrap().iter().map(|cell| cell["text"].as_str().unwrap()).collect();
         assert!(cells.iter().all(|cell| is_on_page(cell)), "{name}: {cells:?}");
-        // Columns in the middle may not fit.
-        let ends = [cells[0], cells[cells.len() - 1]];
+        // Further columns may not fit.
+        let ends = [cells[0], cells[1]];
         let is_shown = |line: &str| ends.iter().all(|cell| line.contains(cell));
         assert!(shown.lines().any(is_shown), "{name}: {ends:?}");
     }

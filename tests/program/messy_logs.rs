@@ -212,8 +212,15 @@ fn names_and_units_say_whether_angles_are_increments() {
         // A record of angles has one increment less.
         assert!((n(&ended) / expected - 1.0).abs() < 0.01, "{name}");
     }
-    let heading = of("heading [deg]", 2);
-    assert!(heading.code == 3 && heading.stderr.contains("is an angle"), "{}", heading.stderr);
+    for name in ["heading [deg]", "roll angle [deg]"] {
+        let attitude = of(name, 2);
+        assert!(attitude.code == 3 && attitude.stderr.contains("is an angle"), "{}", attitude.stderr);
+    }
+    // Beside gyros without a unit, another angle is not what is measured.
+    let beside = |(i, row): (usize, &[f64; 3])| format!("{},{},{}\n", 0.01 * i as f64, row[2], row[0]);
+    let text = rows.iter().enumerate().map(beside).collect::<String>();
+    desk.write("log.csv", &format!("time [s],heater phase [deg],gyro_x\n{text}"));
+    desk.fails("allan log.csv --bootstrap 0 --out out", 3, &["gyro_x"]);
 }
 
 #[test]

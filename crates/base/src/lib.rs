@@ -1,4 +1,5 @@
-//! What every part of sagnac is built on: quantities with units, tables of results, texts with places in them, and progress.
+//! What every part of sagnac is built on: quantities with units, tables of results, texts with places in them, enums of words, and
+//! progress.
 //!
 //! ```
 //! use sagnac_base::quantity::units::{Dimension, parse};

@@ -101,6 +101,7 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
     });
     let marks = shown.collect();
     let mut table = table(columns, lines);
+    table.are_places = !is_single;
     if !is_chosen && table.best.is_some() {
         table.best = table.rows.iter().position(|row| row[0].text == choices[best].name);
     }

@@ -394,7 +394,9 @@ fn data_of(file: &Recording, words: &[String]) -> Option<(Data, String)> {
     };
     let names: Vec<&Name> =
         (0..file.columns()).filter(is_wanted).filter_map(|column| file.names().get(column)).collect();
-    if names.iter().any(|name| name.measures(Data::Rate)) {
+    // The unit of a gyro is open where it is not stated.
+    let may_be_rate = |name: &&Name| name.measures(Data::Rate) || name.is_gyro() && name.unit.is_none();
+    if names.iter().any(may_be_rate) {
         return None;
     }
     let is_said = |data: Data| move |name: &&&Name| name.measures(data) && name.says(data);

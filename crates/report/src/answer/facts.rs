@@ -138,11 +138,11 @@ impl Fact {
         parts.iter().filter(|part| part.share >= MIN_SHARE)
     }
 
-    /// What holds for an error budget as a whole.
+    /// A remark on the whole error budget: its condition, and whether its parts interact.
     pub fn remark(&self) -> Option<String> {
         let Fact::ErrorBudget { parts, at } = self else { return None };
         let at = Some(at).filter(|at| !at.is_empty()).map(|at| format!("at {at}"));
-        // What two parts do together is gone without either of them.
+        // An effect of two parts together is lost if either is removed, so shares may add up to more than 1.
         let is_shared = parts.iter().map(|part| part.share).sum::<f64>() > MAX_SUM;
         let remarks: Vec<String> =
             at.into_iter().chain(is_shared.then(|| "parts interact".to_owned())).collect();

@@ -124,6 +124,7 @@ pub struct AnswerTable {
     pub omitted: usize,
     /// Whether the columns are places or conditions of one quantity: where they do not all fit, those in the middle are left out, else
     /// those at the end.
+    #[serde(skip)]
     pub are_places: bool,
 }
 
