@@ -16,7 +16,7 @@ names! {
 
 impl Default for Scale {
     fn default() -> Scale {
-        Scale::Log
+        Scale::ALL[0]
     }
 }
 
