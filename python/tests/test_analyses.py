@@ -178,7 +178,8 @@ def test_every_result_plots_what_its_chart_has(studies: Path) -> None:
     labelled = sagnac.allan(values, RATE, unit="deg/h").plot(label="unit 7", color="green")
     fitted = sagnac.fit(values, RATE, unit="deg/h", bootstrap=0)
     fitted.plot(ax=labelled, label="its fit", color="red")
-    assert [text.get_text() for text in labelled.get_legend().get_texts()] == ["unit 7", "its fit"]
+    legend = labelled.get_legend()
+    assert legend is not None and [text.get_text() for text in legend.get_texts()] == ["unit 7", "its fit"]
     # N at 1 s: the deviation there is N in °/√h times 60.
     tau, deviation = fitted.marks["N"]
     assert tau == 1.0 and abs(deviation / (60.0 * (fitted["N"].value or np.nan)) - 1.0) < 1e-12

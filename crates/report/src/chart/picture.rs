@@ -37,8 +37,8 @@ impl Picture {
     /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
     ///
     /// ```
-    /// # use sagnac::view::chart::figure::*;
-    /// # use sagnac::view::chart::picture::Picture;
+    /// # use sagnac_report::chart::figure::*;
+    /// # use sagnac_report::chart::picture::Picture;
     /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None, key: None };
     /// let figure = Figure {
     ///     title: "Residual of the constant filler".into(),
