@@ -76,7 +76,7 @@ impl Outcome {
     /// Writes the page with its charts and the further files, and removes what [`Outcome::save`] removes.
     ///
     /// # Errors
-    /// Those of [`Outcome::save`].
+    /// It fails where [`Outcome::save`] does.
     pub fn save_page(&self, folder: &Folder, names: &[&str]) -> Result<(), Failure> {
         for (name, contents) in &self.files {
             folder.write(name, contents)?;

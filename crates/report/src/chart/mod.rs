@@ -1,14 +1,14 @@
-//! Charts: the rows of a table become a [`Figure`](figure::Figure) of curves or a [`Map`](map::Map), and these become a list of
-//! shapes, which is written as SVG or painted as PNG.
+//! Charts: a [`Figure`](figure::Figure) of curves or a [`Map`](map::Map) becomes a list of shapes, which is written as SVG or
+//! painted as PNG.
 //!
 //! ```text
-//! Table, Chart ─┬─▶ Figure ─┬─▶ Picture ─┬─ svg() ─▶ SVG text
-//!               └─▶ Map ────┘            ├─ png() ─▶ PNG bytes
-//!                                        └─ text() ─▶ text for a terminal
+//! Figure ─┬─▶ Picture ─┬─ svg() ─▶ SVG text
+//! Map ────┘            ├─ png() ─▶ PNG bytes
+//!                      └─ text() ─▶ text for a terminal
 //! ```
 //!
-//! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
-//! lettering is measured in the bundled DejaVu Sans, and there is no date, version or id. Ids would also collide where
+//! Equal figures give equal bytes of SVG on every machine. Logarithms are computed by libm, coordinates are rounded to 0.01 px,
+//! text is measured in the bundled DejaVu Sans, and the output contains no date, version or id. Ids would also collide where
 //! several pictures are in one HTML page.
 //!
 //! The drawing code is our own. kuva 0.6, whose source was examined, takes no explicit ticks, writes 0.01 as `1e-2`,
