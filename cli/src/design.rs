@@ -1,6 +1,7 @@
 //! `sagnac design`.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -115,8 +116,10 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let request = options.request()?;
     let mut device = options.device.select(!options.printed.quiet)?;
     let shown = Shown::new(options.progress.how(options.printed.quiet));
+    let started = Instant::now();
     let found = find(&study, &request, &mut device, &shown)
         .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
+    let seconds = started.elapsed().as_secs_f64();
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
@@ -128,7 +131,9 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let candidates = report::table(&found).rows();
     let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", found.study.title);
     let mut outcome = Outcome::new(heading, page);
-    outcome.provenance = Some(Provenance::new(study.seed, found.trials));
+    let provenance = Provenance::new(study.seed, found.trials);
+    outcome.provenance =
+        Some(Provenance { device: Some(device.name()), seconds: Some(seconds), ..provenance });
     outcome.add_document("design.json");
     outcome.save(&Folder::open(&folder)?, &["pareto.csv", "design", "pareto"])?;
     if options.json {

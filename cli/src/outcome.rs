@@ -50,7 +50,9 @@ impl Outcome {
 
     /// The results as a document for programs.
     pub fn document(&self) -> Document<'_> {
-        Document { provenance: self.provenance.clone(), ..self.page.document(&self.tables) }
+        let document = self.page.document(&self.tables);
+        let notes = document.notes.iter().map(|note| in_options(note)).collect();
+        Document { provenance: self.provenance.clone(), notes, ..document }
     }
 
     /// Adds the document as a file.
@@ -132,12 +134,13 @@ impl Outcome {
             print_drawn(&format!("{plot}\n"))?;
             print("")?;
         }
-        if printed.table || printed.verbose {
-            let sections = page.text(look::columns(), &|text| in_options(&text));
-            for part in [details, &sections].into_iter().filter(|part| !part.is_empty()) {
-                print(part)?;
-                print("")?;
-            }
+        let is_table = printed.table || printed.verbose;
+        let details = Some(details.clone()).filter(|details| is_table && !details.is_empty());
+        let has_sections = printed.verbose || is_table && details.is_none();
+        let sections = has_sections.then(|| page.text(look::columns(), &|text| in_options(&text)));
+        for part in [details, sections].into_iter().flatten() {
+            print(&part)?;
+            print("")?;
         }
         print(&text)?;
         self.places.iter().for_each(|place| say!("{place}"));

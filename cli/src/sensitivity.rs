@@ -1,6 +1,7 @@
 //! `sagnac sensitivity`.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use sagnac::analysis::page;
@@ -77,7 +78,9 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
         samples: options.samples,
         trials: options.trials,
     };
+    let started = Instant::now();
     let found = find(&study, &asked, &mut device, &shown).map_err(|error| failure(&study, error))?;
+    let seconds = started.elapsed().as_secs_f64();
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let name = match &options.by {
@@ -87,7 +90,11 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
     let heading = format!("{} · {}", study.title, report::effort(&found));
     let mut outcome = Outcome::new(heading, page::of_sensitivity(&study, &found));
-    outcome.provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
+    outcome.provenance = found.trials.map(|trials| Provenance {
+        device: Some(device.name()),
+        seconds: Some(seconds),
+        ..Provenance::new(study.seed, trials)
+    });
     outcome.add_document("sensitivity.json");
     outcome.save(&Folder::open(&folder)?, &[])?;
     if options.json {

@@ -93,7 +93,7 @@ fn document<'py>(py: Python<'py>, firmware: &Firmware) -> PyResult<Bound<'py, Py
     document.set_item("charts", vec![response])?;
     document.set_item(
         "at",
-        firmware.at.iter().map(|(key, value)| (*key, value.to_string())).collect::<Vec<_>>(),
+        firmware.at.iter().map(|(key, value)| (key.name, value.to_string())).collect::<Vec<_>>(),
     )?;
     document.set_item("tick_s", firmware.tick_s)?;
     document.set_item("gap_ticks", firmware.gap_ticks)?;

@@ -3,9 +3,9 @@
 use statrs::function::erf::erfc_inv;
 
 use crate::answer::Check;
-use crate::answer::reading::capitalized;
+use crate::answer::reading::{capitalized, place};
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, Role, Table};
+use crate::table::{Column, Role, Table};
 use crate::view::report::sections::{Block, Cell as GridCell, Grid, Section};
 
 /// The deviations of an estimate from its closed form, in standard errors of the simulation.
@@ -48,7 +48,7 @@ pub(crate) fn section(table: &Table) -> Section {
     let row = |one: &Agreement, number: &dyn Fn(f64) -> String, below: &str, expected: String| {
         let largest = GridCell { text: number(one.largest), below: below.to_owned() };
         let first = [capitalized(&one.of), one.rows.to_string(), number(one.rms)].map(GridCell::from);
-        first.into_iter().chain([largest, place(table, one.at).into(), expected.into()]).collect()
+        first.into_iter().chain([largest, expected.into(), place_of(table, one.at).into()]).collect()
     };
     let of_estimate = |one: &Agreement| {
         let number = |z| significant(z, 3);
@@ -65,7 +65,7 @@ pub(crate) fn section(table: &Table) -> Section {
         rows.push(row(&one, &percent, "", "within rounding".to_owned()));
         text += " Representation is the relative difference of the closed forms for the sampled integers and for the inputs.";
     }
-    let head = ["quantity", "values with a closed form", "rms z", "max |z|", "where", "expected"];
+    let head = ["quantity", "values", "rms z", "max |z|", "expected", "at"];
     let blocks = (!rows.is_empty()).then(|| [Block::Text(text), Block::Grid(Grid::new(head, rows))]);
     Section::new("closed-forms", "Closed forms", blocks.into_iter().flatten())
 }
@@ -94,21 +94,18 @@ impl Agreement {
     }
 }
 
-/// Description that distinguishes a row: its texts, and the values before them.
-fn place(table: &Table, row: usize) -> String {
+/// The cells that distinguish a row; of a key and what follows from it, only the key.
+fn place_of(table: &Table, row: usize) -> String {
     let told = table.columns.iter().take_while(|column| column.role != Role::Trials);
+    let told = told.filter(|column| column.role != Role::Coordinate || column.of.is_empty());
     let unlike = told.filter(|column| column.cells.iter().any(|cell| *cell != column.cells[row]));
-    let value = |column: &Column| match &column.cells[row] {
-        Cell::Blank => None,
-        Cell::Text(text) => Some(text.clone()),
-        cell => Some(column.valued(&cell.number().map_or_else(String::new, |x| significant(x, 4)))),
-    };
-    unlike.filter_map(value).collect::<Vec<String>>().join(", ")
+    place(&unlike.collect::<Vec<_>>(), row)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::Cell;
 
     fn table(z: &[Option<f64>]) -> Table {
         let column = |name: &str, role, cells: Vec<Cell>| Column {
@@ -153,7 +150,7 @@ mod tests {
         let found = agreements(&table);
         assert_eq!((found.len(), found[0].rows, found[0].at, found[0].largest), (1, 3, 2, 3.0));
         assert!((found[0].rms - libm::sqrt(14.0 / 3.0)).abs() < 1e-12 && found[0].holds());
-        assert_eq!(row(&table), ["The rms", "3", "2.16", "3", "filler 2", "0.375 … 2.64"]);
+        assert_eq!(row(&table), ["The rms", "3", "2.16", "3", "0.375 … 2.64", "filler 2"]);
     }
 
     #[test]

@@ -86,7 +86,7 @@ pub(super) struct Named {
 }
 
 /// A row of the table before equal ones are joined.
-pub(super) struct Line {
+pub(in crate::analysis) struct Line {
     pub(super) name: String,
     pub(super) is_usable: bool,
     pub(super) cells: Vec<AnswerCell>,
@@ -496,7 +496,7 @@ fn name(columns: &[&Column], row: usize) -> String {
 }
 
 /// A table of lines, usable ones in their order first; equal ones are joined, and the first one is the best.
-pub(super) fn table(columns: Vec<String>, lines: Vec<Line>) -> AnswerTable {
+pub(in crate::analysis) fn table(columns: Vec<String>, lines: Vec<Line>) -> AnswerTable {
     let (usable, others): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.is_usable);
     let mut joined: Vec<Line> = Vec::new();
     for line in usable.into_iter().chain(others) {

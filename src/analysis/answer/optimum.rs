@@ -56,7 +56,7 @@ pub(super) fn outline(question: &Question, x: &Column) -> Outline {
         let best = Reading::new(x, x.value(least.row), None);
         let end = if least.is_end { " (end)" } else { "" };
         let mut cells = vec![
-            AnswerCell { text: best.text() + end, value: Some(best) },
+            AnswerCell::with_text(best.text() + end, best),
             AnswerCell::from(range(x, least.flat)),
             question.reading(least.row).into(),
         ];

@@ -2,7 +2,7 @@
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table, values};
 use crate::answer::reading::{Reading, joined, number, span};
-use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS};
+use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS, Relation};
 use crate::chart::Limit;
 use crate::table::Column;
 use crate::table::crossing::{Window, windows};
@@ -75,8 +75,6 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
         Some(condition) => {
             let extent = &extents[best][condition];
             let interval = interval(question, x, &choices[best].rows[condition], limit, extent);
-            let bracket =
-                interval.map_or_else(String::new, |[low, high]| format!(" ({})", span(x, low, high)));
             let under = match conditions[condition].as_str() {
                 "" => String::new(),
                 name => format!(" at {name}"),
@@ -85,6 +83,7 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
             let value = extent.windows[0][1]
                 .or(extent.windows[0][0])
                 .map(|place| Reading::new(x, place, interval.map(|[low, high]| (low, high))));
+            let bracket = value.as_ref().map(Reading::in_brackets).unwrap_or_default();
             (headline(&choices[best].long, &format!("good {place}{under}{bracket}")), value)
         }
         None => {
@@ -190,13 +189,9 @@ fn cell(x: &Column, windows: &[Window]) -> AnswerCell {
     };
     match windows {
         [] => "nowhere".to_owned().into(),
-        [window] => {
-            let value = window[1].or(window[0]).map(|end| Reading::new(x, end, None));
-            AnswerCell {
-                text: text(window),
-                value: value.filter(|_| window[0].is_none() || window[1].is_none()),
-            }
-        }
+        [[None, Some(end)]] => AnswerCell::bounded(Relation::AtMost, Reading::new(x, *end, None)),
+        [[Some(end), None]] => AnswerCell::bounded(Relation::AtLeast, Reading::new(x, *end, None)),
+        [window] => text(window).into(),
         [first, second] => format!("{}, {}", text(first), text(second)).into(),
         [first, ..] => format!("{}, …", text(first)).into(),
     }

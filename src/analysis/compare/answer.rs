@@ -130,10 +130,10 @@ impl Analysis {
         );
         let row = |row: &&Row| {
             let found = &row.found;
-            let value = |k: usize| value_or_bound(found.values[k], found.at_most[k], row.symbol);
+            let value = |k: usize| value_or_bound(row.name, found.values[k], found.at_most[k], row.symbol);
             let ratio = row.reading().map(|reading| {
                 let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
-                AnswerCell { text: times(reading.value, 3) + &ends, value: Some(reading) }
+                AnswerCell::with_text(times(reading.value, 3) + &ends, reading)
             });
             let p = found
                 .p

@@ -107,7 +107,7 @@ impl Design {
             let interval = time("interval", best.interval_s);
             vec![
                 name(variant, filler).into(),
-                AnswerCell { text: interval.text() + end, value: Some(interval) },
+                AnswerCell::with_text(interval.text() + end, interval),
                 filler.flat_text().into(),
                 reading(self.measure.label(), best.drift).into(),
                 Reading::in_unit("angle", variant.angle(best.drift.value), "″", None).into(),

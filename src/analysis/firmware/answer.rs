@@ -1,5 +1,7 @@
 //! The answer of fillers at a point: what each leaves, or the ticks that a search has chosen.
 
+use crate::analysis::answer::{Line, table};
+use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
 use crate::answer::reading::{begun, number};
 use crate::answer::{
@@ -73,7 +75,7 @@ impl Firmware {
     fn of_designs(&self) -> Answer {
         let known = self.ranked();
         let first = known.first().map(|(design, _)| *design);
-        let level = first.and_then(|design| design.judged).map(|judged| judged.worst().level);
+        let level = first.and_then(|design| design.level);
         let size = known.first().map(|(_, size)| *size);
         let limit = self.limit_arcsec;
         let headline = match (first, level, size) {
@@ -95,8 +97,11 @@ impl Firmware {
             let text = "the limit is on the 99.73 % residual, which `sagnac run` samples".to_owned();
             facts.push(Fact::Caveat { text });
         }
-        facts
-            .extend(level.map(|_| Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) }));
+        let judged = first.and_then(|best| best.judged);
+        facts.extend(
+            judged.map(|_| Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) }),
+        );
+        facts.extend(self.first_values());
         facts.extend(
             self.unsampled.as_ref().map(|why| Fact::Caveat { text: format!("there is no rms: {why}") }),
         );
@@ -116,6 +121,16 @@ impl Firmware {
         }
     }
 
+    /// The values at which the fillers are compared because none was asked for.
+    fn first_values(&self) -> impl Iterator<Item = Fact> {
+        self.unasked.iter().filter_map(|(key, count)| {
+            let (_, value) = self.at.iter().find(|(swept, _)| swept.name == key.name)?;
+            let value = shown(&value.quantity()?);
+            let text = format!("{} {value} is the first of its {count} values", key.label);
+            Some(Fact::Caveat { text })
+        })
+    }
+
     /// A row for each filler.
     fn table(&self, known: &[(&Design, f64)]) -> AnswerTable {
         let is_known = |design: &Design| known.iter().any(|(other, _)| std::ptr::eq(*other, design));
@@ -133,27 +148,22 @@ impl Firmware {
                 }
                 None => Reading::in_unit("latency", f64::from(design.latency_ticks), "ticks", None),
             };
-            vec![
-                design.name.clone().into(),
+            let cells = vec![
                 cell(design.errors[0].rms),
                 cell(worst.map(|Size { rms, .. }| rms)),
-                cell(worst.map(|Size { level, .. }| level)),
+                cell(design.level),
                 number(design.interpolation.whole().noise_gain()).into(),
                 latency.into(),
-            ]
+            ];
+            Line { name: design.name.clone(), is_usable: true, cells }
         };
         let off = match self.shift {
             Some(shift) => format!("rms at f ±{} %", significant(100.0 * shift, 3)),
             None => "rms within tolerance".to_owned(),
         };
         let heads = ["filler", "rms", &off, "99.73 %", "√Σw²", "latency"];
-        AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: all.iter().take(MAX_ROWS).map(row).collect(),
-            best: (all.len() > 1 && !known.is_empty()).then_some(0),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect());
+        AnswerTable { best: table.best.filter(|_| !known.is_empty()), ..table }
     }
 
     /// The fillers with the residual by which they compare, ″, the least first: the 99.73 % level on a specification, else the

@@ -197,7 +197,11 @@ impl Firmware {
         let gap_fill = of_gaps(study)?;
         let fillers = choose_fillers(gap_fill, names)?;
         let point = choose_point(study, gap_fill, at, &fillers)?;
-        Ok(Firmware::new(study, point, &fillers)?)
+        let asked: Vec<usize> = at.iter().filter_map(|asked| Some(find(study, asked).ok()?.0)).collect();
+        let sweeps = study.sweeps.iter().enumerate();
+        let unasked = sweeps.filter(|(place, sweep)| !asked.contains(place) && sweep.values.len() > 1);
+        let unasked = unasked.map(|(_, sweep)| (sweep.key, sweep.values.len())).collect();
+        Ok(Firmware { unasked, ..Firmware::new(study, point, &fillers)? })
     }
 
     /// The study with a single filler of least variance, whose ticks are searched for the motion and noise at the point that

@@ -2,10 +2,13 @@
 
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Rule, Trade};
+use crate::chart::Chart;
 use crate::filler::keys::Error;
+use crate::filler::keys::GAP_TICKS;
 use crate::filler::specification::Part;
 use crate::filler::ticks::latency_ticks;
 use crate::filler::{Fill, Filler, Method, Target};
+use crate::key::row::Key;
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -22,12 +25,14 @@ use crate::theory::minimum_variance::Band;
 use crate::theory::rows::sides;
 
 /// The fillers of one point of a study.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Firmware {
     /// Title of the study.
     pub title: String,
-    /// Name and value of each swept key.
-    pub at: Vec<(&'static str, Swept)>,
+    /// Value of each swept key.
+    pub at: Vec<(&'static Key, Swept)>,
+    /// The swept keys of which no value was asked for, each with the number of its values, as the weights are the same at all.
+    pub unasked: Vec<(&'static Key, usize)>,
     /// Tick T, s; where it is unknown, times are in ticks and frequencies in cycles per tick.
     pub tick_s: Option<f64>,
     /// Number of lost ticks n.
@@ -77,6 +82,9 @@ pub struct Design {
     /// The residual as given and with frequencies off; present for a filler that is designed for the very motion of the
     /// point, and where there is a specification.
     pub judged: Option<Judged>,
+    /// The level below which 99.73 % of the residuals stay, ″: the largest of `judged`, else that of the motion as given; absent for
+    /// recorded motion, and for a motion at rest or of a fixed phase.
+    pub level: Option<f64>,
     /// The part of the rms residual that comes from noise and whole pulses, ″.
     pub noise_rms: f64,
     /// The rms residual of the C header where it is given the whole pulses of the readout and returns whole pulses, ″; absent
@@ -92,6 +100,9 @@ pub struct Closed {
     /// Rms error with noise.
     pub rms: Option<f64>,
 }
+
+/// The estimate that limits are on.
+const LIMITED: &str = "p99_73";
 
 /// The errors of [`Design::errors`].
 const ERRORS: [Error; 2] = [Error::Residual, Error::Extrapolation];
@@ -132,6 +143,9 @@ impl Firmware {
             let latency_ticks = latency_ticks(&interpolation.ticks, inputs.gap_ticks);
             let weights: Vec<f64> = interpolation.whole().values().collect();
             let noise_rms = of_noise(inputs, &interpolation.ticks, &weights);
+            let of_motion = || Judged::of_weights(inputs, &interpolation.ticks, &weights);
+            let level = judged.map(|judged| judged.worst()).or_else(|| Some(of_motion()?.own));
+            let level = level.map(|size| size.level);
             let rounded = inputs.readout_lsb * libm::sqrt(interpolation.rounding());
             let exported_rms = errors[0].rms.filter(|_| rounded > 0.0).map(|rms| libm::hypot(rms, rounded));
             designs.push(Design {
@@ -142,13 +156,20 @@ impl Firmware {
                 errors,
                 latency_ticks,
                 judged,
+                level,
                 noise_rms,
                 exported_rms,
             });
         }
         Ok(Firmware {
             title: study.title.clone(),
-            at: point.swept.clone(),
+            at: study
+                .sweeps
+                .iter()
+                .zip(&point.swept)
+                .map(|(sweep, (_, value))| (sweep.key, value.clone()))
+                .collect(),
+            unasked: vec![],
             tick_s: Some(inputs.tick_s),
             gap_ticks: inputs.gap_ticks,
             tone,
@@ -162,10 +183,11 @@ impl Firmware {
         })
     }
 
-    /// The point as text, such as `motion.frequency = 20 Hz, …`; empty without sweeps.
+    /// The values of swept keys at the point, such as `vibration frequency 20 Hz, …`, without the gap; empty without other sweeps.
     pub fn place(&self) -> String {
-        let each = self.at.iter();
-        let each = each.filter_map(|(key, value)| Some(format!("{key} = {}", shown(&value.quantity()?))));
+        let each = self.at.iter().filter(|(key, _)| key.name != GAP_TICKS.name);
+        let each =
+            each.filter_map(|(key, value)| Some(format!("{} {}", key.label, shown(&value.quantity()?))));
         each.collect::<Vec<_>>().join(", ")
     }
 }
@@ -187,9 +209,13 @@ fn marks(inputs: &Inputs, tone: Option<(f64, f64)>) -> Vec<Mark> {
     tone.map(|(_, nu)| Mark { name: "the motion", ends_hz: [nu; 2] }).into_iter().chain(parts).collect()
 }
 
-/// The limit of a study of gaps, which is one on the 99.73 % residual, ″.
+/// The limit of a study of gaps on the 99.73 % residual, ″: its requirement, else that of its first chart with one.
 pub(crate) fn limit(study: &Study) -> Option<f64> {
-    study.requirement.map(|required| required.limit.value)
+    let of_charts = || {
+        let judged = |chart: &&Chart| chart.estimate().name.trim_end_matches("_arcsec") == LIMITED;
+        study.charts.iter().filter(judged).find_map(|chart| chart.limit)
+    };
+    study.requirement.map(|required| required.limit).or_else(of_charts).map(|limit| limit.value)
 }
 
 impl Design {

@@ -100,7 +100,7 @@ impl Lot {
             };
             let reading = row.reading();
             let interval = reading.as_ref().and_then(Reading::ends_text).unwrap_or_default();
-            let bound = value_or_bound(row.value, row.interval.map(|[_, most]| most), row.symbol);
+            let bound = value_or_bound(row.name, row.value, row.interval.map(|[_, most]| most), row.symbol);
             let ratio = row.value.zip(median).map(|(value, median)| number(value / median));
             let status = if odd.is_some() { "outlier" } else { "" };
             vec![

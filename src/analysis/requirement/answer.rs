@@ -6,7 +6,9 @@ use crate::analysis::requirement::change::{to_decide, to_meet};
 use crate::analysis::requirement::judged::{Judged, Judgement, Shown, Standing, columns};
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::Subject;
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status};
+use crate::answer::{
+    Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Relation, Status,
+};
 use crate::fit::{Quantity, Term};
 use crate::quantity::number::significant;
 use crate::table::Table;
@@ -94,11 +96,11 @@ fn state(row: &Row) -> &'static str {
 }
 
 /// A value, or its upper limit.
-pub(crate) fn value_or_bound(value: Option<f64>, most: Option<f64>, symbol: &str) -> AnswerCell {
-    let shown = |value: f64| Reading::in_unit("", value, symbol, None).text();
+pub(crate) fn value_or_bound(name: &str, value: Option<f64>, most: Option<f64>, symbol: &str) -> AnswerCell {
+    let reading = |value: f64| Reading::in_unit(name, value, symbol, None);
     match (value, most) {
-        (Some(value), _) => shown(value).into(),
-        (None, Some(most)) => format!("≤ {}", shown(most)).into(),
+        (Some(value), _) => reading(value).into(),
+        (None, Some(most)) => AnswerCell::bounded(Relation::AtMost, reading(most)),
         (None, None) => "—".to_owned().into(),
     }
 }
@@ -113,7 +115,7 @@ impl Row {
     pub(crate) fn cell(&self) -> AnswerCell {
         match self.reading() {
             Some(reading) => reading.into(),
-            None => value_or_bound(None, self.interval.map(|[_, most]| most), self.symbol),
+            None => value_or_bound(self.name, None, self.interval.map(|[_, most]| most), self.symbol),
         }
     }
 }

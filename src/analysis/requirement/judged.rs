@@ -161,8 +161,7 @@ impl<'a> Judged<'a> {
         };
         match (&self.shown, self.reading()) {
             (_, Some(reading)) => {
-                let interval = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
-                format!("{name} {} {verb} the {limit} limit{interval}", reading.text())
+                format!("{name} {} {verb} the {limit} limit{}", reading.text(), reading.in_brackets())
             }
             (Ok(Shown { ends: [_, most], .. }), None) => {
                 format!("{name} ≤ {} {verb} the {limit} limit", self.in_unit(*most, None).text())

@@ -54,7 +54,7 @@ impl Sensitivity {
             let index = |found: Found| {
                 let reading = share(found);
                 let ends = ends_of(&reading).map(|ends| format!(" ({ends})")).unwrap_or_default();
-                AnswerCell { text: reading.text() + &ends, value: Some(reading) }
+                AnswerCell::with_text(reading.text() + &ends, reading)
             };
             let [least, greatest] = input.swing.map(|value| self.reading(value, None));
             let swing = match least.unit == greatest.unit {

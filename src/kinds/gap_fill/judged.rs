@@ -52,16 +52,21 @@ impl Judged {
     /// Judges a filler that is designed for the motion of `inputs`, or any filler where there is a specification; `None` for
     /// other fillers, for recorded motion, for a motion at rest or of a fixed phase, and where the weights are not determined.
     pub fn of(inputs: &Inputs, filler: &Filler, fill: &Fill) -> Option<Judged> {
-        let motion = &inputs.motion;
-        let is_drawn = motion.tones.iter().all(|tone| tone.phase == Phase::Uniform);
-        let swings = !motion.tones.is_empty() || motion.gaussian.is_some();
-        let is_for = is_for(&filler.method, motion) && motion.profile.is_none() && is_drawn && swings;
-        if inputs.specification.is_none() && !is_for {
+        if inputs.specification.is_none() && !is_for(&filler.method, &inputs.motion) {
             return None;
         }
         let ticks = &fill.fit_ticks;
         let rows = Rows::of(filler, Error::Residual, ticks, &Statistics::of(inputs)).ok()??;
-        Some(Judge::new(inputs, sides(ticks, inputs.gap_ticks)).judge(ticks, &rows.values().pop()?))
+        Judged::of_weights(inputs, ticks, &rows.values().pop()?)
+    }
+
+    /// Judges some weights; `None` without a specification for recorded motion and a motion at rest or of a fixed phase.
+    pub fn of_weights(inputs: &Inputs, ticks: &[i32], weights: &[f64]) -> Option<Judged> {
+        let motion = &inputs.motion;
+        let is_drawn = motion.tones.iter().all(|tone| tone.phase == Phase::Uniform);
+        let swings = !motion.tones.is_empty() || motion.gaussian.is_some();
+        let has_level = inputs.specification.is_some() || motion.profile.is_none() && is_drawn && swings;
+        has_level.then(|| Judge::new(inputs, sides(ticks, inputs.gap_ticks)).judge(ticks, weights))
     }
 
     /// The largest residual on the motion as given and with frequencies off.

@@ -53,22 +53,26 @@ pub fn significant(x: f64, digits: usize) -> String {
     text
 }
 
-/// An estimate and the ends of its interval with equal decimals, of which the distance to the nearer end bears two digits. The
-/// estimate has two to five significant digits.
-pub fn with_ends(value: f64, ends: [f64; 2]) -> [String; 3] {
-    let order = |x: f64| libm::floor(libm::log10(x.abs())) as i32;
-    let distance = ends.map(|end| (value - end).abs()).into_iter().fold(f64::INFINITY, f64::min);
-    let all = [value, ends[0], ends[1]];
-    let of_value = order(value);
-    if !value.is_normal() || !(-5..6).contains(&of_value) {
-        return all.map(|x| significant(x, 4));
+/// The ends of the interval of an estimate with equal decimals: half the width of the interval has two digits, and the estimate
+/// at most three, or as many as the ends need to differ. Ends of which one is more than ten times the other have two digits each.
+/// `None` where even five digits do not tell the ends apart, and for ends that are not finite.
+pub fn interval_ends(value: f64, [low, high]: [f64; 2]) -> Option<[String; 2]> {
+    if !low.is_finite() || !high.is_finite() || low >= high {
+        return None;
     }
-    let last = if distance > 0.0 { order(distance).saturating_sub(1) } else { i32::MIN };
-    let last = last.clamp(of_value - 4, of_value - 1);
-    let decimals = usize::try_from(-last).unwrap_or(0);
-    let unit = libm::pow(10.0, f64::from(last.max(0)));
-    let rounded = |x: f64| if last > 0 { libm::round(x / unit) * unit } else { x };
-    all.map(|x| format!("{:.decimals$}", rounded(x)))
+    let order = |x: f64| libm::floor(libm::log10(x.abs())) as i32;
+    let largest = low.abs().max(high.abs());
+    let of_value = order(if value.is_normal() { value } else { largest });
+    if !(-5..6).contains(&order(largest)) || low > 0.0 && high > 10.0 * low {
+        return Some([low, high].map(|end| significant(end, 2)));
+    }
+    let of_half = order((high - low) / 2.0) - 1;
+    let with_last = |last: i32| {
+        let decimals = usize::try_from(-last).unwrap_or(0);
+        let unit = libm::pow(10.0, f64::from(last.max(0)));
+        [low, high].map(|end| format!("{:.decimals$}", libm::round(end / unit) * unit + 0.0))
+    };
+    (2..5).map(|digits| with_last(of_half.max(of_value - digits))).find(|[low, high]| low != high)
 }
 
 /// A number with its unit, or alone if the unit is empty.
@@ -114,21 +118,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn estimates_have_the_digits_that_their_intervals_bear() {
+    fn ends_of_an_interval_have_the_digits_that_its_width_bears() {
         for (value, ends, shown) in [
-            (0.600_123, [0.598_041, 0.602_377], ["0.6001", "0.5980", "0.6024"]),
-            (211.84, [94.513, 6759.9], ["210", "90", "6760"]),
-            (306.31, [304.88, 307.76], ["306.3", "304.9", "307.8"]),
-            (16.3, [11.2, 21.9], ["16.3", "11.2", "21.9"]),
-            (3.0, [3.0, 3.0], ["3.0000", "3.0000", "3.0000"]),
-            (0.9996, [0.71, 1.6], ["1.00", "0.71", "1.60"]),
-            (-12_345.6, [-12_500.0, -12_200.0], ["-12350", "-12500", "-12200"]),
-            (2.5e-9, [2.4e-9, 2.6e-9], ["2.5e-9", "2.4e-9", "2.6e-9"]),
-            (0.0, [-1.0, 1.0], ["0", "-1", "1"]),
-            (5.0, [4.0, f64::INFINITY], ["5.0", "4.0", "inf"]),
+            (0.600_123, [0.598_041, 0.602_377], ["0.598", "0.602"]),
+            (0.001_53, [0.001_096, 0.002_014], ["0.00110", "0.00201"]),
+            (0.059_4, [0.0471, 0.0742], ["0.047", "0.074"]),
+            (211.84, [94.513, 6759.9], ["95", "6800"]),
+            (306.31, [304.88, 307.76], ["305", "308"]),
+            (50.0, [49.982, 50.012], ["49.98", "50.01"]),
+            (0.9996, [0.71, 1.6], ["0.71", "1.60"]),
+            (-12_345.6, [-12_500.0, -12_200.0], ["-12500", "-12200"]),
+            (2.5e-9, [2.4e-9, 2.6e-9], ["2.4e-9", "2.6e-9"]),
+            (0.0, [-1.0, 1.0], ["-1.0", "1.0"]),
         ] {
-            assert_eq!(with_ends(value, ends), shown, "{value}");
+            assert_eq!(interval_ends(value, ends), Some(shown.map(str::to_owned)), "{value}");
         }
+        assert_eq!(interval_ends(3.0, [3.0, 3.0]), None);
+        assert_eq!(interval_ends(3.0, [3.000_01, 3.000_02]), None);
+        assert_eq!(interval_ends(5.0, [4.0, f64::INFINITY]), None);
     }
 
     #[test]

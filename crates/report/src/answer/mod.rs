@@ -97,17 +97,56 @@ pub struct AnswerCell {
     pub text: String,
     /// Its value, where it has a single one.
     pub value: Option<Reading>,
+    /// Whether the value is that of the cell or a bound of it; absent where it is that of the cell.
+    #[serde(skip_serializing_if = "Relation::is_equal")]
+    pub relation: Relation,
+}
+
+/// The relation of a cell to its value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Relation {
+    /// The cell has this value.
+    #[default]
+    Equal,
+    /// The cell has at most this value.
+    AtMost,
+    /// The cell has at least this value.
+    AtLeast,
+}
+
+impl Relation {
+    fn is_equal(&self) -> bool {
+        *self == Relation::Equal
+    }
+}
+
+impl AnswerCell {
+    /// A cell of which a bound is known.
+    pub fn bounded(relation: Relation, bound: Reading) -> AnswerCell {
+        let sign = match relation {
+            Relation::Equal => "",
+            Relation::AtMost => "≤ ",
+            Relation::AtLeast => "≥ ",
+        };
+        AnswerCell { text: format!("{sign}{}", bound.text()), value: Some(bound), relation }
+    }
+
+    /// A cell with a value and a text of its own.
+    pub fn with_text(text: String, value: Reading) -> AnswerCell {
+        AnswerCell { text, value: Some(value), relation: Relation::Equal }
+    }
 }
 
 impl From<String> for AnswerCell {
     fn from(text: String) -> AnswerCell {
-        AnswerCell { text, value: None }
+        AnswerCell { text, ..AnswerCell::default() }
     }
 }
 
 impl From<Reading> for AnswerCell {
     fn from(value: Reading) -> AnswerCell {
-        AnswerCell { text: value.text(), value: Some(value) }
+        AnswerCell::bounded(Relation::Equal, value)
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 pub use sagnac_base::quantity::number::joined;
-use sagnac_base::quantity::number::{significant, with_ends};
+use sagnac_base::quantity::number::{interval_ends, significant};
 use sagnac_base::table::{Cell, Column, Unit, Written};
 
 /// Significant digits of a value.
@@ -55,20 +55,18 @@ impl Reading {
 
     /// The ends of the interval without the unit; `None` where the digits shown do not tell them apart.
     pub fn ends_text(&self) -> Option<String> {
-        let ends = self.interval.filter(|ends| ends.iter().all(|end| end.is_finite()))?;
-        let [_, low, high] = with_ends(self.value, ends);
-        let brief =
-            |text: String, end: f64| match text.bytes().filter(u8::is_ascii_digit).count() > MAX_DIGITS {
-                true => significant(end, MAX_DIGITS),
-                false => text,
-            };
-        let (low, high) = (brief(low, ends[0]), brief(high, ends[1]));
-        (low != high).then(|| range(&low, &high))
+        let [low, high] = interval_ends(self.value, self.interval?)?;
+        Some(range(&low, &high))
     }
 
-    /// The value with its interval in brackets.
+    /// The value with its unit, and its interval in brackets.
     pub fn with_interval(&self) -> String {
-        self.interval_text().map_or_else(|| self.text(), |interval| format!("{} ({interval})", self.text()))
+        self.text() + &self.in_brackets()
+    }
+
+    /// The ends of the interval in brackets after a space; empty without an interval.
+    pub fn in_brackets(&self) -> String {
+        self.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default()
     }
 }
 
@@ -251,7 +249,7 @@ mod tests {
     #[test]
     fn an_interval_has_its_unit_once_and_is_left_out_where_its_ends_look_equal() {
         let reading = |ends| Reading::new(&column("x", Unit::ARCSEC, Role::Error), 7.96, Some(ends));
-        assert_eq!(reading((7.72, 8.31)).with_interval(), "7.96″ (7.72–8.31″)");
+        assert_eq!(reading((7.72, 8.31)).with_interval(), "7.96″ (7.72–8.31)");
         assert_eq!(reading((7.96, 7.96)).with_interval(), "7.96″");
         let signed = Reading { value: -1.0, interval: Some([-2.0, 0.5]), ..reading((0.0, 1.0)) };
         assert_eq!(signed.interval_text().as_deref(), Some("−2.0 to 0.5″"));

@@ -38,7 +38,7 @@ impl Answer {
 }
 
 impl AnswerTable {
-    /// The table in aligned columns, numbers flush right, without columns that do not fit.
+    /// The table in aligned columns, numbers flush right, with the names of columns that do not fit below.
     pub fn text(&self, width: usize) -> String {
         let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
         let length = |text: &str| in_cell(text).chars().count();
@@ -84,6 +84,12 @@ impl AnswerTable {
             if self.rows.is_empty() { String::new() } else { cells.iter().enumerate().map(line).collect() };
         if self.omitted > 0 {
             text += &format!("  … {} more\n", self.omitted);
+        }
+        let hidden: Vec<&str> =
+            (0..columns.len()).filter(|at| !shown.contains(at)).map(|at| &*columns[at]).collect();
+        if !hidden.is_empty() {
+            let note = format!("too narrow for {}", hidden.join(", "));
+            text.extend(wrapped(&note, width.saturating_sub(2)).iter().map(|line| format!("  {line}\n")));
         }
         text
     }
