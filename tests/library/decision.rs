@@ -2,7 +2,7 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::analysis::decision::{Needed, Sheet, decide};
+use sagnac::analysis::decision::{Sheet, decide};
 use sagnac::progress::Silent;
 use sagnac::quantity::units::Quantity;
 use sagnac::run::{Plan, Tables};
@@ -135,14 +135,14 @@ fn the_lever_applied_gains_and_meets_the_limit_as_said() {
         let sheet = decided(&text);
         assert_eq!(sheet.is_met(), Some(false));
         let lever = sheet.lever.unwrap_or_else(|| panic!("no lever in\n{text}"));
-        let value = |to: Quantity| decided(&with(&text, lever.key, to)).value.value;
-        let gain = 1.0 - value(lever.to) / sheet.value.value;
+        let value = |to: Quantity| decided(&with(&text, lever.change.key, to)).value.value;
+        let gain = 1.0 - value(lever.change.to) / sheet.value.value;
         let (low, high) = lever.gain.interval.unwrap_or((lever.gain.value, lever.gain.value));
         let spare = 0.01 + (high - low);
         assert!((low - spare..=high + spare).contains(&gain), "{gain} against {:?}\n{text}", lever.gain);
-        if let Some(Needed::Value(needed)) = lever.needed {
-            let left = value(needed) / limit;
-            assert!((0.93..=1.03).contains(&left), "{left} of the limit at {needed}\n{text}");
+        for change in lever.meets.iter().filter(|change| change.key == lever.change.key) {
+            let left = value(change.to) / limit;
+            assert!((0.93..=1.03).contains(&left), "{left} of the limit at {}\n{text}", change.to);
         }
     }
 }

@@ -13,8 +13,6 @@ pub struct Part {
     pub name: &'static str,
     /// The fraction of the mean square that is gone without it. Fractions of independent parts add up to 1.
     pub share: Figure,
-    /// The judged estimate without it, in the unit of tables.
-    pub without: Figure,
 }
 
 /// The parts of the error at the chosen row, the largest first; empty where its kind has no parts, or they cost too much
@@ -28,11 +26,10 @@ pub(crate) fn budget(
     let Some((names, dissected)) = study.dissected(choice.point) else { return Ok(vec![]) };
     let points = names.len() + 1;
     if let [name] = names[..] {
-        let [share, without] = [1.0, 0.0].map(|value| Figure { value, interval: None });
-        return Ok(vec![Part { name, share, without }]);
+        return Ok(vec![Part { name, share: Figure { value: 1.0, interval: None } }]);
     }
-    let columns = [&choice.column.name, &mean_square(table, choice.column).name].map(String::as_str);
-    let [judged, squares] = match evaluator.values(&dissected, points, columns, Effort::Parts) {
+    let column = &mean_square(table, choice.column).name;
+    let squares = match evaluator.values(&dissected, points, column, Effort::Parts) {
         Ok(Some(found)) => found,
         // Nothing is left of some points without one of their parts.
         Ok(None) | Err(DecisionError::Study(_)) => return Ok(vec![]),
@@ -43,7 +40,6 @@ pub(crate) fn budget(
         share: squares[at + 1]
             .with(&squares[0], |without, whole| 1.0 - (without / whole) * (without / whole))
             .into(),
-        without: judged[at + 1].with(&judged[0], |without, _| without).into(),
     };
     let mut parts: Vec<Part> = names.iter().enumerate().map(part).collect();
     parts.sort_by(|a, b| b.share.value.total_cmp(&a.share.value));

@@ -10,19 +10,6 @@ use crate::run::Tables;
 use crate::study::Study;
 use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
 
-/// The option after the best one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Next {
-    /// Name.
-    pub option: String,
-    /// Its largest value over all conditions.
-    pub value: f64,
-    /// Number of conditions under which it is within the limit.
-    pub met: usize,
-    /// Whether the 95 % intervals of both options overlap.
-    pub is_alike: bool,
-}
-
 /// An option with its worst row.
 #[derive(Debug, Clone)]
 struct Rated {
@@ -61,10 +48,6 @@ pub(crate) struct Choice<'t> {
     pub(crate) met: [usize; 2],
     /// Number of options.
     pub(crate) options: usize,
-    /// Options with the same value as the best one.
-    pub(crate) equal: Vec<String>,
-    /// The next best option.
-    pub(crate) next: Option<Next>,
     /// Names of fillers that do not count as options, because firmware cannot have them.
     pub(crate) left_out: Vec<String>,
 }
@@ -134,16 +117,6 @@ impl<'t> Choice<'t> {
         options.sort_by(|a, b| b.met.cmp(&a.met).then(cost(a).total_cmp(&cost(b))));
         let Some(Rated { name, row, met, rows }) = options.first().cloned() else { return Ok(None) };
         let (point, row_of_point) = place(study, table, row);
-        let is_shortest = length.is_some() && met > 0 && options.len() > 1;
-        let is_equal = |option: &&Rated| !is_shortest && option.met == met && value(option.row) == value(row);
-        let (equal, worse): (Vec<&Rated>, Vec<&Rated>) = options[1..].iter().partition(is_equal);
-        let equal = equal.into_iter().map(|option| option.name.clone()).collect();
-        let next = worse.first().map(|next| Next {
-            option: next.name.clone(),
-            value: value(next.row),
-            met: next.met,
-            is_alike: column.is_alike(row, next.row),
-        });
         let at: Vec<&Column> = compared.given.iter().copied().chain(abscissa).collect();
         let condition = place_of(&at, row);
         let (option, options, is_minimum) = (name, options.len(), abscissa.is_some());
@@ -162,8 +135,6 @@ impl<'t> Choice<'t> {
             is_notched: compared.notches.are_any(),
             met,
             options,
-            equal,
-            next,
             left_out,
         }))
     }

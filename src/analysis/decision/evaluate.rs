@@ -88,33 +88,18 @@ impl Evaluator<'_> {
         self.progress.start("evaluations", self.count[0], self.count[1]);
     }
 
-    /// The values of a column at all points of a study whose points share their random numbers; see
-    /// [`values`](Evaluator::values).
+    /// The values of a column at all points of a study whose points share their random numbers: in closed form where
+    /// it has one at every point, else sampled. `None` where an estimate is missing, or costs too much to sample.
     ///
     /// # Errors
     /// A point cannot be represented, or the processor fails.
-    pub(crate) fn one(
+    pub(crate) fn values(
         &mut self,
         study: &Study,
         points: usize,
         column: &str,
         effort: Effort,
     ) -> Result<Option<Vec<Value>>, DecisionError> {
-        Ok(self.values(study, points, [column], effort)?.map(|[values]| values))
-    }
-
-    /// The values of some columns at all points of a study whose points share their random numbers: in closed form where
-    /// a column has one at every point, else sampled. `None` where an estimate is missing, or costs too much to sample.
-    ///
-    /// # Errors
-    /// A point cannot be represented, or the processor fails.
-    pub(crate) fn values<const N: usize>(
-        &mut self,
-        study: &Study,
-        points: usize,
-        columns: [&str; N],
-        effort: Effort,
-    ) -> Result<Option<[Vec<Value>; N]>, DecisionError> {
         self.count[0] += 1;
         match self.count[0] <= self.count[1] {
             true => self.progress.advance(1),
@@ -126,9 +111,8 @@ impl Evaluator<'_> {
         let plan = Plan::new(&study)?;
         // Closed forms need no trials, but a kind may compute them only beside a store.
         let blank = plan.tables(&Store::in_memory(&plan.identity()), &Silent)?.points;
-        let exact = columns.map(|column| closed(&blank, points, row, column));
-        if exact.iter().all(Option::is_some) {
-            return Ok(Some(exact.map(Option::unwrap_or_default)));
+        if let Some(exact) = closed(&blank, points, row, column) {
+            return Ok(Some(exact));
         }
         let Some(steps) = plan.steps_of_a_trial() else { return Ok(None) };
         let of_point = (steps / points as u64).max(1);
@@ -139,38 +123,33 @@ impl Evaluator<'_> {
         let most = if effort == Effort::Screening { most / SCREENED } else { most };
         let study = Study { trials: study.trials.min(most), ..study.clone() };
         let plan = Plan::new(&study)?;
-        let mut sampled = |share| self.sampled(&plan, points, row, columns, share);
+        let mut sampled = |share| self.sampled(&plan, points, row, column, share);
         let Some(whole) = sampled(Share::WHOLE)? else { return Ok(None) };
         let count = if effort == Effort::Parts { PARTS } else { 0 };
         let shares = (1..=count).filter_map(|number| Share::new(number, PARTS));
-        let parts: Vec<Option<[Vec<f64>; N]>> = shares.map(sampled).collect::<Result<_, _>>()?;
-        let parts: Vec<[Vec<f64>; N]> = parts.into_iter().collect::<Option<_>>().unwrap_or_default();
+        let parts: Vec<Option<Vec<f64>>> = shares.map(sampled).collect::<Result<_, _>>()?;
+        let parts: Vec<Vec<f64>> = parts.into_iter().collect::<Option<_>>().unwrap_or_default();
         // Points take turns in the shares: the same part of the trials is in another share for each.
         let share = |point: usize, part: usize| (part + parts.len() - point % parts.len()) % parts.len();
-        let mut exact = exact;
-        for (column, exact) in exact.iter_mut().enumerate().filter(|(_, exact)| exact.is_none()) {
-            let of_point = |(point, &value): (usize, &f64)| Value {
-                value,
-                parts: (0..parts.len()).map(|part| parts[share(point, part)][column][point]).collect(),
-            };
-            *exact = Some(whole[column].iter().enumerate().map(of_point).collect());
-        }
-        Ok(Some(exact.map(Option::unwrap_or_default)))
+        let of_point = |(point, &value): (usize, &f64)| Value {
+            value,
+            parts: (0..parts.len()).map(|part| parts[share(point, part)][point]).collect(),
+        };
+        Ok(Some(whole.iter().enumerate().map(of_point).collect()))
     }
 
-    fn sampled<const N: usize>(
+    fn sampled(
         &mut self,
         plan: &Plan,
         points: usize,
         row: usize,
-        columns: [&str; N],
+        column: &str,
         share: Share,
-    ) -> Result<Option<[Vec<f64>; N]>, DecisionError> {
+    ) -> Result<Option<Vec<f64>>, DecisionError> {
         let mut store = Store::in_memory(&plan.identity());
         plan.run(&mut store, self.device, share, &Silent)?;
         let Tables { points: table, .. } = plan.tables(&store, &Silent)?;
-        let found = columns.map(|name| of_rows(&table, points, row, table.column(name).ok()?));
-        Ok(found.iter().all(Option::is_some).then(|| found.map(Option::unwrap_or_default)))
+        Ok(table.column(column).ok().and_then(|column| of_rows(&table, points, row, column)))
     }
 }
 

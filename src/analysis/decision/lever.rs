@@ -20,45 +20,28 @@ const LEAST_GAIN: f64 = 0.01;
 /// Most changes that are named beside one another.
 const MAX_ALTERNATIVES: usize = 3;
 
-/// The input whose change gains most.
+/// A change of an input.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lever {
+pub struct InputChange {
     /// Key of the input.
     pub key: &'static str,
     /// Its label.
     pub label: &'static str,
     /// Its present value.
     pub from: Quantity,
-    /// The value that was tried: a quarter more, a fifth less, or the next whole number.
+    /// The changed value.
     pub to: Quantity,
+}
+
+/// What changes of single inputs do to the judged estimate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lever {
+    /// The most effective change that was tried: a quarter more, a fifth less, or the next whole number.
+    pub change: InputChange,
     /// The fraction by which the judged estimate falls at the tried value.
     pub gain: Figure,
-    /// What meets the limit; absent where the limit is met or there is none.
-    pub needed: Option<Needed>,
-    /// Other inputs that meet the limit by themselves.
-    pub also: Vec<Also>,
-}
-
-/// An input that meets the limit by itself.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Also {
-    /// Its key.
-    pub key: &'static str,
-    /// Its label.
-    pub label: &'static str,
-    /// Its present value.
-    pub from: Quantity,
-    /// The value that meets the limit.
-    pub to: Quantity,
-}
-
-/// Whether a change of the lever alone meets the limit.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Needed {
-    /// This value does.
-    Value(Quantity),
-    /// Not even this value does, where the estimate has this value.
-    NotEven(Quantity, f64),
+    /// The changes that meet the limit by themselves, the smallest first; empty where the limit is met or there is none.
+    pub meets: Vec<InputChange>,
 }
 
 /// The best lever at the chosen row: of the changes that gain most, the one that meets the limit with the least relative
@@ -82,7 +65,7 @@ pub(crate) fn lever(
     };
     let of_one = 1 + if limit.is_some() { EVALUATIONS } else { 0 };
     evaluator.expect(of_one * tried.len().min(if limit.is_some() { COMPARED } else { 1 }));
-    let mut levers = Vec::<Lever>::new();
+    let mut levers = Vec::<(InputChange, Figure, Option<Quantity>)>::new();
     for Tried { input, factor, .. } in tried {
         let to = changed(&input, factor);
         let found = match at.values(&at.swept, &input, &[input.value, to], judged, evaluator, Effort::Parts) {
@@ -94,19 +77,14 @@ pub(crate) fn lever(
         if gain.interval.map_or(gain.value, |(low, _)| low) <= 0.0 {
             continue;
         }
-        let change = Change { input, to, is_down: factor < 1.0 };
+        let change = Change { input, is_down: factor < 1.0 };
         let needed = match limit {
             Some(limit) => at.needed(&change, limit.value, judged, evaluator)?,
             None => None,
         };
-        let meets = matches!(needed, Some(Needed::Value(_)));
-        if !meets && gain.value < LEAST_GAIN {
+        if needed.is_none() && gain.value < LEAST_GAIN {
             continue;
         }
-        let lever = |gain, needed| {
-            let (key, label, from) = (input.key.name, input.key.label, input.value);
-            Lever { key, label, from, to, gain, needed, also: vec![] }
-        };
         match at.gain_everywhere(&input, to, judged, evaluator)? {
             Some(largest) if largest < LEAST_GAIN => continue,
             // Another condition becomes the worst.
@@ -115,68 +93,52 @@ pub(crate) fn lever(
             }
             _ => {}
         }
-        levers.push(lever(gain, needed));
+        let change = InputChange { key: input.key.name, label: input.key.label, from: input.value, to };
+        levers.push((change, gain, needed));
         if levers.len() == if limit.is_some() { COMPARED } else { 1 } {
             break;
         }
     }
-    // The order of equal changes, such as those that do not meet the limit, is that of their gains.
-    levers.sort_by(|a, b| a.change().total_cmp(&b.change()));
-    let mut levers = levers.into_iter();
-    Ok(levers.next().map(|mut first| {
-        first.also = levers.filter(|other| other.key != first.key).filter_map(Lever::meets).collect();
-        first
-    }))
+    // The relative change that meets the limit, as a logarithm. The order of equal changes, such as those that do not meet it, is
+    // that of their gains.
+    let size = |(change, _, needed): &(InputChange, Figure, Option<Quantity>)| {
+        needed.map_or(f64::INFINITY, |to| libm::log(to.value / change.from.value).abs())
+    };
+    levers.sort_by(|a, b| size(a).total_cmp(&size(b)));
+    let mut meets = Vec::<InputChange>::new();
+    for (change, _, needed) in &levers {
+        let is_new = meets.iter().all(|other| other.key != change.key);
+        meets.extend(needed.filter(|_| is_new).map(|to| InputChange { to, ..change.clone() }));
+    }
+    Ok(levers.into_iter().next().map(|(change, gain, _)| Lever { change, gain, meets }))
 }
 
 /// Significant digits of an input.
 const DIGITS: usize = 4;
 
-/// A quantity with the sign of arc seconds.
-fn shown(quantity: Quantity) -> String {
-    let text = short(quantity, DIGITS);
-    text.strip_suffix(" ″").map_or(text.clone(), |number| format!("{number}″"))
+impl InputChange {
+    fn alternative(&self) -> Alternative {
+        let [from, to] = [self.from, self.to].map(|quantity| {
+            let text = short(quantity, DIGITS);
+            text.strip_suffix(" ″").map_or(text.clone(), |number| format!("{number}″"))
+        });
+        Alternative { key: self.key.to_owned(), label: self.label.to_owned(), from, to }
+    }
 }
 
 impl Lever {
     /// The changes that meet the limit, else the change that gains most.
     pub(crate) fn fact(&self) -> Fact {
-        let alternative = |key: &str, label: &str, from, to| Alternative {
-            key: key.to_owned(),
-            label: label.to_owned(),
-            from: shown(from),
-            to: shown(to),
-        };
-        match self.needed {
-            Some(Needed::Value(to)) => {
-                let first = alternative(self.key, self.label, self.from, to);
-                let also = self.also.iter();
-                let others = also.map(|Also { key, label, from, to }| alternative(key, label, *from, *to));
-                let alternatives = std::iter::once(first).chain(others).take(MAX_ALTERNATIVES).collect();
-                Fact::ChangeToMeet { alternatives }
-            }
-            _ => Fact::MostEffectiveChange {
-                change: alternative(self.key, self.label, self.from, self.to),
+        match &self.meets[..] {
+            [] => Fact::MostEffectiveChange {
+                change: self.change.alternative(),
                 gain: self.gain.value,
                 interval: self.gain.interval.map(|(low, high)| [low, high]),
             },
-        }
-    }
-
-    /// The input with the value that meets the limit by itself, if any does.
-    fn meets(self) -> Option<Also> {
-        let Lever { key, label, from, needed, .. } = self;
-        match needed {
-            Some(Needed::Value(to)) => Some(Also { key, label, from, to }),
-            _ => None,
-        }
-    }
-
-    /// The relative change that meets the limit, as a logarithm.
-    fn change(&self) -> f64 {
-        match &self.needed {
-            Some(Needed::Value(value)) => libm::log(value.value / self.from.value).abs(),
-            _ => f64::INFINITY,
+            meets => {
+                let few = meets.iter().take(MAX_ALTERNATIVES);
+                Fact::ChangeToMeet { alternatives: few.map(InputChange::alternative).collect() }
+            }
         }
     }
 }

@@ -20,8 +20,7 @@ pub(crate) mod sheet;
 pub(crate) mod words;
 
 pub use crate::analysis::decision::budget::Part;
-pub use crate::analysis::decision::choice::Next;
-pub use crate::analysis::decision::lever::{Also, Lever, Needed};
+pub use crate::analysis::decision::lever::{InputChange, Lever};
 pub use crate::analysis::decision::sheet::Sheet;
 
 use crate::analysis::decision::budget::budget;

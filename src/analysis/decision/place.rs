@@ -3,7 +3,6 @@
 use crate::analysis::decision::DecisionError;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
-use crate::analysis::decision::lever::Needed;
 use crate::analysis::role::is_given;
 use crate::drift::schedule::{End, INTERVAL};
 use crate::key::row::Key;
@@ -26,7 +25,7 @@ const MOST: [f64; 4] = [64.0, 16.0, 4.0, 2.0];
 const BISECTIONS: usize = 10;
 
 /// Evaluations for a needed value under one condition.
-pub(super) const EVALUATIONS: usize = MOST.len() + BISECTIONS + 1;
+pub(super) const EVALUATIONS: usize = MOST.len() + BISECTIONS;
 
 /// Most conditions under which a lever is tried.
 const MOST_CONDITIONS: usize = 1000;
@@ -53,11 +52,9 @@ pub(super) struct Tried {
     left: f64,
 }
 
-/// A change of an input.
+/// The direction in which an input changes.
 pub(super) struct Change {
     pub(super) input: Input,
-    /// The value that is tried.
-    pub(super) to: Quantity,
     pub(super) is_down: bool,
 }
 
@@ -153,7 +150,7 @@ impl<'a> Place<'a> {
         let keys: Vec<&'static Key> = others(swept, input).map(|(key, _)| *key).chain([input.key]).collect();
         let points: Vec<Vec<Swept>> = values.iter().map(|value| moved(swept, input, *value)).collect();
         let study = self.study.at_points(&keys, &points)?;
-        evaluator.one(&study, points.len(), column, effort)
+        evaluator.values(&study, points.len(), column, effort)
     }
 
     /// The fraction by which a change of an input lowers the largest value under all conditions: it may do so only where the
@@ -187,7 +184,7 @@ impl<'a> Place<'a> {
             .study
             .at_points(&keys, &points)
             .map_err(DecisionError::from)
-            .and_then(|study| evaluator.one(&study, points.len(), column, Effort::Screening));
+            .and_then(|study| evaluator.values(&study, points.len(), column, Effort::Screening));
         match found {
             Ok(found) => {
                 let sizes = found.into_iter().flatten().map(|found| found.value.abs()).enumerate();
@@ -198,7 +195,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Whether and where a change of an input meets the limit under all conditions. Where another condition becomes the worst,
+    /// The smallest change of an input that meets the limit under all conditions. Where another condition becomes the worst,
     /// the search goes on under that one.
     pub(super) fn needed(
         &self,
@@ -206,24 +203,23 @@ impl<'a> Place<'a> {
         limit: f64,
         column: &str,
         evaluator: &mut Evaluator,
-    ) -> Result<Option<Needed>, DecisionError> {
-        let (mut swept, mut searched, mut found, mut least) = (&self.swept, self.at, None, 0.0);
+    ) -> Result<Option<Quantity>, DecisionError> {
+        let (mut swept, mut searched, mut least) = (&self.swept, self.at, 0.0);
         for _ in 0..CONDITIONS_SEARCHED {
-            found = self.needed_at(swept, change, least, limit, column, evaluator).or(found);
-            let Some(Needed::Value(value)) = found else { return Ok(found) };
+            let found = self.needed_at(swept, change, least, limit, column, evaluator);
+            let Some(value) = found else { return Ok(None) };
             let worst = self.worst(&change.input, value, column, evaluator)?;
             // Under the condition that was searched only the scatter of fewer trials is left.
-            let Some((worst, left)) = worst.filter(|&(at, left)| left > limit && Some(at) != searched) else {
+            let Some((worst, _)) = worst.filter(|&(at, left)| left > limit && Some(at) != searched) else {
                 return Ok(found);
             };
-            found = Some(Needed::NotEven(value, left));
             (swept, searched) = (&self.everywhere[worst], Some(worst));
             least = libm::log(value.value / change.input.value.value).abs();
         }
-        Ok(found)
+        Ok(None)
     }
 
-    /// Whether and where a change of an input meets the limit under one condition with its whole interval, to three digits on the
+    /// The smallest change of an input that meets the limit under one condition with its whole interval, to three digits on the
     /// safe side. The change is `least` or larger, as a logarithm.
     fn needed_at(
         &self,
@@ -233,8 +229,8 @@ impl<'a> Place<'a> {
         limit: f64,
         column: &str,
         evaluator: &mut Evaluator,
-    ) -> Option<Needed> {
-        let Change { input, to, is_down } = change;
+    ) -> Option<Quantity> {
+        let Change { input, is_down } = change;
         let mut at = |factor: f64| {
             let value = beyond(input, if *is_down { 1.0 / factor } else { factor });
             let found = self.values(swept, input, &[value], column, evaluator, Effort::Parts).ok()??;
@@ -247,9 +243,7 @@ impl<'a> Place<'a> {
         best = rest.into_iter().chain([best]).min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
         let (most, (end, left)) = best;
         if left > limit {
-            let tried = self.values(swept, input, &[*to], column, evaluator, Effort::Parts).ok()??;
-            let tried = tried.first()?.upper();
-            return Some(if tried < left { Needed::NotEven(*to, tried) } else { Needed::NotEven(end, left) });
+            return None;
         }
         let (mut low, mut high, mut met) = (least, libm::log(most), end);
         for _ in 0..BISECTIONS {
@@ -259,7 +253,7 @@ impl<'a> Place<'a> {
                 _ => low = middle,
             }
         }
-        Some(Needed::Value(met))
+        Some(met)
     }
 }
 

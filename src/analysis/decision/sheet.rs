@@ -2,7 +2,7 @@
 
 use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
-use crate::analysis::decision::choice::{Choice, Next};
+use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::lever::Lever;
 use crate::answer::{self as fact, Fact, Reading, Status};
 use crate::chart::Limit;
@@ -24,18 +24,12 @@ pub struct Sheet {
     pub options: usize,
     /// The condition under which the best option is worst; empty where there is only one.
     pub condition: String,
-    /// Whether a condition has a whole curve over the averaging time, which counts at its minimum.
-    pub is_minimum: bool,
     /// Number of conditions under which it is within the limit, and of all conditions.
     pub met: [usize; 2],
     /// The estimate of the best option under that condition.
     pub value: Figure,
     /// The estimate in the unit in which it is shown.
     pub reading: Reading,
-    /// Options with the same value as the best one.
-    pub equal: Vec<String>,
-    /// The next best option.
-    pub next: Option<Next>,
     /// Fillers that are no options, because firmware cannot have them.
     pub left_out: Vec<String>,
     /// The error budget, the largest part first; empty where there is none.
@@ -53,12 +47,9 @@ impl Sheet {
             option: choice.option.clone(),
             options: choice.options,
             condition: choice.condition.clone(),
-            is_minimum: choice.is_minimum,
             met: choice.met,
             value: (choice.value(), choice.interval()).into(),
             reading: choice.reading(),
-            equal: choice.equal.clone(),
-            next: choice.next.clone(),
             left_out: choice.left_out.clone(),
             budget,
             lever,
