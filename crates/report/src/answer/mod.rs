@@ -99,6 +99,7 @@ pub struct AnswerCell {
     pub value: Option<Reading>,
     /// Whether the value is that of the cell or a bound of it; absent where it is that of the cell.
     #[serde(skip_serializing_if = "Relation::is_equal")]
+    #[schemars(default)]
     pub relation: Relation,
 }
 
