@@ -78,12 +78,12 @@ pub mod spectrum;
 pub mod store;
 pub mod study;
 pub mod tally;
-pub mod theory;
 pub mod verify;
 pub mod view;
 
 pub use sagnac_base::{progress, table};
 pub use sagnac_report::answer;
+pub use sagnac_theory as theory;
 
 mod noise;
 mod sampling;
