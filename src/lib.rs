@@ -67,14 +67,9 @@
 #![deny(missing_docs)]
 #![warn(unreachable_pub)]
 
-pub mod allan;
 pub mod analysis;
 pub mod device;
-pub mod events;
-pub mod fit;
-pub mod record;
 pub mod run;
-pub mod spectrum;
 pub mod store;
 pub mod study;
 pub mod tally;
@@ -82,6 +77,7 @@ pub mod verify;
 pub mod view;
 
 pub use sagnac_base::{progress, table};
+pub use sagnac_records::{allan, events, fit, record, spectrum};
 pub use sagnac_report::answer;
 pub use sagnac_theory as theory;
 
@@ -109,4 +105,4 @@ pub mod kinds;
 #[doc(hidden)]
 pub mod motion;
 #[doc(hidden)]
-pub mod source;
+pub use sagnac_base::source;

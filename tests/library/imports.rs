@@ -5,22 +5,17 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The modules of crates below the library.
-const BELOW: [&str; 5] = ["answer", "kernel", "progress", "quantity", "table"];
+const BELOW: [&str; 12] = [
+    "allan", "answer", "events", "fit", "kernel", "progress", "quantity", "record", "source", "spectrum", "table", "theory",
+];
 
 /// The top-level modules of `src/`, lowest first.
 const ORDER: &[&str] = &[
-    "source",
-    "theory",
     "key",
     "chart",
     "tally",
     "device",
     "store",
-    "allan",
-    "record",
-    "fit",
-    "spectrum",
-    "events",
     "noise",
     "motion",
     "filler",

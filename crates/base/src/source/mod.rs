@@ -3,3 +3,4 @@
 pub mod diagnose;
 pub mod place;
 pub mod setting;
+pub mod text_file;

@@ -1,0 +1,380 @@
+//! Sums of squared differences over a record with gaps.
+//!
+//! The result is the same to the last bit for any number of threads: terms are added in a fixed number of lanes, lanes
+//! in tiles of a fixed length, and tiles in groups of a fixed number, all in the order of the record.
+
+use std::cell::OnceCell;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::allan::angles::Solid;
+use crate::allan::{Angles, Deviation, Trend};
+
+/// The sum of the squares of all terms of one deviation at one averaging factor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sum {
+    /// Number of terms.
+    pub terms: u64,
+    /// Sum of their squares.
+    pub squares: f64,
+    /// What missing samples add to the squares, as they leave the means of the others less certain; it is not in `squares`.
+    pub added: f64,
+}
+
+impl Sum {
+    fn add(&mut self, other: Sum) {
+        self.terms += other.terms;
+        self.squares += other.squares;
+        self.added += other.added;
+    }
+
+    /// The part of the estimate that missing samples leave of its degrees of freedom, where it has this part of the terms.
+    pub(crate) fn left(&self, terms: usize) -> f64 {
+        let part = if self.added > 0.0 { self.squares / (self.squares + self.added) } else { 1.0 };
+        self.terms as f64 / terms.max(1) as f64 * part * part
+    }
+}
+
+/// Independent chains of additions, enough to hide their latency and to fill whole vectors.
+const LANES: usize = 8;
+
+/// Terms in a tile, whose angles at all averaging factors stay in the cache.
+const TILE: usize = 4096;
+
+/// Tiles whose sums one thread adds up.
+const GROUP: usize = 16;
+
+/// Terms of a modified deviation after which its running sum is restarted, so that rounding does not accumulate.
+const RESTART: usize = 1 << 16;
+
+/// Places at which terms may start, and the end of the stretch that contains them.
+struct Tile {
+    starts: Range<usize>,
+    run_end: usize,
+}
+
+/// The sums of a deviation at each of `factors`, all ≥ 1, over all terms that touch no gap.
+///
+/// Where missing increments leave few of these terms, means over the increments that are known, at least half of each, take the
+/// place of whole ones. A missing increment makes such a mean less certain as white noise does. What that adds to the squares
+/// follows from the scatter of the increments about their neighbourhood, and is taken off. Modified deviations bridge short
+/// gaps instead.
+pub fn sums(angles: &Angles, deviation: Deviation, factors: &[usize]) -> Vec<Sum> {
+    let whole = match deviation.is_modified() {
+        true => {
+            let solid = Solid { values: angles.values(), runs: &angles.solid_runs(), share: 1.0 };
+            factors.iter().map(|&m| modified(solid, m)).collect()
+        }
+        false => plain(angles, deviation, factors),
+    };
+    if angles.missing() == 0 {
+        return whole;
+    }
+    let (scatter, share) = (angles.scatter(), angles.share());
+    let simulated = OnceCell::new();
+    let of_factor = |(sum, &m): (Sum, &usize)| {
+        let has_few = sum.left(deviation.terms(angles.len(), m)) < FEW.min(share * share);
+        match (has_few, deviation.is_modified(), angles.known()) {
+            (true, false, Some(known)) => partly_known(angles, known, deviation, m, scatter),
+            (true, true, Some(known)) => {
+                let sum = modified(angles.bridged(), m);
+                let added = scatter * added_to_white(simulated.get_or_init(|| white(known)), m);
+                Sum { squares: sum.squares - added, added, ..sum }
+            }
+            (true, true, None) => modified(angles.bridged(), m),
+            _ => sum,
+        }
+    };
+    whole.into_iter().zip(factors).map(of_factor).collect()
+}
+
+/// Part of the terms that gaps must leave for the others to be left out.
+const FEW: f64 = 0.25;
+
+/// The sum over the terms whose means have at least half of their increments.
+fn partly_known(angles: &Angles, known: &[u32], deviation: Deviation, m: usize, scatter: f64) -> Sum {
+    let x = angles.values();
+    let weights: &[f64] = if deviation.differences() == 2 { &[-1.0, 1.0] } else { &[1.0, -2.0, 1.0] };
+    let stride = if deviation.overlaps() { 1 } else { m };
+    let term = |k: usize| {
+        let (mut d, mut added) = (0.0, 0.0);
+        for (i, weight) in weights.iter().enumerate() {
+            let (from, to) = (k + i * m, k + (i + 1) * m);
+            let count = known[to] - known[from];
+            if 2 * u64::from(count) < m as u64 || count == 0 {
+                return None;
+            }
+            let times = m as f64 / f64::from(count);
+            d += weight * times * (x[to] - x[from]);
+            added += weight * weight * (times - 1.0) * m as f64 * scatter;
+        }
+        Some((d * d, added))
+    };
+    let terms = deviation.terms(angles.len(), m);
+    let of_tile = |tile: usize| {
+        let mut sum = Sum::default();
+        for (square, added) in (tile * TILE..((tile + 1) * TILE).min(terms)).filter_map(|j| term(j * stride))
+        {
+            sum.add(Sum { terms: 1, squares: square - added, added });
+        }
+        sum
+    };
+    let parts: Vec<Sum> = (0..terms.div_ceil(TILE)).into_par_iter().map(of_tile).collect();
+    let mut sum = Sum::default();
+    parts.into_iter().for_each(|part| sum.add(part));
+    sum
+}
+
+/// White noise of variance 1, whole and with the gaps of a record.
+fn white(known: &[u32]) -> [Angles; 2] {
+    // The minimal generator of Park and Miller; uniform numbers have a variance of 1/12.
+    let states = std::iter::successors(Some(987_654_321_u64), |n| Some(16_807 * n % 2_147_483_647));
+    let whole: Vec<f64> =
+        states.take(known.len() - 1).map(|n| libm::sqrt(12.0) * (n as f64 / 2_147_483_647.0 - 0.5)).collect();
+    let is_known = |i: usize| known[i + 1] > known[i];
+    let gapped: Vec<f64> =
+        whole.iter().enumerate().map(|(i, x)| if is_known(i) { *x } else { f64::NAN }).collect();
+    [whole, gapped].map(|x| Angles::from_increments(&x, 1.0, 1.0, Trend::None))
+}
+
+/// What bridges add to the sum of a modified deviation of white noise of variance 1.
+fn added_to_white([whole, gapped]: &[Angles; 2], m: usize) -> f64 {
+    let bridged = gapped.bridged();
+    let whole = Solid { values: whole.values(), ..bridged };
+    modified(bridged, m).squares - modified(whole, m).squares
+}
+
+/// The sums of an unmodified deviation, computed tile by tile at all factors, since these share most of their angles.
+fn plain(angles: &Angles, deviation: Deviation, factors: &[usize]) -> Vec<Sum> {
+    let tiles = tiles(angles.runs(), TILE);
+    let (x, unknown) = (angles.values(), angles.has_unknown());
+    let of_tile = |tile: &Tile, m: usize| {
+        let end = (tile.run_end + 1).saturating_sub(deviation.span(m)).min(tile.starts.end);
+        let starts = tile.starts.start..end;
+        match (deviation.differences(), deviation.overlaps(), unknown) {
+            (2, true, false) => second_differences(x, m, starts),
+            (_, true, false) => third_differences(x, m, starts),
+            (2, overlaps, _) => each(starts, if overlaps { 1 } else { m }, |k| second(x, m, k)),
+            (_, overlaps, _) => each(starts, if overlaps { 1 } else { m }, |k| third(x, m, k)),
+        }
+    };
+    let groups: Vec<Vec<Sum>> = tiles
+        .par_chunks(GROUP)
+        .map(|group| {
+            let mut sums = vec![Sum::default(); factors.len()];
+            for tile in group {
+                for (sum, &m) in sums.iter_mut().zip(factors) {
+                    sum.add(of_tile(tile, m));
+                }
+            }
+            sums
+        })
+        .collect();
+    let mut sums = vec![Sum::default(); factors.len()];
+    for group in groups {
+        sums.iter_mut().zip(group).for_each(|(sum, part)| sum.add(part));
+    }
+    sums
+}
+
+fn tiles(runs: &[Range<usize>], length: usize) -> Vec<Tile> {
+    let of_run = |run: &Range<usize>| {
+        let (start, run_end) = (run.start, run.end);
+        (start..run_end)
+            .step_by(length)
+            .map(move |from| Tile { starts: from..(from + length).min(run_end), run_end })
+    };
+    runs.iter().flat_map(of_run).collect()
+}
+
+fn second(x: &[f64], m: usize, k: usize) -> f64 {
+    x[k + 2 * m] - 2.0 * x[k + m] + x[k]
+}
+
+fn third(x: &[f64], m: usize, k: usize) -> f64 {
+    x[k + 3 * m] - 3.0 * x[k + 2 * m] + 3.0 * x[k + m] - x[k]
+}
+
+/// Sum over the terms at the multiples of `stride` among `starts`, without those that need an unknown angle.
+fn each(starts: Range<usize>, stride: usize, term: impl Fn(usize) -> f64) -> Sum {
+    let first = starts.start.next_multiple_of(stride);
+    let mut sum = Sum::default();
+    for k in (first..starts.end).step_by(stride) {
+        let d = term(k);
+        if !d.is_nan() {
+            sum.terms += 1;
+            sum.squares += d * d;
+        }
+    }
+    sum
+}
+
+/// Overlapping terms x(k + 2m) − 2x(k + m) + x(k), all angles known.
+fn second_differences(x: &[f64], m: usize, starts: Range<usize>) -> Sum {
+    if starts.is_empty() {
+        return Sum::default();
+    }
+    let at = |shift: usize| &x[starts.start + shift..starts.end + shift];
+    let (a, b, c) = (at(0), at(m), at(2 * m));
+    in_lanes(starts.len(), |k| c[k] - 2.0 * b[k] + a[k])
+}
+
+/// Overlapping terms x(k + 3m) − 3x(k + 2m) + 3x(k + m) − x(k), all angles known.
+fn third_differences(x: &[f64], m: usize, starts: Range<usize>) -> Sum {
+    if starts.is_empty() {
+        return Sum::default();
+    }
+    let at = |shift: usize| &x[starts.start + shift..starts.end + shift];
+    let (a, b, c, d) = (at(0), at(m), at(2 * m), at(3 * m));
+    in_lanes(starts.len(), |k| d[k] - 3.0 * c[k] + 3.0 * b[k] - a[k])
+}
+
+#[inline(always)]
+fn in_lanes(count: usize, term: impl Fn(usize) -> f64) -> Sum {
+    let mut lanes = [0.0; LANES];
+    let whole = count - count % LANES;
+    for start in (0..whole).step_by(LANES) {
+        for (lane, sum) in lanes.iter_mut().enumerate() {
+            let d = term(start + lane);
+            *sum += d * d;
+        }
+    }
+    for (lane, k) in (whole..count).enumerate() {
+        let d = term(k);
+        lanes[lane] += d * d;
+    }
+    Sum { terms: count as u64, squares: lanes.iter().sum(), added: 0.0 }
+}
+
+/// Sum over the terms of the modified deviation, the second differences of means over m angles, by running sums.
+fn modified(Solid { values: x, runs, .. }: Solid, m: usize) -> Sum {
+    // A tile shorter than m would spend most of its time on its first sum.
+    let parts: Vec<Sum> = tiles(runs, RESTART.max(m))
+        .par_iter()
+        .map(|tile| {
+            let end = (tile.run_end + 1).saturating_sub(3 * m).min(tile.starts.end);
+            running(x, m, tile.starts.start..end)
+        })
+        .collect();
+    let mut sum = Sum::default();
+    parts.into_iter().for_each(|part| sum.add(part));
+    sum
+}
+
+/// Sum over the squares of s(j) = Σ over i of x(j + 2m + i) − 2x(j + m + i) + x(j + i), i = 0 … m − 1.
+fn running(x: &[f64], m: usize, starts: Range<usize>) -> Sum {
+    if starts.is_empty() {
+        return Sum::default();
+    }
+    let mut s: f64 = (starts.start..starts.start + m).map(|i| second(x, m, i)).sum();
+    let scale = 1.0 / m as f64;
+    let mut squares = (s * scale) * (s * scale);
+    for j in starts.start..starts.end - 1 {
+        s += x[j + 3 * m] - 3.0 * x[j + 2 * m] + 3.0 * x[j + m] - x[j];
+        squares += (s * scale) * (s * scale);
+    }
+    Sum { terms: starts.len() as u64, squares, added: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise from the generator of the NBS sets.
+    pub(super) fn noise(count: usize) -> Vec<f64> {
+        let mut n: u64 = 1_234_567_890;
+        let mut next = || {
+            n = 16807 * n % 2_147_483_647;
+            n as f64 / 2_147_483_647.0 - 0.5
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    /// Sums every term by its definition, without those for which any increment (or angle) is missing; these are all terms at
+    /// averaging factors that gaps hardly affect.
+    fn by_definition(increments: &[f64], deviation: Deviation, m: usize) -> (u64, f64) {
+        let d = deviation.differences();
+        let (mut terms, mut squares) = (0, 0.0);
+        let stride = if deviation.overlaps() { 1 } else { m };
+        let span = if deviation.is_modified() { 3 * m - 1 } else { d * m };
+        for k in (0..).step_by(stride).take_while(|k| k + span <= increments.len()) {
+            if increments[k..k + span].iter().any(|y| y.is_nan()) {
+                continue;
+            }
+            let angle = |i: usize| increments[k..k + i].iter().sum::<f64>();
+            let difference = |i: usize| match d {
+                2 => angle(i + 2 * m) - 2.0 * angle(i + m) + angle(i),
+                _ => angle(i + 3 * m) - 3.0 * angle(i + 2 * m) + 3.0 * angle(i + m) - angle(i),
+            };
+            let means = if deviation.is_modified() { m } else { 1 };
+            let term = (0..means).map(difference).sum::<f64>() / means as f64;
+            terms += 1;
+            squares += term * term;
+        }
+        (terms, squares)
+    }
+
+    #[test]
+    fn sums_are_those_of_the_definition_with_and_without_gaps() {
+        let whole = noise(200);
+        let mut gapped = whole.clone();
+        for gap in [0, 17, 90, 91, 92, 199] {
+            gapped[gap] = f64::NAN;
+        }
+        for increments in [whole, gapped] {
+            let angles = Angles::from_increments(&increments, 1.0, 1.0, Trend::None);
+            for deviation in Deviation::ALL {
+                let factors: Vec<usize> = (1..=deviation.largest_factor(angles.len())).collect();
+                for (sum, &m) in sums(&angles, deviation, &factors).iter().zip(&factors) {
+                    let (terms, squares) = by_definition(&increments, deviation, m);
+                    if (terms as f64) < FEW * deviation.terms(angles.len(), m) as f64 {
+                        continue;
+                    }
+                    assert_eq!(sum.terms, terms, "{deviation}, m = {m}");
+                    assert!(
+                        (sum.squares - squares).abs() <= 1e-10 * squares,
+                        "{deviation}, m = {m}: {} not {squares}",
+                        sum.squares
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_missing_angle_leaves_out_only_the_terms_that_need_it() {
+        let mut angles: Vec<f64> = noise(50);
+        let whole = Angles::from_angles(&angles, 1.0, 1.0, Trend::None);
+        angles[20] = f64::NAN;
+        let gapped = Angles::from_angles(&angles, 1.0, 1.0, Trend::None);
+        let terms = |angles: &Angles, deviation, m| sums(angles, deviation, &[m])[0].terms;
+        for (deviation, fewer) in [(Deviation::Oadev, 3), (Deviation::Ohdev, 4), (Deviation::Mdev, 9)] {
+            assert_eq!(
+                terms(&gapped, deviation, 3) + fewer,
+                terms(&whole, deviation, 3),
+                "{deviation} at m = 3"
+            );
+        }
+    }
+
+    #[test]
+    fn records_longer_than_a_tile_give_the_sums_of_short_ones() {
+        // The record has a period of 5 samples, so each term's square repeats and the sum over whole periods is known.
+        let increments: Vec<f64> = (0..5 * 40_000).map(|i| [3.0, -1.0, 2.0, -4.0, 0.0][i % 5]).collect();
+        let angles = Angles::from_increments(&increments, 1.0, 1.0, Trend::None);
+        for deviation in [Deviation::Oadev, Deviation::Mdev, Deviation::Ohdev] {
+            for m in [1, 2, 7, 30_001] {
+                let sum = sums(&angles, deviation, &[m])[0];
+                // Shifts by whole periods change nothing.
+                let short = if m > 10 { m % 5 } else { m };
+                if deviation.is_modified() && m > 10 {
+                    continue;
+                }
+                let one = sums(&angles, deviation, &[short])[0];
+                let [per_term, expected] = [sum, one].map(|s| s.squares / s.terms as f64);
+                assert!((per_term / expected - 1.0).abs() < 1e-4, "{deviation}, m = {m}: {per_term}");
+            }
+        }
+    }
+}

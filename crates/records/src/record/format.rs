@@ -1,0 +1,241 @@
+//! The formats of recorded data.
+
+use std::io::{self, Chain, Cursor, Read, Seek};
+use std::path::Path;
+
+#[cfg(feature = "ros")]
+use crate::record::bag::open as bag;
+use crate::record::calendar::Calendar;
+use crate::record::error::{RecordError, malformed};
+#[cfg(feature = "hdf5")]
+use crate::record::hdf5::open as hdf5;
+use crate::record::log::measure::Data;
+use crate::record::loggers::Rivals;
+#[cfg(feature = "ros")]
+use crate::record::mcap::open as mcap;
+use crate::record::names::Name;
+use crate::record::recording::Rules;
+use crate::record::{mat, npy, npz};
+use sagnac_base::source::place::Place;
+use sagnac_base::source::text_file::open;
+
+/// Bytes from which the format and the layout of a file are determined.
+pub(crate) const HEAD: u64 = 1 << 20;
+
+/// A format of files.
+pub(crate) struct Format {
+    /// Whether files that begin like this have the format.
+    pub begins: fn(&[u8]) -> bool,
+    /// Opens such a file.
+    pub open: for<'a> fn(Source<'a>) -> Result<Box<dyn Columns + 'a>, RecordError>,
+}
+
+/// All formats that the first bytes tell; other files are text.
+pub(crate) static FORMATS: &[Format] = &[
+    npy::FORMAT,
+    npz::FORMAT,
+    // Before MATLAB's earlier format, because its files may begin like those.
+    Format { begins: is_hdf5, open: hdf5 },
+    mat::FORMAT,
+    Format { begins: |head| head.starts_with(b"\x89MCAP0\r\n"), open: mcap },
+    Format { begins: |head| head.starts_with(b"#ROSBAG V2.0\n"), open: bag },
+];
+
+/// Whether the signature is at the start, or after a block of the user's of 512, 1024, … bytes.
+fn is_hdf5(head: &[u8]) -> bool {
+    let starts =
+        std::iter::successors(Some(512), |start| Some(2 * start)).take_while(|start| *start < head.len());
+    std::iter::once(0).chain(starts).any(|start| head[start..].starts_with(b"\x89HDF\r\n\x1a\n"))
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn hdf5(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+    Err(left_out(&source, "HDF5 (.h5, .mat)", "hdf5"))
+}
+
+#[cfg(not(feature = "ros"))]
+fn mcap(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+    Err(left_out(&source, "MCAP", "ros"))
+}
+
+#[cfg(not(feature = "ros"))]
+fn bag(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
+    Err(left_out(&source, "a ROS bag", "ros"))
+}
+
+/// The error for a format of which this build lacks the library.
+#[cfg(not(all(feature = "hdf5", feature = "ros")))]
+fn left_out(source: &Source, what: &str, feature: &str) -> RecordError {
+    let message = format!("{} is {what}, which this build of sagnac does not read", source.file);
+    let help = format!("build it with the feature {feature}, or save the samples as CSV or .npy");
+    RecordError::new(message, "", help, None)
+}
+
+/// The columns of an opened file, of which no number has been read yet.
+pub(crate) trait Columns {
+    /// Names of the columns; empty where they have none.
+    fn names(&self) -> &[Name];
+
+    fn count(&self) -> usize;
+
+    /// The numbers of the `wanted` columns in the given order, with NaN for missing ones.
+    fn read(&mut self, wanted: &[usize], rules: &Rules) -> Result<Vec<Vec<f64>>, RecordError>;
+
+    /// A number of a column, NaN where it is not known, or nothing if the column seems to hold other things.
+    fn sample(&self, _column: usize) -> Option<f64> {
+        Some(f64::NAN)
+    }
+
+    /// The numbers of a column in the first rows, as far as they are known before all are read.
+    fn rows(&self, _column: usize) -> &[f64] {
+        &[]
+    }
+
+    /// The loggers whose header it may be, if these have other units.
+    fn rivals(&self) -> Option<&Rivals> {
+        None
+    }
+
+    /// What times of the calendar a column holds, if any.
+    fn calendar(&self, _column: usize) -> Option<Calendar> {
+        None
+    }
+
+    /// What was inferred about the file, in a line each.
+    fn inferred(&self) -> Vec<String> {
+        vec![]
+    }
+
+    /// What was found while the numbers were read, in a line each.
+    fn found(&self) -> Vec<String> {
+        vec![]
+    }
+
+    /// The sampling step that the file states, s.
+    fn step_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// The data that the file states.
+    fn data(&self) -> Option<Data> {
+        None
+    }
+
+    /// The place where a column is shown, or all of them, if the file has lines.
+    fn place(&self, _column: Option<usize>) -> Option<Place> {
+        None
+    }
+
+    /// The place of a column in a row, counted from 0, if the file has lines.
+    fn place_of_row(&self, _row: usize, _column: usize) -> Option<Place> {
+        None
+    }
+}
+
+/// The source of the bytes of a file.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Origin<'a> {
+    Path(&'a Path),
+    /// The bytes of a file that was read before.
+    Bytes(&'a [u8]),
+}
+
+impl<'a> Origin<'a> {
+    /// The bytes from the first on, with their number, which is unknown for a pipe.
+    pub(crate) fn open(self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
+        match self {
+            Origin::Path(path) => {
+                let file = open(path)?;
+                let about = file.metadata()?;
+                Ok((Box::new(file), about.is_file().then_some(about.len())))
+            }
+            Origin::Bytes(bytes) => Ok((Box::new(bytes), Some(bytes.len() as u64))),
+        }
+    }
+}
+
+/// Bytes that any file may unpack to, and most for each byte of a longer one: noise packs to a fifth at best, and a few columns
+/// that do not change to much less.
+const ANY_UNPACKED: u64 = 1 << 26;
+const MOST_UNPACKED: u64 = 100;
+
+/// Refuses that a file of `stored` bytes, if that is known, unpacks to more than recordings do.
+///
+/// # Errors
+/// The `bytes` are too many for it.
+pub(crate) fn check_unpacked(bytes: u64, stored: Option<u64>) -> io::Result<()> {
+    match stored.filter(|stored| bytes > ANY_UNPACKED.max(MOST_UNPACKED.saturating_mul(*stored))) {
+        None => Ok(()),
+        Some(stored) => {
+            malformed(&format!("its {stored} bytes unpack to more than {MOST_UNPACKED} times as many"))
+        }
+    }
+}
+
+/// Bytes that can be read in any order.
+pub(crate) trait Seekable: Read + Seek {}
+
+impl<T: Read + Seek> Seekable for T {}
+
+/// The bytes of a file, of which the first have been read.
+pub(crate) struct Source<'a> {
+    /// Its name in messages.
+    pub file: String,
+    pub origin: Origin<'a>,
+    pub head: Vec<u8>,
+    /// Length in bytes; unknown for a pipe.
+    pub length: Option<u64>,
+    rest: Box<dyn Read + 'a>,
+}
+
+/// The bytes of a file from some place on.
+pub(crate) type Bytes<'a> = Chain<Cursor<Vec<u8>>, Box<dyn Read + 'a>>;
+
+impl<'a> Source<'a> {
+    pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Source<'a>, RecordError> {
+        let failed = |error| RecordError::unreadable(&file, &error);
+        let (mut rest, length) = origin.open().map_err(failed)?;
+        let mut head = Vec::new();
+        rest.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+        Ok(Source { file, origin, head, length, rest })
+    }
+
+    /// Whether the head is the whole file.
+    pub(crate) fn is_whole(&self) -> bool {
+        let length = self.head.len() as u64;
+        length < HEAD || self.length == Some(length)
+    }
+
+    /// The bytes from `start` on, which is in the head.
+    pub(crate) fn from(self, start: usize) -> Bytes<'a> {
+        let mut head = Cursor::new(self.head);
+        head.set_position(start as u64);
+        head.chain(self.rest)
+    }
+
+    /// Its length in bytes.
+    ///
+    /// # Errors
+    /// It is a pipe.
+    pub(crate) fn size(&self) -> Result<u64, RecordError> {
+        self.length.ok_or_else(|| {
+            let message = format!("{} is not a regular file", self.file);
+            RecordError::new(message, "", "save it as a file first; text and .npy can be piped", None)
+        })
+    }
+
+    /// The bytes in any order.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is a pipe.
+    pub(crate) fn seekable(&self) -> Result<Box<dyn Seekable + 'a>, RecordError> {
+        self.size()?;
+        match self.origin {
+            Origin::Path(path) => {
+                let file = open(path).map_err(|error| RecordError::unreadable(&self.file, &error))?;
+                Ok(Box::new(file))
+            }
+            Origin::Bytes(bytes) => Ok(Box::new(Cursor::new(bytes))),
+        }
+    }
+}
