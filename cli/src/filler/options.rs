@@ -62,22 +62,23 @@ impl Options {
     pub fn firmware(&self) -> Result<(Study, Firmware, PathBuf), Failure> {
         let file = self.file()?;
         let (study, firmware) = match file {
-            Some(file) => self.of_study(&kind::study(file)?)?,
+            Some(file) => self.of_study(kind::study(file)?)?,
             None => self.alone.firmware(&self.what)?,
         };
         Ok((study, firmware, self.folder(file)))
     }
 
     /// The fillers of a study, or the one that is searched for it.
-    fn of_study(&self, study: &Study) -> Result<(Study, Firmware), Failure> {
+    fn of_study(&self, study: Study) -> Result<(Study, Firmware), Failure> {
         let Some(asked) = self.alone.asked_of_study()? else {
-            return Ok((study.clone(), Firmware::choose(study, &self.at, &self.fillers)?));
+            let firmware = Firmware::choose(&study, &self.at, &self.fillers)?;
+            return Ok((study, firmware));
         };
         if !self.fillers.is_empty() {
             let message = "--limit and --latency search a filler of their own\nleave --filler out";
             return Err(Failure::Usage(message.to_owned()));
         }
-        Ok(Firmware::searched(study, &self.at, asked)?)
+        Ok(Firmware::searched(&study, &self.at, asked)?)
     }
 
     /// The output folder.
