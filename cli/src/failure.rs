@@ -6,12 +6,11 @@ use std::process::ExitCode;
 
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::decision::DecisionError;
-use sagnac::analysis::dynamic::DynamicError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
 use sagnac::analysis::lot::LotError;
 use sagnac::analysis::model::ModelError;
-use sagnac::analysis::spectrum::NoSpectrum;
+use sagnac::analysis::whole::WholeError;
 use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::error::RecordError;
@@ -123,8 +122,9 @@ pub fn faults(count: usize) -> String {
 }
 
 /// Settings of the library for which the program has options.
-const OPTIONS: [&str; 34] = [
+const OPTIONS: [&str; 36] = [
     "at",
+    "band",
     "binary",
     "bootstrap",
     "by",
@@ -140,6 +140,7 @@ const OPTIONS: [&str; 34] = [
     "fit_to",
     "force",
     "from",
+    "noise",
     "out",
     "overbound",
     "quantization",
@@ -199,15 +200,12 @@ impl From<TauError> for Failure {
     }
 }
 
-impl From<DynamicError> for Failure {
-    fn from(error: DynamicError) -> Failure {
-        Failure::Record(in_options(&error))
-    }
-}
-
-impl From<NoSpectrum> for Failure {
-    fn from(error: NoSpectrum) -> Failure {
-        Failure::Record(in_options(&error))
+impl From<WholeError> for Failure {
+    fn from(error: WholeError) -> Failure {
+        match error {
+            WholeError::Tau(error) => error.into(),
+            WholeError::Dynamic(_) | WholeError::Spectrum(_) => Failure::Record(in_options(&error)),
+        }
     }
 }
 

@@ -7,9 +7,7 @@ use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::analysis::temperature::Temperature;
-use sagnac::analysis::temperature::effect::Effect;
 use sagnac::analysis::temperature::model::Effects;
-use sagnac::analysis::temperature::notes::notes;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::range::Fitting;
 use sagnac::quantity::units::{Dimension, Quantity, parse as parse_quantity};
@@ -107,7 +105,7 @@ pub struct Reading {
     #[arg(help_heading = "Temperature", long, value_name = "UNIT", requires = "temperature")]
     temperature_unit: Option<String>,
     /// Terms of the dependence: auto (T, and those of the others that the record needs), or a list of T, T2, dT, warm-up, aging
-    #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = effects)]
+    #[arg(help_heading = "Temperature", long, value_name = "TERMS", default_value = "auto", requires = "temperature", value_parser = Effects::parse)]
     temperature_terms: Effects,
     /// Compute all results from the record without the fitted dependence; a column without one stays as it is, and a note says why
     #[arg(help_heading = "Temperature", long, requires = "temperature")]
@@ -148,19 +146,6 @@ fn fit_terms(text: &str) -> Result<Fitted, String> {
         "auto" => Ok(Fitted::Auto),
         list => list_of(list, &Term::ALL, Term::symbol, "auto, none").map(Fitted::Given),
     }
-}
-
-fn effects(text: &str) -> Result<Effects, String> {
-    if text == "auto" {
-        return Ok(Effects::Auto);
-    }
-    let named = list_of(text, &Effect::ALL, Effect::name, "auto")?;
-    // In the order of all of them, and each once.
-    let effects: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| named.contains(effect)).collect();
-    if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {
-        return Err("T2 needs T beside it, because its zero is arbitrary; write as in T,T2".to_owned());
-    }
-    Ok(Effects::Given(effects))
 }
 
 impl Reading {
@@ -222,16 +207,8 @@ impl Reading {
             .collect::<Result<Vec<Unit>, _>>()
             .map_err(|wrong| self.refused_unit(&wrong))?;
         let step_s = rate.map(|rate| step(rate)).transpose()?;
-        let timing = match (step_s, self.time.as_deref()) {
-            (Some(step_s), Some("none")) => Timing::Step(step_s),
-            (None, Some("none")) => {
-                let message = "--time none ignores time stamps, and the sampling rate is not given\ngive --rate HZ, that of your logger, too";
-                return Err(Failure::Usage(message.to_owned()));
-            }
-            (step_s, column) => {
-                Timing::Stamps { step_s, column: column.map(str::to_owned), unit: self.time_unit.clone() }
-            }
-        };
+        let timing = Timing::of(step_s, self.time.clone(), self.time_unit.clone())
+            .map_err(|message| Failure::Usage(in_options(&message)))?;
         let (decimal, duplicates, binary) = (self.decimal, self.duplicates, self.binary.clone());
         let hints = Hints { decimal, duplicates, binary };
         let unit = self.temperature_unit.clone();
@@ -282,8 +259,7 @@ impl Reading {
         kind::log(path)?;
         let treatment = self.treatment();
         let mut log = treatment.read(path, request)?;
-        let temperature = Temperature::of(&log, &treatment, &self.temperature_terms);
-        log.notes.extend(temperature.iter().flat_map(notes));
+        let temperature = Temperature::noted(&mut log, &treatment, &self.temperature_terms);
         Ok((log, temperature))
     }
 }

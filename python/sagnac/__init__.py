@@ -3,7 +3,9 @@
 - :func:`run` runs a study: the tables and charts of the program ``sagnac``, bit for bit.
 - :func:`allan` computes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
+- :func:`read_log` reads a log, which these functions take, as they take arrays and paths.
 - :func:`psd` computes the spectrum of a record, and :func:`compare` tells whether the noise of two records differs.
+- :func:`analyze` is the whole of ``sagnac allan``: temperature, noise over time and position error too; :func:`batch` pools units.
 - :func:`model` turns a record or its noise into a model that a navigation filter can use.
 - :func:`design` finds the switching interval and the filler with the least drift, and :func:`sensitivity` which uncertain input
   decides an answer.
@@ -26,7 +28,7 @@ Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 
 from . import errors, theory
 from ._sagnac import version as __version__
-from .analyses import Analysis, compare, design, psd, sensitivity
+from .analyses import Analysis, batch, compare, design, sensitivity
 from .errors import (
     DeviceError,
     InternalError,
@@ -37,11 +39,13 @@ from .errors import (
     UsageError,
 )
 from .fillers import Filler, Fillers, Rule, filler
+from .logs import Log, read_log
 from .models import model
 from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .records import allan, fit
 from .results import Answer, Results, Table
 from .studies import run
+from .whole import analyze, psd
 
 __all__ = [
     "Allan",
@@ -54,6 +58,7 @@ __all__ = [
     "Fillers",
     "Fit",
     "InternalError",
+    "Log",
     "Minimum",
     "RecordError",
     "Results",
@@ -65,6 +70,8 @@ __all__ = [
     "UsageError",
     "__version__",
     "allan",
+    "analyze",
+    "batch",
     "compare",
     "design",
     "errors",
@@ -72,6 +79,7 @@ __all__ = [
     "fit",
     "model",
     "psd",
+    "read_log",
     "run",
     "sensitivity",
     "theory",

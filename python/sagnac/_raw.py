@@ -29,6 +29,7 @@ class RawAnalysis(TypedDict):
     data: str
     tables: list[tuple[str, list[RawColumn]]]
     charts: list[RawChart]
+    files: list[tuple[str, str]]
     report: str
 
 
@@ -66,6 +67,7 @@ class RawCurve(TypedDict):
 
 
 class RawRecord(TypedDict):
+    notes: list[str]
     missing: int
     mean_rate: float | None
     removed_slope_per_s: float
@@ -111,13 +113,9 @@ class RawRule(TypedDict):
     rms: float | None
 
 
-class RawFillers(TypedDict):
-    title: str
+class RawFillers(RawAnalysis):
     at: list[tuple[str, str]]
     tick_s: float | None
     gap_ticks: int
     no_rms_because: str | None
     fillers: list[tuple[str, str, list[RawRule]]]
-    header: str
-    answer: RawAnswer
-    charts: list[RawChart]

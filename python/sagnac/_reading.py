@@ -2,54 +2,61 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from . import _sagnac
 from .errors import RecordError, UsageError
+from .logs import Kind, Log, Numbers, Reading, read_log, step_of
 from .studies import _threads
 
-Kind = Literal["rate", "increment", "angle"]
-Numbers = NDArray[np.float64]
+#: An array, a log, or the path of a file.
+Record: TypeAlias = ArrayLike | Log | os.PathLike[str]
 
-
-@dataclass(frozen=True)
-class Reading:
-    """The kind of the samples, and their treatment."""
-
-    kind: str
-    unit: str
-    step_s: float
-    detrend: bool
-    remove_outliers: bool
-    unit_check: bool
-    threads: int
+#: The samples, their reading, and what they are called.
+Given: TypeAlias = tuple[_sagnac.Log | Numbers, Reading, str]
 
 
 def reading_of(
-    data: ArrayLike,
-    rate: float,
-    kind: str,
-    unit: str,
+    data: Record,
+    rate: float | None,
+    kind: Kind | None,
+    unit: str | None,
     detrend: bool,
     remove_outliers: bool,
     unit_check: bool,
     threads: int | None,
-) -> tuple[Numbers, Reading]:
-    """The samples as a contiguous array, with their reading."""
+    *,
+    name: str | None = None,
+    of_array: str = "record",
+    remove_events: bool = False,
+) -> Given:
+    """A log, or the samples as a contiguous array, with their reading and what they are called: by default as their file, or
+    ``of_array``."""
+    if isinstance(data, (str, os.PathLike)):
+        data = read_log(data, rate=rate, kind=kind, unit=unit or (), unit_check=unit_check, threads=threads)
+    elif isinstance(data, Log):
+        for argument, value in {"rate": rate, "kind": kind, "unit": unit}.items():
+            if value is not None:
+                raise UsageError(f"{argument}={value!r} is given, but a log has its own\nleave {argument} out, or give it to read_log")
+    treatment = (detrend, remove_outliers, remove_events, unit_check, _threads(threads))
+    if isinstance(data, Log):
+        return data.native, Reading(data.kind, "", data.step, *treatment), name or str(data.path)
+    for argument, value, example in (("rate", rate, "100.0"), ("unit", unit, '"deg/h"')):
+        if value is None:
+            raise UsageError(f"{argument} is missing, which an array does not say\nadd for example {argument}={example}")
+    assert rate is not None and unit is not None
     try:
         values = np.ascontiguousarray(data, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise RecordError(f"the data are not an array of numbers: {error}") from error
     if np.ndim(data) != 1:
         raise RecordError(f"the array has {np.ndim(data)} dimensions\ngive one axis, as in data[:, 0]")
-    step = 1.0 / rate if rate > 0.0 else 0.0
-    if not 1e-9 <= step <= 1e9:
-        raise UsageError(f"rate={rate}\naccepted: samples per second from 1e-9 to 1e9")
-    return values, Reading(kind, unit, step, detrend, remove_outliers, unit_check, _threads(threads))
+    return values, Reading(kind or "rate", unit, step_of(rate), *treatment), name or of_array
 
 
 def limits_of(limits: Mapping[str, str | float] | None) -> list[str]:

@@ -1,4 +1,4 @@
-"""Designs, sensitivities, comparisons and spectra, as the program gives them."""
+"""Designs, sensitivities, comparisons and batches, as the program gives them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from numpy.typing import ArrayLike
-
 from . import _sagnac
 from ._raw import RawAnalysis
-from ._reading import Kind, limits_of, reading_of
+from ._reading import Record, limits_of, reading_of
 from .errors import UsageError
-from .records import LEAST_REALIZATIONS
+from .logs import Kind, Log
 from .results import Charted, Table, answer_of
 from .studies import MOST_TRIALS, _source, _threads, _whole
 
@@ -30,9 +28,11 @@ class Analysis(Charted):
     names of their files without ``.csv``, each a list of rows."""
     tables: dict[str, Table]
     """The tables by the names of their files, such as ``design.csv``."""
+    files: dict[str, str]
+    """Further files of the program by their names, such as ``noise.toml``, as texts."""
 
     def __repr__(self) -> str:
-        return f"<Analysis: {self.answer}>"
+        return f"<{type(self).__name__}: {self.answer}>"
 
 
 def design(
@@ -170,13 +170,13 @@ def sensitivity(
 
 
 def compare(
-    a: ArrayLike,
-    b: ArrayLike,
-    rate: float | tuple[float, float],
+    a: Record,
+    b: Record,
+    rate: float | tuple[float, float] | None = None,
     *,
-    unit: str | tuple[str, str],
-    kind: Kind = "rate",
-    names: tuple[str, str] = ("A", "B"),
+    unit: str | tuple[str, str] | None = None,
+    kind: Kind | None = None,
+    names: tuple[str, str] | None = None,
     terms: Literal["auto"] | Sequence[str] = "auto",
     limits: Mapping[str, float] | None = None,
     detrend: bool = False,
@@ -193,7 +193,7 @@ def compare(
     rate, unit
         As for :func:`allan`, for both records or one for each.
     names
-        What the records are called.
+        What the records are called; by default the names of their files, or A and B for arrays.
     terms, kind, detrend, remove_outliers, unit_check, threads
         As for :func:`fit`.
     limits
@@ -214,80 +214,82 @@ def compare(
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)
     units = unit if isinstance(unit, tuple) else (unit, unit)
-    records = [
-        reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
-        for data, rate, unit in zip((a, b), rates, units)
-    ]
-    (first, of_first), (second, of_second) = records
+    (first, of_first, one), (second, of_second, other) = (
+        reading_of(
+            record, rates[side], kind, units[side], detrend, remove_outliers, unit_check, threads,
+            name=names[side] if names else None, of_array="AB"[side],
+        )
+        for side, record in enumerate((a, b))
+    )  # fmt: skip
     return _analysis(
-        _sagnac.compare(first, second, (of_first, of_second), names, _terms(terms), limits_of(limits))
+        _sagnac.compare(
+            (first, second), (of_first, of_second), (one, other), _terms(terms), limits_of(limits)
+        )
     )
 
 
-def psd(
-    data: ArrayLike,
-    rate: float,
+def batch(
+    records: Sequence[Record] | Log,
+    rate: float | None = None,
     *,
-    unit: str,
-    kind: Kind = "rate",
-    name: str = "record",
-    segment: float | None = None,
-    segment_detrend: Literal["constant", "linear"] = "constant",
-    confidence: float = 0.95,
+    unit: str | None = None,
+    kind: Kind | None = None,
+    names: Sequence[str] | None = None,
     terms: Literal["auto"] | Sequence[str] = "auto",
-    bootstrap: int | None = None,
     limits: Mapping[str, str | float] | None = None,
     detrend: bool = False,
     remove_outliers: bool = False,
+    remove_events: bool = False,
     unit_check: bool = True,
     threads: int | None = None,
 ) -> Analysis:
-    """The power spectral density of a record with its lines and its white noise, as ``sagnac allan`` computes them.
+    """The noise of a batch of units: its median, the scatter between units, the next unit, and outliers, as ``sagnac compare`` of three
+    and more logs finds them.
 
     Parameters
     ----------
-    data, rate, unit, kind, detrend, remove_outliers, unit_check, threads
-        As for :func:`allan`. The record is copied.
-    name
-        What the record is called.
-    segment
-        Length of the segments, s; by default an eighth of the record and at most 16384 samples.
-    segment_detrend
-        What is removed from each segment: its mean, or its straight line.
-    confidence
-        Probability of the intervals.
-    terms, bootstrap
-        As for :func:`fit`, of the fit whose density is drawn beside.
+    records
+        A record of each unit, as for :func:`allan`; each column of a log is a unit. Arrays are copied.
+    rate, unit, kind
+        As for :func:`allan`, for all records that are no :class:`Log`.
+    names
+        What the records are called; by default the names of their files, or ``unit 1`` and so on for arrays.
     limits
-        As for :func:`fit`; ``in_run_bias_stability`` and ``floor``, the N of the flat part of the density, can be limited too.
+        Largest accepted values of each unit, as for :func:`fit`; ``in_run_bias_stability`` can be limited too.
+    terms, detrend, remove_outliers, unit_check, threads
+        As for :func:`fit`.
+    remove_events
+        As for :func:`analyze`.
 
     Raises
     ------
     RecordError, UsageError
-        The record is too short or unusable, or an argument is not accepted.
+        The samples are unusable, two records are the same, or an argument is not accepted.
 
     Examples
     --------
     >>> import numpy as np
-    >>> times = np.arange(20_000) / 100.0
-    >>> rates = np.random.default_rng(1).normal(0.0, 1.0, times.size) + np.sin(2 * np.pi * 20.0 * times)
-    >>> found = psd(rates, 100.0, unit="deg/h", bootstrap=0)
-    >>> [round(float(line), 1) for line in found.tables["lines.csv"]["f_hz"]]
-    [20.0]
+    >>> draw = np.random.default_rng(1).normal
+    >>> found = batch([draw(0.0, sigma, 20_000) for sigma in (1.0, 1.02, 0.98, 1.01, 3.0)], 100.0, unit="deg/h")
+    >>> found.answer.split(":")[0]
+    'unit 5 is an outlier'
     """
-    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
-    if not 0.0 < confidence < 1.0:
-        raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
-    if segment_detrend not in ("constant", "linear"):
-        raise UsageError(f'segment_detrend="{segment_detrend}"\naccepted: "constant", "linear"')
-    if bootstrap is not None and bootstrap != 0:
-        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
-    is_linear = segment_detrend == "linear"
-    return _analysis(
-        _sagnac.psd(
-            values, reading, name, segment, is_linear, confidence, _terms(terms), bootstrap, limits_of(limits)
-        )
-    )
+    each: Sequence[Record] = [records] if isinstance(records, Log) else list(records)
+    if names is not None and len(names) != len(each):
+        raise UsageError(f"there are {len(each)} records and {len(names)} names\ngive one name for each record")
+    given = []
+    for place, record in enumerate(each):
+        stated = (None, None, None) if isinstance(record, Log) else (rate, kind, unit)
+        name, of_array = names[place] if names else None, f"unit {place + 1}"
+        given.append(
+            reading_of(
+                record, *stated, detrend, remove_outliers, unit_check, threads,
+                name=name, of_array=of_array, remove_events=remove_events,
+            )
+        )  # fmt: skip
+    samples, readings = [one for one, _, _ in given], [reading for _, reading, _ in given]
+    called = [name for _, _, name in given]
+    return _analysis(_sagnac.batch(samples, readings, called, _terms(terms), limits_of(limits)))
 
 
 def _terms(terms: str | Sequence[str]) -> list[str] | None:
@@ -297,7 +299,12 @@ def _terms(terms: str | Sequence[str]) -> list[str] | None:
 
 
 def _analysis(found: RawAnalysis) -> Analysis:
-    return Analysis(
+    return Analysis(**_found(found))
+
+
+def _found(found: RawAnalysis) -> dict[str, Any]:
+    """The fields of an analysis."""
+    return dict(
         title=found["title"],
         answer=answer_of(found["answer"]),
         notes=tuple(found["notes"]),
@@ -306,4 +313,5 @@ def _analysis(found: RawAnalysis) -> Analysis:
         pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
         data=json.loads(found["data"]),
         tables={name: Table(columns) for name, columns in found["tables"]},
+        files=dict(found["files"]),
     )

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _plot, _sagnac
+from . import _sagnac
 from ._raw import RawFillers, RawRule
+from .analyses import Analysis, _found
 from .errors import UsageError
-from .results import Answer, answer_of
 from .studies import _whole
 from .theory import Values, _broadcast
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MINIMUM_VARIANCE = "minimum-variance"
 
@@ -91,11 +86,11 @@ class Filler:
     """Rule for the ticks before the gap, if the filler has one."""
 
 
-@dataclass(frozen=True)
-class Fillers(Mapping[str, Filler]):
-    """Fillers by name: ``found["quadratic"].interpolation.fractions``."""
+@dataclass(frozen=True, repr=False)
+class Fillers(Analysis, Mapping[str, Filler]):
+    """Fillers by name: ``found["quadratic"].interpolation.fractions``. The charts are the response to vibration and, of a search, the
+    error over the ticks."""
 
-    title: str
     at: dict[str, str]
     """The point of the study: swept keys and their values."""
     gap_ticks: int
@@ -103,18 +98,11 @@ class Fillers(Mapping[str, Filler]):
     fillers: dict[str, Filler]
     no_rms_because: str | None
     """Why there is no rms, if the point cannot be sampled."""
-    header: str
-    """The fillers as a C99 header for firmware."""
-    answer: Answer
-    """The filler that leaves least, or the noise gains where neither motion nor noise is known."""
-    charts: dict[str, str]
-    """The response to vibration as an SVG text."""
-    pictures: dict[str, Any] = field(repr=False)
-    """Its content, which :meth:`plot` draws."""
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the response to vibration with matplotlib, which has to be installed; returns the axes."""
-        return _plot.draw(_plot.chosen(self.pictures, None), ax)
+    @property
+    def header(self) -> str:
+        """The fillers as a C99 header for firmware."""
+        return self.files["sagnac_filler.h"]
 
     def __getitem__(self, name: str) -> Filler:
         return self.fillers[name]
@@ -138,6 +126,8 @@ def filler(
     noise: str | None = None,
     at: Mapping[str, object] | None = None,
     fillers: Sequence[str] = (),
+    limits: Mapping[str, str | float] | None = None,
+    latency: str | None = None,
 ) -> Fillers:
     """The weights of fillers, as computed by ``sagnac filler``.
 
@@ -159,6 +149,13 @@ def filler(
         The point of a study as values of its swept keys, such as ``{"gap_ticks": 3}``.
     fillers
         Names of the fillers of the study to compute; by default all.
+    limits
+        Searches the ticks of a minimum-variance filler: the first after the gap, and then the fewest, with which 99.73 % of residuals
+        are at most this angle, ``{"residual": "8 arcsec"}``, also if the frequencies are 5 % lower or higher. Of a study for its motion,
+        and by default its own limit.
+    latency
+        Searches among the ticks that come at most this time after the gap, such as ``"20 ms"``; by default 16 ticks. All that were
+        tried are in ``tables["trade.csv"]``.
 
     Raises
     ------
@@ -174,6 +171,7 @@ def filler(
     26.848
     """
     path = _path(what)
+    searched = (_residual(limits), latency)
     made = {"tick": tick, "fit_ticks": fit_ticks, "extrapolation_ticks": extrapolation_ticks}
     made |= {"band": band, "amplitude": amplitude, "noise": noise}
     if path is not None:
@@ -181,7 +179,9 @@ def filler(
         if given:
             raise UsageError(f"{given[0]} describes a filler without a study\na study says it in its file: leave it out")
         asked = [f"{key}={value}" for key, value in (at or {}).items()]
-        return _fillers(_sagnac.of_study(path, asked, list(fillers)))
+        if searched != (None, None) and fillers:
+            raise UsageError("limits and latency search a filler of their own\nleave fillers out")
+        return _fillers(_sagnac.of_study(path, asked, list(fillers), searched))
     if at or fillers:
         raise UsageError("at and fillers select from a study, but none is given\nleave them out")
     kinds = [what] if isinstance(what, str) else [str(kind) for kind in what]  # type: ignore[union-attr]
@@ -191,7 +191,20 @@ def filler(
         _check_design(tick, band, amplitude, noise)
     if (band is None) != (amplitude is None):
         raise UsageError('band and amplitude belong together\ngive both, as in band="20 Hz", amplitude="12000 arcsec/s"')
-    return _fillers(_sagnac.of_kinds(kinds, _Made(_whole("gap_ticks", gap_ticks, 1, 1 << 31), **made)))
+    if searched != (None, None):
+        if kinds != [MINIMUM_VARIANCE]:
+            raise UsageError(f"limits and latency search the ticks of one filler, {MINIMUM_VARIANCE}\nleave them out")
+        if fit_ticks is not None:
+            raise UsageError("fit_ticks are what limits and latency search\nleave fit_ticks out, or both of these")
+    return _fillers(_sagnac.of_kinds(kinds, _Made(_whole("gap_ticks", gap_ticks, 1, 1 << 31), **made), searched))
+
+
+def _residual(limits: Mapping[str, str | float] | None) -> str | None:
+    """The limit on the residual."""
+    unknown = [name for name in limits or {} if name != "residual"]
+    if unknown:
+        raise UsageError(f"limits: unknown limit `{unknown[0]}`\naccepted: residual")
+    return None if not limits else str(limits["residual"])
 
 
 @dataclass(frozen=True)
@@ -249,14 +262,10 @@ def _fillers(found: RawFillers) -> Fillers:
         interpolation, *rest = [rule(raw) for raw in rules]
         fillers[name] = Filler(name, method, interpolation, rest[0] if rest else None)
     return Fillers(
-        title=found["title"],
+        **_found(found),
         at=dict(found["at"]),
         gap_ticks=found["gap_ticks"],
         tick=found["tick_s"],
         fillers=fillers,
         no_rms_because=found["no_rms_because"],
-        header=found["header"],
-        answer=answer_of(found["answer"]),
-        charts={name: svg for name, svg, _ in found["charts"]},
-        pictures={name: json.loads(picture) for name, _, picture in found["charts"]},
     )

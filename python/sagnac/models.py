@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from numpy.typing import ArrayLike
-
 from . import _sagnac
-from ._reading import Kind, reading_of
+from ._reading import Record, reading_of
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError
+from .logs import Kind
 from .studies import _source, _whole
 
 MOST_STATES = 3
@@ -32,13 +31,13 @@ class _Wanted:
 
 
 def model(
-    data: ArrayLike | None = None,
+    data: Record | None = None,
     rate: float | None = None,
     *,
     noise: str | os.PathLike[str] | Mapping[str, Any] | None = None,
     unit: str | None = None,
-    kind: Kind = "rate",
-    name: str = "record",
+    kind: Kind | None = None,
+    name: str | None = None,
     from_s: float | None = None,
     to_s: float | None = None,
     bound: Literal["band", "repeat"] | None = "band",
@@ -59,12 +58,12 @@ def model(
     Parameters
     ----------
     data, rate, unit, kind, terms, detrend, remove_outliers, unit_check, threads
-        A record, as for :func:`fit`.
+        A record, as for :func:`fit`; a log may have several columns.
     noise
         Instead of a record, the noise of a study: a path of a noise.toml, its text, or a dictionary such as
         ``{"angle_random_walk": "0.003 deg/sqrt(h)"}``.
     name
-        What the record is called.
+        What the record is called; by default the name of its file, or ``record`` for an array.
     from_s, to_s
         Shortest and longest averaging time that the model covers, s; by default that of the record and a tenth of its length. Noise
         needs both.
@@ -126,7 +125,7 @@ def model(
             raise UsageError("data and noise are both given\ngive the record, or its noise")
         path, text = _source(noise)
         return _analysis(_sagnac.model_of_noise(path, text, wanted))
-    if data is None or rate is None or unit is None:
-        raise UsageError("neither a record nor noise is given\ngive data, rate and unit, or noise=")
-    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
-    return _analysis(_sagnac.model_of_record(values, reading, name, _terms(terms), wanted))
+    if data is None:
+        raise UsageError("neither a record nor noise is given\ngive data, or noise=")
+    record = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads, name=name)
+    return _analysis(_sagnac.model_of_record(*record, _terms(terms), wanted))

@@ -74,6 +74,8 @@ class Allan(Mapping[str, Curve]):
     curves: dict[str, Curve]
     answer: Answer
     """The minimum of the first curve up to an eighth of the record."""
+    notes: tuple[str, ...]
+    """What was inferred about a log, and what looks doubtful in it, each a sentence."""
     missing: int
     """Number of samples that are NaN."""
     mean_rate: float | None
@@ -177,6 +179,7 @@ class Fit(Mapping[str, Coefficient]):
     marks: dict[str, tuple[float, float]]
     """The averaging time, s, and the deviation at which each coefficient that the record shows is read off: N at 1 s, K at 3 s, Q at √3 s,
     R at √2 s, B at 0.664 of itself where the fit is least."""
+    notes: tuple[str, ...]
     missing: int
     mean_rate: float | None
     removed_slope_per_s: float

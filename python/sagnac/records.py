@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _sagnac
-from ._reading import Kind, limits_of, reading_of
+from ._reading import Record, limits_of, reading_of
 from .errors import UsageError
+from .logs import Kind
 from .noise import Allan, Coefficient, Curve, Fit, Minimum
 from .results import answer_of
 from .studies import _whole
@@ -23,11 +24,11 @@ LEAST_REALIZATIONS = 200
 
 
 def allan(
-    data: ArrayLike,
-    rate: float,
+    data: Record,
+    rate: float | None = None,
     *,
-    unit: str,
-    kind: Kind = "rate",
+    unit: str | None = None,
+    kind: Kind | None = None,
     deviation: Deviation | Sequence[Deviation] = ("oadev",),
     taus: str | ArrayLike = "octave",
     confidence: float = 0.95,
@@ -44,15 +45,18 @@ def allan(
     ----------
     data
         One axis: evenly spaced samples in one dimension, NaN for missing ones. A contiguous array of float64 is not copied; the
-        angles computed from it take the same amount of memory. Do not write to it during the call.
+        angles computed from it take the same amount of memory. Do not write to it during the call. Or a :class:`Log` of one
+        column, which has its own rate, unit and kind, or the path of a file, which :func:`read_log` reads.
     rate
-        Samples per second.
+        Samples per second; of a file by default that of its time stamps.
     unit
         ``deg/h``, ``deg/s``, ``rad/s``, ``arcsec``, … of gyros, ``m/s^2``, ``g``, ``mg``, ``m/s``, … of accelerometers, in accordance
-        with ``kind``; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for plain numbers.
+        with ``kind``; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for plain numbers. Of a file by default that of
+        its header.
     kind
         ``rate``: the mean angular rate or acceleration over each sample; ``increment``: the angle turned or the velocity gained in
-        it; ``angle``: the angle, phase or velocity since some start. The unit tells rotation from acceleration.
+        it; ``angle``: the angle, phase or velocity since some start. The unit tells rotation from acceleration. By default ``rate``,
+        or of a file what its header says.
     deviation
         One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``.
     taus
@@ -94,12 +98,11 @@ def allan(
     >>> curve.tau[:3], np.round(curve.value[:3], 2), curve.alpha[0]
     (array([0.01, 0.02, 0.04]), array([1.  , 0.71, 0.5 ]), np.float64(0.0))
     """
-    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    record, reading, _ = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     names = [deviation] if isinstance(deviation, str) else list(deviation)
     if not 0.0 < confidence < 1.0:
         raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
-    times = taus if isinstance(taus, str) else [float(tau) for tau in np.atleast_1d(np.asarray(taus))]
-    found = _sagnac.curves(values, reading, names, times, confidence, intervals, limits_of(limits))
+    found = _sagnac.curves(record, reading, names, times_of(taus), confidence, intervals, limits_of(limits))
     curves = {}
     for raw in found["curves"]:
         least = raw["minimum"]
@@ -120,6 +123,7 @@ def allan(
     return Allan(
         curves=curves,
         answer=answer_of(found["answer"]),
+        notes=tuple(found["notes"]),
         missing=found["missing"],
         mean_rate=found["mean_rate"],
         limits=json.loads(found["limits"]),
@@ -131,11 +135,11 @@ def allan(
 
 
 def fit(
-    data: ArrayLike,
-    rate: float,
+    data: Record,
+    rate: float | None = None,
     *,
-    unit: str,
-    kind: Kind = "rate",
+    unit: str | None = None,
+    kind: Kind | None = None,
     terms: Literal["auto"] | Sequence[str] = "auto",
     fit_from: float | None = None,
     fit_to: float | None = None,
@@ -193,13 +197,13 @@ def fit(
     >>> found["B"].value is None, found["B"].status
     (True, 'not estimable, at most the upper limit')
     """
-    values, reading = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    record, reading, _ = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if bootstrap is not None and bootstrap != 0:
         bootstrap = _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
     if isinstance(terms, str) and terms != "auto":
         raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
     found = _sagnac.fit(
-        values,
+        record,
         reading,
         None if terms == "auto" else list(terms),
         (fit_from, fit_to),
@@ -224,9 +228,15 @@ def fit(
         deviation=found["deviation"],
         fitted=found["fitted"],
         marks={name: (tau, deviation) for name, tau, deviation in found["marks"]},
+        notes=tuple(found["notes"]),
         missing=found["missing"],
         mean_rate=found["mean_rate"],
         removed_slope_per_s=found["removed_slope_per_s"],
         outliers=found["outliers"],
         events=json.loads(found["events"]),
     )
+
+
+def times_of(taus: str | ArrayLike) -> str | list[float]:
+    """Averaging times as the native part takes them."""
+    return taus if isinstance(taus, str) else [float(tau) for tau in np.atleast_1d(np.asarray(taus))]

@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
+use sagnac::allan::unit::Unit as Curves;
 use sagnac::analysis::compare::limit::RatioLimit;
 use sagnac::analysis::design::searched::band as band_of;
 use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
 };
-use sagnac::analysis::log::{self, Asked};
+use sagnac::analysis::log::{self, Asked, Treatment, navigators};
+use sagnac::analysis::lot::Lot;
 use sagnac::analysis::model::document::document;
 use sagnac::analysis::model::noise::{of_file, of_text};
 use sagnac::analysis::model::target::{Source, Target};
@@ -20,44 +21,53 @@ use sagnac::analysis::model::writers::named;
 use sagnac::analysis::model::{self as modelled, Aim, Quantization};
 use sagnac::analysis::requirement::Limited;
 use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as decide};
-use sagnac::analysis::spectrum::{self, densities};
+use sagnac::analysis::whole::{self, Segments};
 use sagnac::analysis::{compare as compared, page};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::range::Fitting;
 use sagnac::progress::Silent;
-use sagnac::quantity::units::{Dimension, parse};
+use sagnac::quantity::units::Dimension;
+use sagnac::record::log::channel::Log;
 use sagnac::run::RunError;
-use sagnac::spectrum::Welch;
 use sagnac::table::Table;
 use sagnac::verify::select;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::report::document::{Document, Provenance, json};
 use sagnac::view::report::sections::Page;
 
-use super::compute::{compute, compute_on, read_on};
+use super::argument::at_least_0;
+use super::compute::{compute, compute_on};
 use super::failure::{Failure, in_python};
+use super::log::{Given, no_temperature, temperature_of};
 use super::progress::Listener;
-use super::record::{Reading, limits_of, side_by_side, terms_of};
+use super::record::{Reading, Times, limits_of, suppose_of, terms_of};
 use super::run::{shown, study_of};
 use super::table::columns;
 
 /// What an analysis has found.
-struct Found {
+pub struct Found {
     page: Page,
     /// The document of the program.
     document: String,
     /// Tables that the page does not have.
     tables: Vec<(&'static str, Table)>,
+    /// Further files by their names.
+    files: Vec<(String, String)>,
 }
 
 impl Found {
-    fn new(page: Page, tables: Vec<(&'static str, Table)>, provenance: Option<Provenance>) -> Found {
+    pub fn new(page: Page, tables: Vec<(&'static str, Table)>, provenance: Option<Provenance>) -> Found {
         let document = json(&Document { provenance, ..page.document(&tables) });
-        Found { page, document, tables }
+        Found { page, document, tables, files: vec![] }
     }
 
-    fn into_python(self, py: Python) -> PyResult<Bound<PyDict>> {
-        let Found { page, document, tables } = self;
+    /// The same with further files.
+    pub fn with(self, files: Vec<(String, String)>) -> Found {
+        Found { files, ..self }
+    }
+
+    pub fn into_python(self, py: Python) -> PyResult<Bound<PyDict>> {
+        let Found { page, document, tables, files } = self;
         let all = tables.iter().chain(&page.tables);
         let tables =
             all.map(|(name, table)| Ok((*name, columns(py, table)?))).collect::<PyResult<Vec<_>>>()?;
@@ -69,6 +79,7 @@ impl Found {
         found.set_item("tables", tables)?;
         let charts = page.charts().map(|drawn| chart(&drawn.stem, &drawn.picture));
         found.set_item("charts", charts.collect::<Vec<_>>())?;
+        found.set_item("files", files)?;
         found.set_item("report", page.html(&|text: &str| in_python(text)))?;
         Ok(found)
     }
@@ -108,15 +119,8 @@ pub fn design<'py>(
             Failure::Usage(format!("by=\"{by}\" is not known\naccepted: {known}"))
         })?;
         let mut device = select(&device, threads)?.device;
-        let latency_s = latency.as_deref().map(|text| {
-            let refused = |what: String| Failure::Usage(format!("latency=\"{text}\": {what}"));
-            match parse(text, &[Dimension::Time]) {
-                Ok(time) if time.value >= 0.0 => Ok(time.value),
-                Ok(_) => Err(refused("it is below 0".to_owned())),
-                Err(error) => Err(refused(error.to_string())),
-            }
-        });
-        let latency_s = latency_s.transpose()?;
+        let latency = latency.map(|text| at_least_0("latency", &text, Dimension::Time)).transpose()?;
+        let latency_s = latency.map(|latency| latency.value);
         let constraints = Constraints { latency_s, memory_bytes: memory };
         let band = band
             .as_deref()
@@ -178,74 +182,147 @@ pub fn sensitivity<'py>(
 #[pyfunction]
 pub fn compare<'py>(
     py: Python<'py>,
-    a: PyReadonlyArray1<'py, f64>,
-    b: PyReadonlyArray1<'py, f64>,
+    records: (Given<'py>, Given<'py>),
     readings: (Reading, Reading),
     names: (String, String),
     terms: Option<Vec<String>>,
     limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (a, b) = (side_by_side(&a)?, side_by_side(&b)?);
-    let (a, b) =
-        read_on(py, readings.0.threads, || Ok((readings.0.log(a, &names.0)?, readings.1.log(b, &names.1)?)))?;
+    let a = &*records.0.log(py, &readings.0, &names.0)?;
+    let b = &*records.1.log(py, &readings.1, &names.1)?;
     let found = compute_on(py, readings.0.threads, || {
         let treatment = readings.0.treatment();
         let fitting = Fitting::from(terms_of(terms.as_deref(), treatment.trend)?);
         let limits = limits.iter().map(|limit| RatioLimit::parse(limit)).collect::<Result<Vec<_>, _>>()?;
         compared::limit::check(&limits, Some(fitting.terms.all()))?;
-        let logs = [(Path::new(&names.0), &a), (Path::new(&names.1), &b)];
+        let logs = [(Path::new(&names.0), a), (Path::new(&names.1), b)];
         let analysis = compared::logs::Analysis::of(logs, &treatment, Some(&fitting))
             .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
         let decision = analysis.decision(&limits);
-        Ok(Found::new(page::of_comparison([&a, &b], &analysis, &decision), vec![], None))
+        Ok(Found::new(page::of_comparison([a, b], &analysis, &decision), vec![], None))
     })?;
     found.into_python(py)
 }
 
-/// The spectrum of a record called `name`.
+/// Several records as a batch of units; `names` are what they are called.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
-pub fn psd<'py>(
+pub fn batch<'py>(
     py: Python<'py>,
-    data: PyReadonlyArray1<'py, f64>,
-    reading: Reading,
-    name: String,
-    segment_s: Option<f64>,
-    is_linear: bool,
-    confidence: f64,
+    records: Vec<Given<'py>>,
+    readings: Vec<Reading>,
+    names: Vec<String>,
     terms: Option<Vec<String>>,
-    bootstrap: Option<usize>,
     limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
-    let log = read_on(py, reading.threads, || reading.log(values, &name))?;
-    let found = compute_on(py, reading.threads, || {
-        let treatment = reading.treatment();
-        let welch = Welch {
-            segment: segment_s.map(|length_s| libm::round(length_s / log.step_s) as usize),
-            trend: if is_linear { Trend::Linear } else { Trend::None },
-            confidence,
-        };
-        let densities = densities(&log, &treatment, &welch)
-            .map_err(|error| Failure::Record(in_python(&error.to_string())))?;
-        let terms: Terms = terms_of(terms.as_deref(), treatment.trend)?;
-        let unit = log.channels[0].unit.curves;
-        let limits = limits_of(&limits, &Limited::OF_LOG, Some(terms.all()), unit)?;
-        let asked = Asked {
-            confidence,
-            fitting: Some(Fitting::from(terms)),
-            simulated: bootstrap,
-            ..Asked::default()
-        };
-        let noise = log::Analysis::of(&log, Path::new(&name), &treatment, &asked, &Silent)?;
-        let analysis = spectrum::Analysis::of(noise, densities);
-        let tables = vec![("psd.csv", spectrum::tables::table(&analysis))];
-        let decision = analysis.decision(&limits);
-        let mut page = page::of_log(&log, &analysis, decision.answer.clone(), None);
-        page.tables.extend(decision.file());
-        Ok(Found::new(page, tables, None))
+    let (trend, threads) =
+        readings.first().map_or((Trend::None, 0), |one| (one.treatment().trend, one.threads));
+    let terms = terms_of(terms.as_deref(), trend)?;
+    let fitted = Some(terms.all());
+    let asked = Asked { fitting: Some(Fitting::from(terms.clone())), simulated: Some(0), ..Asked::default() };
+    let mut analyses = Vec::new();
+    // One after the other, because each copy of an array may fill the memory.
+    for ((record, reading), name) in records.iter().zip(&readings).zip(&names) {
+        let log = record.log(py, reading, name)?;
+        analyses.push(compute_on(py, threads, || {
+            limits_of(&limits, Limited::OF_LOT, fitted, &units_of(&log))?;
+            Ok(log::Analysis::of(&log, Path::new(name), &reading.treatment(), &asked, &Silent)?)
+        })?);
+    }
+    let found = compute_on(py, threads, || {
+        let limits = limits_of(&limits, Limited::OF_LOT, fitted, &Curves::ALL)?;
+        let lot = Lot::of(analyses)?;
+        let decision = lot.decision(&limits);
+        Ok(Found::new(page::of_lot(&lot, &decision), vec![], None))
     })?;
     found.into_python(py)
+}
+
+/// What is asked for of a record.
+#[derive(FromPyObject)]
+pub struct Whole {
+    deviations: Vec<String>,
+    taus: Times,
+    confidence: f64,
+    intervals: String,
+    is_fitted: bool,
+    terms: Option<Vec<String>>,
+    range: (Option<f64>, Option<f64>),
+    is_forced: bool,
+    bootstrap: Option<usize>,
+    limits: Vec<String>,
+    has_spectrum: bool,
+    /// Whether a record that is too short for a spectrum is an error.
+    needs_spectrum: bool,
+    segment_s: Option<f64>,
+    is_linear: bool,
+    effects: String,
+    is_compensated: bool,
+    is_dynamic: bool,
+    window_s: Option<f64>,
+    navigate_s: Option<f64>,
+    position_limit: Option<String>,
+}
+
+impl Whole {
+    fn asked(self, treatment: &Treatment, units: &[Curves]) -> Result<whole::Asked, Failure> {
+        let Whole { range: (from_s, to_s), confidence, segment_s: length_s, .. } = self;
+        let terms = self.is_fitted.then(|| terms_of(self.terms.as_deref(), treatment.trend)).transpose()?;
+        let limits = limits_of(&self.limits, &Limited::OF_LOG, terms.as_ref().map(Terms::all), units)?;
+        let fitting = terms.map(|terms| Fitting { terms, from_s, to_s, is_forced: self.is_forced });
+        let deviation = |name: &String| name.parse().map_err(|error| Failure::Usage(format!("{error}")));
+        let limit = self.position_limit.as_deref();
+        let limit = limit.map(|text| at_least_0("position_limit", text, Dimension::Distance)).transpose()?;
+        let trend = if self.is_linear { Trend::Linear } else { Trend::None };
+        Ok(whole::Asked {
+            noise: Asked {
+                taus: self.taus.taus()?,
+                deviations: self.deviations.iter().map(deviation).collect::<Result<_, _>>()?,
+                confidence,
+                intervals: suppose_of(&self.intervals)?,
+                fitting,
+                simulated: self.bootstrap,
+            },
+            segments: self.has_spectrum.then_some(Segments { length_s, trend }),
+            is_compensated: self.is_compensated,
+            window_s: self.is_dynamic.then_some(self.window_s),
+            navigators: self.navigate_s.map(|duration_s| navigators::Asked { duration_s, limit }),
+            limits,
+        })
+    }
+}
+
+/// The whole analysis of a record called `name`.
+#[pyfunction]
+pub fn analyze<'py>(
+    py: Python<'py>,
+    record: Given<'py>,
+    reading: Reading,
+    name: String,
+    asked: Whole,
+) -> PyResult<Bound<'py, PyDict>> {
+    let log = record.log(py, &reading, &name)?;
+    let found = compute_on(py, reading.threads, || {
+        let treatment = reading.treatment();
+        let mut log = log.into_owned();
+        let (needs_spectrum, effects) = (asked.needs_spectrum, asked.effects.clone());
+        let asked = asked.asked(&treatment, &units_of(&log))?;
+        let temperature = temperature_of(&mut log, &effects, &treatment)?;
+        if asked.is_compensated && temperature.is_none() {
+            return Err(no_temperature());
+        }
+        let path = Path::new(&name);
+        let whole = whole::Whole::of(log, temperature, path, &treatment, &asked, &mut vec![], &Silent)?;
+        if let Some(why) = whole.without.filter(|_| needs_spectrum) {
+            return Err(Failure::Record(in_python(&why.to_string())));
+        }
+        Ok(Found::new(whole.page, whole.tables, None).with(whole.files))
+    })?;
+    found.into_python(py)
+}
+
+/// The units of the curves of a log.
+fn units_of(log: &Log) -> Vec<Curves> {
+    log.channels.iter().map(|channel| channel.unit.curves).collect()
 }
 
 /// How a model is to be found.
@@ -288,7 +365,7 @@ impl Wanted {
         let analysis = modelled::Analysis::of(source, targets, &self.asked())?;
         let page = page::of_model(&analysis, &writers);
         let document = json(&document(&analysis, &page, &writers));
-        Ok(Found { page, document, tables: vec![] })
+        Ok(Found { page, document, tables: vec![], files: vec![] })
     }
 }
 
@@ -296,16 +373,16 @@ impl Wanted {
 #[pyfunction]
 pub fn model_of_record<'py>(
     py: Python<'py>,
-    data: PyReadonlyArray1<'py, f64>,
+    record: Given<'py>,
     reading: Reading,
     name: String,
     terms: Option<Vec<String>>,
     wanted: Wanted,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
-    let log = read_on(py, reading.threads, || reading.log(values, &name))?;
+    let log = record.log(py, &reading, &name)?;
     let found = compute_on(py, reading.threads, || {
-        let treatment = reading.treatment();
+        // Events are no noise that a filter could have a state for.
+        let treatment = Treatment { events_removed: true, ..reading.treatment() };
         let asked = Asked {
             taus: Taus::Decade(10),
             confidence: wanted.confidence,

@@ -5,10 +5,13 @@ use pyo3::prelude::*;
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::lot::LotError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
+use sagnac::analysis::whole::WholeError;
 use sagnac::device::select::SelectError;
 use sagnac::quantity::visible::visible;
+use sagnac::record::error::RecordError as Unreadable;
 use sagnac::run::RunError;
 use sagnac::source::diagnose::StudyError as Refused;
 use sagnac::source::setting::spelled;
@@ -33,6 +36,8 @@ pub enum Failure {
     Usage(String),
     /// Unusable samples.
     Record(String),
+    /// An unusable log.
+    Log(Unreadable),
     Store(StoreError),
     Select(SelectError),
     Run(RunError),
@@ -51,6 +56,7 @@ impl From<Failure> for PyErr {
         match failure {
             Failure::Study(error) => StudyError::new_err(error.render(false, WIDTH).trim_end().to_owned()),
             Failure::Usage(message) => UsageError::new_err(told(&message)),
+            Failure::Log(error) => RecordError::new_err(error.render(false, WIDTH).trim_end().to_owned()),
             Failure::Record(message) => RecordError::new_err(told(&message)),
             Failure::Store(error) => StorageError::new_err(told(&in_python(&error.to_string()))),
             Failure::Select(error) if error.is_usage() => {
@@ -126,6 +132,28 @@ impl From<ChoiceError> for Failure {
     }
 }
 
+impl From<Unreadable> for Failure {
+    fn from(error: Unreadable) -> Failure {
+        Failure::Log(error.spelled(&argument))
+    }
+}
+
+impl From<WholeError> for Failure {
+    fn from(error: WholeError) -> Failure {
+        let message = in_python(&error.to_string());
+        match error {
+            WholeError::Tau(_) | WholeError::Dynamic(_) => Failure::Usage(message),
+            WholeError::Spectrum(_) => Failure::Record(message),
+        }
+    }
+}
+
+impl From<LotError> for Failure {
+    fn from(error: LotError) -> Failure {
+        Failure::Record(in_python(&error.to_string()))
+    }
+}
+
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Failure {
         let message = in_python(&error.to_string());
@@ -138,26 +166,43 @@ impl From<ModelError> for Failure {
 }
 
 /// Settings of the library with the corresponding arguments.
-const ARGUMENTS: [(&str, &str); 11] = [
+const ARGUMENTS: [(&str, &str); 25] = [
     ("at", "at"),
+    ("band", "band"),
+    ("binary", "binary"),
     ("bootstrap", "bootstrap"),
     ("by", "by"),
+    ("column", "column"),
     ("data", "kind"),
+    ("decimal", "decimal"),
     ("device", "device"),
+    ("duplicates", "duplicates"),
+    ("dynamic", "dynamic"),
     ("filler", "fillers"),
+    ("noise", "noise"),
     ("out", "out"),
+    ("rate", "rate"),
     ("scale", "unit"),
+    ("segment", "segment"),
+    ("skip", "skip"),
     ("tau", "taus"),
+    ("temperature", "temperature"),
+    ("temperature_unit", "temperature_unit"),
+    ("time", "time"),
+    ("time_unit", "time_unit"),
     ("unit", "unit"),
     ("unit_check", "unit_check"),
 ];
 
+/// A setting as an argument.
+fn argument(name: &str, value: &str) -> Option<String> {
+    let (_, argument) = ARGUMENTS.iter().find(|(known, _)| *known == name)?;
+    Some(format!("{argument}={value}"))
+}
+
 /// A message of the library in terms of arguments.
 pub fn in_python(message: &str) -> String {
-    spelled(message, &|name, value| {
-        let (_, argument) = ARGUMENTS.iter().find(|(known, _)| *known == name)?;
-        Some(format!("{argument}={value}"))
-    })
+    spelled(message, &argument)
 }
 
 impl From<DecisionError> for Failure {

@@ -7,14 +7,16 @@ use pyo3::types::PyDict;
 use sagnac::analysis::firmware::alone::{Alone, KINDS};
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
+use sagnac::analysis::firmware::search::Asked;
+use sagnac::analysis::page::of_filler;
+use sagnac::quantity::units::Dimension;
 use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;
-use sagnac::view::chart::picture::Picture;
 
-use super::analysis::chart;
+use super::analysis::Found;
+use super::argument::at_least_0;
 use super::compute::compute;
 use super::failure::Failure;
-use super::run::shown;
 
 /// The parameters of fillers without a study.
 #[derive(FromPyObject)]
@@ -26,6 +28,19 @@ pub struct Made {
     band: Option<String>,
     amplitude: Option<String>,
     noise: Option<String>,
+}
+
+/// What a search of the ticks must meet: a limit on the residual, and a time.
+pub type Searched = (Option<String>, Option<String>);
+
+/// The request of a search, if there is one.
+fn asked((limit, latency): Searched) -> Result<Option<Asked>, Failure> {
+    let value = |name: &str, text: Option<String>, dimension| {
+        text.map(|text| at_least_0(name, &text, dimension)).transpose()
+    };
+    let limit = value("limits", limit, Dimension::Angle)?.map(|limit| limit.value);
+    let latency = value("latency", latency, Dimension::Time)?.map(|latency| latency.value);
+    Ok(limit.or(latency).is_some().then_some(Asked { limit_arcsec: limit, latency_s: latency }))
 }
 
 /// Keys of the resulting study with the corresponding arguments; longer keys first.
@@ -49,28 +64,27 @@ fn in_arguments(error: &StudyError) -> Failure {
 
 /// The weights of fillers of these kinds.
 #[pyfunction]
-pub fn of_kinds<'py>(py: Python<'py>, kinds: Vec<String>, made: Made) -> PyResult<Bound<'py, PyDict>> {
-    let firmware = compute(py, || {
+pub fn of_kinds<'py>(
+    py: Python<'py>,
+    kinds: Vec<String>,
+    made: Made,
+    searched: Searched,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = compute(py, || {
         if let Some(unknown) = kinds.iter().find(|kind| !KINDS.contains(&kind.as_str())) {
             let known = KINDS.join(", ");
             return Err(Failure::Usage(format!(
                 "`{unknown}` is not a filler\naccepted: some of {known}; or the path of a study, as a pathlib.Path or ending in .toml"
             )));
         }
-        let has_tick = made.tick.is_some();
         let Made { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise } = made;
         let alone = Alone { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise };
-        let study = Study::parse("arguments", &alone.study(&kinds)).map_err(|error| in_arguments(&error))?;
-        let mut firmware = Firmware::choose(&study, &[], &[]).map_err(|error| match error {
+        alone.firmware(&kinds, asked(searched)?).map_err(|error| match error {
             ChoiceError::Study(error) => in_arguments(&error),
             other => other.into(),
-        })?;
-        if !has_tick {
-            firmware.tick_s = None;
-        }
-        Ok(firmware)
+        })
     })?;
-    document(py, &firmware)
+    document(py, &found)
 }
 
 /// The weights of fillers of a study at one of its points.
@@ -80,17 +94,25 @@ pub fn of_study<'py>(
     path: PathBuf,
     at: Vec<String>,
     fillers: Vec<String>,
+    searched: Searched,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let firmware = compute(py, || Ok(Firmware::choose(&Study::read(&path)?, &at, &fillers)?))?;
-    document(py, &firmware)
+    let found = compute(py, || {
+        let study = Study::read(&path)?;
+        Ok(match asked(searched)? {
+            Some(asked) => Firmware::searched(&study, &at, asked)?,
+            None => {
+                let firmware = Firmware::choose(&study, &at, &fillers)?;
+                (study, firmware)
+            }
+        })
+    })?;
+    document(py, &found)
 }
 
-fn document<'py>(py: Python<'py>, firmware: &Firmware) -> PyResult<Bound<'py, PyDict>> {
-    let document = PyDict::new(py);
-    document.set_item("title", &firmware.title)?;
-    document.set_item("answer", shown(&firmware.answer()))?;
-    let response = chart("response", &Picture::Curves(firmware.response()));
-    document.set_item("charts", vec![response])?;
+fn document<'py>(py: Python<'py>, (study, firmware): &(Study, Firmware)) -> PyResult<Bound<'py, PyDict>> {
+    let files = vec![("sagnac_filler.h".to_owned(), firmware.header())];
+    let found = Found::new(of_filler(study, firmware), vec![], None).with(files);
+    let document = found.into_python(py)?;
     document.set_item(
         "at",
         firmware.at.iter().map(|(key, value)| (key.name, value.to_string())).collect::<Vec<_>>(),
@@ -119,6 +141,5 @@ fn document<'py>(py: Python<'py>, firmware: &Firmware) -> PyResult<Bound<'py, Py
         fillers.push((&design.name, &design.method, rules));
     }
     document.set_item("fillers", fillers)?;
-    document.set_item("header", firmware.header())?;
     Ok(document)
 }

@@ -2,9 +2,11 @@
 //! objects. The functions for users, with their documentation, are written in Python, in `python/sagnac`.
 
 mod analysis;
+mod argument;
 mod compute;
 mod failure;
 mod filler;
+mod log;
 mod progress;
 mod record;
 mod run;
@@ -22,9 +24,12 @@ fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(analysis::design, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::sensitivity, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::compare, module)?)?;
-    module.add_function(wrap_pyfunction!(analysis::psd, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::batch, module)?)?;
+    module.add_function(wrap_pyfunction!(analysis::analyze, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::model_of_record, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::model_of_noise, module)?)?;
+    module.add_class::<log::Log>()?;
+    module.add_function(wrap_pyfunction!(log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(record::curves, module)?)?;
     module.add_function(wrap_pyfunction!(record::fit, module)?)?;
     module.add_function(wrap_pyfunction!(filler::of_kinds, module)?)?;

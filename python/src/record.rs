@@ -1,4 +1,4 @@
-//! Deviations and fits of an array.
+//! Deviations and fits of a record.
 
 use std::ffi::CString;
 
@@ -13,7 +13,7 @@ use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::data_sheet::{DataSheet, Intervals};
 use sagnac::analysis::log::tables::least_or_bound;
-use sagnac::analysis::log::{Treatment, events, model, slope};
+use sagnac::analysis::log::{Suppose, Treatment, events, model, slope, temperatures};
 use sagnac::analysis::requirement::{Limit, Limited, Subject, applies, check, decide};
 use sagnac::events::{Event, Events};
 use sagnac::fit::choose::Terms;
@@ -24,7 +24,7 @@ use sagnac::quantity::number::significant;
 use sagnac::record::excess;
 use sagnac::record::log::MOST_SAMPLES;
 use sagnac::record::log::channel::Log;
-use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
+use sagnac::record::log::check::LEAST_SAMPLES;
 use sagnac::record::log::doubt::Doubt;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
@@ -35,8 +35,10 @@ use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{FLAT_LEVEL, Part};
 use sagnac::view::report::document::{Rows, json};
 
+use super::argument::word;
 use super::compute::{compute_on, read_on};
 use super::failure::{Failure, in_python};
+use super::log::{Given, check_of, kind_of, unit_of};
 
 /// The kind of the samples, and their treatment.
 #[derive(FromPyObject)]
@@ -46,6 +48,7 @@ pub struct Reading {
     step_s: f64,
     detrend: bool,
     remove_outliers: bool,
+    remove_events: bool,
     unit_check: bool,
     pub threads: usize,
 }
@@ -73,29 +76,34 @@ fn marks(sheet: &DataSheet, fitted: &[Fitted]) -> Vec<(&'static str, f64, f64)> 
     sheet.fit.process.parts.iter().filter_map(mark).collect()
 }
 
-/// An array prepared for the analysis.
+/// A record prepared for the analysis.
 struct Record {
     angles: Angles,
     outliers: Outliers,
-    outliers_removed: bool,
+    treatment: Treatment,
+    step_s: f64,
+    /// Names of the columns of temperature, and °C at each increment.
+    thermometers: Vec<String>,
+    temperatures: Vec<Vec<f64>>,
     missing: usize,
     mean_rate: Option<f64>,
     /// Slope in the unit of the curve per s.
     slope: f64,
     /// What looks doubtful in the samples.
     doubt: Option<String>,
+    /// What was inferred about a log.
+    notes: Vec<String>,
     unit: sagnac::allan::unit::Unit,
 }
 
 impl Record {
     /// What it holds besides noise.
     fn events(&self) -> Events<'_> {
-        let none = Outliers::default();
-        Events::of(&self.angles, if self.outliers_removed { &none } else { &self.outliers }, &[])
+        self.treatment.events(&self.angles, &self.outliers, &self.temperatures)
     }
 
     /// The record as it is checked against limits, without what it shows.
-    fn subject(&self, step_s: f64) -> Subject<'_> {
+    fn subject(&self) -> Subject<'_> {
         Subject {
             label: "record",
             unit: self.unit,
@@ -104,7 +112,7 @@ impl Record {
             floor: None,
             stability_tau_s: None,
             samples: self.angles.len().saturating_sub(1),
-            step_s,
+            step_s: self.step_s,
             spread: self.angles.spread(),
         }
     }
@@ -118,7 +126,7 @@ pub enum Times {
 }
 
 impl Times {
-    fn taus(self) -> Result<Taus, Failure> {
+    pub fn taus(self) -> Result<Taus, Failure> {
         match self {
             Times::Seconds(seconds) => Ok(Taus::Seconds(seconds)),
             Times::Named(name) => match name.as_str() {
@@ -147,29 +155,16 @@ impl Reading {
             until_s: None,
             trend: self.trend(),
             outliers_removed: self.remove_outliers,
-            events_removed: false,
-            unit_check: if self.unit_check { UnitCheck::On } else { UnitCheck::Off },
+            events_removed: self.remove_events,
+            unit_check: check_of(self.unit_check),
             is_compensated: false,
         }
     }
 
     /// The quantity and the unit of usable samples.
     fn checked(&self, values: &[f64]) -> Result<(Data, Unit), Failure> {
-        let data = match self.kind.as_str() {
-            "rate" => Data::Rate,
-            "increment" => Data::Increment,
-            "angle" => Data::Angle,
-            other => {
-                let accepted = "accepted: \"rate\", \"increment\" (the angle or velocity gained in each sample), \"angle\"";
-                return Err(Failure::Usage(format!("kind=\"{other}\" is not known\n{accepted}")));
-            }
-        };
-        let unit = Unit::parse(&self.unit, data).or_else(|wrong| match self.unit.contains('/') {
-            true => Unit::parse_scale(&self.unit, data).map_err(|_| wrong),
-            false => Err(wrong),
-        });
-        let unit =
-            unit.map_err(|wrong| Failure::Usage(in_python(&format!("{}\n{}", wrong.message, wrong.help))))?;
+        let data = kind_of(&self.kind)?;
+        let unit = unit_of(&self.unit, data)?;
         if values.len() > MOST_SAMPLES {
             let found = format!("the array has {} samples, more than {MOST_SAMPLES}", values.len());
             return Err(Failure::Record(format!("{found}\nanalyse a part of it, or average neighbours")));
@@ -195,22 +190,62 @@ impl Reading {
         Ok(Log::of_column(name, data, unit, self.step_s, values.to_vec()))
     }
 
-    fn record(&self, values: &[f64]) -> Result<Record, Failure> {
-        let (data, unit) = self.checked(values)?;
-        let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
-        let treatment = self.treatment();
-        let (angles, outliers) = treatment.angles(&samples, &[]);
-        Ok(Record {
-            doubt: samples.doubt().filter(|_| self.unit_check).map(|doubt| warning(doubt, &unit)),
+    /// The samples prepared for the analysis.
+    ///
+    /// # Errors
+    /// The samples of an array are unusable, a log has several columns, or an argument is not accepted.
+    fn record(&self, py: Python, given: &Given) -> PyResult<Record> {
+        match given {
+            Given::Array(data) => {
+                let values = side_by_side(data)?;
+                read_on(py, self.threads, || {
+                    let (data, unit) = self.checked(values)?;
+                    let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
+                    let doubt = samples.doubt().filter(|_| self.unit_check);
+                    let doubt = doubt.map(|doubt| warning(doubt, &unit));
+                    Ok(Record { doubt, ..Record::of(&samples, self.treatment()) })
+                })
+            }
+            Given::Log(log) => {
+                let log = &log.get().read;
+                compute_on(py, self.threads, || {
+                    let [channel] = &log.channels[..] else { return Err(several(log)) };
+                    let treatment = self.treatment().of(log);
+                    let (thermometers, temperatures) = temperatures(log);
+                    let notes = log.notes.iter().map(|note| in_python(note)).collect();
+                    let record = Record::of(&channel.view(log.data, log.step_s), treatment);
+                    Ok(Record { thermometers, temperatures, notes, ..record })
+                })
+            }
+        }
+    }
+}
+
+impl Record {
+    fn of(samples: &Samples, treatment: Treatment) -> Record {
+        let (angles, outliers) = treatment.angles(samples, &[]);
+        Record {
+            doubt: None,
+            notes: vec![],
+            thermometers: vec![],
+            temperatures: vec![],
             missing: angles.missing(),
             mean_rate: samples.mean_rate(),
-            slope: slope(&angles, &samples),
+            slope: slope(&angles, samples),
             outliers,
-            outliers_removed: self.remove_outliers,
-            unit: unit.curves,
+            treatment,
+            step_s: samples.step_s,
+            unit: samples.unit.curves,
             angles,
-        })
+        }
     }
+}
+
+/// The error for a log with several columns where one is needed.
+fn several(log: &Log) -> Failure {
+    let names: Vec<&str> = log.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let (first, names) = (names[0], names.join(", "));
+    Failure::Usage(format!("the log has several columns: {names}\nchoose one, as in log[\"{first}\"]"))
 }
 
 /// The message for refused samples.
@@ -268,6 +303,7 @@ fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict
     }
     let document = PyDict::new(py);
     let outliers: Vec<i64> = record.outliers.samples.iter().map(|&sample| sample as i64).collect();
+    document.set_item("notes", &record.notes)?;
     document.set_item("missing", record.missing)?;
     document.set_item("mean_rate", record.mean_rate)?;
     document.set_item("removed_slope_per_s", record.slope)?;
@@ -283,18 +319,26 @@ fn rows_of(table: &Table) -> String {
 }
 
 /// The events of a record as JSON.
-fn shown(record: &Record, reading: &Reading, events: &[Event], keeps_events: bool) -> String {
-    let (unit, step_s, treatment) = (record.unit, reading.step_s, &reading.treatment());
-    let of = events::Record { name: "", unit, treatment, step_s, keeps_events, thermometers: &[] };
+fn shown(record: &Record, events: &[Event], keeps_events: bool) -> String {
+    let Record { unit, step_s, ref treatment, ref thermometers, .. } = *record;
+    let of = events::Record { name: "", unit, treatment, step_s, keeps_events, thermometers };
     rows_of(&events::table_of(&of.rows(events)))
 }
 
-/// Deviations of an array, each as a tuple of its name, its unit, its columns and its minimum.
+/// The noise that intervals suppose, by its name.
+///
+/// # Errors
+/// The name is unknown.
+pub fn suppose_of(name: &str) -> Result<Suppose, Failure> {
+    word("intervals", name, &[("record", Suppose::Record), ("stable32", Suppose::Stable32)])
+}
+
+/// Deviations of a record, each as a tuple of its name, its unit, its columns and its minimum.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
 pub fn curves<'py>(
     py: Python<'py>,
-    data: PyReadonlyArray1<'py, f64>,
+    given: Given<'py>,
     reading: Reading,
     deviations: Vec<String>,
     taus: Times,
@@ -302,25 +346,17 @@ pub fn curves<'py>(
     intervals: &str,
     limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
-    let is_of_record = match intervals {
-        "record" => true,
-        "stable32" => false,
-        other => {
-            let message = format!("intervals=\"{other}\" is not known\naccepted: \"record\", \"stable32\"");
-            return Err(Failure::Usage(message).into());
-        }
-    };
-    let record = read_on(py, reading.threads, || reading.record(values))?;
-    let limits = limits_of(&limits, &[Limited::Stability], None, record.unit)?;
+    let supposed = suppose_of(intervals)?;
+    let record = reading.record(py, &given)?;
+    let limits = limits_of(&limits, &[Limited::Stability], None, &[record.unit])?;
     let (record, curves, events) = compute_on(py, reading.threads, || {
         let taus = taus.taus()?;
         let events = record.events();
-        let model = is_of_record.then(|| model(&events.without, reading.trend()));
-        let events = shown(&record, &reading, &events.list, true);
+        let model = (supposed == Suppose::Record).then(|| model(&events.without, reading.trend()));
+        let events = shown(&record, &events.list, true);
         let of = |name: &String| {
             let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
-            let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
+            let factors = taus.factors(record.angles.len(), record.step_s, deviation)?;
             let mut points = curve(&record.angles, deviation, &factors, confidence);
             if let Some(model) = &model {
                 suppose(&mut points, &record.angles, deviation, confidence, model.as_ref());
@@ -336,7 +372,7 @@ pub fn curves<'py>(
     let samples = record.angles.len().saturating_sub(1);
     let stability =
         stability.and_then(|(deviation, points)| least_or_bound(record.unit, *deviation, points, samples));
-    let subject = Subject { stability, ..record.subject(reading.step_s) };
+    let subject = Subject { stability, ..record.subject() };
     let decision = decide(&[subject], &limits, "record");
     document.set_item("answer", super::run::shown(&decision.answer))?;
     document.set_item("limits", rows_of(&decision.table()))?;
@@ -379,12 +415,12 @@ fn of_curve<'py>(
     Ok(document)
 }
 
-/// The coefficients of an array, each as a tuple, with the fitted curve.
+/// The coefficients of a record, each as a tuple, with the fitted curve.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
 pub fn fit<'py>(
     py: Python<'py>,
-    data: PyReadonlyArray1<'py, f64>,
+    given: Given<'py>,
     reading: Reading,
     terms: Option<Vec<String>>,
     range: (Option<f64>, Option<f64>),
@@ -392,12 +428,11 @@ pub fn fit<'py>(
     bootstrap: Option<usize>,
     limits: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let values = side_by_side(&data)?;
-    let record = read_on(py, reading.threads, || reading.record(values))?;
+    let record = reading.record(py, &given)?;
     let (record, sheet, fitted, decision, events) = compute_on(py, reading.threads, || {
         let terms = terms_of(terms.as_deref(), reading.trend())?;
         let known = Term::ALL.map(Limited::Coefficient);
-        let limits = limits_of(&limits, &known, Some(terms.all()), record.unit)?;
+        let limits = limits_of(&limits, &known, Some(terms.all()), &[record.unit])?;
         let simulated = Intervals::simulated(bootstrap, record.angles.len().saturating_sub(1));
         let fitting = Fitting { terms, from_s: range.0, to_s: range.1, is_forced };
         let events = record.events();
@@ -419,10 +454,10 @@ pub fn fit<'py>(
                 (tau_s, variance.sqrt(), model.filter(|_| is_fitted).map(f64::sqrt))
             })
             .collect();
-        let subject = Subject { noise: Ok(Some(&sheet)), ..record.subject(reading.step_s) };
+        let subject = Subject { noise: Ok(Some(&sheet)), ..record.subject() };
         let decision = decide(&[subject], &limits, "record");
         let all = [&events.list[..], &sheet.events].concat();
-        let events = shown(&record, &reading, &all, keeps_events);
+        let events = shown(&record, &all, keeps_events);
         Ok((record, sheet, fitted, decision, events))
     })?;
     let document = document(py, &record)?;
@@ -450,7 +485,7 @@ pub fn fit<'py>(
     Ok(document)
 }
 
-/// The limits of these texts on some of `known`, for a record of this unit and a fit of these terms.
+/// The limits of these texts on some of `known`, for records of these units and a fit of these terms.
 ///
 /// # Errors
 /// A text is no limit, or a limit does not fit the record, the fit or another limit.
@@ -458,11 +493,11 @@ pub fn limits_of(
     texts: &[String],
     known: &[Limited],
     fitted: Option<&[Term]>,
-    unit: sagnac::allan::unit::Unit,
+    units: &[sagnac::allan::unit::Unit],
 ) -> Result<Vec<Limit>, Failure> {
     let limits = texts.iter().map(|text| Limit::parse(text, known)).collect::<Result<Vec<_>, _>>()?;
     check(&limits, fitted)?;
-    applies(&limits, &[unit])?;
+    applies(&limits, units)?;
     Ok(limits)
 }
 

@@ -115,3 +115,32 @@ def test_of_a_study_of_several_points_one_has_to_be_chosen(studies: Path) -> Non
 def test_weights_are_numbers_too() -> None:
     weights = sagnac.filler("quadratic", 3)["quadratic"].interpolation.weights
     assert weights.dtype == np.float64 and list(weights) == [-1.0, 2.5, 2.5, -1.0]
+
+
+def test_a_search_of_ticks_is_that_of_the_program(program: Program, studies: Path) -> None:
+    asked: Any = {"tick": "5 ms", "band": "18 Hz,22 Hz", "amplitude": "12000 arcsec/s", "noise": "0.5 arcsec"}
+    options = [part for name, value in asked.items() for part in (f"--{name}", value)]
+    searched = ["--limit", "residual=8 arcsec", "--latency", "20 ms"]
+    expected = program("filler", "minimum-variance", "--gap-ticks", 3, *options, *searched)
+    found = sagnac.filler("minimum-variance", 3, **asked, limits={"residual": "8 arcsec"}, latency="20 ms")
+    check(found, expected)
+    assert found.data == expected and found.answer.data == expected["answer"]
+    trade = expected["tables"]["trade"]
+    for name, column in found.tables["trade.csv"].items():
+        assert list(column) == [row[name] for row in trade], name
+    assert set(found.charts) == {"trade", "response"}
+    study = studies / "which_filler.toml"
+    expected = program("filler", study, *searched)
+    found = sagnac.filler(study, limits={"residual": "8 arcsec"}, latency="20 ms")
+    check(found, expected)
+    assert found.data == expected
+    wrong: Any
+    for wrong, piece in (
+        ({"what": "quadratic", "limits": {"residual": "8 arcsec"}}, "one filler, minimum-variance"),
+        ({"fit_ticks": "-3..0", "latency": "20 ms"}, "leave fit_ticks out"),
+        ({"limits": {"residual": "8 s"}}, "limits="),
+        ({"limits": {"rms": "8 arcsec"}}, "accepted: residual"),
+        ({"latency": "-1 ms"}, "below 0"),
+    ):
+        with pytest.raises(sagnac.UsageError, match=piece):
+            sagnac.filler(**{"what": "minimum-variance", "gap_ticks": 3, **asked, **wrong})

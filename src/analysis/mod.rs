@@ -22,3 +22,4 @@ pub mod sensitivity;
 pub(crate) mod shape;
 pub mod spectrum;
 pub mod temperature;
+pub mod whole;

@@ -8,14 +8,14 @@ use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
-use sagnac::analysis::log::{Asked, Suppose};
+use sagnac::analysis::log::{self, Suppose, navigators};
 use sagnac::analysis::requirement::Limit;
+use sagnac::analysis::whole::{self, Asked};
 use sagnac::kinds::allan::realizations::LEAST_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;
 use sagnac::record::log::read::Request;
-use sagnac::spectrum::Welch;
 
 use crate::failure::Failure;
 use crate::limits;
@@ -107,13 +107,23 @@ pub struct Options {
 impl Options {
     /// The requested computations for each log.
     pub fn asked(&self) -> Asked {
-        Asked {
+        let noise = log::Asked {
             taus: self.tau.clone(),
             deviations: self.deviation.clone(),
             confidence: self.confidence,
             intervals: self.intervals,
             fitting: self.reading.fitting(),
             simulated: self.bootstrap,
+        };
+        let segments = whole::Segments { length_s: self.segments.length_s, trend: self.segments.trend };
+        let limit = self.position_limit;
+        Asked {
+            noise,
+            segments: (!self.no_psd).then_some(segments),
+            is_compensated: self.reading.compensate,
+            window_s: self.dynamic,
+            navigators: self.navigate.map(|duration_s| navigators::Asked { duration_s, limit }),
+            limits: self.limit.clone(),
         }
     }
 
@@ -170,21 +180,16 @@ pub struct Segments {
     /// Length of the segments of spectra, as in "100 s": longer ones resolve lower frequencies, shorter ones narrow the intervals
     /// [default: an eighth of the record, at most 16384 samples]
     #[arg(help_heading = "Spectrum", long = "segment", value_name = "TIME", value_parser = seconds)]
-    pub length_s: Option<f64>,
+    length_s: Option<f64>,
     /// What to remove from each segment: its mean (constant), or its straight line (linear)
-    #[arg(help_heading = "Spectrum", long, value_name = "TREND", default_value = "constant", value_parser = trend())]
-    segment_detrend: Trend,
-}
-
-impl Segments {
-    /// The estimate of the densities of a log.
-    pub fn welch(&self, log: &Log, confidence: f64) -> Welch {
-        Welch {
-            segment: self.length_s.map(|length_s| libm::round(length_s / log.step_s) as usize),
-            trend: self.segment_detrend,
-            confidence,
-        }
-    }
+    #[arg(
+        help_heading = "Spectrum",
+        long = "segment-detrend",
+        value_name = "TREND",
+        default_value = "constant",
+        value_parser = trend()
+    )]
+    trend: Trend,
 }
 
 fn trend() -> impl TypedValueParser<Value = Trend> {

@@ -3,11 +3,14 @@
 use clap::Args;
 use miette::Diagnostic;
 use sagnac::analysis::firmware::alone::{Alone, MINIMUM_VARIANCE};
+use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::firmware::design::Firmware;
 use sagnac::analysis::firmware::search::Asked;
 use sagnac::quantity::units::{Dimension, parse};
 use sagnac::source::diagnose::StudyError;
+use sagnac::study::Study;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, in_options};
 use crate::limits::on;
 
 /// Keys of the resulting study with the corresponding options; longer keys first.
@@ -31,7 +34,7 @@ pub struct Given {
     gap_ticks: Option<u32>,
     /// Length of a tick, such as "5 ms"; not needed for polynomials
     #[arg(long, value_name = "TIME")]
-    pub tick: Option<String>,
+    tick: Option<String>,
     /// Ticks to which the residual is fitted, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
     #[arg(long, value_name = "TICKS")]
     fit_ticks: Option<String>,
@@ -105,7 +108,7 @@ impl Given {
     ///
     /// # Errors
     /// It is not a minimum-variance filler, the vibration is missing, or a text is not such a quantity.
-    pub fn asked(&self, kinds: &[String]) -> Result<Option<Asked>, Failure> {
+    fn asked(&self, kinds: &[String]) -> Result<Option<Asked>, Failure> {
         let name = if self.limit.is_some() { "--limit" } else { "--latency" };
         if self.limit.is_none() && self.latency.is_none() {
             return Ok(None);
@@ -126,11 +129,11 @@ impl Given {
         self.asked_of_study()
     }
 
-    /// The text of a study with fillers of these kinds; `found` are the fit ticks of a search.
+    /// The study of fillers of these kinds with its firmware, whose fit ticks are searched if that is asked for.
     ///
     /// # Errors
-    /// An option that the fillers require is missing.
-    pub fn study(&self, kinds: &[String], found: Option<String>) -> Result<String, Failure> {
+    /// An option that the fillers require is missing, or the options describe no filler.
+    pub fn firmware(&self, kinds: &[String]) -> Result<(Study, Firmware), Failure> {
         let missing = |option: &str, example: &str, of: &str| {
             Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
         };
@@ -147,21 +150,24 @@ impl Given {
         let alone = Alone {
             gap_ticks,
             tick: self.tick.clone(),
-            fit_ticks: found.or_else(|| self.fit_ticks.clone()),
+            fit_ticks: self.fit_ticks.clone(),
             extrapolation_ticks: self.extrapolation_ticks.clone(),
             band: self.band.clone(),
             amplitude: self.amplitude.clone(),
             noise: self.noise.clone(),
         };
-        Ok(alone.study(kinds))
+        alone.firmware(kinds, self.asked(kinds)?).map_err(|error| match error {
+            ChoiceError::Study(error) => failure(&error),
+            ChoiceError::Asked(message) => Failure::Usage(in_options(&message)),
+        })
     }
+}
 
-    /// An error of that study in terms of the options.
-    pub fn failure(&self, error: &StudyError) -> Failure {
-        let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
-        let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
-        Failure::Usage(said)
-    }
+/// An error of the study of such fillers in terms of the options.
+fn failure(error: &StudyError) -> Failure {
+    let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
+    let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
+    Failure::Usage(said)
 }
 
 /// The value of an option that is a quantity of at least 0.

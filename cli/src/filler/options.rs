@@ -4,11 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::firmware::alone::KINDS;
-use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
-use sagnac::analysis::firmware::search::Trade;
-use sagnac::kinds::gap_fill::GapFill;
-use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;
 
 use crate::failure::Failure;
@@ -65,41 +61,24 @@ impl Options {
     /// An option does not apply, or the study is invalid; for a study built from the options this is an error of usage.
     pub fn firmware(&self) -> Result<(Study, Firmware, PathBuf), Failure> {
         let file = self.file()?;
-        let failure = |error: StudyError| match file {
-            Some(_) => error.into(),
-            None => self.alone.failure(&error),
+        let (study, firmware) = match file {
+            Some(file) => self.of_study(kind::study(file)?)?,
+            None => self.alone.firmware(&self.what)?,
         };
-        let study = match file {
-            Some(file) => kind::study(file)?,
-            None => Study::parse("options", &self.alone.study(&self.what, None)?).map_err(failure)?,
-        };
-        if let Some(asked) = file.and_then(|_| self.alone.asked_of_study().transpose()).transpose()? {
-            if !self.fillers.is_empty() {
-                let message = "--limit and --latency search a filler of their own\nleave --filler out";
-                return Err(Failure::Usage(message.to_owned()));
-            }
-            let (study, firmware) = Firmware::searched(&study, &self.at, asked)?;
-            return Ok((study, firmware, self.folder(file)));
-        }
-        let trade = self.trade(&study)?;
-        let study = match &trade {
-            Some(trade) => {
-                let text = self.alone.study(&self.what, Some(trade.fit_ticks()))?;
-                Study::parse("options", &text).map_err(failure)?
-            }
-            None => study,
-        };
-        let chosen = Firmware::choose(&study, &self.at, &self.fillers);
-        let mut firmware = chosen.map_err(|error| match error {
-            ChoiceError::Study(error) => failure(error),
-            other => other.into(),
-        })?;
-        firmware.trade = trade;
-        // Polynomials do not need the length of a tick.
-        if file.is_none() && self.alone.tick.is_none() {
-            firmware.tick_s = None;
-        }
         Ok((study, firmware, self.folder(file)))
+    }
+
+    /// The fillers of a study, or the one that is searched for it.
+    fn of_study(&self, study: Study) -> Result<(Study, Firmware), Failure> {
+        let Some(asked) = self.alone.asked_of_study()? else {
+            let firmware = Firmware::choose(&study, &self.at, &self.fillers)?;
+            return Ok((study, firmware));
+        };
+        if !self.fillers.is_empty() {
+            let message = "--limit and --latency search a filler of their own\nleave --filler out";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        Ok(Firmware::searched(&study, &self.at, asked)?)
     }
 
     /// The output folder.
@@ -109,18 +88,6 @@ impl Options {
             None => PathBuf::from(self.what.join("+")),
         };
         self.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join("filler"))
-    }
-
-    /// The search of the fit ticks, where one is asked for.
-    fn trade(&self, study: &Study) -> Result<Option<Trade>, Failure> {
-        let Some(asked) = self.alone.asked(&self.what)? else { return Ok(None) };
-        let points = study.asked::<GapFill>().map(|gap_fill| &gap_fill.points[..]);
-        let trade = points.and_then(|points| Trade::new(&points.first()?.inputs, asked, None));
-        trade.map(Some).ok_or_else(|| {
-            let message =
-                "no ticks determine a filler: the noise is too small beside the motion to choose weights by";
-            Failure::Usage(format!("{message}\ngive --noise that the gyro really has, or a wider --band"))
-        })
     }
 
     /// The study file; `None` where the arguments before the options are kinds of fillers.

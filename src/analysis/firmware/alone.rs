@@ -2,8 +2,12 @@
 
 use std::fmt::Write as _;
 
+use crate::analysis::firmware::choice::{ChoiceError, undetermined};
+use crate::analysis::firmware::{Asked, Firmware, Trade};
 use crate::answer::reading::capitalized;
 pub use crate::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
+use crate::kinds::gap_fill::GapFill;
+use crate::study::Study;
 
 /// The properties of fillers; quantities are texts with units, as in a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -74,6 +78,35 @@ impl Alone {
         let fillers = fillers.collect::<Vec<_>>().join(", ");
         let _ = writeln!(text, "[switching]\ngap_ticks = {n}\nfillers = [{fillers}]");
         text
+    }
+
+    /// The study of fillers of these [`KINDS`] with its firmware. The fit ticks of the filler of least variance are searched if
+    /// that is `asked` for. Without the length of a tick the firmware has none either.
+    ///
+    /// # Errors
+    /// The properties describe no filler, which is an error in the text of the study, or no ticks determine one.
+    pub fn firmware<K: AsRef<str>>(
+        &self,
+        kinds: &[K],
+        asked: Option<Asked>,
+    ) -> Result<(Study, Firmware), ChoiceError> {
+        let mut study = Study::parse("fillers", &self.study(kinds))?;
+        let mut trade = None;
+        if let Some(asked) = asked {
+            let inputs = study.asked::<GapFill>().and_then(|gap_fill| Some(&gap_fill.points.first()?.inputs));
+            let found = inputs.and_then(|inputs| Trade::new(inputs, asked, None)).ok_or_else(|| {
+                undetermined("give `noise = ANGLE` that the gyro really has, or a wider `band = LOW,HIGH`")
+            })?;
+            let alone = Alone { fit_ticks: Some(found.fit_ticks()), ..self.clone() };
+            study = Study::parse("fillers", &alone.study(kinds))?;
+            trade = Some(found);
+        }
+        let mut firmware = Firmware::choose(&study, &[], &[])?;
+        firmware.trade = trade;
+        if self.tick.is_none() {
+            firmware.tick_s = None;
+        }
+        Ok((study, firmware))
     }
 }
 

@@ -215,18 +215,20 @@ impl Firmware {
         let gap_fill = of_gaps(study)?;
         let point = choose_point(study, gap_fill, at, &gap_fill.fillers)?;
         let asked = Asked { limit_arcsec: asked.limit_arcsec.or(limit(study)), ..asked };
-        let trade = Trade::new(&point.inputs, asked, None).ok_or_else(|| {
-            let message =
-                "no ticks determine a filler: the noise is too small beside the motion to choose weights by";
-            ChoiceError::Asked(format!(
-                "{message}\ngive the study the noise of ticks that the gyro really has"
-            ))
-        })?;
+        let help = "give the study the noise of ticks that the gyro really has";
+        let trade = Trade::new(&point.inputs, asked, None).ok_or_else(|| undetermined(help))?;
         let study = study.with_fillers(|fillers| *fillers = vec![trade.entry()])?;
         let mut firmware = Firmware::choose(&study, at, &[])?;
         firmware.trade = Some(trade);
         Ok((study, firmware))
     }
+}
+
+/// The error of a search in which no ticks determine a filler.
+pub(super) fn undetermined(help: &str) -> ChoiceError {
+    let message =
+        "no ticks determine a filler: the noise is too small beside the motion to choose weights by";
+    ChoiceError::Asked(format!("{message}\n{help}"))
 }
 
 /// The gaps of a study.

@@ -214,7 +214,7 @@ impl Treatment {
     }
 
     /// The treatment of a log, with what was done to it already.
-    pub(crate) fn of(&self, log: &Log) -> Treatment {
+    pub fn of(&self, log: &Log) -> Treatment {
         Treatment { skip_s: log.start_s, is_compensated: log.is_compensated, ..*self }
     }
 
@@ -392,7 +392,7 @@ impl Analysis {
 
 /// The names of the temperatures of a log that change by more than the errors of their sensors, and each at every increment; none
 /// for a log without its dependence on them.
-pub(crate) fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
+pub fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
     if log.is_compensated {
         return (vec![], vec![]);
     }

@@ -64,6 +64,13 @@ pub struct Dependence {
 }
 
 impl Temperature {
+    /// Finds the dependence as [`Temperature::of`] does, and adds its [notes](notes::notes) to the log.
+    pub fn noted(log: &mut Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
+        let found = Temperature::of(log, treatment, effects);
+        log.notes.extend(found.iter().flat_map(notes::notes));
+        found
+    }
+
     /// The dependence of a log that was read with its temperature; nothing for a log without one.
     pub fn of(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
         let (_, measured) = log.temperature.as_ref()?;

@@ -56,6 +56,29 @@ pub enum Effects {
 }
 
 impl Effects {
+    /// Reads `auto`, or names of effects separated by commas.
+    ///
+    /// # Errors
+    /// A name is unknown, or the square of the temperature is without the temperature itself.
+    pub fn parse(text: &str) -> Result<Effects, String> {
+        if text == "auto" {
+            return Ok(Effects::Auto);
+        }
+        let named = |asked: &str| {
+            let asked = asked.trim();
+            let found = Effect::ALL.into_iter().find(|effect| effect.name().eq_ignore_ascii_case(asked));
+            let known = || Effect::ALL.map(Effect::name).join(",");
+            found.ok_or_else(|| format!("`{asked}` is not a term; accepted: auto, or some of {}", known()))
+        };
+        let named = text.split(',').map(named).collect::<Result<Vec<_>, _>>()?;
+        // In the order of all of them, and each once.
+        let effects: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| named.contains(effect)).collect();
+        if effects.contains(&Effect::Square) && !effects.contains(&Effect::Temperature) {
+            return Err("T2 needs T beside it, because its zero is arbitrary; write as in T,T2".to_owned());
+        }
+        Ok(Effects::Given(effects))
+    }
+
     /// The effects in question.
     pub fn candidates(&self) -> &[Effect] {
         match self {

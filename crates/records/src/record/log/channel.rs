@@ -79,6 +79,18 @@ impl Log {
         }
     }
 
+    /// The log with one of its channels alone; `None` if there is none at this place.
+    pub fn only(&self, place: usize) -> Option<Log> {
+        Some(Log {
+            file: self.file.clone(),
+            channels: vec![self.channels.get(place)?.clone()],
+            temperature: self.temperature.clone(),
+            thermometers: self.thermometers.clone(),
+            notes: self.notes.clone(),
+            ..*self
+        })
+    }
+
     /// The number of samples of a channel, including missing ones.
     pub fn samples(&self) -> usize {
         self.channels.first().map_or(0, |channel| channel.samples.len())

@@ -88,6 +88,24 @@ pub enum Timing {
     },
 }
 
+impl Timing {
+    /// The times by the words of the user: a sampling step, a column or `none` for no stamps, and a unit.
+    ///
+    /// # Errors
+    /// Stamps are to be ignored, and there is no step; the message says so.
+    pub fn of(step_s: Option<f64>, column: Option<String>, unit: Option<String>) -> Result<Timing, String> {
+        match (step_s, column.as_deref()) {
+            (Some(step_s), Some("none")) => Ok(Timing::Step(step_s)),
+            (None, Some("none")) => {
+                let message = "`time = none` ignores time stamps, and the sampling rate is not given\ngive `rate = HZ`, that of \
+                               your logger, too";
+                Err(message.to_owned())
+            }
+            _ => Ok(Timing::Stamps { step_s, column, unit }),
+        }
+    }
+}
+
 impl Request {
     /// Quantity of the samples.
     pub(crate) fn data(&self) -> Data {
