@@ -69,41 +69,23 @@
 #![warn(unreachable_pub)]
 
 pub mod analysis;
-pub mod device;
-pub mod run;
-pub mod store;
-pub mod study;
-pub mod tally;
-pub mod verify;
 pub mod view;
 
 pub use sagnac_base::{progress, table};
+pub use sagnac_engine::{device, run, store, study, tally, verify};
 pub use sagnac_records::{allan, events, fit, record, spectrum};
 pub use sagnac_report::answer;
 pub use sagnac_theory as theory;
-
-mod noise;
-mod sampling;
 
 // Below the front page: for tests, benches and the front ends, and free to change.
 #[doc(hidden)]
 pub use sagnac_base::quantity;
 #[doc(hidden)]
+pub use sagnac_engine::{chart, drift, filler, key, kinds, motion};
+#[doc(hidden)]
 pub use sagnac_kernel as kernel;
 
 #[doc(hidden)]
-pub mod chart;
-#[doc(hidden)]
 pub mod described;
-#[doc(hidden)]
-pub mod drift;
-#[doc(hidden)]
-pub mod filler;
-#[doc(hidden)]
-pub mod key;
-#[doc(hidden)]
-pub mod kinds;
-#[doc(hidden)]
-pub mod motion;
 #[doc(hidden)]
 pub use sagnac_base::source;

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use sagnac::analysis::model::writers::WRITERS;
 use sagnac::described::files;
 use sagnac::run::RESOLVED;
+use sagnac::store::CARD;
 use sagnac::study::Study;
-use sagnac::view::report::{CARD, FILE as REPORT};
+use sagnac::view::report::FILE as REPORT;
 
 use crate::failure::Failure;
 

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use rayon::prelude::*;
+use sagnac::store::CARD;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
 use sagnac::view::chart::picture::Picture;
+use sagnac::view::report::FILE as REPORT;
 use sagnac::view::report::document::{self, Document, Provenance};
 use sagnac::view::report::sections::Page;
-use sagnac::view::report::{CARD, FILE as REPORT};
 use serde_json::json;
 
 use crate::failure::{Failure, in_options};

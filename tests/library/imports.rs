@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// The modules of crates below the library.
 const BELOW: [&str; 12] = [
-    "allan", "answer", "events", "fit", "kernel", "progress", "quantity", "record", "source", "spectrum", "table", "theory",
+    "allan", "answer", "events", "fit", "kernel", "progress", "quantity", "record", "source", "spectrum",
+    "table", "theory",
 ];
 
 /// The top-level modules of `src/`, lowest first.

@@ -13,6 +13,7 @@
 
 pub mod progress;
 pub mod quantity;
+pub mod scale;
 pub mod source;
 pub mod table;
 pub mod words;

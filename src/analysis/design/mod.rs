@@ -79,8 +79,8 @@ use crate::kinds::switched_run::Timing;
 use crate::kinds::switched_run::run::late;
 use crate::progress::Progress;
 use crate::quantity::number::short;
-use crate::sampling::worker::Worker;
 use crate::study::Study;
+use sagnac_engine::sampling::worker::Worker;
 
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.
 const MANY: u64 = 20_000_000_000;

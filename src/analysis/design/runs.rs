@@ -9,9 +9,9 @@ use crate::analysis::jackknife::halves;
 use crate::kernel::moments::Moments;
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::progress::Progress;
-use crate::sampling::worker::Worker;
 use crate::tally::stats::{Estimates, NORMAL_95};
 use crate::theory::drift::budget::Optimum;
+use sagnac_engine::sampling::worker::Worker;
 
 /// The runs of a variant with its candidates.
 pub(crate) struct Chosen<'a> {

@@ -6,8 +6,8 @@ use crate::device::error::GpuError;
 use crate::kernel::moments::Moments;
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::progress::Progress;
-use crate::sampling::worker::Worker;
 use crate::tally::block::Block;
+use sagnac_engine::sampling::worker::Worker;
 
 /// The number of trials, at least `asked`, for which all parts have the same power of two.
 pub(crate) fn trials(asked: u64) -> u64 {

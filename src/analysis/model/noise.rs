@@ -6,10 +6,10 @@ use crate::allan::Unit;
 use crate::analysis::log::noise_file::{Intervals, intervals_of};
 use crate::analysis::model::target::{Point, Source, Target};
 use crate::analysis::model::{Asked, ModelError};
-use crate::noise::Noise;
 use crate::quantity::list::listed;
 use crate::quantity::number::significant;
 use crate::theory::allan::{Part, Term, continuous};
+use sagnac_engine::noise::Noise;
 
 /// Points of the curve per decade of τ.
 const PER_DECADE: f64 = 40.0;

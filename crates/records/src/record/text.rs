@@ -37,7 +37,7 @@ struct Part<'b> {
 }
 
 /// A text of which the layout is known.
-pub(crate) struct Text<'a> {
+pub struct Text<'a> {
     layout: Layout,
     origin: Origin<'a>,
     rows: Bytes<'a>,

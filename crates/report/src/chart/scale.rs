@@ -1,76 +1,25 @@
 //! Conversion of numbers to places on an axis.
 
-use serde::{Serialize, Serializer};
+pub use sagnac_base::scale::Scale;
+use sagnac_base::scale::TINY;
 
-use sagnac_base::names;
-
-names! {
-    /// The scale of an axis.
-    pub enum Scale {
-        /// Equal ratios are equally long.
-        Log = "log",
-        /// Equal differences are equally long.
-        Linear = "linear",
-    }
-}
-
-impl Default for Scale {
-    fn default() -> Scale {
-        Scale::ALL[0]
-    }
-}
-
-/// Numbers below this count as zero.
-const TINY: f64 = 1e-250;
-
-impl Serialize for Scale {
-    /// The word as written in study files.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
-}
-
-impl Scale {
-    /// Whether an axis can show `value`: finite, and positive if logarithmic. Numbers beyond 10^±250 count as infinite
-    /// or zero, because margins and ticks around them would exceed the range of f64.
-    pub fn shows(self, value: f64) -> bool {
-        value.abs() < 1.0 / TINY && (self == Scale::Linear || value > TINY)
-    }
-
-    /// A coordinate in which the axis is uniform.
-    pub fn coordinate(self, value: f64) -> f64 {
-        match self {
-            Scale::Log => libm::log10(value),
-            Scale::Linear => value,
+/// The edges of cells around `values`, which ascend and can be shown: midway between neighbours, and equally far
+/// beyond the outer ones. The cell of a single value is as wide as an axis around it.
+pub(crate) fn edges(scale: Scale, values: &[f64]) -> Vec<f64> {
+    match *values {
+        [] => vec![],
+        [only] => {
+            let Range { low, high, .. } = Range::around(scale, [only]);
+            vec![low, high]
         }
-    }
-
-    /// The value at a coordinate.
-    pub fn value(self, coordinate: f64) -> f64 {
-        match self {
-            Scale::Log => libm::pow(10.0, coordinate),
-            Scale::Linear => coordinate,
-        }
-    }
-
-    /// The edges of cells around `values`, which ascend and can be shown: midway between neighbours, and equally far
-    /// beyond the outer ones. The cell of a single value is as wide as an axis around it.
-    pub fn edges(self, values: &[f64]) -> Vec<f64> {
-        match *values {
-            [] => vec![],
-            [only] => {
-                let Range { low, high, .. } = Range::around(self, [only]);
-                vec![low, high]
-            }
-            [first, second, ..] => {
-                let between = |a: f64, b: f64| self.value(0.5 * (self.coordinate(a) + self.coordinate(b)));
-                let beyond = |outer: f64, inner: f64| {
-                    self.value(1.5 * self.coordinate(outer) - 0.5 * self.coordinate(inner))
-                };
-                let [.., inner, last] = *values else { return vec![] };
-                let middles = values.windows(2).map(|pair| between(pair[0], pair[1]));
-                std::iter::once(beyond(first, second)).chain(middles).chain([beyond(last, inner)]).collect()
-            }
+        [first, second, ..] => {
+            let between = |a: f64, b: f64| scale.value(0.5 * (scale.coordinate(a) + scale.coordinate(b)));
+            let beyond = |outer: f64, inner: f64| {
+                scale.value(1.5 * scale.coordinate(outer) - 0.5 * scale.coordinate(inner))
+            };
+            let [.., inner, last] = *values else { return vec![] };
+            let middles = values.windows(2).map(|pair| between(pair[0], pair[1]));
+            std::iter::once(beyond(first, second)).chain(middles).chain([beyond(last, inner)]).collect()
         }
     }
 }
@@ -182,10 +131,10 @@ mod tests {
             let close = found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12);
             assert!(close && found.len() == expected.len(), "{found:?}, not {expected:?}");
         };
-        near(Scale::Log.edges(&[1.0, 4.0, 64.0]), &[0.5, 2.0, 16.0, 256.0]);
-        near(Scale::Linear.edges(&[1.0, 2.0, 4.0]), &[0.5, 1.5, 3.0, 5.0]);
-        near(Scale::Linear.edges(&[4.0]), &[2.0, 6.0]);
-        near(Scale::Log.edges(&[]), &[]);
+        near(edges(Scale::Log, &[1.0, 4.0, 64.0]), &[0.5, 2.0, 16.0, 256.0]);
+        near(edges(Scale::Linear, &[1.0, 2.0, 4.0]), &[0.5, 1.5, 3.0, 5.0]);
+        near(edges(Scale::Linear, &[4.0]), &[2.0, 6.0]);
+        near(edges(Scale::Log, &[]), &[]);
     }
 
     #[test]

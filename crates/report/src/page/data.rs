@@ -1,5 +1,6 @@
 //! The data of a page for its script, as compressed JSON.
 
+use crate::chart::scale::edges as cell_edges;
 use std::borrow::Cow;
 use std::io::{self, Write};
 
@@ -326,7 +327,7 @@ fn edges(values: &[f64]) -> Either<Vec<f64>> {
     Either::of(|scale| {
         let shown: Vec<f64> = values.iter().copied().filter(|value| scale.shows(*value)).collect();
         let Range { low, high, .. } = Range::around(scale, []);
-        if shown.is_empty() { vec![low, high] } else { scale.edges(&shown) }
+        if shown.is_empty() { vec![low, high] } else { cell_edges(scale, &shown) }
     })
 }
 

@@ -5,11 +5,9 @@ use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, html};
 use serde::{Deserialize, Serialize};
 
-/// The name of the card of a page in its folder of results.
-pub const CARD: &str = "card.json";
 use crate::page::html::head;
 
-/// Results in a gallery. Commands other than `run` keep it beside their page as [`CARD`].
+/// Results in a gallery, which commands other than `run` keep beside their page.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Card {
     /// Title.

@@ -18,7 +18,7 @@ mod html;
 pub mod sections;
 mod text;
 
-pub use crate::page::gallery::{CARD, Card, MARKS, gallery};
+pub use crate::page::gallery::{Card, MARKS, gallery};
 
 /// The name of a page in its folder of results.
 pub const FILE: &str = "report.html";

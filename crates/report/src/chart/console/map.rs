@@ -4,6 +4,7 @@ use crate::chart::console::Look;
 use crate::chart::console::axes::Frame;
 use crate::chart::figure::Grouping;
 use crate::chart::map::{Cells, Map};
+use crate::chart::scale::edges;
 use crate::chart::scale::{Range, extent};
 use sagnac_base::quantity::number::significant;
 
@@ -13,7 +14,7 @@ const SHADES_ASCII: [char; 5] = ['.', ':', '+', '*', '#'];
 
 /// The map as text.
 pub fn text(map: &Map, look: Look) -> String {
-    let (columns, rows) = (map.x.scale.edges(&map.columns), map.y.scale.edges(&map.rows));
+    let (columns, rows) = (edges(map.x.scale, &map.columns), edges(map.y.scale, &map.rows));
     let (x, y) = (Range::between(map.x.scale, &columns), Range::between(map.y.scale, &rows));
     let frame = Frame::new((&map.x, x), (&map.y, y), look);
     let mut page = frame.page();

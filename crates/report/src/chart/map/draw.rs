@@ -5,6 +5,7 @@ use crate::chart::layout::{Area, Frame};
 use crate::chart::map::{Cells, Map, Won};
 use crate::chart::palette::{self, INK, Shades};
 use crate::chart::scale::Range;
+use crate::chart::scale::edges;
 
 /// Distance between hatching lines, measured horizontally.
 const HATCHING: f64 = 9.0;
@@ -20,8 +21,8 @@ pub struct Edges {
 
 impl Edges {
     pub fn new(map: &Map, area: &Area) -> Edges {
-        let xs = map.x.scale.edges(&map.columns).into_iter().map(|x| area.across(x));
-        let ys = map.y.scale.edges(&map.rows).into_iter().map(|y| area.down(y));
+        let xs = edges(map.x.scale, &map.columns).into_iter().map(|x| area.across(x));
+        let ys = edges(map.y.scale, &map.rows).into_iter().map(|y| area.down(y));
         Edges { xs: xs.collect(), ys: ys.collect() }
     }
 

@@ -9,13 +9,14 @@ use crate::chart::map::draw::{self, Edges};
 use crate::chart::map::{Axis, Cells, Map, limit_line};
 use crate::chart::palette::{self, LIMIT, PALE_MUTED, Shades};
 use crate::chart::scale::Scale;
+use crate::chart::scale::edges;
 use crate::chart::scale::{Range, extent};
 use crate::chart::ticks::Ticks;
 
 impl Map {
     /// The shapes of the map.
     pub fn canvas(&self) -> Canvas {
-        let range = |scale: Scale, values| Range::between(scale, &scale.edges(values));
+        let range = |scale: Scale, values| Range::between(scale, &edges(scale, values));
         let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
         let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
         let (shades, colours) = self.colours();
@@ -145,7 +146,7 @@ mod tests {
                 whole,
                 ..Axis::default()
             };
-            let range = Range::between(axis.scale, &axis.scale.edges(values));
+            let range = Range::between(axis.scale, &edges(axis.scale, values));
             ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
         };
         let labels = |values: &[f64]| labels_of(true, values);

@@ -1,0 +1,158 @@
+//! Reading of the fillers of a study, which reports every fault with its place.
+
+use std::sync::Arc;
+
+use crate::filler::closed::{CLOSED, LISTED, MINIMUM_VARIANCE, WEIGHTS, named};
+use crate::filler::keys::{
+    FILLER_BAND, FILLER_EXTRAPOLATION_TICKS, FILLER_EXTRAPOLATION_WEIGHTS, FILLER_FIT_TICKS, FILLER_KIND,
+    FILLER_NAME, FILLER_WEIGHTS,
+};
+use crate::filler::specification::Specification;
+use crate::filler::ticks::{Purpose, TickList};
+use crate::filler::{Filler, Method, Target};
+use crate::key::given::Given;
+use crate::key::table::Table;
+use crate::motion::read::band;
+use sagnac_base::source::diagnose::{Fault, choices};
+
+/// A filler, with its own lists of ticks.
+pub(crate) struct Written {
+    pub(crate) filler: Filler,
+    pub(crate) fit_ticks: Option<TickList>,
+    pub(crate) extrapolation: Extrapolation,
+    /// Place of the whole entry.
+    pub(crate) span: std::ops::Range<usize>,
+}
+
+/// The ticks to which an extrapolation is fitted.
+pub(crate) enum Extrapolation {
+    /// The ticks of the study.
+    Common,
+    Own(TickList),
+    /// The fit ticks up to 0.
+    OfFit,
+    /// No ticks, as there is no extrapolation.
+    None,
+}
+
+/// Most fillers of a study.
+const MOST_FILLERS: usize = 1000;
+
+/// Reads the fillers; those of least variance without a band are designed for the specification, if there is one.
+pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> Result<Vec<Written>, Fault> {
+    if list.items().is_empty() {
+        let message = "switching.fillers is empty, there is nothing to compare";
+        return Err(list.fault(message, "no filler", choices("", LISTED)));
+    }
+    let count = list.items().len();
+    if count > MOST_FILLERS {
+        let help = format!("accepted: up to {MOST_FILLERS}; `sagnac design` searches fillers by itself");
+        return Err(list.fault(format!("switching.fillers lists {count} fillers"), "too many", help));
+    }
+    let mut fillers: Vec<Written> = Vec::new();
+    for entry in list.items() {
+        let written = match entry.table() {
+            None => of_name(entry)?,
+            Some(table) => of_table(&table, specification)?,
+        };
+        let name = &written.filler.name;
+        if fillers.iter().any(|earlier| earlier.filler.name == *name) {
+            let message = format!("switching.fillers lists \"{name}\" twice");
+            let help = "leave it out here, or give it another name";
+            return Err(entry.fault(message, "listed before", help));
+        }
+        fillers.push(written);
+    }
+    Ok(fillers)
+}
+
+fn of_name(entry: Given) -> Result<Written, Fault> {
+    let text = entry.text();
+    let Some(closed) = named(text) else {
+        let message = format!("switching.fillers: {entry} is not a filler");
+        let help = format!("{}, or a table such as {EXAMPLE}", choices(text, LISTED));
+        return Err(entry.fault(message, "not a filler", help));
+    };
+    let filler = Filler::closed(closed);
+    Ok(Written { filler, fit_ticks: None, extrapolation: Extrapolation::Common, span: entry.span() })
+}
+
+/// An example of a filler given as a table.
+const EXAMPLE: &str =
+    "{ kind = \"minimum-variance\", name = \"mv8+2\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }";
+
+fn of_table(table: &Table, specification: Option<&Arc<Specification>>) -> Result<Written, Fault> {
+    let kind = table.get(&FILLER_KIND).map_or(CLOSED[0].name, |kind| kind.text());
+    for (key, wanted) in [
+        (&FILLER_WEIGHTS, WEIGHTS),
+        (&FILLER_EXTRAPOLATION_WEIGHTS, WEIGHTS),
+        (&FILLER_BAND, MINIMUM_VARIANCE),
+    ] {
+        if let Some(written) = table.get(key).filter(|_| kind != wanted) {
+            let message = format!("{} has no meaning for a filler of kind \"{kind}\"", key.last());
+            return Err(written.fault(message, "not for this kind", "leave it out"));
+        }
+    }
+    let [fit_ticks, extrapolation_ticks, weights, extrapolation_weights] =
+        [&FILLER_FIT_TICKS, &FILLER_EXTRAPOLATION_TICKS, &FILLER_WEIGHTS, &FILLER_EXTRAPOLATION_WEIGHTS]
+            .map(|key| table.get(key));
+    let method = match kind {
+        MINIMUM_VARIANCE => {
+            let band = table.get(&FILLER_BAND).map(band).transpose()?;
+            Method::MinimumVariance(Target::of(band, specification))
+        }
+        WEIGHTS => {
+            let Some(weights) = weights else {
+                let message = "a filler of kind \"weights\" needs weights";
+                let help = format!("add for example {}", FILLER_WEIGHTS.example);
+                return Err(Fault::new(table.span.clone(), message, "no weights", help));
+            };
+            let numbers = |list: Given| list.items().into_iter().map(weight).collect::<Result<_, _>>();
+            let extrapolation = extrapolation_weights.map(numbers).transpose()?;
+            if let (None, Some(ticks)) = (&extrapolation, extrapolation_ticks) {
+                let message = "extrapolation_ticks are given without extrapolation_weights";
+                return Err(ticks.fault(message, "ticks without weights", "add them, or leave it out"));
+            }
+            Method::Weights { residual: numbers(weights)?, extrapolation }
+        }
+        name => Method::Closed(named(name).unwrap_or(&CLOSED[0])),
+    };
+    let extrapolation = match (&method, extrapolation_ticks) {
+        (Method::Weights { extrapolation: None, .. }, _) => Extrapolation::None,
+        (_, Some(_)) => Extrapolation::Own(TickList::read(Purpose::Extrapolation, extrapolation_ticks)?),
+        (Method::MinimumVariance(_), None) if fit_ticks.is_some() => Extrapolation::OfFit,
+        (_, None) => Extrapolation::Common,
+    };
+    let name = match table.get(&FILLER_NAME) {
+        None => kind.to_owned(),
+        Some(name) => {
+            let text = name.text().trim();
+            if text.is_empty() || text.chars().any(char::is_control) {
+                let message = "the name of a filler is a text on one line";
+                return Err(name.fault(message, "not a name", "write for example name = \"mv8+2\""));
+            }
+            text.to_owned()
+        }
+    };
+    let fit_ticks = fit_ticks.map(|_| TickList::read(Purpose::Residual, fit_ticks)).transpose()?;
+    Ok(Written { filler: Filler { name, method }, fit_ticks, extrapolation, span: table.span.clone() })
+}
+
+/// Reads a weight: a number, or a fraction as text.
+fn weight(given: Given) -> Result<f64, Fault> {
+    let fraction = |text: &str| {
+        let number = |part: &str| part.trim().replace('−', "-").parse::<f64>().ok();
+        match text.split_once('/') {
+            Some((above, below)) => Some(number(above)? / number(below)?),
+            None => number(text),
+        }
+    };
+    let value = if given.is_text() { fraction(given.text()) } else { given.number() };
+    value.filter(|x| x.abs() <= MOST_WEIGHT).ok_or_else(|| {
+        let help = format!("accepted: numbers up to {MOST_WEIGHT} such as -1.5, fractions such as \"5/2\"");
+        given.fault(format!("{given} is not a weight"), "not a weight", help)
+    })
+}
+
+/// Largest weight.
+const MOST_WEIGHT: f64 = 1e6;

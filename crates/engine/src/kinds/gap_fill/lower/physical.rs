@@ -1,0 +1,241 @@
+//! The inputs that determine a point's draws and truth, in canonical form: a motion given as a rate or as an angle is
+//! the same motion. Every number has 12 significant digits.
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use crate::key::refusal::Refusal;
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::motion::keys::{Design, Phase, Position};
+use crate::motion::replay::Replay;
+use crate::motion::vibration::Acceleration;
+use crate::motion::{Frequency, Gaussian, Value};
+use sagnac_base::quantity::units::round_12;
+use sagnac_kernel::gap_fill::shape::MARGIN;
+use sagnac_kernel::normal::REACH;
+use sagnac_theory::gap::tick_amplitude;
+use sagnac_theory::rows::TickRows;
+
+/// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
+pub(crate) const MOST_PROFILE_TICKS: usize = 1 << 22;
+
+/// The canonical inputs, with angles in ″ per tick.
+#[derive(Debug, Clone)]
+pub(crate) struct Physical {
+    pub(crate) gap_ticks: u32,
+    pub(crate) sigma_arcsec: f64,
+    /// Angle of a pulse, ″; 0 where the readout is not quantized.
+    pub(crate) readout_lsb: f64,
+    pub(crate) relock: Vec<f64>,
+    pub(crate) tones: Vec<PhysicalTone>,
+    pub(crate) gaussian: Option<PhysicalGaussian>,
+    pub(crate) profile: Option<PhysicalProfile>,
+    /// Constant rate and acceleration, ΩT and αT².
+    pub(crate) rate_arcsec: f64,
+    pub(crate) acceleration_arcsec: f64,
+}
+
+/// One tone.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PhysicalTone {
+    /// The key that gives it, for refusals.
+    pub(crate) key: &'static str,
+    pub(crate) kind: ToneKind,
+    /// Distribution of the amplitude, relative to its scale.
+    pub(crate) value: Value,
+    pub(crate) phase: Phase,
+}
+
+/// The frequency and angle of a tone per tick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum ToneKind {
+    /// A fixed frequency νT, with the angle of a tick with the peak of the rate in its middle, which is negative where
+    /// sinc(νT) is.
+    Fixed { tick_arcsec: f64, nu_t: f64 },
+    /// A drawn frequency νT between two ends; `arcsec` is A_Ω T for amplitudes of the rate, and 2A for those of the
+    /// angle.
+    Drawn { arcsec: f64, of_angle: bool, nu_t: [f64; 2] },
+}
+
+/// Stationary Gaussian motion.
+#[derive(Debug, Clone)]
+pub(crate) struct PhysicalGaussian {
+    /// The key that gives it, for refusals.
+    pub(crate) key: &'static str,
+    /// Its ticks, ″.
+    pub(crate) rows: TickRows,
+}
+
+/// A recorded profile.
+#[derive(Debug, Clone)]
+pub(crate) struct PhysicalProfile {
+    pub(crate) replay: Arc<Replay>,
+    pub(crate) every: bool,
+    /// Number of places that the gap can have.
+    pub(crate) positions: usize,
+}
+
+impl Physical {
+    /// The canonical inputs, with the Gaussian motion of that number of ticks on either side of the gap.
+    pub(crate) fn of(inputs: &Inputs, sides: usize) -> Result<Physical, Refusal> {
+        let tick_s = round_12(inputs.tick_s);
+        let motion = &inputs.motion;
+        // Where one frequency is drawn, the kernel draws all of them, a fixed one from a band of zero width.
+        let drawn = motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
+        // The tone of a sine through the suspension is the last one.
+        let sine = motion.vibration.iter().filter(|v| matches!(v.acceleration, Acceleration::Sine { .. }));
+        let written = motion.tones.len() - sine.count();
+        let key = |index: usize| match (index < written, written) {
+            (false, _) => "motion.suspension",
+            (true, 1) => "motion.amplitude",
+            (true, _) => "motion.tones",
+        };
+        let tones = motion
+            .tones
+            .iter()
+            .enumerate()
+            .map(|(index, tone)| {
+                let scale = tone.amplitude.value.scale();
+                let value = match tone.amplitude.value {
+                    Value::Fixed(_) => Value::Fixed(1.0),
+                    Value::Uniform([low, high]) => {
+                        Value::Uniform([if high > 0.0 { round_12(low / high) } else { 1.0 }, 1.0])
+                    }
+                    Value::Rayleigh(_) => Value::Rayleigh(1.0),
+                };
+                let kind = match tone.frequency {
+                    Frequency::Fixed(nu) if !drawn => {
+                        let nu_t = round_12(tick_s * round_12(nu));
+                        let rate = round_12(scale * tone.rate_factor(nu));
+                        ToneKind::Fixed { tick_arcsec: round_12(rate * tick_amplitude(tick_s, nu_t)), nu_t }
+                    }
+                    Frequency::Fixed(_) | Frequency::Band(_) => {
+                        let band = tone.band();
+                        let of_angle = tone.amplitude.of_angle;
+                        ToneKind::Drawn {
+                            arcsec: round_12(if of_angle { 2.0 * scale } else { scale * tick_s }),
+                            of_angle,
+                            nu_t: [band.low_hz, band.high_hz].map(|nu| round_12(tick_s * nu)),
+                        }
+                    }
+                };
+                PhysicalTone { key: key(index), kind, value, phase: tone.phase }
+            })
+            .collect();
+        let gaussian = motion.gaussian.as_ref().map(|gaussian| PhysicalGaussian {
+            key: match gaussian {
+                Gaussian::Band { .. } | Gaussian::Psd(_) => "motion.gaussian",
+                Gaussian::Vibration { .. } => "motion.suspension",
+            },
+            rows: gaussian.tick_rows(tick_s, inputs.gap_ticks, sides),
+        });
+        let profile = motion.profile.as_ref().map(|profile| {
+            let file = profile.file.clone();
+            let (count, before) = profile.replayed(tick_s);
+            if count + before > MOST_PROFILE_TICKS {
+                let count = count + before;
+                let found = format!("the record `{file}` has {count} ticks, more than {MOST_PROFILE_TICKS}");
+                return Err(Refusal::new("motion.profile", found, "cut the record, or take a longer tick"));
+            }
+            let needed = 2 * MARGIN + inputs.gap_ticks as usize;
+            let Some(rest) = count.checked_sub(needed) else {
+                let gap_ticks = inputs.gap_ticks;
+                let (of, help) = match profile.design {
+                    Design::FirstHalf => (
+                        "the second half of the record",
+                        "record for longer, or take a shorter tick or gap, or design = \"whole\"",
+                    ),
+                    Design::Whole => ("the record", "record for longer, or take a shorter tick or gap"),
+                };
+                let found = format!(
+                    "{of} `{file}` has {count} whole ticks, too few for a gap of {gap_ticks} with {MARGIN} ticks on either side"
+                );
+                return Err(Refusal::new("motion.profile", found, help));
+            };
+            let replay = profile.replay(tick_s);
+            Ok(PhysicalProfile { replay, every: profile.position == Position::Every, positions: rest + 1 })
+        });
+        Ok(Physical {
+            gap_ticks: inputs.gap_ticks,
+            sigma_arcsec: round_12(inputs.sigma_arcsec()),
+            readout_lsb: inputs.readout_lsb,
+            relock: inputs.relock.clone(),
+            tones,
+            gaussian,
+            profile: profile.transpose()?,
+            rate_arcsec: round_12(motion.rate * tick_s),
+            acceleration_arcsec: round_12(motion.acceleration * tick_s * tick_s),
+        })
+    }
+
+    /// Largest angle of a tick for each part of the motion, ″, with the key that gives it.
+    pub(crate) fn tick_sizes(&self) -> Vec<(&'static str, f64)> {
+        let mut sizes = Vec::new();
+        for tone in &self.tones {
+            let arcsec = match tone.kind {
+                ToneKind::Fixed { tick_arcsec, .. } => tick_arcsec.abs(),
+                ToneKind::Drawn { arcsec, .. } => arcsec,
+            };
+            // The amplitude is made of two normal numbers.
+            let reach = if let Value::Rayleigh(_) = tone.value { 2.0 * REACH } else { 1.0 };
+            sizes.push((tone.key, arcsec * reach));
+        }
+        if let Some(gaussian) = &self.gaussian {
+            // The first row has one number, the standard deviation of a tick.
+            sizes.push((gaussian.key, REACH * gaussian.rows.tick(1)[0]));
+        }
+        if let Some(profile) = &self.profile {
+            sizes.push((
+                "motion.profile",
+                profile.replay.angles.iter().fold(0.0, |most, x| most.max(x.abs())),
+            ));
+        }
+        sizes
+    }
+
+    /// Largest angle of a tick that is common to all trials, ″.
+    pub(crate) fn constant_size(&self) -> f64 {
+        let farthest = (2 * MARGIN) as f64 + f64::from(self.gap_ticks);
+        let relock = self.relock.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        self.rate_arcsec.abs() + self.acceleration_arcsec.abs() * farthest + relock
+    }
+
+    /// Everything that determines draws and truth, as lines of text.
+    pub(crate) fn canonical(&self, inputs: &Inputs) -> String {
+        let Physical { gap_ticks, sigma_arcsec, readout_lsb, .. } = self;
+        let mut text = format!(
+            "gap_ticks={gap_ticks}\nsigma_arcsec={sigma_arcsec:.11e}\nreadout_lsb={readout_lsb:.11e}\nrelock={:?}\n\
+             rate_arcsec={:.11e}\nacceleration_arcsec={:.11e}\n",
+            self.relock, self.rate_arcsec, self.acceleration_arcsec,
+        );
+        let mut line = |line: std::fmt::Arguments| {
+            // Writing to a text cannot fail.
+            let _ = writeln!(text, "{line}");
+        };
+        for tone in &self.tones {
+            line(format_args!("tone={:?} {:?} {}", tone.kind, tone.value, tone.phase.name()));
+        }
+        match &inputs.motion.gaussian {
+            Some(Gaussian::Band { rms, band }) => line(format_args!(
+                "gaussian={:.11e} {:.11e} {:.11e}",
+                round_12(rms * inputs.tick_s),
+                round_12(band.low_hz * inputs.tick_s),
+                round_12(band.high_hz * inputs.tick_s)
+            )),
+            Some(Gaussian::Psd(psd)) => {
+                line(format_args!("psd={:?} tick_s={:.11e}", psd.points(), inputs.tick_s))
+            }
+            Some(Gaussian::Vibration { suspension, acceleration, scale }) => line(format_args!(
+                "suspension={:?} acceleration={:?} scale={scale:.11e} tick_s={:.11e}",
+                suspension.modes(),
+                acceleration.points(),
+                inputs.tick_s
+            )),
+            None => {}
+        }
+        if let Some(profile) = &self.profile {
+            line(format_args!("profile={} every={}", profile.replay.content, profile.every));
+        }
+        text
+    }
+}

@@ -1,0 +1,292 @@
+//! Plans of kinds whose points are sampled by launches.
+
+use std::cell::Cell;
+use std::fmt;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::key::common::Streams;
+use crate::key::refusal::Refusal;
+use crate::kinds::table::Values;
+use crate::sampling::batches::{Work, held_by_all, lacking, sample};
+use crate::sampling::plan::{Done, Plan, RunError};
+use crate::sampling::tables::Tables;
+use crate::sampling::worker::Worker;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::store::{Address, Store};
+use crate::study::Study;
+use crate::tally::block::{Block, base_log2, row_log2};
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+use sagnac_base::progress::Progress;
+use sagnac_base::source::diagnose::StudyError;
+
+/// The identity of a point of a kind, and the key of its random numbers: its own one, or that of all points of the
+/// study. `inputs` is everything else on which its draws depend, as lines of text.
+pub(crate) fn identity(kind: &str, seed: u64, streams: Streams, inputs: &str) -> (Id, [u32; 2]) {
+    let id = Id::of(&format!("point\nkind={kind}\nseed={seed}\nstreams={}\n{inputs}", streams.name()));
+    match streams {
+        Streams::Independent => (id, id.key()),
+        Streams::Common => (id, Id::of(&format!("streams\nkind={kind}\nseed={seed}\n")).key()),
+    }
+}
+
+/// The blocks that the store lacks of some estimates, whose trials have that many steps.
+pub(crate) type Lacking<'a> = &'a dyn Fn(&[Address], u64) -> Result<Vec<Block>, StoreError>;
+
+/// A lowered point, which launches sample.
+pub(crate) trait Launched: fmt::Debug + Send + Sync {
+    /// The identity of the point.
+    fn id(&self) -> Id;
+
+    /// The addresses of all its estimates.
+    fn addresses(&self) -> Vec<Address>;
+
+    /// Number of launches that sample all its estimates.
+    fn launches(&self) -> usize;
+
+    /// Its launches, each with the blocks that its estimates lack.
+    ///
+    /// # Errors
+    /// A row of the store is damaged.
+    fn work(&self, lacking: Lacking) -> Result<Vec<Work<'_>>, StoreError>;
+
+    /// The least possible number of trials that is at least `asked`.
+    fn trials(&self, asked: u64) -> u64 {
+        asked
+    }
+}
+
+/// A plan that turns what a store holds into tables and notes.
+pub(crate) trait Tabulated {
+    /// The tables of all that the store holds; without a store, all rows without estimates.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError>;
+
+    /// Notes on the results, each a sentence.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
+
+    /// Doubles the wanted trials of points without the precision of the study; returns whether there were any.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn raise(&self, _wanted: &mut [u64], _store: &Store) -> Result<bool, StoreError> {
+        Ok(false)
+    }
+
+    /// Stores what a share keeps besides tallies, after its trials.
+    ///
+    /// # Errors
+    /// The disk fails.
+    fn keep(&self, _store: &mut Store, _share: Share) -> Result<(), RunError> {
+        Ok(())
+    }
+
+    /// The amount of missing results that [`keep`](Tabulated::keep) would store.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn lacks_kept(&self, _store: &Store, _share: Share) -> Result<u64, StoreError> {
+        Ok(0)
+    }
+}
+
+/// The plan of a study whose points are all proven to fit. `S` is the part of the study that belongs to its kind, and `L`
+/// a point of it, lowered.
+#[derive(Debug)]
+pub(crate) struct PointsPlan<'a, S, L> {
+    pub(crate) study: &'a Study,
+    pub(crate) subject: &'a S,
+    pub(crate) points: Vec<L>,
+}
+
+/// Number of points that are lowered, or looked up, before their order is looked at.
+const LOWERED_AT_ONCE: usize = 1024;
+
+/// log2 of the number of trials after which the stop rule first decides.
+const FEWEST_LOG2: u32 = 10;
+
+impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
+    /// Lowers every point. `P` is a point before it is lowered, and `swept` gives its values of the swept keys. `None` if
+    /// `progress` asks to stop.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change. The first such point in order is reported,
+    /// whichever thread found it.
+    pub(crate) fn new<P: Sync>(
+        study: &'a Study,
+        subject: &'a S,
+        points: &'a [P],
+        swept: fn(&P) -> &Values,
+        lower: impl Fn(&'a P) -> Result<L, Refusal> + Sync,
+        progress: &dyn Progress,
+    ) -> Result<Option<PointsPlan<'a, S, L>>, StudyError> {
+        progress.start("points", 0, points.len() as u64);
+        let lower = |point: &'a P| {
+            if progress.stops() {
+                return None;
+            }
+            let lowered = lower(point);
+            progress.advance(1);
+            Some(lowered)
+        };
+        let mut all = Vec::with_capacity(points.len());
+        // Points after a refused one are not needed, so they are lowered some at a time.
+        for points in points.chunks(LOWERED_AT_ONCE) {
+            let lowered: Vec<Option<Result<L, Refusal>>> = points.par_iter().map(lower).collect();
+            for (point, lowered) in points.iter().zip(lowered) {
+                let Some(lowered) = lowered else { return Ok(None) };
+                all.push(lowered.map_err(|refusal| study.refused(swept(point), &refusal))?);
+            }
+        }
+        Ok(Some(PointsPlan { study, subject, points: all }))
+    }
+
+    /// Whether the stop rule applies; it does not apply to a share.
+    fn decides(&self, share: Share) -> bool {
+        self.study.precision.is_some() && share.is_whole()
+    }
+
+    /// The number of trials of each point after which the stop rule first decides; all where there is no rule.
+    fn first_wanted(&self, share: Share) -> Vec<u64> {
+        let most = self.points.iter().map(|point| point.trials(self.study.trials));
+        // Before that many trials, a standard error is too inaccurate to decide on.
+        let first = |most: u64| most.min(1 << base_log2(most).max(FEWEST_LOG2));
+        most.map(|most| if self.decides(share) { first(most) } else { most }).collect()
+    }
+
+    /// The work that the store lacks of a share of the wanted trials.
+    fn missing<'p>(
+        &'p self,
+        store: &Store,
+        wanted: &[u64],
+        share: Share,
+    ) -> Result<Vec<Work<'p>>, StoreError> {
+        let index = store.index()?;
+        let (asked, decides) = (self.study.trials, self.decides(share));
+        let of_point = |(turn, (point, &trials)): (usize, (&'p L, &u64))| {
+            let trials = share.trials(trials, turn);
+            let most = point.trials(asked);
+            let lacking = |addresses: &[Address], steps: u64| {
+                // The stop rule evaluates only the first trials, and so needs rows that end with them.
+                let log2 = if decides { base_log2(most) } else { row_log2(most, steps) };
+                lacking(&index, addresses, trials.clone(), log2)
+            };
+            let mut work = point.work(&lacking)?;
+            work.retain(|work| !work.blocks.is_empty());
+            Ok(work)
+        };
+        let mut missing = Vec::new();
+        let all: Vec<(usize, (&L, &u64))> = self.points.iter().zip(wanted).enumerate().collect();
+        // Some at a time, as most points of a resumed run lack nothing, and then keep nothing.
+        for some in all.chunks(LOWERED_AT_ONCE) {
+            let work: Vec<Result<Vec<Work>, StoreError>> = some.par_iter().copied().map(of_point).collect();
+            for work in work {
+                missing.append(&mut work?);
+            }
+        }
+        Ok(missing)
+    }
+
+    /// Total trials of all launches of a share of the wanted trials.
+    fn launched_trials(&self, wanted: &[u64], share: Share) -> u64 {
+        let points = self.points.iter().zip(wanted).enumerate();
+        let of_point = |(turn, (point, &trials)): (usize, (&L, &u64))| {
+            let trials = share.trials(trials, turn);
+            point.launches() as u64 * (trials.end - trials.start)
+        };
+        points.map(of_point).sum()
+    }
+}
+
+impl<S: fmt::Debug, L: Launched> Plan for PointsPlan<'_, S, L>
+where
+    Self: Tabulated,
+{
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials, and at least 1024 trials, when all
+    /// its errors have the requested precision. The rule depends on the study only. The estimates of a point keep the
+    /// same trials, so that they are compared on the same draws. A share does not know the others and takes all its
+    /// trials.
+    fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        let mut wanted = self.first_wanted(share);
+        let (started, mut trials) = (Instant::now(), 0);
+        let stopped = loop {
+            let missing = self.missing(store, &wanted, share)?;
+            let left: u64 = missing.iter().map(Work::trials).sum();
+            let all = self.launched_trials(&wanted, share).max(left);
+            progress.start("trials", all - left, all);
+            let sampled = sample(&missing, trials, store, worker, progress, started)?;
+            trials += sampled;
+            if sampled < left || !self.decides(share) || !self.raise(&mut wanted, store)? {
+                break sampled < left;
+            }
+        };
+        if !stopped {
+            self.keep(store, share)?;
+        }
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+    }
+
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let mut wanted = self.first_wanted(share);
+        loop {
+            let work = self.missing(store, &wanted, share)?;
+            let left: u64 = work.iter().map(Work::trials).sum();
+            if left > 0 || !self.decides(share) || !self.raise(&mut wanted, store)? {
+                return Ok(left + self.lacks_kept(store, share)?);
+            }
+        }
+    }
+
+    fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
+        Tabulated::tables(self, store)
+    }
+
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        // With a precision, `trials` is the upper limit, and so part of the rule.
+        if self.study.precision.is_some() {
+            return Ok(None);
+        }
+        held_by_all(index, self.points.iter().flat_map(Launched::addresses))
+    }
+
+    fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(Launched::id).collect()
+    }
+
+    fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
+        Tabulated::notes(self, store)
+    }
+
+    fn all_trials(&self) -> u64 {
+        self.points.iter().map(|point| point.trials(self.study.trials)).sum()
+    }
+
+    fn steps_of_a_trial(&self) -> Option<u64> {
+        let steps = Cell::new(0);
+        let count = |_: &[Address], more: u64| {
+            steps.set(steps.get() + more);
+            Ok(vec![])
+        };
+        self.points.iter().try_for_each(|point| point.work(&count).map(drop)).ok()?;
+        Some(steps.get())
+    }
+
+    fn surplus(&self) -> &'static str {
+        let replays = self.points.iter().any(|point| point.trials(1) > 1);
+        if replays { "whole replays of the record" } else { "the folder holds them already" }
+    }
+}

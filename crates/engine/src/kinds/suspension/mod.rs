@@ -1,0 +1,101 @@
+//! Studies of a suspension: its response as a function of the vibration frequency, in closed form.
+
+pub(crate) mod columns;
+pub(crate) mod kind;
+
+use std::sync::Arc;
+
+use crate::key::holds::{Holds, measure};
+use crate::key::reading::Reading;
+use crate::key::row::{Key, keys};
+use crate::key::setting::{self, Setting, Swept};
+use crate::key::sweep;
+use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
+use sagnac_base::quantity::units::Dimension;
+use sagnac_base::source::diagnose::Wrong;
+use sagnac_theory::suspension::{Response, Suspension};
+
+/// The part of a study that is specific to a suspension.
+#[derive(Debug, Clone)]
+pub(crate) struct SuspensionStudy {
+    /// All points, in order; without a sweep, a single one.
+    pub points: Vec<Point>,
+}
+
+/// One combination of swept values.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Point {
+    /// Name of each swept key with its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    /// Suspension.
+    pub suspension: Arc<Suspension>,
+    /// Frequency of the vibration, Hz.
+    pub frequency_hz: f64,
+}
+
+impl Point {
+    pub(crate) fn response(&self) -> Response {
+        self.suspension.response(self.frequency_hz)
+    }
+}
+
+keys! {
+    /// The keys of the suspension.
+    static KEYS;
+    /// The suspension of a gyro, given by the name of a known one or by its modes.
+    SUSPENSION = "suspension", "", Fixed, Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
+    /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
+    GYRO = "suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
+    /// Modes of the suspension instead of a name, second-order resonances with the useful one first.
+    MODES = "suspension.modes", "", Fixed, Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    /// Natural frequency: "380 Hz".
+    MODE_FREQUENCY = "suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    /// Q factor, a number.
+    MODE_Q = "suspension.modes.q", "", Fixed, QS, "q = 100", required;
+    /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
+    /// "20000 arcsec/s/g".
+    MODE_RESPONSE = "suspension.modes.response", "", Fixed, RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    /// Frequency of the vibration: "380 Hz"; absent where it is swept.
+    FREQUENCY = "suspension.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "380 Hz""#;
+}
+
+const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");
+
+const OF_SUSPENSION: SuspensionKeys = SuspensionKeys {
+    table: &SUSPENSION,
+    gyro: &GYRO,
+    modes: &MODES,
+    mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
+};
+
+static SETTINGS: [Setting<Point>; 1] =
+    [Setting::new(&FREQUENCY, |point, frequency| point.frequency_hz = frequency.value)];
+
+/// Every key of this kind.
+pub(crate) fn keys() -> Vec<&'static Key> {
+    KEYS.to_vec()
+}
+
+/// The keys that can be swept.
+pub(crate) fn sweepable() -> Vec<&'static Key> {
+    vec![&FREQUENCY, &GYRO]
+}
+
+/// Reads the part of a study that belongs to this kind.
+pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
+    reading.note(&[&SUSPENSION]);
+    let suspension = OF_SUSPENSION.read(reading)?;
+    let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
+    if reading.sweep(&FREQUENCY).is_none() {
+        reading.table.needed(&FREQUENCY)?;
+    }
+    reading.set(&mut point, &SETTINGS)?;
+    let points = sweep::points(reading.sweeps).map(|swept| {
+        let mut point = point.clone();
+        setting::set(&mut point, &SETTINGS, &swept);
+        let suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
+        Point { swept, suspension, ..point }
+    });
+    reading.notes.extend(OF_SUSPENSION.assumed(reading));
+    Ok(SuspensionStudy { points: points.collect() })
+}

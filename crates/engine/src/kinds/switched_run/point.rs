@@ -1,0 +1,251 @@
+//! Points of a study of whole runs, each checked as a whole.
+
+use crate::drift::schedule::{self, End, Schedule};
+use crate::drift::{self, Drift};
+use crate::key::places::Places;
+use crate::key::setting;
+use crate::key::setting::Swept;
+use crate::key::sweep::{self, Sweep};
+use crate::kinds::gap_fill::{self, GapFill};
+use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
+use crate::kinds::switched_run::relock::{self, Relocking};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::units::round_12;
+use sagnac_base::source::diagnose::Fault;
+use sagnac_kernel::switched_run::shape::MOST_INTERVALS;
+use sagnac_theory::drift::magnetic::switches;
+
+/// Relative deviation of an interval from a whole number of ticks that counts as rounding, since not all decimal
+/// fractions are exact.
+const WHOLE: f64 = 1e-9;
+
+/// Least product of interval and run, in warm-up times, for which the remainder of the warm-up is accurate to 0.2 %.
+const LEAST_LEFT: f64 = 1e-5;
+
+/// Largest fraction of the apparent angle of a relock that may come after the ticks followed.
+const MOST_LATE: f64 = 0.2;
+
+/// Time constants after which a loop counts as closed: e^−5 of the initial detuning and e^−10 of the apparent rotation are left.
+const SETTLED: f64 = 5.0;
+
+/// One combination of swept values, with everything derived from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Name of each swept key with its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    /// The parts of the drift, with their spreads.
+    pub drift: Drift,
+    /// Schedule in whole ticks.
+    pub schedule: Schedule,
+    /// The switch; absent where the residual is given by its largest value.
+    pub fill: Option<gap_fill::point::Point>,
+    /// The relock after each switch.
+    pub relock: Option<Relocking>,
+}
+
+impl Point {
+    /// Number of switches in a run of exactly the run time.
+    pub fn switches(&self) -> u64 {
+        switches(self.schedule.interval_s, self.schedule.duration_s) as u64
+    }
+
+    /// Number of intervals of the longest run, the last of which may be incomplete.
+    pub(crate) fn intervals(&self) -> u64 {
+        let ends = self.schedule.ends();
+        let last_s = ends.last().copied().unwrap_or(self.schedule.duration_s);
+        switches(self.schedule.interval_s, last_s) as u64 + 1
+    }
+
+    /// The shortest possible interval, s, which is limited by the number of switches and by the ticks around a switch.
+    pub fn shortest_s(&self) -> f64 {
+        let most = self.schedule.duration_s / (MOST_INTERVALS - 1) as f64;
+        let Some(fill) = &self.fill else { return most };
+        let settled = self.relock.as_ref().map_or(0.0, |relocking| settled_s(relocking, fill));
+        most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
+    }
+
+    /// This point with another interval, rounded to whole ticks; where the end is exact, with the nearest interval of
+    /// which an even number makes the run, because a switch more or less would count for more than the interval. `None`
+    /// for an interval that is too short, or longer than half the run.
+    pub fn with_interval(&self, interval_s: f64) -> Option<Point> {
+        let duration_s = self.schedule.duration_s;
+        let interval_s = match self.schedule.end {
+            End::Any => interval_s,
+            End::Exact => 0.5 * duration_s / libm::round(0.5 * duration_s / interval_s).max(1.0),
+        };
+        let tick_s = self.fill.as_ref().map(|fill| fill.inputs.tick_s);
+        let interval_s =
+            round_12(tick_s.map_or(interval_s, |tick_s| libm::round(interval_s / tick_s) * tick_s));
+        let schedule = Schedule { interval_s, ..self.schedule };
+        let fits = (self.shortest_s()..=0.5 * duration_s).contains(&interval_s);
+        fits.then(|| Point { schedule, ..self.clone() })
+    }
+}
+
+/// Time after a switch at which its loop is closed, s.
+fn settled_s(relocking: &Relocking, fill: &gap_fill::point::Point) -> f64 {
+    let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
+    let ticks_s = f64::from(relocking.relock.ticks) * fill.inputs.tick_s;
+    gap_s + ticks_s.max(SETTLED * relocking.relock.loop_s)
+}
+
+/// Number of ticks from the first to the last that a filler reads.
+fn ticks_round_a_switch(fill: &gap_fill::point::Point) -> f64 {
+    let ends = [0, fill.inputs.gap_ticks as i32];
+    let ticks = fill.fills.iter().flat_map(|fill| &fill.fit_ticks);
+    let [first, last] = ticks.fold(ends, |[first, last], &tick| [first.min(tick), last.max(tick)]);
+    f64::from(last - first + 1)
+}
+
+/// The inputs common to all points, with their places in the text.
+pub(crate) struct Base<'a> {
+    pub(crate) drift: Drift,
+    pub(crate) schedule: Schedule,
+    pub(crate) fill: Option<&'a GapFill>,
+    pub(crate) relock: Option<Relocking>,
+    pub(crate) times: &'a [f64],
+    pub(crate) places: &'a Places,
+    pub(crate) sweeps: &'a [Sweep],
+}
+
+impl Base<'_> {
+    /// All points, in order, and a note on rounded intervals.
+    pub(crate) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
+        let (mut points, mut rounded) = (Vec::new(), Vec::new());
+        for (index, swept) in sweep::points(self.sweeps).enumerate() {
+            points.push(self.point(index, swept, &mut rounded)?);
+        }
+        rounded.dedup();
+        let note = rounded.first().map(|first| match rounded.len() - 1 {
+            0 => format!("switching.interval is rounded to whole ticks: {first}"),
+            1 => format!("switching.interval is rounded to whole ticks: {first}, and 1 other"),
+            others => format!("switching.interval is rounded to whole ticks: {first}, and {others} others"),
+        });
+        Ok((points, note))
+    }
+
+    fn point(
+        &self,
+        index: usize,
+        swept: Vec<(&'static str, Swept)>,
+        rounded: &mut Vec<String>,
+    ) -> Result<Point, Fault> {
+        let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
+        setting::set(&mut drift, &drift::SETTINGS, &swept);
+        setting::set(&mut schedule, &schedule::SETTINGS, &swept);
+        let fill = self.fill.map(|fill| fill.points[index].clone());
+        if let Some(fill) = &fill {
+            schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
+        }
+        let mut relock = self.relock.clone();
+        if let Some(relocking) = &mut relock {
+            setting::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+            relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
+        }
+        schedule.check(self.places)?;
+        self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
+        self.check(&drift, schedule)?;
+        Ok(Point { swept, drift, schedule, fill, relock })
+    }
+
+    /// The nearest interval of whole ticks.
+    fn whole_ticks(
+        &self,
+        interval_s: f64,
+        fill: &gap_fill::point::Point,
+        rounded: &mut Vec<String>,
+    ) -> Result<f64, Fault> {
+        let tick_s = fill.inputs.tick_s;
+        let ticks = libm::round(interval_s / tick_s);
+        let whole_s = round_12(ticks * tick_s);
+        if (whole_s - interval_s).abs() > WHOLE * interval_s {
+            rounded.push(format!("{} s to {} s", significant(interval_s, 9), significant(whole_s, 9)));
+        }
+        let used = ticks_round_a_switch(fill);
+        if ticks >= used {
+            return Ok(whole_s);
+        }
+        let [interval, least] = [interval_s, used * tick_s].map(|time| significant(time, 6));
+        let message =
+            format!("a switching interval of {interval} s is shorter than the ticks round a switch");
+        let help = format!("accepted: {least} s and more with these fit ticks");
+        let names = ["switching.interval", "switching.fit_ticks"];
+        self.places.refuse(&names, message, "too short", help)
+    }
+
+    /// Refuses a loop that does not settle before the next switch.
+    fn check_relock(
+        &self,
+        relock: Option<&Relocking>,
+        fill: Option<&gap_fill::point::Point>,
+        schedule: Schedule,
+    ) -> Result<(), Fault> {
+        let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };
+        let (ticks, late) = (relocking.relock.ticks, relocking.relock.late(fill.inputs.tick_s));
+        if late > MOST_LATE {
+            let percent = libm::round(100.0 * late);
+            let message = format!(
+                "{percent} % of the apparent angle of the relock comes after tick {ticks}, which runs do not count"
+            );
+            let names = ["relock.ticks", "relock.loop_time", "relock"];
+            let help = "accepted: up to 20 %; follow up to 8 ticks, or take a faster loop";
+            return self.places.refuse(&names, message, "too few ticks", help);
+        }
+        let least_s = settled_s(relocking, fill);
+        if schedule.interval_s >= least_s {
+            return Ok(());
+        }
+        let [interval, loop_time] =
+            [schedule.interval_s, relocking.relock.loop_s].map(|time| significant(time, 6));
+        let message =
+            format!("a loop of {loop_time} s does not settle within a switching interval of {interval} s");
+        let names = ["relock.loop_time", "switching.interval", "relock.ticks"];
+        let help = format!("accepted: an interval of at least {} s here", significant(least_s, 4));
+        self.places.refuse(&names, message, "does not settle", help)
+    }
+
+    /// Checks limits that involve more than one value.
+    fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
+        let Schedule { interval_s, duration_s, .. } = schedule;
+        let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
+        if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
+            let message =
+                format!("a run of {duration} s with a switch every {interval} s has too many switches");
+            let help = format!(
+                "accepted: up to {} switches, so an interval of at least {} s here",
+                MOST_INTERVALS - 1,
+                significant(duration_s / MOST_INTERVALS as f64, 4)
+            );
+            let names = ["switching.interval", "run.duration"];
+            return self.places.refuse(&names, message, "too many switches", help);
+        }
+        if let Some(late) = self.times.iter().find(|&&time| time > duration_s) {
+            let message = format!(
+                "run.times lists {} s, after the end of a run of {duration} s",
+                significant(*late, 6)
+            );
+            let help = "leave it out, or lengthen run.duration";
+            return self.places.refuse(&["run.times", "run.duration"], message, "after the end", help);
+        }
+        let [warm_ups, run] = [interval_s, duration_s].map(|time| time / drift.warm_up_s);
+        // The remainder of the warm-up relative to the rounding of exponentials.
+        let left = warm_ups * run.min(1.0);
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && (left < LEAST_LEFT || warm_ups > 4.0) {
+            let message = format!(
+                "drift.warm_up_time_spread with an interval of {} and a run of {} warm-up times",
+                significant(warm_ups, 3),
+                significant(run, 3)
+            );
+            let names = ["drift.warm_up_time_spread", "switching.interval", "drift.warm_up_time"];
+            let help = "accepted with a spread: intervals up to 4 warm-up times, whose product with the run is 1e-5 at least; \
+                        leave the spread out";
+            return self.places.refuse(&names, message, "out of range", help);
+        }
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
+            let message = "drift.warm_up_time_spread is given without drift.warm_up_time";
+            let help = "add warm_up_time = \"3000 s\", or leave the spread out";
+            return self.places.refuse(&["drift.warm_up_time_spread"], message, "no time to spread", help);
+        }
+        Ok(())
+    }
+}

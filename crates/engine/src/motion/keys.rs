@@ -1,0 +1,288 @@
+//! The keys of `[motion]`, with their settings.
+
+use crate::key::holds::{Holds, measure, unlimited, words};
+use crate::key::row::{Key, keys};
+use crate::key::setting::Setting;
+use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES};
+use crate::motion::vibration::{Acceleration, Vibration};
+use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Tone, Value};
+use sagnac_base::quantity::units::Dimension;
+use sagnac_theory::minimum_variance::Band;
+
+words! {
+    /// Phase of the rate at the middle of the gap.
+    pub enum Phase {
+        /// A random phase, different in each trial.
+        Uniform = "uniform",
+        /// The rate passes through zero.
+        ZeroCrossing = "zero-crossing",
+        /// The rate is greatest.
+        Extremum = "extremum",
+    }
+}
+
+words! {
+    /// The place of the gap in a recorded profile.
+    pub enum Position {
+        /// A random place.
+        Random = "random",
+        /// Each tick in turn; the number of trials is rounded up to whole replays.
+        Every = "every",
+    }
+}
+
+words! {
+    /// The rate of a recorded profile between its samples.
+    pub enum Interpolation {
+        /// The rate has no power above half the sampling rate: a windowed sinc.
+        BandLimited = "band-limited",
+        /// Straight lines from sample to sample.
+        Linear = "linear",
+    }
+}
+
+words! {
+    /// The part of a recorded profile from which fillers are designed.
+    pub enum Design {
+        /// The first half. If a filler is designed from it, all fillers are judged on the second half.
+        FirstHalf = "first-half",
+        /// The whole record, on which the fillers are judged too.
+        Whole = "whole",
+    }
+}
+
+pub(crate) const RATES: Holds = measure(&[Dimension::Rate], 0.0, 1e9, "0 to 1e9 arcsec/s");
+pub(crate) const AMPLITUDES: Holds = measure(
+    &[Dimension::Rate, Dimension::Angle],
+    0.0,
+    1e9,
+    "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec",
+);
+/// Limits of the frequency of a motion, and of the ends of a band from which one is drawn.
+pub(crate) const FREQUENCIES: Holds =
+    measure(&[Dimension::Frequency], 1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate");
+const ACCELERATIONS: Holds = measure(&[Dimension::Acceleration], 0.0, 1e6, "0 to 1e6 g");
+
+const ONE_AMPLITUDE: Holds = Holds::Either(&[AMPLITUDES, Holds::OneOf]);
+const ONE_FREQUENCY: Holds = Holds::Either(&[FREQUENCIES, Holds::Pair(&FREQUENCIES)]);
+
+keys! {
+    /// Every key of the motion.
+    pub(crate) static KEYS;
+    /// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration through
+    /// the suspension, or a recorded profile; a constant rate and an angular acceleration can be added.
+    pub MOTION = "motion", "", Fixed, Holds::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
+    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec"; an amplitude of the angle is multiplied
+    /// by 2πν at each point. A table draws the amplitude for each trial.
+    pub AMPLITUDE = "motion.amplitude", "vibration amplitude", Condition, ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
+    /// Drawn uniformly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
+    UNIFORM = "motion.amplitude.uniform", "", Fixed, Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
+    /// Rayleigh-distributed with this scale, the standard deviation of the rate; the phase is then uniform.
+    RAYLEIGH = "motion.amplitude.rayleigh", "", Fixed, AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
+    /// Frequency ν of the vibration, "20 Hz"; or the band from which it is drawn for each trial, ["18 Hz", "22 Hz"].
+    pub FREQUENCY = "motion.frequency", "vibration frequency", Condition, ONE_FREQUENCY, r#"frequency = "20 Hz""#;
+    /// Phase of the rate at the middle of the gap; uniform if absent.
+    pub PHASE = "motion.phase", "", Fixed, Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    /// Several tones with independent phases, at most 8, instead of a single one.
+    pub TONES = "motion.tones", "", Fixed, Holds::List(&Holds::Table), r#"tones = [{ amplitude = "12000 arcsec/s", frequency = "20 Hz" }]"#;
+    /// Like motion.amplitude.
+    TONE_AMPLITUDE = "motion.tones.amplitude", "", Fixed, ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#, required;
+    /// Like motion.amplitude.uniform.
+    TONE_UNIFORM = "motion.tones.amplitude.uniform", "", Fixed, Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
+    /// Like motion.amplitude.rayleigh.
+    TONE_RAYLEIGH = "motion.tones.amplitude.rayleigh", "", Fixed, AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
+    /// Like motion.frequency.
+    TONE_FREQUENCY = "motion.tones.frequency", "", Fixed, ONE_FREQUENCY, r#"frequency = "20 Hz""#, required;
+    /// Like motion.phase.
+    TONE_PHASE = "motion.tones.phase", "", Fixed, Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    /// Stationary Gaussian motion, given by rms and band or by a density.
+    pub GAUSSIAN = "motion.gaussian", "", Fixed, Holds::Table, r#"gaussian = { rms = "8485 arcsec/s", band = ["18 Hz", "22 Hz"] }"#;
+    /// Standard deviation of the rate: "8485 arcsec/s".
+    pub GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", Condition, RATES, r#"rms = "8485 arcsec/s""#;
+    /// Band over which the power is spread evenly: ["18 Hz", "22 Hz"].
+    pub GAUSSIAN_BAND = "motion.gaussian.band", "", Fixed, Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
+    /// One-sided power spectral density of the rate, with straight lines in log–log between its points and nothing
+    /// outside: [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
+    pub GAUSSIAN_PSD = "motion.gaussian.psd", "", Fixed, Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
+    /// A recorded motion to be replayed.
+    pub PROFILE = "motion.profile", "", Fixed, Holds::Table, r#"profile = { file = "base.csv" }"#;
+    /// CSV file with columns of time and rate, whose units stand in brackets in the header; the path is relative to the
+    /// study file.
+    pub PROFILE_FILE = "motion.profile.file", "", Fixed, Holds::File, r#"file = "base.csv""#, required;
+    /// Place of the gap in the recorded profile; random if absent.
+    pub POSITION = "motion.profile.position", "", Fixed, Holds::Word(Position::WORDS), r#"position = "random""#;
+    /// Rate between the samples of the recorded profile; band-limited if absent. Take "linear" if the record has jumps.
+    pub INTERPOLATION = "motion.profile.interpolation", "", Fixed, Holds::Word(Interpolation::WORDS), r#"interpolation = "band-limited""#;
+    /// Part of the recorded profile from which minimum-variance fillers without a band are designed; the first half if
+    /// absent, and all fillers are then judged on the second half.
+    pub DESIGN = "motion.profile.design", "", Fixed, Holds::Word(Design::WORDS), r#"design = "whole""#;
+    /// Vibration of the base that turns the gyro through its suspension: either a sine or random.
+    pub SUSPENSION = "motion.suspension", "", Fixed, Holds::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
+    /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
+    pub GYRO = "motion.suspension.gyro", "gyro", Choice, GYROS, r#"gyro = "LGK-400""#;
+    /// Modes of the suspension instead of a name, the useful one first.
+    pub MODES = "motion.suspension.modes", "", Fixed, Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    /// Natural frequency: "380 Hz".
+    pub MODE_FREQUENCY = "motion.suspension.modes.frequency", "", Fixed, MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    /// Q factor, a number.
+    pub MODE_Q = "motion.suspension.modes.q", "", Fixed, QS, "q = 100", required;
+    /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
+    /// "20000 arcsec/s/g".
+    pub MODE_RESPONSE = "motion.suspension.modes.response", "", Fixed, RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    /// A sine of random phase.
+    pub SINE = "motion.suspension.sine", "", Fixed, Holds::Table, r#"sine = { acceleration = "1 g", frequency = "700 Hz" }"#;
+    /// Amplitude of the acceleration: "1 g".
+    pub SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", Condition, ACCELERATIONS, r#"acceleration = "1 g""#, required;
+    /// Frequency of the vibration: "700 Hz".
+    pub SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", Condition, FREQUENCIES, r#"frequency = "700 Hz""#, required;
+    /// Stationary Gaussian vibration.
+    pub RANDOM = "motion.suspension.random", "", Fixed, Holds::Table, r#"random = { psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]] }"#;
+    /// One-sided power spectral density of the acceleration, with straight lines in log–log between its points and
+    /// nothing outside: [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]].
+    pub RANDOM_PSD = "motion.suspension.random.psd", "", Fixed, Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
+    /// Standard deviation to which the density is scaled: "5 g". If absent, the density is used as it is.
+    pub RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", Condition, ACCELERATIONS, r#"rms = "5 g""#;
+    /// Whether resonances and vibration may lie above half the tick rate, so that they appear in the ticks at lower
+    /// frequencies.
+    pub ALIAS = "motion.suspension.alias", "", Fixed, Holds::Flag, "alias = true";
+    /// Constant rate added to the motion: "10 deg/s".
+    pub RATE = "motion.rate", "constant rate", Condition, measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s"), r#"rate = "10 deg/s""#;
+    /// Constant angular acceleration added to the motion; motion.rate is then the rate at the middle of the gap: "100
+    /// deg/s^2".
+    pub ACCELERATION = "motion.acceleration", "angular acceleration", Condition, measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
+}
+
+keys! {
+    /// The ends of bands, which occur only in sweeps.
+    pub(crate) static ENDS;
+    /// The lower end of the band from which a tone is drawn.
+    pub FREQUENCY_LOW = "motion.frequency.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
+    /// The upper end of the band from which a tone is drawn.
+    pub FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", Condition, FREQUENCIES, r#"high = "22 Hz""#;
+    /// The lower end of the band of Gaussian motion.
+    GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", Condition, FREQUENCIES, r#"low = "18 Hz""#;
+    /// The upper end of the band of Gaussian motion.
+    GAUSSIAN_HIGH = "motion.gaussian.high", "upper frequency", Condition, FREQUENCIES, r#"high = "22 Hz""#;
+}
+
+/// The density of a rate spectrum, whose reader sets the limits.
+pub(crate) const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
+pub(crate) const ACCELERATION_DENSITIES: Holds = unlimited(&[Dimension::AccelerationDensity]);
+
+/// The keys of a tone.
+pub(crate) struct ToneKeys {
+    pub(crate) amplitude: &'static Key,
+    pub(crate) uniform: &'static Key,
+    pub(crate) rayleigh: &'static Key,
+    pub(crate) frequency: &'static Key,
+    pub(crate) phase: &'static Key,
+}
+
+/// The keys of a single tone.
+pub(crate) const ONE: ToneKeys = ToneKeys {
+    amplitude: &AMPLITUDE,
+    uniform: &UNIFORM,
+    rayleigh: &RAYLEIGH,
+    frequency: &FREQUENCY,
+    phase: &PHASE,
+};
+
+/// The keys of one of several tones.
+pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
+    amplitude: &TONE_AMPLITUDE,
+    uniform: &TONE_UNIFORM,
+    rayleigh: &TONE_RAYLEIGH,
+    frequency: &TONE_FREQUENCY,
+    phase: &TONE_PHASE,
+};
+
+/// The settings of a motion that can be swept, except the gyro on whose suspension it acts.
+pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
+    Setting::of(
+        &AMPLITUDE,
+        |motion| matches!(motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
+        |motion, new| {
+            if let [tone] = &mut motion.tones[..] {
+                let of_angle = new.dimension == Dimension::Angle;
+                tone.amplitude = Amplitude { of_angle, value: Value::Fixed(new.value) };
+            }
+        },
+    ),
+    Setting::of(
+        &FREQUENCY,
+        |motion| matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
+        |motion, new| {
+            if let [Tone { frequency: Frequency::Fixed(nu), .. }] = &mut motion.tones[..] {
+                *nu = new.value;
+            }
+        },
+    ),
+    Setting::of(&FREQUENCY_LOW, has_drawn_frequency, |motion, low| {
+        drawn_frequency(motion).into_iter().for_each(|band| band.low_hz = low.value);
+    }),
+    Setting::of(&FREQUENCY_HIGH, has_drawn_frequency, |motion, high| {
+        drawn_frequency(motion).into_iter().for_each(|band| band.high_hz = high.value);
+    }),
+    Setting::of(&GAUSSIAN_RMS, has_gaussian_band, |motion, new| {
+        gaussian_band(motion).into_iter().for_each(|(rms, _)| *rms = new.value);
+    }),
+    Setting::of(&GAUSSIAN_LOW, has_gaussian_band, |motion, low| {
+        gaussian_band(motion).into_iter().for_each(|(_, band)| band.low_hz = low.value);
+    }),
+    Setting::of(&GAUSSIAN_HIGH, has_gaussian_band, |motion, high| {
+        gaussian_band(motion).into_iter().for_each(|(_, band)| band.high_hz = high.value);
+    }),
+    Setting::new(&RATE, |motion, rate| motion.rate = rate.value),
+    Setting::new(&ACCELERATION, |motion, acceleration| motion.acceleration = acceleration.value),
+    Setting::of(&SINE_ACCELERATION, is_shaken_by_a_sine, |motion, acceleration| {
+        if let Some(Acceleration::Sine { amplitude_g, .. }) = acceleration_of(motion) {
+            *amplitude_g = acceleration.value;
+        }
+    }),
+    Setting::of(&SINE_FREQUENCY, is_shaken_by_a_sine, |motion, frequency| {
+        if let Some(Acceleration::Sine { frequency_hz, .. }) = acceleration_of(motion) {
+            *frequency_hz = frequency.value;
+        }
+    }),
+    Setting::of(
+        &RANDOM_RMS,
+        |motion| {
+            matches!(&motion.vibration, Some(Vibration { acceleration: Acceleration::Random { .. }, .. }))
+        },
+        |motion, rms| {
+            if let Some(Acceleration::Random { rms_g, .. }) = acceleration_of(motion) {
+                *rms_g = Some(rms.value);
+            }
+        },
+    ),
+];
+
+fn has_drawn_frequency(motion: &Motion) -> bool {
+    matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Band(_)))
+}
+
+fn drawn_frequency(motion: &mut Motion) -> Option<&mut Band> {
+    match &mut motion.tones[..] {
+        [Tone { frequency: Frequency::Band(band), .. }] => Some(band),
+        _ => None,
+    }
+}
+
+fn has_gaussian_band(motion: &Motion) -> bool {
+    matches!(motion.gaussian, Some(Gaussian::Band { .. }))
+}
+
+fn gaussian_band(motion: &mut Motion) -> Option<(&mut f64, &mut Band)> {
+    match &mut motion.gaussian {
+        Some(Gaussian::Band { rms, band }) => Some((rms, band)),
+        _ => None,
+    }
+}
+
+fn is_shaken_by_a_sine(motion: &Motion) -> bool {
+    matches!(&motion.vibration, Some(Vibration { acceleration: Acceleration::Sine { .. }, .. }))
+}
+
+fn acceleration_of(motion: &mut Motion) -> Option<&mut Acceleration> {
+    motion.vibration.as_mut().map(|vibration| &mut vibration.acceleration)
+}

@@ -1,0 +1,163 @@
+//! Running a study: missing trials are sampled and added to the store, and then everything stored is tabulated.
+
+#[cfg(feature = "store")]
+pub mod keep;
+
+use std::collections::HashSet;
+
+use crate::device::Device;
+#[cfg(feature = "store")]
+pub use crate::run::keep::{complete, keep};
+use crate::sampling::plan;
+pub use crate::sampling::plan::{Done, RunError};
+pub use crate::sampling::tables::Tables;
+use crate::sampling::worker::Worker;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::store::{Identity, Store};
+use crate::study::Study;
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_base::table::Table;
+
+/// A study whose points are all proven to fit.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    study: &'a Study,
+    work: Box<dyn plan::Plan + 'a>,
+}
+
+/// The name of the study file beside its results, which repeats the run.
+pub const RESOLVED: &str = "resolved_study.toml";
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change.
+    pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
+        let plan = Plan::watched(study, &Silent)?;
+        Ok(plan.unwrap_or_else(|| unreachable!("nothing asks to stop")))
+    }
+
+    /// Lowers every point, in parallel. `progress` receives the number of points and each as it is lowered. `None` if it
+    /// asks to stop before that.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error is that of the first such point and points at the key to change.
+    pub fn watched(study: &'a Study, progress: &dyn Progress) -> Result<Option<Plan<'a>>, StudyError> {
+        Ok(study.subject.plan(study, progress)?.map(|work| Plan { study, work }))
+    }
+
+    /// The study.
+    pub fn study(&self) -> &'a Study {
+        self.study
+    }
+
+    /// Whether there is anything to sample, for which a device is needed.
+    pub fn is_sampled(&self) -> bool {
+        !self.study.kind().is_exact
+    }
+
+    /// The identity of the results, which ties them to this study.
+    pub fn identity(&self) -> Identity {
+        Identity {
+            kind: self.study.kind().name.to_owned(),
+            seed: self.study.seed,
+            streams: self.study.streams.name().to_owned(),
+            kernels: (self.study.kind().kernels)(),
+        }
+    }
+
+    /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
+    /// completes; work of earlier runs counts as done.
+    ///
+    /// A GPU that fails does not end a run: it takes smaller tiles when memory runs out, is opened again when it is
+    /// lost, and where neither helps it leaves its group, or, as the last or only device, `device` becomes the CPU. The
+    /// results are the same bits; [`Done::degraded`] describes the failures.
+    ///
+    /// # Errors
+    /// The disk fails, or the device fails and no threads can be started for the CPU to replace it. Trials sampled
+    /// before are in the store.
+    pub fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        let mut worker = Worker::new(device, progress);
+        let done = self.work.run(store, &mut worker, share, progress)?;
+        Ok(Done { degraded: worker.into_notes(), ..done })
+    }
+
+    /// Whether the number of sampled trials exceeds that of all points together. This happens because estimates of a
+    /// point that are not sampled together count separately.
+    pub fn counts_again(&self, sampled: u64) -> bool {
+        sampled > self.work.all_trials()
+    }
+
+    /// Number of trials that the store still lacks of a share, over all points.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        self.work.lacks(store, share)
+    }
+
+    /// Number of steps of one trial of every point; `None` where records are sampled instead of trials, or nothing.
+    pub fn steps_of_a_trial(&self) -> Option<u64> {
+        self.work.steps_of_a_trial()
+    }
+
+    /// The tables before anything is sampled, with all rows but without estimates.
+    pub fn blank_tables(&self) -> Tables {
+        let nothing = Tables::of_points(Table::default());
+        self.work.tables(None, &Silent).unwrap_or(nothing)
+    }
+
+    /// The tables of all stored estimates; `progress` receives numbers of fits.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn tables(&self, store: &Store, progress: &dyn Progress) -> Result<Tables, RunError> {
+        self.work.tables(Some(store), progress)
+    }
+
+    /// The number of trials for a study that repeats this one: that of all points, where it is the same for all and
+    /// exceeds the requested number, else the latter.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn held(&self, index: &Index) -> Result<u64, StoreError> {
+        Ok(self.work.held(index)?.unwrap_or(0).max(self.study.trials))
+    }
+
+    /// Notes attached to the results, each a sentence. `index` is that of the store, and `held` the result of
+    /// [`Plan::held`].
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn notes(&self, store: &Store, index: &Index, held: u64) -> Result<Vec<String>, StoreError> {
+        let mut notes = self.study.notes.clone();
+        notes.extend(self.work.notes(store)?);
+        if held > self.study.trials {
+            let why = self.work.surplus();
+            notes.push(format!("{held} trials per point instead of {}: {why}", self.study.trials));
+        }
+        let points = index.points();
+        let asked: HashSet<Id> = self.work.ids().into_iter().collect();
+        match points.iter().filter(|id| !asked.contains(id)).count() {
+            0 => {}
+            1 => notes.push(
+                "1 point of earlier runs is kept but not shown: the study no longer contains it".to_owned(),
+            ),
+            n => notes.push(format!(
+                "{n} points of earlier runs are kept but not shown: the study no longer contains them"
+            )),
+        }
+        Ok(notes)
+    }
+}

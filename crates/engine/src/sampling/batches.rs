@@ -1,0 +1,230 @@
+//! Sampling of the trials that the store lacks of some launches, batch by batch.
+
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::device::Job;
+use crate::key::refusal::Refusal;
+use crate::sampling::found::Found;
+use crate::sampling::plan::RunError;
+use crate::sampling::worker::Worker;
+use crate::sampling::writer::while_storing;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::store::{Address, Provenance, Row, Store};
+use crate::tally::block::{Block, cover, fold, missing};
+use sagnac_base::progress::Progress;
+use sagnac_kernel::launch::Launch;
+use sagnac_kernel::moments::Moments;
+
+/// A launch, with the addresses of the tallies of its estimates.
+pub(crate) type Addressed = (Launch, Vec<Address>);
+
+/// The missing blocks of a launch.
+pub(crate) struct Work<'a> {
+    /// Makes the launch for the batches that need it, because those of a hundred thousand points take much memory.
+    launch: Box<dyn Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a>,
+    /// Steps of one trial.
+    steps: u64,
+    pub(crate) blocks: Vec<Block>,
+}
+
+impl<'a> Work<'a> {
+    pub(crate) fn new(
+        steps: u64,
+        launch: impl Fn() -> Result<Addressed, Refusal> + Send + Sync + 'a,
+        blocks: Vec<Block>,
+    ) -> Work<'a> {
+        Work { steps, launch: Box::new(launch), blocks }
+    }
+
+    /// Number of missing trials.
+    pub(crate) fn trials(&self) -> u64 {
+        self.blocks.iter().map(Block::trials).sum()
+    }
+}
+
+/// Most jobs in a batch, whose tallies of some 30 KiB each are held in memory together.
+const MOST_JOBS: usize = 1024;
+
+/// Target duration of a batch in seconds, after which results are on disk.
+pub(crate) const BATCH_SECONDS: f64 = 0.3;
+
+/// log2 of the most steps of a block. Losing a block with its batch, or waiting for it after a signal, then costs
+/// seconds at most.
+const MOST_STEPS_LOG2: u32 = 30;
+
+/// The blocks of at most 2^`log2` trials that some estimates lack within these `trials`.
+pub(crate) fn lacking(
+    index: &Index,
+    addresses: &[Address],
+    trials: Range<u64>,
+    log2: u32,
+) -> Result<Vec<Block>, StoreError> {
+    let mut blocks = Vec::new();
+    for address in addresses {
+        blocks.extend(
+            missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)),
+        );
+    }
+    // The blocks of one estimate may lie within those of another.
+    let blocks = fold(blocks.into_iter().map(|block| (block, ())).collect());
+    Ok(blocks.into_iter().map(|(block, ())| block).collect())
+}
+
+/// The number of first trials that all of some estimates have, where it is the same for all.
+pub(crate) fn held_by_all(
+    index: &Index,
+    addresses: impl Iterator<Item = Address>,
+) -> Result<Option<u64>, StoreError> {
+    let mut held = None;
+    for address in addresses {
+        let trials = index.trials(&address)?;
+        if trials.is_none() || *held.get_or_insert(trials) != trials {
+            return Ok(None);
+        }
+    }
+    Ok(held.flatten())
+}
+
+/// Trials and estimates for the rows of a table; none without a store. `of` gives the address of a row's tally, the
+/// level at which its histogram starts, and its unit, ″.
+pub(crate) fn estimates<T: Sync>(
+    store: Option<&Store>,
+    rows: &[T],
+    of: impl Fn(&T) -> (Address, u32, f64) + Sync,
+) -> Result<Vec<Found>, StoreError> {
+    let Some(store) = store else { return Ok(vec![Found::default(); rows.len()]) };
+    let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
+    store.of_totals(&addresses, |at, tally| {
+        let (_, bin_base, unit) = of(&rows[at]);
+        Found::of(tally, bin_base, unit)
+    })
+}
+
+/// Samples all of `work` in batches, each of which is stored as soon as it is complete, until `progress` stops it.
+/// Returns the number of trials sampled. The run started at `started` and had sampled `before` trials.
+pub(crate) fn sample(
+    work: &[Work],
+    before: u64,
+    store: &mut Store,
+    worker: &mut Worker,
+    progress: &dyn Progress,
+    started: Instant,
+) -> Result<u64, RunError> {
+    let mut rest: Vec<Piece> = work
+        .iter()
+        .flat_map(|work| {
+            let log2 = MOST_STEPS_LOG2.saturating_sub(work.steps.ilog2());
+            let blocks = work.blocks.iter().flat_map(move |block| cover(block.first..block.end(), log2));
+            blocks.map(move |block| (work, block))
+        })
+        .collect();
+    interleave(&mut rest);
+    rest.reverse();
+    let (mut steps, mut sampled) = (worker.first_batch(), 0);
+    let mut launches = Launches::default();
+    while_storing(store, |stored| {
+        let mut next = (take_batch(&mut rest, steps), steps);
+        let mut made = launches.of(&next.0);
+        while !next.0.is_empty() && !progress.stops() {
+            let batch_started = Instant::now();
+            let of_batch = made?;
+            let (batch, batch_steps) = std::mem::replace(&mut next, (take_batch(&mut rest, steps), steps));
+            made = Ok(vec![]);
+            // While the device samples a batch, the points of the next one are lowered.
+            let results = rayon::in_place_scope(|scope| {
+                scope.spawn(|_| made = launches.of(&next.0));
+                let pieces = batch.iter().zip(&of_batch);
+                let jobs: Vec<Job> =
+                    pieces.map(|(&(_, block), made)| Job { launch: &made.0, block }).collect();
+                worker.tally(&jobs, &|trials| progress.advance(trials))
+            })?;
+            let rows: Vec<Row<Moments>> = batch
+                .iter()
+                .zip(&of_batch)
+                .zip(results)
+                .flat_map(|((&(_, block), made), tallies)| {
+                    let addressed = made.1.iter().zip(tallies);
+                    addressed.map(move |(&address, tally)| Row { address, block, tally })
+                })
+                .collect();
+            sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
+            let (trials, seconds) = (before + sampled, started.elapsed().as_secs_f64());
+            if !stored(rows, Provenance { device: worker.name(), trials, seconds }) {
+                break;
+            }
+            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+            steps = ((batch_steps as f64 * factor) as u64).max(1);
+        }
+        Ok(sampled)
+    })
+}
+
+/// A block of some work.
+type Piece<'a> = (&'a Work<'a>, Block);
+
+/// Identifies work.
+fn place(work: &Work) -> usize {
+    std::ptr::from_ref(work).addr()
+}
+
+/// The launches of the last batches by the places of their work, at most as many as a batch has jobs.
+#[derive(Default)]
+struct Launches {
+    made: HashMap<usize, Arc<Addressed>>,
+}
+
+impl Launches {
+    /// The launch of each piece of a batch. Those that the batches before did not need are made.
+    ///
+    /// # Errors
+    /// A point is refused, which a run has proven to fit.
+    fn of(&mut self, batch: &[Piece]) -> Result<Vec<Arc<Addressed>>, Refusal> {
+        let mut missing = HashSet::new();
+        let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
+        let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
+        if self.made.len() + new.len() > MOST_JOBS {
+            let needed: HashSet<usize> = batch.iter().map(|(work, _)| place(work)).collect();
+            self.made.retain(|work, _| needed.contains(work));
+        }
+        let launch = |work: &&Work| Ok((place(work), Arc::new((work.launch)()?)));
+        self.made.extend(new.par_iter().map(launch).collect::<Result<Vec<_>, Refusal>>()?);
+        Ok(batch.iter().map(|(work, _)| self.made[&place(work)].clone()).collect())
+    }
+}
+
+/// Interleaves the blocks of all work, each work in its own order. The work done so far is then representative of the
+/// rest, even where trials of different points take different times, and a run that ends early has some trials of every
+/// point.
+fn interleave(rest: &mut Vec<Piece>) {
+    let same = |a: &Piece, b: &Piece| std::ptr::eq(a.0, b.0);
+    let mut placed: Vec<(f64, Piece)> = Vec::with_capacity(rest.len());
+    for group in rest.chunk_by(same) {
+        let trials: u64 = group.iter().map(|(_, block)| block.trials()).sum();
+        let mut before = 0;
+        for one in group {
+            placed.push(((before as f64 + 0.5 * one.1.trials() as f64) / trials as f64, *one));
+            before += one.1.trials();
+        }
+    }
+    placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    *rest = placed.into_iter().map(|(_, block)| block).collect();
+}
+
+/// The next blocks, of `steps` steps together, but at least one block.
+fn take_batch<'a>(rest: &mut Vec<Piece<'a>>, steps: u64) -> Vec<Piece<'a>> {
+    let of = |(work, block): &Piece| block.trials() * work.steps;
+    let (mut batch, mut taken) = (Vec::new(), 0);
+    while batch.len() < MOST_JOBS
+        && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)
+    {
+        taken += of(&next);
+        batch.push(next);
+    }
+    batch
+}

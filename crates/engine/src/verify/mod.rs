@@ -1,0 +1,237 @@
+//! Verification that every width and device gives the same bits, run on the user's own machine.
+//!
+//! ```
+//! let mut kernels = Vec::new();
+//! let identical = sagnac_engine::verify::verify(&mut [], 1000, |verdict| kernels.push(verdict.kernel))?;
+//! assert!(identical && kernels.contains(&"gap_fill"));
+//! # Ok::<(), sagnac_engine::device::error::GpuError>(())
+//! ```
+
+#[cfg(feature = "gpu")]
+pub mod identity;
+pub mod measured;
+#[cfg(feature = "gpu")]
+pub mod shaders;
+#[cfg(test)]
+mod tests;
+
+use sha2::{Digest, Sha256};
+
+use crate::device::cpu::Cpu;
+use crate::device::error::GpuError;
+use crate::device::load::{Load, Work};
+use crate::device::select::{self, SelectError, Selection, SelfTest};
+use crate::device::{Device, Job};
+use crate::kinds::KINDS;
+use crate::tally::block::{base_log2, cover};
+use sagnac_kernel::curve::Recorded;
+use sagnac_kernel::map::Map;
+use sagnac_kernel::moments::{Moments, Trials};
+use sagnac_kernel::width::Width;
+use sagnac_kernel::word::Scalar;
+use sagnac_kernel::{Form, KERNELS, Kernel, philox};
+
+/// The loads on which a kernel is checked; a building block has none.
+pub fn loads(kernel: &Kernel) -> Vec<Load> {
+    KINDS.iter().flat_map(|kind| (kind.loads)()).filter(|load| load.kernel() == kernel.name).collect()
+}
+
+/// Selects the device that `wanted` names, which must pass the self-test; see [`select::select`].
+///
+/// # Errors
+/// There is no such device, it does not work, or it computes other bits than the CPU.
+pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
+    select::select(wanted, threads, SELF_TEST)
+}
+
+/// Makes a device of a GPU that passes the self-test; see [`select::trusted`].
+///
+/// # Errors
+/// It computes other bits than the CPU, or fails.
+pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
+    select::trusted(gpu, SELF_TEST)
+}
+
+/// The result of checking one kernel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// Name of the kernel in the registry.
+    pub kernel: &'static str,
+    /// First 64 bits of a SHA-256 over all results of the reference, the same on every machine.
+    pub digest: u64,
+    /// Widths and devices that differ from the reference, with the place of the difference.
+    pub differences: Vec<String>,
+}
+
+/// Runs every kernel for a total of `units` trials, samples or items on the portable width, on every other width of
+/// this machine and on `devices`, and compares the results bit for bit. `report` receives each verdict as it is
+/// reached.
+///
+/// # Errors
+/// A device is lost or refuses the work.
+pub fn verify(
+    devices: &mut [Device],
+    units: u64,
+    mut report: impl FnMut(&Verdict),
+) -> Result<bool, GpuError> {
+    let mut identical = true;
+    for kernel in KERNELS {
+        let verdict = verify_kernel(kernel, devices, units)?;
+        identical &= verdict.differences.is_empty();
+        for device in &*devices {
+            if let Device::Gpu(gpu) = device
+                && verdict.differences.iter().any(|difference| difference.starts_with(gpu.name()))
+            {
+                gpu.distrust();
+            }
+        }
+        report(&verdict);
+    }
+    Ok(identical)
+}
+
+/// Largest number of items of a building block held at a time.
+const ITEMS: u64 = 1 << 20;
+
+fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<Verdict, GpuError> {
+    let mut hasher = Sha256::new();
+    let mut differences = Vec::new();
+    let mut compare = |same: bool, name: String| {
+        if !same && !differences.contains(&name) {
+            differences.push(name);
+        }
+    };
+    match kernel.form {
+        Form::Map(map) => {
+            for first in (0..units).step_by(ITEMS as usize) {
+                let items = items(&map, first..units.min(first + ITEMS));
+                let reference = (map.cpu)(Width::PORTABLE, &items);
+                for width in Width::available() {
+                    compare((map.cpu)(width, &items) == reference, width.name().to_owned());
+                }
+                for device in &mut *devices {
+                    compare(device.map(&map, &items)? == reference, device.name());
+                }
+                reference.iter().for_each(|word| hasher.update(word.to_le_bytes()));
+            }
+        }
+        Form::Moments | Form::Records => {
+            let loads = loads(kernel);
+            for Load { name, work, .. } in &loads {
+                let units = units.div_ceil(loads.len() as u64);
+                let reference = on_cpu(Width::PORTABLE, work, units)?;
+                for width in Width::available() {
+                    let same = on_cpu(width, work, units)? == reference;
+                    compare(same, format!("{} ({name})", width.name()));
+                }
+                for device in &mut *devices {
+                    let same = on_device(device, work, units)? == reference;
+                    compare(same, format!("{} ({name})", device.name()));
+                }
+                hasher.update(&reference);
+            }
+        }
+    }
+    Ok(Verdict { kernel: kernel.name, digest: first_64_bits(hasher), differences })
+}
+
+fn first_64_bits(hasher: Sha256) -> u64 {
+    hasher.finalize()[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte))
+}
+
+/// The self-test of devices: small loads of every kernel. The first load of trials shows the speed.
+pub const SELF_TEST: SelfTest = SelfTest {
+    differs: self_test,
+    timed: || KERNELS.iter().flat_map(loads).find_map(|load| load.launch().cloned()),
+};
+
+/// The first kernel, if any, in which a device differs from the portable CPU on a small load.
+///
+/// # Errors
+/// The device is lost or refuses the work.
+fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
+    for kernel in KERNELS {
+        let same = match kernel.form {
+            Form::Map(map) => {
+                let items = items(&map, 0..4096);
+                device.map(&map, &items)? == (map.cpu)(Width::PORTABLE, &items)
+            }
+            Form::Moments | Form::Records => {
+                let mut same = true;
+                for Load { work, self_test_units, .. } in &loads(kernel) {
+                    if let &Some(units) = self_test_units {
+                        same &= on_device(device, work, units)? == on_cpu(Width::PORTABLE, work, units)?;
+                    }
+                }
+                same
+            }
+        };
+        if !same {
+            return Ok(Some(kernel.name));
+        }
+    }
+    Ok(None)
+}
+
+/// Input words for some items of a building block, taken from the generator in whole blocks.
+fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
+    let blocks = map.inputs.div_ceil(4) as u64;
+    let keys = philox::schedule([Scalar(0); 2]);
+    let block = |n: u64| philox::philox([n as u32, (n >> 32) as u32, 0, u32::MAX].map(Scalar), keys);
+    range
+        .flat_map(|item| (item * blocks..(item + 1) * blocks).flat_map(block).take(map.inputs))
+        .map(|word| word.0)
+        .collect()
+}
+
+/// Number of records of a load for `units` samples.
+fn records(recipe: &dyn Recorded, units: u64) -> usize {
+    units.div_ceil(u64::from(recipe.curve().samples)) as usize
+}
+
+/// The results of a load on the processor, as those [of a device](on_device).
+fn on_cpu(width: Width, work: &Work, units: u64) -> Result<Vec<u8>, GpuError> {
+    match (Cpu::new(width, 0), work) {
+        (Ok(cpu), work) => on_device(&mut Device::Cpu(cpu), work, units),
+        // If no threads can be started, the kernel still runs in this one.
+        (Err(_), Work::Trials(launch)) => {
+            Ok(of_tallies(&launch.tally(width, Trials { first: 0, count: units, histogram: true })))
+        }
+        (Err(_), Work::Records(recipe)) => Ok(of_sums(&recipe.sums(width, 0, records(&**recipe, units)))),
+    }
+}
+
+/// The results of a load on a device, as the bytes of their numbers.
+fn on_device(device: &mut Device, work: &Work, units: u64) -> Result<Vec<u8>, GpuError> {
+    match work {
+        Work::Trials(launch) => {
+            let blocks = cover(0..units, base_log2(units));
+            let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
+            let mut total = vec![Moments::empty(true); launch.sampled().estimates()];
+            for part in device.tally(&jobs, true, &|_| {})? {
+                total.iter_mut().zip(&part).for_each(|(total, part)| total.merge(part));
+            }
+            Ok(of_tallies(&total))
+        }
+        Work::Records(recipe) => {
+            Ok(of_sums(&device.sums(&**recipe, 0, records(&**recipe, units), &|_| {})?))
+        }
+    }
+}
+
+fn of_sums(sums: &[u128]) -> Vec<u8> {
+    sums.iter().flat_map(|sum| sum.to_le_bytes()).collect()
+}
+
+fn of_tallies(tallies: &[Moments]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for Moments { count, sum, square, least, greatest, bins } in tallies {
+        bytes.extend(count.to_le_bytes());
+        bytes.extend(sum.to_le_bytes());
+        bytes.extend(square.to_le_bytes());
+        bytes.extend(least.to_le_bytes());
+        bytes.extend(greatest.to_le_bytes());
+        bytes.extend(bins.iter().flat_map(|bin| bin.to_le_bytes()));
+    }
+    bytes
+}
