@@ -181,7 +181,7 @@ fn marks(
 }
 
 /// The value of a line at x, where it is known.
-fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
+pub(crate) fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
     let after = line.partition_point(|place| place.0 < x * (1.0 - 1e-9));
     let (to, value) = *line.get(after)?;
     if (to / x - 1.0).abs() < 1e-9 {

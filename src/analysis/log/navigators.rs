@@ -295,10 +295,11 @@ pub fn answer(found: &[Result<Navigators, String>]) -> Option<Answer> {
     Some(Answer {
         kind: Kind::Requirement,
         status: worst.sheet.status(),
-        headline: format!("{name}{} R95 after {after}{}", within(worst).text(), {
-            let ends = within(worst).ends_text();
-            ends.map(|ends| format!(" ({ends})")).unwrap_or_default()
-        }),
+        headline: format!(
+            "{name}{} R95 after {after}{}",
+            within(worst).text(),
+            within(worst).ends_in_brackets()
+        ),
         value: Some(within(worst)),
         limit: worst.sheet.limit.map(|limit| reading(worst, limit.value, None)),
         table: AnswerTable {

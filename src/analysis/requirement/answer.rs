@@ -279,14 +279,9 @@ impl<'a> Panel<'a> {
             let cells = shown.iter().map(cell).chain(status);
             std::iter::once(subject.label.to_owned().into()).chain(cells).collect()
         };
-        let heads = shown.iter().map(|of| of.told()).chain((!self.judged.is_empty()).then_some("status"));
-        AnswerTable {
-            columns: std::iter::once(what).chain(heads).map(str::to_owned).collect(),
-            rows: subjects.iter().take(MAX_ROWS).map(row).collect(),
-            best: Some(0),
-            omitted: subjects.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        let heads = shown.iter().map(|of| of.told().trim_start_matches("the "));
+        let heads = std::iter::once(what).chain(heads).chain((!self.judged.is_empty()).then_some("status"));
+        AnswerTable { best: Some(0), ..AnswerTable::new(heads, subjects.iter().map(row)) }
     }
 
     fn facts(&self) -> Vec<Fact> {

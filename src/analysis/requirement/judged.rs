@@ -161,7 +161,7 @@ impl<'a> Judged<'a> {
         };
         match (&self.shown, self.reading()) {
             (_, Some(reading)) => {
-                let interval = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
+                let interval = reading.ends_in_brackets();
                 format!("{name} {} {verb} the {limit} limit{interval}", reading.text())
             }
             (Ok(Shown { ends: [_, most], .. }), None) => {

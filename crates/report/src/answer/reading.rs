@@ -66,6 +66,11 @@ impl Reading {
         (low != high).then(|| range(&low, &high))
     }
 
+    /// The ends of the interval without the unit, in brackets behind a space; empty without them.
+    pub fn ends_in_brackets(&self) -> String {
+        self.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default()
+    }
+
     /// The value with its interval in brackets.
     pub fn with_interval(&self) -> String {
         self.interval_text().map_or_else(|| self.text(), |interval| format!("{} ({interval})", self.text()))
