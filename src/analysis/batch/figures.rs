@@ -1,6 +1,6 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::{Deviation, Point};
+use crate::allan::Deviation;
 use crate::key::scale::Scale;
 use crate::quantity::number::probability;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
@@ -9,6 +9,7 @@ use crate::analysis::batch::{Batch, Coefficient, Found};
 use crate::analysis::compare::figures::of_ratios;
 use crate::analysis::compare::words::duration;
 use crate::analysis::log;
+use crate::analysis::log::figures::points;
 
 /// Distance of neighbouring coefficients of a unit, where units are 1 apart, and the most that all of them take.
 const APART: f64 = 0.12;
@@ -18,16 +19,13 @@ const WIDEST: f64 = 0.7;
 pub fn curves(batch: &Batch) -> Figure {
     let outliers = batch.outliers();
     let colour = |unit: usize| outliers.iter().position(|other| *other == unit).map_or(0, |place| place + 1);
-    let point = |point: &Point| {
-        let positive = point.value.filter(|value| *value > 0.0)?;
-        Some(SeriesPoint { x: point.tau_s, y: positive, band: None, key: None })
-    };
     let mut series = Vec::new();
     for (unit, (_, column)) in batch.units().enumerate() {
-        let points = column.curves.iter().take(1).flat_map(|curve| curve.points.iter().filter_map(point));
+        let points = column.curves.iter().take(1).flat_map(|curve| points(&curve.points));
+        let points = points.map(|point| SeriesPoint { band: None, ..point });
         series.push(Series { colour: colour(unit), dash: 0, points: points.collect(), law: vec![] });
     }
-    // Outlier units are drawn over the others.
+    // Outliers are drawn over the others.
     series.sort_by_key(|series| series.colour);
     let like = batch.labels.len() - outliers.len();
     let others = match outliers.len() {

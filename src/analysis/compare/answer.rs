@@ -27,13 +27,9 @@ impl Row {
 
     /// The row in the table of an answer with these cells of a limit and of a test.
     fn cells(&self, status: &str, p: String, needed: String) -> Vec<AnswerCell> {
-        let ratio = self.reading().map_or_else(
-            || "—".into(),
-            |reading| AnswerCell {
-                text: times(reading.value, 3) + &reading.ends_in_brackets(),
-                value: Some(reading),
-            },
-        );
+        let text = |ratio: &Reading| times(ratio.value, 3) + &ratio.ends_in_brackets();
+        let ratio = self.reading();
+        let ratio = AnswerCell { text: ratio.as_ref().map_or_else(|| "—".to_owned(), text), value: ratio };
         let value = |k: usize| value_or_bound(self.found.values[k], self.found.at_most[k], self.symbol);
         let name = self.name.replace('_', " ");
         vec![name.into(), ratio, status.into(), p.into(), value(0), value(1), needed.into()]

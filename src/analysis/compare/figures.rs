@@ -1,6 +1,6 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::{Deviation, Point};
+use crate::allan::Deviation;
 use crate::analysis::compare::Ratio;
 use crate::key::scale::Scale;
 use crate::quantity::number::probability;
@@ -9,7 +9,7 @@ use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPo
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, times};
-use crate::analysis::log::figures::{along, described, line};
+use crate::analysis::log::figures::{along, described, line, points};
 
 /// Label of the times.
 const TIME: &str = "averaging time τ";
@@ -22,11 +22,7 @@ pub fn curves(analysis: &Analysis) -> Figure {
     let labels = analysis.labels();
     let fits = fits(analysis).unwrap_or_default();
     let series = |colour: usize| {
-        let point = |point: &Point| {
-            let positive = point.value.filter(|value| *value > 0.0)?;
-            Some(SeriesPoint { x: point.tau_s, y: positive, band: point.interval, key: None })
-        };
-        let points = analysis.comparison.curves[colour].iter().filter_map(point).collect();
+        let points = points(&analysis.comparison.curves[colour]).collect();
         Series { colour, dash: 0, points, law: fits[colour].clone() }
     };
     Figure {

@@ -24,13 +24,13 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<Line<'a, Ratio>>> {
     vec![
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.found.tau_s()))
             .is(Role::Coordinate, "Averaging time τ, s."),
-        Of::new("m_a", Unit::NONE, "m_a", |row| Cell::Integer(row.found.points[0].m as i64))
+        Of::new("m_a", Unit::NONE, "m of A", |row| Cell::Integer(row.found.points[0].m as i64))
             .is(Role::Count, "Averaging time in samples of A."),
-        Of::new("m_b", Unit::NONE, "m_b", |row| Cell::Integer(row.found.points[1].m as i64))
+        Of::new("m_b", Unit::NONE, "m of B", |row| Cell::Integer(row.found.points[1].m as i64))
             .is(Role::Count, "Averaging time in samples of B."),
-        Of::new("a", Unit::NONE, "a", |row| row.found.points[0].value.into())
+        Of::new("a", Unit::NONE, "A", |row| row.found.points[0].value.into())
             .is(Role::Error, "Overlapping Allan deviation of A, in `unit`."),
-        Of::new("b", Unit::NONE, "b", |row| row.found.points[1].value.into())
+        Of::new("b", Unit::NONE, "B", |row| row.found.points[1].value.into())
             .is(Role::Error, "Overlapping Allan deviation of B, in `unit`."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.found.value.into())
             .is(Role::Estimate, "Value of B divided by that of A."),
@@ -65,9 +65,9 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a, Row>>> {
             .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L."),
         Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
             .is(Role::Note, "Unit of `a`, `b` and `difference`."),
-        Of::new("a", Unit::NONE, "a", |row| row.found.found.values[0].into())
+        Of::new("a", Unit::NONE, "A", |row| row.found.found.values[0].into())
             .is(Role::Estimate, "The coefficient of A; blank where its record does not show it."),
-        Of::new("b", Unit::NONE, "b", |row| row.found.found.values[1].into())
+        Of::new("b", Unit::NONE, "B", |row| row.found.found.values[1].into())
             .is(Role::Estimate, "The coefficient of B; blank where its record does not show it."),
         Of::new("difference", Unit::NONE, "difference", |row| row.found.found.difference.into())
             .is(Role::Estimate, "Value of B minus that of A."),
@@ -88,9 +88,9 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a, Row>>> {
             .is_of("ratio", Role::Lower, "Lower end of the 95 % interval of `ratio`."),
         Of::new("ratio_upper", Unit::NONE, "ratio_upper", |row| row.found.found.ratio_interval[1].into())
             .is_of("ratio", Role::Upper, "Upper end of the 95 % interval of `ratio`."),
-        Of::new("a_at_most", Unit::NONE, "a_at_most", |row| row.found.found.at_most[0].into())
+        Of::new("a_at_most", Unit::NONE, "A at most", |row| row.found.found.at_most[0].into())
             .is(Role::Estimate, "Upper bound on the coefficient of A, if its record does not show it."),
-        Of::new("b_at_most", Unit::NONE, "b_at_most", |row| row.found.found.at_most[1].into())
+        Of::new("b_at_most", Unit::NONE, "B at most", |row| row.found.found.at_most[1].into())
             .is(Role::Estimate, "Upper bound on the coefficient of B, if its record does not show it."),
         Of::new("length_beyond", Unit::S, "length_beyond", |row| beyond(row.found.length).into())
             .is(Role::Estimate, "Length of records, s, up to which none was found that would distinguish such values."),
@@ -102,14 +102,14 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a, Row>>> {
 }
 
 fn log_a<'a, T>() -> ColumnOf<Line<'a, T>> {
-    ColumnOf::new("log_a", Unit::NONE, "log A", |row: &Line<'a, T>| text(row.logs[0])).is(
+    ColumnOf::new("log_a", Unit::NONE, "first log", |row: &Line<'a, T>| text(row.logs[0])).is(
         Role::Note,
         "Label of A, the first log: the name of its file, with the column or the path where names are alike.",
     )
 }
 
 fn log_b<'a, T>() -> ColumnOf<Line<'a, T>> {
-    ColumnOf::new("log_b", Unit::NONE, "log B", |row: &Line<'a, T>| text(row.logs[1]))
+    ColumnOf::new("log_b", Unit::NONE, "second log", |row: &Line<'a, T>| text(row.logs[1]))
         .is(Role::Note, "Label of B, the second log.")
 }
 
@@ -119,7 +119,7 @@ pub fn coefficients(analysis: &Analysis) -> Table {
     table(analysis.labels(), &coefficient_columns(), rows)
 }
 
-/// The table of some results with their units. Its columns on a single log have the label of that log.
+/// The table of some results with their units. Labels of columns have the labels of the logs in place of A and B.
 fn table<'a, T: Sync>(
     logs: [&'a str; 2],
     columns: &[ColumnOf<Line<'a, T>>],
@@ -128,16 +128,9 @@ fn table<'a, T: Sync>(
     let rows: Vec<Line<'a, T>> = rows.map(|(found, unit)| Line { found, unit, logs }).collect();
     let mut columns = columns_of(columns, &rows);
     for column in &mut columns {
-        let label = match &*column.name {
-            "a" => logs[0].to_owned(),
-            "b" => logs[1].to_owned(),
-            "m_a" => format!("m of {}", logs[0]),
-            "m_b" => format!("m of {}", logs[1]),
-            "a_at_most" => format!("{} at most", logs[0]),
-            "b_at_most" => format!("{} at most", logs[1]),
-            _ => continue,
-        };
-        column.label = label;
+        let own = ['A', 'B'].into_iter().zip(logs).find(|(letter, _)| column.label.contains(*letter));
+        column.label =
+            own.map_or_else(|| column.label.clone(), |(letter, log)| column.label.replace(letter, log));
     }
     Table { columns }
 }

@@ -148,11 +148,8 @@ impl Firmware {
         };
         let heads = ["filler", "rms", &off, "99.73 %", "√Σw²", "latency"];
         AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: all.iter().take(MAX_ROWS).map(row).collect(),
             best: (all.len() > 1 && !known.is_empty()).then_some(0),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
+            ..AnswerTable::new(heads, all.iter().map(row))
         }
     }
 
@@ -248,18 +245,7 @@ impl Trade {
             None => "rms within tolerance".to_owned(),
         };
         let heads = ["ticks before + after", "latency", "rms as given", &off, "99.73 %", "limit"];
-        let mut columns: Vec<String> = heads.map(str::to_owned).into();
-        let mut rows: Vec<Vec<AnswerCell>> = shown.map(row).collect();
-        if self.asked.limit_arcsec.is_none() {
-            columns.pop();
-            rows.iter_mut().for_each(|row| row.truncate(columns.len()));
-        }
-        AnswerTable {
-            columns,
-            rows,
-            best: Some(place - first),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        let omitted = all.len().saturating_sub(MAX_ROWS);
+        AnswerTable { best: Some(place - first), omitted, ..AnswerTable::new(heads, shown.map(row)) }
     }
 }
