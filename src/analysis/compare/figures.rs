@@ -114,3 +114,44 @@ fn found(analysis: &Analysis) -> String {
     let all: Vec<String> = coefficients.chain(same).collect();
     if all.is_empty() { subtitle(analysis) } else { all.join("; ") }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::iter::successors;
+    use std::path::Path;
+
+    use super::*;
+    use crate::allan::Trend;
+    use crate::analysis::log::Treatment;
+    use crate::fit::{Term, Terms};
+    use crate::record::log::channel::Log;
+    use crate::record::log::check::UnitCheck;
+    use crate::record::log::measure::{Data, Unit};
+
+    #[test]
+    fn fits_are_drawn_over_the_times_on_which_they_were_fitted() {
+        let log = |seed: u64| {
+            let numbers = successors(Some(seed), |n| Some(16_807 * n % 2_147_483_647));
+            let rates = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5).take(4096).collect();
+            Log::of_column("gz", Data::Rate, Unit::parse("deg/h", Data::Rate).unwrap(), 1.0, rates)
+        };
+        let (a, b) = (log(1), log(2));
+        let treatment = Treatment {
+            skip_s: 0.0,
+            until_s: None,
+            trend: Trend::None,
+            outliers_removed: false,
+            events_removed: false,
+            unit_check: UnitCheck::Off,
+            is_compensated: false,
+        };
+        let fitting = Terms::Given(vec![Term::AngleRandomWalk]).into();
+        let logs = [(Path::new("a.csv"), &a), (Path::new("b.csv"), &b)];
+        let analysis = Analysis::of(logs, &treatment, Some(&fitting)).unwrap();
+        for (series, fit) in curves(&analysis).series.iter().zip(analysis.comparison.fits().unwrap()) {
+            let [from_s, to_s] = fit.tau_range;
+            assert_eq!((series.law[0].0, series.law.last().unwrap().0), (from_s, to_s));
+            assert!(series.points.last().unwrap().x > to_s, "{to_s} s");
+        }
+    }
+}
