@@ -135,7 +135,7 @@ fn table<'a, T: Sync>(
     Table { columns }
 }
 
-fn described<'a>(of: [bool; 2], logs: [&'a str; 2]) -> &'a str {
+fn described(of: [bool; 2], logs: [&str; 2]) -> &str {
     match of {
         [true, true] => "both",
         [true, false] => logs[0],
