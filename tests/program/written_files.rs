@@ -30,7 +30,7 @@ const COMMANDS: [&str; 13] = [
     "allan log.csv --data rate --column gz --temperature temp --compensate --dynamic 10s --bootstrap 0 --out",
     "allan log.csv --data rate --column gz --navigate 10s --fit N --bootstrap 0 --out",
     "compare log.csv log.csv --data rate --column gz,gx --out",
-    "lot log.csv --data rate --column gz,gx --out",
+    "compare log.csv --data rate --column gz,gx --out",
     "model noise.toml --from 1s --to 1000s --overbound --filter-rate 100Hz --write all --out",
     "filler study.toml --test-vectors 4 --out",
     "filler study.toml --limit residual=400arcsec --out",

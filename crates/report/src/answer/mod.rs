@@ -145,6 +145,12 @@ impl From<String> for AnswerCell {
     }
 }
 
+impl From<&str> for AnswerCell {
+    fn from(text: &str) -> AnswerCell {
+        text.to_owned().into()
+    }
+}
+
 impl From<Reading> for AnswerCell {
     fn from(value: Reading) -> AnswerCell {
         AnswerCell::bounded(Relation::Equal, value)
@@ -166,6 +172,26 @@ pub struct AnswerTable {
     /// those at the end.
     #[serde(skip)]
     pub are_places: bool,
+}
+
+impl AnswerTable {
+    /// The table of these rows, of which it shows the first [`MAX_ROWS`], without columns that are empty or dashes in all of them.
+    pub fn new(
+        columns: impl IntoIterator<Item: Into<String>>,
+        rows: impl IntoIterator<Item = Vec<AnswerCell>>,
+    ) -> AnswerTable {
+        let mut rows: Vec<Vec<AnswerCell>> = rows.into_iter().collect();
+        let omitted = rows.len().saturating_sub(MAX_ROWS);
+        rows.truncate(MAX_ROWS);
+        let is_blank =
+            |at: usize| omitted + rows.len() > 0 && rows.iter().all(|row| matches!(&*row[at].text, "" | "—"));
+        let mut columns: Vec<String> = columns.into_iter().map(Into::into).collect();
+        for at in (0..columns.len()).rev().filter(|&at| is_blank(at)).collect::<Vec<_>>() {
+            columns.remove(at);
+            rows.iter_mut().for_each(|row| drop(row.remove(at)));
+        }
+        AnswerTable { columns, rows, omitted, ..AnswerTable::default() }
+    }
 }
 
 /// A check of the results.
