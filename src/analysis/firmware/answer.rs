@@ -162,7 +162,7 @@ impl Firmware {
             None => "rms within tolerance".to_owned(),
         };
         let heads = ["filler", "rms", &off, "99.73 %", "√Σw²", "latency"];
-        let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect());
+        let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect()).without_blanks();
         AnswerTable { best: table.best.filter(|_| !known.is_empty()), ..table }
     }
 

@@ -183,14 +183,22 @@ impl AnswerTable {
         let mut rows: Vec<Vec<AnswerCell>> = rows.into_iter().collect();
         let omitted = rows.len().saturating_sub(MAX_ROWS);
         rows.truncate(MAX_ROWS);
-        let is_blank =
-            |at: usize| omitted + rows.len() > 0 && rows.iter().all(|row| matches!(&*row[at].text, "" | "—"));
-        let mut columns: Vec<String> = columns.into_iter().map(Into::into).collect();
-        for at in (0..columns.len()).rev().filter(|&at| is_blank(at)).collect::<Vec<_>>() {
-            columns.remove(at);
-            rows.iter_mut().for_each(|row| drop(row.remove(at)));
+        let columns = columns.into_iter().map(Into::into).collect();
+        AnswerTable { columns, rows, omitted, ..AnswerTable::default() }.without_blanks()
+    }
+
+    /// The table without columns that are empty or dashes in all rows; the first one stays.
+    pub fn without_blanks(mut self) -> AnswerTable {
+        let is_blank = |at: &usize| self.rows.iter().all(|row| matches!(&*row[*at].text, "" | "—"));
+        let blank: Vec<usize> = match self.rows[..] {
+            [] => vec![],
+            _ => (1..self.columns.len()).rev().filter(is_blank).collect(),
+        };
+        for at in blank {
+            self.columns.remove(at);
+            self.rows.iter_mut().for_each(|row| drop(row.remove(at)));
         }
-        AnswerTable { columns, rows, omitted, ..AnswerTable::default() }
+        self
     }
 }
 
