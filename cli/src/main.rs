@@ -44,7 +44,6 @@ mod results;
 mod run;
 mod schemas;
 mod sensitivity;
-mod shaders;
 mod shells;
 mod verify;
 mod whole;

@@ -96,15 +96,21 @@ commands! {
     Verify(Verify) = |options| { renamed("verify", "device verify"); crate::verify::verify(options) };
     #[command(hide = true)]
     Bench(Bench) = |options| { renamed("bench", "device bench"); crate::bench::bench(options) };
-    /// Write the shaders with their inputs and results, to check other shader compilers and drivers
     #[command(hide = true)]
-    Shaders(crate::shaders::Options) = crate::shaders::shaders;
+    Shaders(Former) = |_| Err(Failure::Usage("`sagnac shaders` is now `cargo run --example shaders -- DIR`".to_owned()));
     /// Print a script for the completion of commands and options in a shell
     #[command(hide = true)]
     Completions(crate::shells::Completions) = crate::shells::completions;
     /// Write manual pages
     #[command(hide = true)]
     Man(crate::shells::Man) = crate::shells::man;
+}
+
+/// The arguments of a former command.
+#[derive(Debug, Args)]
+struct Former {
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    _arguments: Vec<OsString>,
 }
 
 /// Notes that a command has another name now.

@@ -10,8 +10,6 @@
 #[cfg(feature = "gpu")]
 pub mod identity;
 pub mod measured;
-#[cfg(feature = "gpu")]
-pub mod shaders;
 #[cfg(test)]
 mod tests;
 
@@ -174,7 +172,7 @@ fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
 }
 
 /// Input words for some items of a building block, taken from the generator in whole blocks.
-fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
+pub fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
     let blocks = map.inputs.div_ceil(4) as u64;
     let keys = philox::schedule([Scalar(0); 2]);
     let block = |n: u64| philox::philox([n as u32, (n >> 32) as u32, 0, u32::MAX].map(Scalar), keys);
