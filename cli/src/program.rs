@@ -197,8 +197,7 @@ pub fn command() -> clap::Command {
 const VERIFY_EXAMPLES: &str = "\
 Examples:
   sagnac device verify
-  sagnac device verify --device cpu --trials 100000
-  sagnac device verify --report identity.md";
+  sagnac device verify --device cpu --trials 100000";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
@@ -210,8 +209,8 @@ pub struct Verify {
     /// Work per kernel: total number of trials, samples or values over all its configurations
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     pub trials: u64,
-    /// File to which a row is added for each compared device, as a table in Markdown to send to the project
-    #[arg(long, value_name = "FILE")]
+    /// Former option, which wrote a row for each compared device
+    #[arg(long, hide = true)]
     pub report: Option<PathBuf>,
 }
 
