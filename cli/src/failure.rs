@@ -8,7 +8,6 @@ use sagnac::allan::tau::TauError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::dynamic::DynamicError;
 use sagnac::analysis::firmware::choice::ChoiceError;
-use sagnac::analysis::log::kalibr::KalibrError;
 use sagnac::analysis::lot::LotError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::spectrum::NoSpectrum;
@@ -226,17 +225,6 @@ impl From<ModelError> for Failure {
             ModelError::Noise(error) => Failure::Study(error),
             error if error.is_usage() => Failure::Usage(in_options(&error)),
             error => Failure::Record(in_options(&error)),
-        }
-    }
-}
-
-impl From<KalibrError> for Failure {
-    fn from(error: KalibrError) -> Failure {
-        match error {
-            KalibrError::Plain(_) => Failure::Usage(in_options(&error)),
-            KalibrError::NoCoefficients { .. } | KalibrError::NotDescribed(_) => {
-                Failure::Record(in_options(&error))
-            }
         }
     }
 }

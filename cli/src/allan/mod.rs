@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use sagnac::analysis::dynamic::{self, Dynamic};
 use sagnac::analysis::log::navigators::{self, Navigators, navigators};
-use sagnac::analysis::log::{Analysis, kalibr, noise_file, notes};
+use sagnac::analysis::log::{Analysis, noise_file, notes};
 use sagnac::analysis::page;
 use sagnac::analysis::spectrum::{self, densities, tables};
 use sagnac::record::log::channel::Log;
@@ -51,7 +51,7 @@ const NAMES: [&str; 22] = [
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
-    options.check(&request)?;
+    options.check()?;
     let folders = folders(options)?;
     let mut documents: Vec<String> = Vec::new();
     let mut earlier = vec![];
@@ -120,12 +120,6 @@ fn of_log(
     }
     let texts = noise_file::files(analysis).into_iter().chain(studies(analysis, navigation.as_deref()));
     outcome.files.extend(texts.map(|(name, text)| (name, text.into_bytes())));
-    if let Some(path) = &options.kalibr {
-        outcome.page.notes.extend(kalibr::notes(analysis)?);
-        let text = kalibr::text(analysis)?;
-        write_new(path, |file| file.write_all(text.as_bytes()))?;
-        outcome.places.push(format!("the Kalibr file is {}", path.display()));
-    }
     let results = Folder::open(folder)?.reading([path]);
     outcome.save(&results, &NAMES)?;
     if let Some(path) = &options.record {
