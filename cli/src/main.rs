@@ -42,6 +42,7 @@ mod renamed;
 mod report;
 mod results;
 mod run;
+mod sampling;
 mod schemas;
 mod sensitivity;
 mod shells;
