@@ -19,7 +19,6 @@ mod allan_closed_forms;
 mod allan_fit;
 mod allan_fit_records;
 mod allan_studies;
-mod clock;
 mod compare_statistics;
 mod damage;
 mod decision;

@@ -96,10 +96,9 @@ pub(crate) struct Row {
     pub(crate) part: fn(Term, f64, f64, usize) -> Part,
     /// Square of the coefficient of a part.
     pub(crate) square: fn(&Part) -> f64,
-    /// See [`Part::variance`], [`Part::trend`] and [`Part::largest`].
+    /// See [`Part::variance`] and [`Part::trend`].
     pub(crate) variance: fn(&Part, Difference, f64, u64) -> f64,
     pub(crate) trend: fn(&Part, Difference, f64, u64) -> Option<Trend>,
-    pub(crate) largest: fn(&Part, Difference, f64, u64) -> f64,
     /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
     pub(crate) continuous: fn(&Part, f64) -> Option<f64>,
     /// See [`density`](crate::theory::allan::spectrum::density).
@@ -155,9 +154,6 @@ impl Row {
         square: |part| part.size * part.size,
         variance: |_, _, _, _| 0.0,
         trend: |_, _, _, _| None,
-        largest: |part, difference, t0, m| {
-            part.trend(difference, t0, m).map_or(0.0, |trend| trend.first.abs())
-        },
         continuous: |_, _| None,
         density: |_, _, _| None,
         kernel: |_, _| None,
