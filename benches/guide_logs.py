@@ -8,7 +8,7 @@ Needs NumPy and SciPy. The commands of the guide print its numbers there.
 import sys
 from pathlib import Path
 
-import lot_numpy
+import batch_numpy
 import numpy as np
 
 FOLDER = Path(sys.argv[1] if len(sys.argv) > 1 else "results/guide")
@@ -31,8 +31,8 @@ temperature = 20 + 5 * np.sin(2 * np.pi * time / 9000)
 rate = white(0.06, len(time)) + 0.5 * temperature + 2.1 * np.exp(-time / 1600)
 write("log.csv", rate, temperature, header="gz,temp")
 
-# How even is a lot of gyros? The first has twice the N.
-rates, _, _ = lot_numpy.lot(np.random.default_rng(8), "log-normal", (0.05, 0.2), False, 2)
+# How even is a batch of gyros? The first has twice the N.
+rates, _, _ = batch_numpy.batch(np.random.default_rng(8), "log-normal", (0.05, 0.2), False, 2)
 for unit, rate in enumerate(10 * rates.T, start=1):
     write(f"g{unit}.csv", rate)
 

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use sagnac::allan::angles::Angles;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::difference::SIGNIFICANT;
+use sagnac::analysis::compare::rows::Verdict;
 use sagnac::analysis::compare::{Comparison, compare};
 use sagnac::events::Events;
 use sagnac::fit::choose::Terms;
@@ -57,7 +58,11 @@ fn main() {
         for term in Term::MODEL {
             print(term.symbol(), all.iter().filter_map(|one| p_of(one, term)).collect());
         }
-        let left_out = |i: usize| all.iter().filter(|one| one.ratios[i].is_above().is_some()).count();
+        let left_out = |i: usize| {
+            all.iter()
+                .filter(|one| matches!(one.ratios[i].verdict(), Some(Verdict::Higher | Verdict::Lower)))
+                .count()
+        };
         let shares: Vec<String> = (0..all[0].ratios.len())
             .map(|i| format!("{:.1}", 100.0 * left_out(i) as f64 / PAIRS as f64))
             .collect();

@@ -1,4 +1,4 @@
-// Allan variances of synthetic records of a gyro at rest. Twin of kernel/src/allan.rs.
+// Allan variances of synthetic records of a gyro at rest. Twin of crates/kernel/src/allan.rs.
 
 //#if TABLE
 // The angles common to all records, where there are any.

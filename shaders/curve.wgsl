@@ -1,5 +1,5 @@
 // Records whose angles come chunk by chunk from a source, and the exact sums of their squared differences.
-// Twin of kernel/src/curve.rs.
+// Twin of crates/kernel/src/curve.rs.
 //
 // Parameters are generated: for each level the stride, the start and length of its ring, and its first place.
 @group(0) @binding(2) var<storage, read_write> rings: array<u32>;

@@ -1,5 +1,5 @@
 // One trial of a mode switch: the ticks round the gap, and how far each filler's angle is from the true one.
-// Twin of kernel/src/gap_fill.
+// Twin of crates/kernel/src/gap_fill.
 
 // Reads motion and noise of the k-th tick on either side of the gap, where the shape has that tick, and adds them to
 // the sums.

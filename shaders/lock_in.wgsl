@@ -1,5 +1,5 @@
 // A ring laser gyro with lock-in and dither: the angle by which its output departs from the input.
-// Twin of kernel/src/lock_in, which describes the method.
+// Twin of crates/kernel/src/lock_in, which describes the method.
 
 //#if TABLE
 @group(0) @binding(5) var<storage, read> table: array<u32>;

@@ -1,5 +1,5 @@
 // The building blocks on their own, each a function of a few words, evaluated over a list of items.
-// Twin of kernel/src/map.rs, which generates the function `evaluate`.
+// Twin of crates/kernel/src/map.rs, which generates the function `evaluate`.
 
 @group(0) @binding(1) var<storage, read> items: array<u32>;
 @group(0) @binding(2) var<storage, read_write> results: array<u32>;

@@ -1,5 +1,5 @@
 // The tally of scalar estimates: sum, sum of squares, extremes and a histogram, all exact integers.
-// Twin of kernel/src/moments.rs. The kernel provides the places of its parameters and the function `trial`.
+// Twin of crates/kernel/src/moments.rs. The kernel provides the places of its parameters and the function `trial`.
 //
 // A workgroup takes one job. An invocation adds up at most FLUSH trials before it carries their sums over to its totals.
 

@@ -1,5 +1,5 @@
 // Motion of the base in one trial: the angles through which it turns in the gap and in the ticks on either side.
-// Twin of kernel/src/motion.rs. Angles are in 2^-32 LSB until they are rounded; ticks are counted outward from the gap.
+// Twin of crates/kernel/src/motion.rs. Angles are in 2^-32 LSB until they are rounded; ticks are counted outward from the gap.
 
 struct Motion {
     tone: array<vec2<u32>, TONE_ROOM>,

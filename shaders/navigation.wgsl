@@ -1,5 +1,5 @@
 // Errors of a navigator: exact sums of the weighted increments of the angle of a synthetic record.
-// Twin of kernel/src/navigation.rs.
+// Twin of crates/kernel/src/navigation.rs.
 //
 // An invocation makes the record of one gyro. The weights follow the angles common to all records in `table`, from
 // p.weights.x on.

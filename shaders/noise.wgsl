@@ -1,6 +1,6 @@
 // Synthetic angles of a gyro at rest, chunk by chunk, with white, flicker, random-walk and Markov rate noise, a sine,
 // drift, fill residuals and readout.
-// Twin of kernel/src/noise.rs, which describes the method.
+// Twin of crates/kernel/src/noise.rs, which describes the method.
 
 // One stream of an octave: the newest number, its difference from the one before, and the sample at which records
 // switch to it.

@@ -1,4 +1,4 @@
-// Standard normal numbers, one word each, in units of 2^-28. Twin of kernel/src/normal.rs.
+// Standard normal numbers, one word each, in units of 2^-28. Twin of crates/kernel/src/normal.rs.
 
 @group(0) @binding(0) var<storage, read> normal_table: array<vec2<u32>, PAIRS>;
 

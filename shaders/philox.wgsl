@@ -1,4 +1,4 @@
-// Random words: Philox4x32-10. Twin of kernel/src/philox.rs.
+// Random words: Philox4x32-10. Twin of crates/kernel/src/philox.rs.
 
 // The address of the draws of a trial: its number in two halves, and the keys of its point.
 struct Address {

@@ -1,4 +1,4 @@
-// Logarithms and powers to base 2. Twin of kernel/src/power.rs.
+// Logarithms and powers to base 2. Twin of crates/kernel/src/power.rs.
 
 // The logarithm of x >= 1 in units of 2^-26, from 0 to below 32.
 fn log2_word(x: u32) -> u32 {

@@ -1,5 +1,5 @@
 // What all kernels of records share: the exact sums of a record, one at each place, which carry over from chunk to chunk.
-// Twin of kernel/src/record.rs.
+// Twin of crates/kernel/src/record.rs.
 //
 // An invocation makes one record, some chunks at a time; `sums` and `state` keep its data between dispatches, word by word
 // for all lanes.

@@ -1,5 +1,5 @@
 // One trial of a relock: sums over its first ticks of the apparent rotation that remains after compensation.
-// Twin of kernel/src/relock.rs.
+// Twin of crates/kernel/src/relock.rs.
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));

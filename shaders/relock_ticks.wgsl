@@ -1,5 +1,5 @@
 // The first ticks after one mode switch: the apparent rotation of the closing perimeter loop, less its compensation. Twin
-// of kernel/src/relock_ticks.rs. The places RELOCK_… of the parameters count from RELOCK, the place of their field in
+// of crates/kernel/src/relock_ticks.rs. The places RELOCK_… of the parameters count from RELOCK, the place of their field in
 // the surrounding kernel.
 
 fn relock_ticks(address: Address, switch_number: u32, wrong: u32) -> array<u32, RELOCK_TICKS> {

@@ -1,4 +1,4 @@
-// Sine of a phase in turns, in units of 2^-30. Twin of kernel/src/sine.rs.
+// Sine of a phase in turns, in units of 2^-30. Twin of crates/kernel/src/sine.rs.
 
 fn sine(phase: u32) -> u32 {
     let half = phase << 1u;

@@ -1,5 +1,5 @@
 // One run of a gyro that switches modes: the error of its angle at the end, at its largest, and at chosen times.
-// Twin of kernel/src/switched_run.
+// Twin of crates/kernel/src/switched_run.
 
 // The warm-up of a run whose time constant is drawn: A in 2^−32 LSB per unit of time; τ relative to the nominal one and
 // the nominal one relative to τ, 2^−26; τ tanh(MT/2τ); e^{−t/τ} at the last switch, 2^−30.

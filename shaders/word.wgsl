@@ -1,4 +1,4 @@
-// The arithmetic of the kernels: 32-bit words that wrap. Twin of kernel/src/word.rs.
+// The arithmetic of the kernels: 32-bit words that wrap. Twin of crates/kernel/src/word.rs.
 //
 // WGSL has no upper half of a product. It is computed from 16-bit parts or, where the device has 64-bit registers
 // (INT64), taken from one of them; both ways give the same bits.

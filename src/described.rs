@@ -1,7 +1,7 @@
 //! The columns of every file of results, from which `sagnac explain`, reports and the schema of documents take their meanings.
 
 use crate::analysis::{
-    compare, design, dynamic, firmware, log, lot, model, requirement, sensitivity, spectrum, temperature,
+    batch, compare, design, dynamic, firmware, log, model, requirement, sensitivity, spectrum, temperature,
 };
 use crate::chart::file::Source;
 use crate::key::row::Key;
@@ -76,8 +76,8 @@ pub fn files() -> Vec<File> {
             command("white_noise.csv", "sagnac allan", abouts(&spectrum::tables::white_columns())),
             command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
             command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
-            command("units.csv", "sagnac compare", abouts(&lot::tables::unit_columns())),
-            command("batch.csv", "sagnac compare", abouts(&lot::tables::lot_columns())),
+            command("units.csv", "sagnac compare", abouts(&batch::tables::unit_columns())),
+            command("batch.csv", "sagnac compare", abouts(&batch::tables::batch_columns())),
             command("model.csv", "sagnac model", abouts(&model::tables::columns())),
             command("fillers.csv", "sagnac filler", abouts(&firmware::tables::filler_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::tables::columns())),

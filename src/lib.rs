@@ -59,7 +59,7 @@
 //! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
 //! | [`Whole`](analysis::whole::Whole) | the whole analysis of a log, with its temperature, its change over time and navigators |
-//! | [`Dynamic`](analysis::dynamic::Dynamic), [`Lot`](analysis::lot::Lot) | the noise of a log over time, and a lot of units with its odd one |
+//! | [`Dynamic`](analysis::dynamic::Dynamic), [`Batch`](analysis::batch::Batch) | the noise of a log over time, and a batch of units with its outliers |
 //! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | the best switching interval and filler, and fillers for firmware |
 //! | [`theory`] | closed forms |
 //!

@@ -18,9 +18,10 @@ use sagnac::view::report::document::Provenance;
 use crate::failure::Failure;
 use crate::filler::alone::at_least_0;
 use crate::outcome::Outcome;
-use crate::output::{Printed, print_json};
+use crate::output::print_json;
 use crate::program::DeviceArg;
-use crate::progress::{self, Shown};
+use crate::progress::Shown;
+use crate::sampling::Sampling;
 use crate::words::one_of;
 use crate::{kind, whole};
 
@@ -61,19 +62,8 @@ pub struct Options {
     /// drift_p99_73]
     #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs of each candidate, instead of the number in the study; rounded up to 32 times a power of two
-    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = whole::trials)]
-    trials: Option<u64>,
-    /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
-    seed: Option<u64>,
-    /// Print the recommendation as JSON
-    #[arg(help_heading = "Output", long)]
-    json: bool,
     #[command(flatten)]
-    printed: Printed,
-    #[command(flatten)]
-    progress: progress::Options,
+    sampling: Sampling,
 }
 
 impl Options {
@@ -111,11 +101,10 @@ fn folder(measure: Measure) -> String {
 /// Finds and prints the best interval and filler.
 pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = kind::study(&options.study)?;
-    study.trials = options.trials.unwrap_or(study.trials);
-    study.seed = options.seed.unwrap_or(study.seed);
+    options.sampling.apply(&mut study);
     let request = options.request()?;
-    let mut device = options.device.select(!options.printed.quiet)?;
-    let shown = Shown::new(options.progress.how(options.printed.quiet));
+    let mut device = options.device.select(!options.sampling.printed.quiet)?;
+    let shown = Shown::new(options.sampling.how());
     let started = Instant::now();
     let found = find(&study, &request, &mut device, &shown)
         .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
@@ -136,8 +125,8 @@ pub fn design(options: &Options) -> Result<(), Failure> {
         Some(Provenance { device: Some(device.name()), seconds: Some(seconds), ..provenance });
     outcome.add_document("design.json");
     outcome.save(&Folder::open(&folder)?, &["pareto.csv", "design", "pareto"])?;
-    if options.json {
+    if options.sampling.json {
         return print_json(&outcome.document());
     }
-    outcome.show(&options.printed, &folder)
+    outcome.show(&options.sampling.printed, &folder)
 }

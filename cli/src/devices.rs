@@ -35,9 +35,6 @@ enum Task {
     /// Verify that every kernel gives the same bits on every device of this machine
     Verify(Verify),
     /// Measure the throughput of the kernels
-    ///
-    /// A GPU's rates are also given by its own clock, without what the host adds, and as a part of its integer limit:
-    /// the operations that the kernel needs, divided by those that the GPU does in independent chains.
     Bench(Bench),
 }
 

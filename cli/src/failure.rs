@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use sagnac::allan::tau::TauError;
+use sagnac::analysis::batch::BatchError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
-use sagnac::analysis::log::kalibr::KalibrError;
-use sagnac::analysis::lot::LotError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::whole::WholeError;
 use sagnac::device::error::GpuError;
@@ -209,11 +208,11 @@ impl From<WholeError> for Failure {
     }
 }
 
-impl From<LotError> for Failure {
-    fn from(error: LotError) -> Failure {
+impl From<BatchError> for Failure {
+    fn from(error: BatchError) -> Failure {
         match error {
-            LotError::Units { .. } => Failure::Record(in_options(&error)),
-            LotError::TooFew(_) | LotError::Twice(..) => Failure::Usage(in_options(&error)),
+            BatchError::Units { .. } => Failure::Record(in_options(&error)),
+            BatchError::TooFew(_) | BatchError::Twice(..) => Failure::Usage(in_options(&error)),
         }
     }
 }
@@ -224,17 +223,6 @@ impl From<ModelError> for Failure {
             ModelError::Noise(error) => Failure::Study(error),
             error if error.is_usage() => Failure::Usage(in_options(&error)),
             error => Failure::Record(in_options(&error)),
-        }
-    }
-}
-
-impl From<KalibrError> for Failure {
-    fn from(error: KalibrError) -> Failure {
-        match error {
-            KalibrError::Plain(_) => Failure::Usage(in_options(&error)),
-            KalibrError::NoCoefficients { .. } | KalibrError::NotDescribed(_) => {
-                Failure::Record(in_options(&error))
-            }
         }
     }
 }

@@ -37,7 +37,7 @@ pub fn on<'t>(text: &'t str, names: &[&str]) -> Result<&'t str, Failure> {
 /// # Errors
 /// A text is no limit.
 pub fn of_units(texts: &[String]) -> Result<Vec<Limit>, Failure> {
-    texts.iter().map(|text| Limit::parse(text, Limited::OF_LOT).map_err(failure)).collect()
+    texts.iter().map(|text| Limit::parse(text, Limited::OF_BATCH).map_err(failure)).collect()
 }
 
 /// Checks that limits agree with each other and with the fit.

@@ -14,11 +14,11 @@ use sagnac::tally::share::Share;
 
 use crate::failure::Failure;
 use crate::folders;
-use crate::output::{Printed, print_documents};
-use crate::progress::{self, Shown};
+use crate::output::print_documents;
+use crate::progress::Shown;
 use crate::results::{Ran, check_places};
 use crate::run::checked;
-use crate::whole;
+use crate::sampling::Sampling;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -38,30 +38,18 @@ pub struct Options {
     /// Study file for the tables and charts [default: the resolved_study.toml that the folders share]
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
-    /// Trials at each point, instead of the number in the study
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
-    trials: Option<u64>,
-    /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
-    seed: Option<u64>,
     /// Omit damaged rows instead of refusing their folder
     #[arg(long)]
     salvage: bool,
-    /// Print the table and the verdict as JSON
-    #[arg(help_heading = "Output", long)]
-    json: bool,
     #[command(flatten)]
-    printed: Printed,
-    #[command(flatten)]
-    progress: progress::Options,
+    sampling: Sampling,
 }
 
 /// Merges results, and writes tables and charts of the whole.
 pub fn merge(options: &Options) -> Result<(), Failure> {
     let mut study = study(options)?;
-    study.trials = options.trials.unwrap_or(study.trials);
-    study.seed = options.seed.unwrap_or(study.seed);
-    let plan = checked(&study, options.progress.how(options.printed.quiet), None)?;
+    options.sampling.apply(&mut study);
+    let plan = checked(&study, options.sampling.how(), None)?;
     // All folders are checked before anything is merged, so a mistyped name or another study has no effect. They are
     // opened one at a time, as there may be thousands.
     let mut shares = BTreeSet::new();
@@ -80,7 +68,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     for folder in distinct(options) {
         let source = Source::open(folder)?;
         let Merged { added, held, damaged } = store.merge(&source, options.salvage)?;
-        if !options.printed.quiet {
+        if !options.sampling.printed.quiet {
             let known = if held > 0 { format!(", {held} already present") } else { String::new() };
             say!("{}: {added} rows added{known}", folder.display());
         }
@@ -89,9 +77,9 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
-    let (path, json, shown) = (&*options.out, options.json, options.printed);
+    let (path, json, shown) = (&*options.out, options.sampling.json, options.sampling.printed);
     let ran = Ran { study: &study, plan: &plan, folder: &results, path, done: None, lacking, json, shown };
-    let progress = Shown::new(options.progress.how(options.printed.quiet));
+    let progress = Shown::new(options.sampling.how());
     let complete = (lacking == 0).then(|| format!("complete; results are in {}", path.display()));
     print_documents(ran.show(&store, &progress, complete)?.as_slice(), 1)?;
     match lacking {

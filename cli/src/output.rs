@@ -17,7 +17,7 @@ use crate::progress::{How, Shown, aside};
 /// Where a command on logs writes its results, and what it prints.
 #[derive(Debug, Args)]
 pub struct Output {
-    /// Results folder [default: results/<name of the log>, with _model behind it for a model, results/<A>_vs_<B> for two logs, results/lot for a batch]
+    /// Results folder [default: results/<name of the log>, with _model behind it for a model, results/<A>_vs_<B> for two logs, results/batch for a batch]
     #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the results as JSON

@@ -96,15 +96,21 @@ commands! {
     Verify(Verify) = |options| { renamed("verify", "device verify"); crate::verify::verify(options) };
     #[command(hide = true)]
     Bench(Bench) = |options| { renamed("bench", "device bench"); crate::bench::bench(options) };
-    /// Write the shaders with their inputs and results, to check other shader compilers and drivers
     #[command(hide = true)]
-    Shaders(crate::shaders::Options) = crate::shaders::shaders;
+    Shaders(Former) = |_| Err(Failure::Usage("`sagnac shaders` is now `cargo run --example shaders -- DIR`".to_owned()));
     /// Print a script for the completion of commands and options in a shell
     #[command(hide = true)]
     Completions(crate::shells::Completions) = crate::shells::completions;
     /// Write manual pages
     #[command(hide = true)]
     Man(crate::shells::Man) = crate::shells::man;
+}
+
+/// The arguments of a former command.
+#[derive(Debug, Args)]
+struct Former {
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    _arguments: Vec<OsString>,
 }
 
 /// Notes that a command has another name now.
@@ -191,8 +197,7 @@ pub fn command() -> clap::Command {
 const VERIFY_EXAMPLES: &str = "\
 Examples:
   sagnac device verify
-  sagnac device verify --device cpu --trials 100000
-  sagnac device verify --report identity.md";
+  sagnac device verify --device cpu --trials 100000";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
@@ -204,8 +209,8 @@ pub struct Verify {
     /// Work per kernel: total number of trials, samples or values over all its configurations
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     pub trials: u64,
-    /// File to which a row is added for each compared device, as a table in Markdown to send to the project
-    #[arg(long, value_name = "FILE")]
+    /// Former option, which wrote a row for each compared device
+    #[arg(long, hide = true)]
     pub report: Option<PathBuf>,
 }
 

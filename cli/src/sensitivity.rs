@@ -13,9 +13,10 @@ use sagnac::view::report::document::Provenance;
 
 use crate::failure::{Failure, in_options};
 use crate::outcome::Outcome;
-use crate::output::{Printed, print_json};
+use crate::output::print_json;
 use crate::program::DeviceArg;
-use crate::progress::{self, Shown};
+use crate::progress::Shown;
+use crate::sampling::Sampling;
 use crate::{chart, kind, whole};
 
 const EXAMPLES: &str = "\
@@ -46,19 +47,8 @@ pub struct Options {
     /// 8192 in closed form, else 2048]
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = samples)]
     samples: Option<u64>,
-    /// Trials of each evaluation of a sampled answer [default: 4096, or more for few evaluations]
-    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = whole::trials)]
-    trials: Option<u64>,
-    /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
-    seed: Option<u64>,
-    /// Print the result as JSON
-    #[arg(help_heading = "Output", long)]
-    json: bool,
     #[command(flatten)]
-    printed: Printed,
-    #[command(flatten)]
-    progress: progress::Options,
+    sampling: Sampling,
 }
 
 /// A number of samples.
@@ -69,14 +59,14 @@ fn samples(text: &str) -> Result<u64, String> {
 /// Finds and prints what decides the answer.
 pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     let mut study = kind::study(&options.study)?;
-    study.seed = options.seed.unwrap_or(study.seed);
-    let mut device = options.device.select(!options.printed.quiet)?;
-    let shown = Shown::new(options.progress.how(options.printed.quiet));
+    options.sampling.apply(&mut study);
+    let mut device = options.device.select(!options.sampling.printed.quiet)?;
+    let shown = Shown::new(options.sampling.how());
     let asked = Request {
         by: options.by.clone(),
         rows: options.rows.clone(),
         samples: options.samples,
-        trials: options.trials,
+        trials: options.sampling.trials,
     };
     let started = Instant::now();
     let found = find(&study, &asked, &mut device, &shown).map_err(|error| failure(&study, error))?;
@@ -97,10 +87,10 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     });
     outcome.add_document("sensitivity.json");
     outcome.save(&Folder::open(&folder)?, &[])?;
-    if options.json {
+    if options.sampling.json {
         return print_json(&outcome.document());
     }
-    outcome.show(&options.printed, &folder)
+    outcome.show(&options.sampling.printed, &folder)
 }
 
 /// An error at the place in the study that caused it.

@@ -2,18 +2,6 @@
 
 use std::ops::RangeInclusive;
 
-use sagnac::key::common::MOST_TRIALS;
-
-/// A number of trials.
-pub fn trials(text: &str) -> Result<u64, String> {
-    whole(text, 1..=MOST_TRIALS)
-}
-
-/// A seed.
-pub fn seed(text: &str) -> Result<u64, String> {
-    whole(text, 0..=i64::MAX.unsigned_abs())
-}
-
 /// An integer within `range`: `1000000`, `1_000_000`, `1e6` or `1.5e6`.
 ///
 /// # Errors

@@ -20,18 +20,14 @@ fn open(options: &Options) -> Gpu {
     Gpu::open(&adapter, adapter.variant()).expect("the adapter opens")
 }
 
-/// Wall seconds and device seconds of the fastest of at least `least` runs, which take so long together.
-fn best(gpu: &mut Gpu, least: usize, seconds: f64, mut run: impl FnMut(&mut Gpu)) -> (f64, Option<f64>) {
-    let mut best = (f64::INFINITY, None);
+/// Seconds of the fastest of at least `least` runs, which take so long together.
+fn best(least: usize, seconds: f64, mut run: impl FnMut()) -> f64 {
+    let mut best = f64::INFINITY;
     let (begun, mut runs) = (Instant::now(), 0);
     while runs < least || begun.elapsed().as_secs_f64() < seconds {
-        gpu.start_clock();
         let started = Instant::now();
-        run(gpu);
-        let wall = started.elapsed().as_secs_f64();
-        if wall < best.0 {
-            best = (wall, gpu.device_seconds());
-        }
+        run();
+        best = best.min(started.elapsed().as_secs_f64());
         runs += 1;
     }
     best
@@ -44,7 +40,7 @@ pub fn engine(options: &Options) {
         for log2 in if options.tiny { 14..=16 } else { 14..=34 } {
             let blocks = cover(0..1 << log2, 26);
             let jobs: Vec<Job> = blocks.into_iter().map(|block| Job { launch, block }).collect();
-            let (seconds, on_device) = best(&mut gpu, 3, options.seconds, |gpu| {
+            let seconds = best(3, options.seconds, || {
                 gpu.tally(&jobs, histogram, &|_| {}).expect("tallied");
             });
             let rate = (1_u64 << log2) as f64 / seconds;
@@ -55,7 +51,7 @@ pub fn engine(options: &Options) {
             );
             emit(
                 &json!({ "part": "engine", "what": "one point", "histogram": histogram, "log2": log2, "seconds": seconds,
-                "device_seconds": on_device, "trials_per_second": rate }),
+                "trials_per_second": rate }),
             );
         }
     }
@@ -86,7 +82,7 @@ fn sweep(gpu: &mut Gpu, launch: &Launch, points: u32, trials: u64) {
     let orders: [(&str, Vec<Job>); 2] =
         [("point by point", one_by_one), ("interleaved, as a run has them", in_turns)];
     for (order, jobs) in orders {
-        let (seconds, on_device) = best(gpu, 4, 0.0, |gpu| {
+        let seconds = best(4, 0.0, || {
             for batch in jobs.chunks(1024) {
                 gpu.tally(batch, true, &|_| {}).expect("tallied");
             }
@@ -99,7 +95,7 @@ fn sweep(gpu: &mut Gpu, launch: &Launch, points: u32, trials: u64) {
         );
         emit(
             &json!({ "part": "engine", "what": "points", "points": points, "trials": trials, "jobs": jobs.len(),
-            "order": order, "seconds": seconds, "device_seconds": on_device, "trials_per_second": rate }),
+            "order": order, "seconds": seconds, "trials_per_second": rate }),
         );
     }
 }
@@ -120,7 +116,7 @@ pub fn records(options: &Options) {
         let recipe = lowered.recipe();
         let counts: &[usize] = if options.tiny { &[64] } else { &[64, 1024, 4096, 8192, 16_384, 65_536] };
         for &count in counts {
-            let (seconds, on_device) = best(&mut gpu, 2, options.seconds, |gpu| {
+            let seconds = best(2, options.seconds, || {
                 gpu.sums(recipe, 0, count, &|_| {}).expect("made");
             });
             let rate = count as f64 * samples as f64 / seconds;
@@ -132,7 +128,7 @@ pub fn records(options: &Options) {
             );
             emit(&json!({ "part": "records", "what": name, "samples": samples, "records": count,
                 "ring_words": recipe.depth(), "places": recipe.places(), "seconds": seconds,
-                "device_seconds": on_device, "samples_per_second": rate }));
+                "samples_per_second": rate }));
         }
     }
 }
@@ -142,7 +138,6 @@ pub fn long(options: &Options) {
     let launch = &benches()[0].launch;
     let trials: u64 = if options.tiny { 10_000_000 } else { 100_000_000_000 };
     let mut total = vec![Moments::empty(true); launch.sampled().estimates()];
-    gpu.start_clock();
     let started = Instant::now();
     for blocks in cover(0..trials, 26).chunks(128) {
         let jobs: Vec<Job> = blocks.iter().map(|&block| Job { launch, block }).collect();
@@ -160,8 +155,6 @@ pub fn long(options: &Options) {
             "least": tally.least, "greatest": tally.greatest })
         })
         .collect();
-    emit(
-        &json!({ "part": "long", "trials": trials, "seconds": seconds, "device_seconds": gpu.device_seconds(),
-        "trials_per_second": rate, "sums": sums }),
-    );
+    emit(&json!({ "part": "long", "trials": trials, "seconds": seconds,
+        "trials_per_second": rate, "sums": sums }));
 }

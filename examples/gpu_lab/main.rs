@@ -16,6 +16,7 @@ mod groups;
 mod host;
 mod kernel;
 mod lab;
+mod limit;
 mod values;
 
 use sagnac::device::load::Work;
@@ -63,10 +64,13 @@ fn main() {
             groups::groups(&options);
         }
         "long" => engine::long(&options),
+        "limit" => limit::limit(&options),
         "counts" => counts::counts(),
         "dump" => dump::dump(&options),
         other => {
-            panic!("unknown part {other}: info, kernel, host, engine, records, groups, long, counts, dump")
+            panic!(
+                "unknown part {other}: info, kernel, host, engine, records, groups, long, limit, counts, dump"
+            )
         }
     }
 }
@@ -139,6 +143,7 @@ mod tests {
         engine::engine(&options);
         engine::records(&options);
         assert!(groups::groups(&options), "a workgroup for a record gives other sums");
+        limit::limit(&options);
         dump::dump(&options);
         assert!(folder.path().join("1-paper-histogram-u64-64-uniform.wgsl").exists());
     }

@@ -210,7 +210,7 @@ def compare(
     >>> draw = np.random.default_rng(1).normal
     >>> found = compare(draw(0.0, 1.0, 20_000), draw(0.0, 1.3, 20_000), 100.0, unit="deg/h", names=("before", "after"))
     >>> [(row["coefficient"], row["status"]) for row in found.data["tables"]["coefficients"]]
-    [('N', 'B higher')]
+    [('N', 'after higher')]
     """
     rates = rate if isinstance(rate, tuple) else (rate, rate)
     units = unit if isinstance(unit, tuple) else (unit, unit)

@@ -7,13 +7,13 @@ use pyo3::types::PyDict;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit as Curves;
+use sagnac::analysis::batch::Batch;
 use sagnac::analysis::compare::limit::RatioLimit;
 use sagnac::analysis::design::searched::band as band_of;
 use sagnac::analysis::design::{
     Constraints, Measure, Request as DesignRequest, Search, design as find, report as design_report,
 };
 use sagnac::analysis::log::{self, Asked, Treatment, navigators};
-use sagnac::analysis::lot::Lot;
 use sagnac::analysis::model::document::document;
 use sagnac::analysis::model::noise::{of_file, of_text};
 use sagnac::analysis::model::target::{Source, Target};
@@ -224,15 +224,15 @@ pub fn batch<'py>(
     for ((record, reading), name) in records.iter().zip(&readings).zip(&names) {
         let log = record.log(py, reading, name)?;
         analyses.push(compute_on(py, threads, || {
-            limits_of(&limits, Limited::OF_LOT, fitted, &units_of(&log))?;
+            limits_of(&limits, Limited::OF_BATCH, fitted, &units_of(&log))?;
             Ok(log::Analysis::of(&log, Path::new(name), &reading.treatment(), &asked, &Silent)?)
         })?);
     }
     let found = compute_on(py, threads, || {
-        let limits = limits_of(&limits, Limited::OF_LOT, fitted, &Curves::ALL)?;
-        let lot = Lot::of(analyses)?;
-        let decision = lot.decision(&limits);
-        Ok(Found::new(page::of_lot(&lot, &decision), vec![], None))
+        let limits = limits_of(&limits, Limited::OF_BATCH, fitted, &Curves::ALL)?;
+        let batch = Batch::of(analyses)?;
+        let decision = batch.decision(&limits);
+        Ok(Found::new(page::of_batch(&batch, &decision), vec![], None))
     })?;
     found.into_python(py)
 }

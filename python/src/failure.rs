@@ -3,9 +3,9 @@
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use sagnac::allan::tau::TauError;
+use sagnac::analysis::batch::BatchError;
 use sagnac::analysis::decision::DecisionError;
 use sagnac::analysis::firmware::choice::ChoiceError;
-use sagnac::analysis::lot::LotError;
 use sagnac::analysis::model::ModelError;
 use sagnac::analysis::requirement::LimitError;
 use sagnac::analysis::whole::WholeError;
@@ -148,8 +148,8 @@ impl From<WholeError> for Failure {
     }
 }
 
-impl From<LotError> for Failure {
-    fn from(error: LotError) -> Failure {
+impl From<BatchError> for Failure {
+    fn from(error: BatchError) -> Failure {
         Failure::Record(in_python(&error.to_string()))
     }
 }

@@ -1,8 +1,9 @@
 //! Analyses beyond studies: noise of logs, over time and with temperature, requirements on it, spectra of logs, comparison of logs,
-//! lots of units, models for filters, pages of logs, switching interval, firmware, sensitivity.
+//! batches of units, models for filters, pages of logs, switching interval, firmware, sensitivity.
 
 mod agreement;
 pub mod answer;
+pub mod batch;
 pub mod compare;
 pub mod data_sheet;
 pub mod decision;
@@ -12,7 +13,6 @@ pub mod firmware;
 mod hump;
 mod jackknife;
 pub mod log;
-pub mod lot;
 pub mod model;
 pub(crate) mod notch;
 pub mod page;

@@ -28,7 +28,7 @@ fn same<'a>(curve: &'a [Row], point: &Row) -> &'a Row {
 #[test]
 fn six_axes_of_a_numpy_log_have_numpys_deviations_in_two_tables_and_two_charts() {
     let desk = desk_with("imu.csv", LOG);
-    let ended = desk.full("allan imu.csv --data rate --bootstrap 0 --kalibr imu.yaml");
+    let ended = desk.full("allan imu.csv --data rate --bootstrap 0");
     let said = unwrapped(&ended.stderr);
     for piece in [
         "all columns whose units fit --data rate are read: gx, gy, gz, ax, ay, az",
@@ -62,10 +62,6 @@ fn six_axes_of_a_numpy_log_have_numpys_deviations_in_two_tables_and_two_charts()
     assert!(
         desk.path("results/imu/noise_gx.toml").exists() && !desk.path("results/imu/noise_ax.toml").exists()
     );
-    let yaml = desk.read("imu.yaml");
-    for name in ["N of gz", "N of az", "columns ax, ay, az"] {
-        assert!(yaml.contains(name), "{name} is missing in\n{yaml}");
-    }
 
     // A later run for gyros alone leaves no chart of accelerometers behind.
     desk.done("allan imu.csv --data rate --bootstrap 0 --column gx,gy --quiet");
@@ -95,8 +91,7 @@ fn an_imu_of_ros_needs_no_columns() {
 fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
     // Two-sided density of (100 µg)²/Hz at 100 Hz.
     let desk = desk_with("acc.csv", white(40_000, 100e-6 * G * 10.0, 1));
-    let ended =
-        desk.done("allan acc.csv --data rate --unit m/s^2 --rate 100Hz --bootstrap 0 --kalibr imu.yaml");
+    let ended = desk.done("allan acc.csv --data rate --unit m/s^2 --rate 100Hz --bootstrap 0");
     assert!(
         ended.stdout.contains("velocity random walk") && !ended.stdout.contains("angle"),
         "{}",
@@ -113,12 +108,6 @@ fn the_velocity_random_walk_of_100_ug_per_root_hertz_is_known() {
     // The deviation of white noise at 1 s is its density.
     let curve = desk.table("results/acc/curve.csv");
     assert!((number(row(&curve, &[("m", "128")]), "value") / 100.0 * 1.28_f64.sqrt() - 1.0).abs() < 0.1);
-    let yaml = desk.read("imu.yaml");
-    let line = yaml.lines().find(|line| line.starts_with("accelerometer_noise_density: ")).unwrap();
-    let density: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
-    assert!((density * 60.0 / number(n, "value") - 1.0).abs() < 1e-5, "{yaml}");
-    assert!(yaml.contains("#gyroscope_noise_density:"), "{yaml}");
-
     let ended = desk.full("allan acc.csv --data rate --unit m/s^2 --rate 100Hz --bootstrap 0 --out psd");
     assert!(ended.stdout.contains("µg²/Hz") && ended.stdout.contains("m/s/√h"), "{}", ended.stdout);
     assert!(desk.read("psd/psd.svg").contains("density of the acceleration"));

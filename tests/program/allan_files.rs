@@ -1,4 +1,4 @@
-//! What `sagnac allan` leaves for others: the fit in its chart, `noise.toml` for studies, `imu.yaml` for Kalibr.
+//! What `sagnac allan` leaves for others: the fit in its chart, and `noise.toml` for studies.
 
 use std::collections::BTreeMap;
 
@@ -190,87 +190,6 @@ fn each_column_has_its_noise_file_and_old_ones_go() {
     assert_eq!(files(), ["noise_mine.toml"]);
 }
 
-/// The entries of a flat YAML file, comments left out.
-fn entries(text: &str) -> BTreeMap<String, String> {
-    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
-    let entry =
-        |line: &str| line.split_once(':').map(|(key, value)| (key.to_owned(), value.trim().to_owned()));
-    lines.filter_map(entry).collect()
-}
-
-#[test]
-fn imu_yaml_has_n_and_k_in_rad_and_says_what_is_missing() {
-    let columns = [rates(&WALK, 30_000, 10), rates(&WALK, 30_000, 11), rates(&GYRO, 30_000, 12)];
-    let desk = desk_with("gyro.csv", log("gx [deg/h],gy [deg/h],gz [deg/h]", &columns));
-    let ended = allan(&desk, "gyro.csv --column gx --kalibr imu.yaml");
-    assert!(ended.stderr.contains("the Kalibr file is imu.yaml"), "{}", ended.stderr);
-    let text = desk.read("imu.yaml");
-    let found = entries(&text);
-    let keys: Vec<&str> = found.keys().map(String::as_str).collect();
-    assert_eq!(
-        keys,
-        ["gyroscope_noise_density", "gyroscope_random_walk", "rostopic", "update_rate"],
-        "{text}"
-    );
-    assert_eq!((found["rostopic"].as_str(), found["update_rate"].as_str()), ("/imu0", "1.0"));
-    // 1 °/√h is π/180/60 rad/√s, 1 °/h/√h π/180/3600/60 rad/s^1.5.
-    let in_degrees = |column: &str, name: &str| -> f64 {
-        coefficients(&desk)[&(column.to_owned(), name.to_owned())].0.parse().unwrap()
-    };
-    let degree = core::f64::consts::PI / 180.0;
-    for (key, name, factor) in
-        [("gyroscope_noise_density", "N", degree / 60.0), ("gyroscope_random_walk", "K", degree / 216_000.0)]
-    {
-        let (found, expected): (f64, f64) = (found[key].parse().unwrap(), factor * in_degrees("gx", name));
-        assert!((found / expected - 1.0).abs() < 1e-5, "{key}: {found}, not {expected}");
-    }
-    assert!(text.contains("#accelerometer_noise_density:") && text.contains("#accelerometer_random_walk:"));
-
-    allan(&desk, "gyro.csv --column gx,gy,gz --kalibr three.yaml");
-    let text = desk.read("three.yaml");
-    let largest = if in_degrees("gx", "K") > in_degrees("gy", "K") { "gx" } else { "gy" };
-    assert!(text.contains("largest of the columns gx, gy, gz"), "{text}");
-    assert!(text.contains("N of gz") && text.contains(&format!("K of {largest}")), "{text}");
-
-    let ended = allan(&desk, "gyro.csv --column gz --kalibr gz.yaml");
-    let text = desk.read("gz.yaml");
-    assert!(!entries(&text).contains_key("gyroscope_random_walk"), "{text}");
-    assert!(
-        text.contains("#gyroscope_random_walk:") && text.contains("K is not identified, and at most"),
-        "{text}"
-    );
-    assert!(
-        ended.stderr.contains("note: gyroscope_random_walk is left out: K is not identified, and at most")
-    );
-    let ended = allan(&desk, "gyro.csv --column gz --kalibr chosen.yaml --fit Q,N");
-    assert!(desk.read("chosen.yaml").contains("K was not fitted"));
-    assert!(ended.stderr.contains("the fit has no K"), "{}", ended.stderr);
-}
-
-#[test]
-fn what_cannot_be_in_an_imu_yaml_is_refused() {
-    let text = log("gz [deg/h]", &[rates(&GYRO, 500, 13)]);
-    let desk = desk_with("gyro.csv", &text);
-    desk.write("other.csv", &text);
-    let start = "allan gyro.csv --data rate --rate 1Hz --kalibr imu.yaml";
-    desk.fails(&format!("{start} --unit none"), 2, &["not plain numbers", "--unit"]);
-    desk.fails(&format!("{start} --fit none"), 2, &["needs coefficients"]);
-    desk.fails(&format!("{start} other.csv"), 2, &["several logs", "one by one"]);
-    assert_eq!(desk.names("."), ["gyro.csv", "other.csv"], "something was left behind");
-    let steady = (0..100).map(|i| 0.5 * f64::from(i)).collect();
-    desk.write("steady.csv", &log("gz [arcsec]", &[steady]));
-    desk.fails(
-        "allan steady.csv --data angle --rate 1Hz --kalibr imu.yaml",
-        3,
-        &["nothing to write: gz: no coefficients"],
-    );
-    desk.fails(
-        &format!("{start} --out out --kalibr no/where.yaml").replace(" --kalibr imu.yaml", ""),
-        6,
-        &["no/where"],
-    );
-}
-
 /// White noise with two sines, too slow for the spectrum and too fast for the search of slow events, which Q, N, B, K, R and one sine
 /// describe over no range.
 fn undescribed() -> Vec<f64> {
@@ -301,17 +220,15 @@ fn a_curve_that_is_not_described_gives_no_coefficient_to_any_output_unless_force
         assert_eq!(row["status"], "model rejected");
     }
     desk.fails(
-        "allan gyro.csv --data rate --rate 1Hz --bootstrap 0 --kalibr imu.yaml",
-        3,
-        &["gz: model rejected", "--fit-from 1s", "--force"],
+        "allan gyro.csv --data rate --rate 1Hz --kalibr imu.yaml",
+        2,
+        &["sagnac model LOG --write kalibr"],
     );
-    assert!(!desk.path("imu.yaml").exists());
     desk.write("other.csv", &log("gz [deg/h]", &[undescribed().iter().map(|x| 2.0 * x).collect()]));
     let compared = desk.done("compare gyro.csv other.csv --data rate --rate 1Hz");
     assert!(compared.stderr.contains("no coefficients: model rejected"), "{}", compared.stderr);
 
-    allan(&desk, "gyro.csv --bootstrap 0 --kalibr imu.yaml --force");
-    assert!(desk.read("imu.yaml").contains(": model rejected"), "{}", desk.read("imu.yaml"));
+    allan(&desk, "gyro.csv --bootstrap 0 --force");
     assert!(desk.read("out/noise.toml").contains("# Not described"), "{}", desk.read("out/noise.toml"));
     let forced = verdict(&desk, "N");
     assert!(!forced.0.is_empty() && forced.1 == "model rejected", "{forced:?}");

@@ -34,7 +34,7 @@ fn half_the_noise_is_found_in_table_csv_json_answer_and_pictures() {
     let desk = two(lines(&white(4096, 6.0, 1)), lines(&white(4096, 3.0, 2)));
     let ended = done(&desk, &format!("a.csv b.csv {RATE}"));
     for piece in [
-        "A a.csv, 1: 4096 samples at 1 Hz, 68 min",
+        "a.csv, 1: 4096 samples at 1 Hz, 68 min · b.csv, 1: 4096",
         "no trend was removed",
         "ratio",
         "lower",
@@ -52,13 +52,14 @@ fn half_the_noise_is_found_in_table_csv_json_answer_and_pictures() {
         ("8", "8", "8")
     );
     assert!(number(&ratios[0], "lower") < 0.5 && number(&ratios[0], "upper") > 0.5, "{:?}", ratios[0]);
-    assert_eq!((ratios[0]["unit"].as_str(), ratios[0]["status"].as_str()), ("deg/h", "B lower"));
+    assert_eq!((ratios[0]["unit"].as_str(), ratios[0]["status"].as_str()), ("deg/h", "b lower"));
     let coefficients = desk.table("results/a_vs_b/coefficients.csv");
     let n = &coefficients[0];
     assert_eq!(
         (n["coefficient"].as_str(), n["unit"].as_str(), n["status"].as_str()),
-        ("N", "deg/sqrt(h)", "B lower")
+        ("N", "deg/sqrt(h)", "b lower")
     );
+    assert_eq!((n["log_a"].as_str(), n["log_b"].as_str(), n["described"].as_str()), ("a", "b", "both"));
     // 6 °/h in samples of 1 s are 0.1 °/√h.
     assert!(
         (number(n, "a") / 0.1 - 1.0).abs() < 0.05 && (number(n, "ratio") / 0.5 - 1.0).abs() < 0.1,
@@ -94,11 +95,11 @@ fn the_headers_of_the_files_are_the_documented_ones() {
     let desk = two(lines(&white(200, 1.0, 1)), lines(&white(200, 1.0, 2)));
     done(&desk, &format!("a.csv b.csv {RATE} --out out --quiet"));
     let header = |name: &str| desk.read(name).lines().next().unwrap().to_owned();
-    assert_eq!(header("out/compare.csv"), "tau_s,m_a,m_b,a,b,ratio,lower,upper,unit,p,status");
+    assert_eq!(header("out/compare.csv"), "tau_s,m_a,m_b,a,b,ratio,lower,upper,unit,p,status,log_a,log_b");
     assert_eq!(
         header("out/coefficients.csv"),
         "coefficient,unit,a,b,difference,lower,upper,p,length_needed_s,status,ratio,ratio_lower,ratio_upper,\
-         a_at_most,b_at_most,length_beyond_s,described"
+         a_at_most,b_at_most,length_beyond_s,described,log_a,log_b"
     );
 }
 
@@ -221,7 +222,7 @@ fn noise_that_only_one_record_shows_has_a_p_and_no_value_of_the_other() {
     let rows = desk.table("results/a_vs_b/coefficients.csv");
     let k = rows.iter().find(|row| row["coefficient"] == "K").unwrap();
     assert!(k["b"].is_empty() && k["difference"].is_empty() && number(k, "upper") < 0.0, "{k:?}");
-    assert!(number(k, "p") < 0.05 && k["status"] == "B lower", "{k:?}");
+    assert!(number(k, "p") < 0.05 && k["status"] == "b lower", "{k:?}");
     assert!((number(k, "a") / (60.0 * 0.03) - 1.0).abs() < 0.5, "{k:?}");
 }
 
@@ -288,7 +289,7 @@ fn a_filter_of_one_log_is_no_difference_and_hides_none_of_n() {
         let [event] = rows_of(&document, "events") else { panic!("{document:#}") };
         assert_eq!((&event["column"], &event["event"]), (&"a".into(), &"filter or hump".into()));
         let n = rows_of(&document, "coefficients").iter().find(|row| row["coefficient"] == "N").unwrap();
-        let expected = if is_equal { "consistent" } else { "B higher" };
+        let expected = if is_equal { "consistent" } else { "b higher" };
         assert!(p < 1e-4 || is_equal, "seed {seed}: p = {p}");
         assert!((p > 0.05) == is_equal && n["status"] == expected, "seed {seed}: p = {p}, {n}");
     }

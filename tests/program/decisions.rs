@@ -1,4 +1,4 @@
-//! The answers in which `sagnac allan`, `compare` and `lot` end: limits are checked against intervals, and every answer says
+//! The answers in which `sagnac allan` and `compare` end: limits are checked against intervals, and every answer says
 //! what the numbers say.
 
 use sagnac::quantity::number::significant;
@@ -243,6 +243,9 @@ fn a_comparison_is_held_against_limits_on_the_ratio() {
         let found = compared(&[&format!("N={limit}")]);
         assert_eq!(status(&found), met, "{limit}: {:#}", found["answer"]);
         assert_eq!(rows_of(&found, "limits")[0]["value"], row["ratio"]);
+        let heads = json!(["coefficient", "ratio (95 %)", "status", "a", "b"]);
+        assert_eq!(found["answer"]["table"]["columns"], heads);
+        assert_eq!((rows(&found)[0][0], rows(&found)[0][2]), ("N", &*met.replace('_', " ")));
     }
     let same = document(&desk, &format!("compare a.csv a.csv {READ}"), &["N=2"]);
     assert_eq!(status(&same), "inconclusive");
@@ -251,14 +254,14 @@ fn a_comparison_is_held_against_limits_on_the_ratio() {
     desk.fails(
         &format!("{compare} N=0.1deg/sqrt(h)"),
         2,
-        &["is not a positive number", "the ratio of B over A"],
+        &["is not a positive number", "the ratio of the second log over the first"],
     );
     desk.fails(&format!("{compare} N=1 --limit n=2"), 2, &["limit the same"]);
     desk.fails(&format!("{compare} K=1 --fit N,B"), 2, &["K is not fitted"]);
 }
 
 #[test]
-fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
+fn a_batch_is_held_against_limits_unit_by_unit_and_without_its_outlier() {
     let sigmas = [6.0, 6.3, 5.8, 12.0, 6.1, 5.9];
     let names = ["g1", "g2", "g3", "g4", "g5", "g6"];
     let columns: Vec<(&str, Vec<f64>)> = (1..)
@@ -266,8 +269,8 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
         .map(|(seed, (name, sigma))| (name, white(4096, sigma, seed)))
         .collect();
     let desk = desk_with("batch.csv", text(&columns));
-    let lot = format!("lot batch.csv {READ} --column g1,g2,g3,g4,g5,g6");
-    let found = document(&desk, &lot, &["N=0.12 deg/sqrt(h)"]);
+    let batch = format!("compare batch.csv {READ} --column g1,g2,g3,g4,g5,g6");
+    let found = document(&desk, &batch, &["N=0.12 deg/sqrt(h)"]);
     assert!(headline(&found).starts_with("g4: N 0.19") && rows(&found)[0][0] == "g4", "{found:#}");
     assert_eq!(found["answer"]["status"], json!({ "is": "partly_met", "met": 5, "of": 6 }));
     let facts = found["answer"]["facts"].as_array().unwrap();
@@ -275,12 +278,12 @@ fn a_lot_is_held_against_limits_unit_by_unit_and_without_its_odd_unit() {
     // Without the outlier the next one is expected below the limit.
     let [low, high] = [0, 1].map(|end| next["value"]["interval"][end].as_f64().unwrap());
     assert!(0.08 < low && high < 0.12, "{next}");
-    let wide = document(&desk, &lot, &["N=0.3 deg/sqrt(h)"]);
+    let wide = document(&desk, &batch, &["N=0.3 deg/sqrt(h)"]);
     assert_eq!(status(&wide), "met");
-    let free = document(&desk, &lot, &[]);
+    let free = document(&desk, &batch, &[]);
     assert!(headline(&free).starts_with("g4 is an outlier: N 1.98 × the median (p = "), "{free:#}");
     assert_eq!((rows(&free)[0][0], rows(&free)[0][4]), ("g4", "outlier"));
-    desk.fails(&format!("{lot} --limit floor=1deg/sqrt(h)"), 2, &["unknown limit `floor`"]);
+    desk.fails(&format!("{batch} --limit floor=1deg/sqrt(h)"), 2, &["unknown limit `floor`"]);
 }
 
 #[test]

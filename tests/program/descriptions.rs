@@ -87,7 +87,7 @@ fn written_by_commands() -> Vec<(File, String)> {
     desk.done(&format!("allan {log} {read} --bootstrap 0 {judged}"));
     desk.done(&format!("compare {log} {log} {read} --out compare"));
     desk.write("two.csv", &crate::logs::log());
-    desk.done("lot two.csv --data rate --column gx,gz --out lot");
+    desk.done("compare two.csv --data rate --column gx,gz --out batch");
     desk.done(&format!("model {log} {read} --overbound --out model"));
     desk.done("filler quadratic --gap-ticks 3 --test-vectors --out filler");
     desk.done(
@@ -126,8 +126,8 @@ fn written_by_commands() -> Vec<(File, String)> {
         ("allan", "white_noise.csv", "allan"),
         ("compare", "compare.csv", "compare"),
         ("compare", "coefficients.csv", "compare"),
-        ("compare", "units.csv", "lot"),
-        ("compare", "batch.csv", "lot"),
+        ("compare", "units.csv", "batch"),
+        ("compare", "batch.csv", "batch"),
         ("model", "model.csv", "model"),
         ("filler", "fillers.csv", "filler"),
         ("filler", "weights.csv", "filler"),

@@ -120,8 +120,8 @@ fn design_sensitivity_filler_allan_compare_lot_and_model_print_what_their_schema
     );
     desk.write("two.csv", &crate::logs::log());
     for more in ["", "--fit none", "--limit in_run_bias_stability=1deg/s"] {
-        let words = format!("lot two.csv --data rate --column gx,gz --json {more}");
-        check(&schema("lot"), &desk.done(&words).stdout, &words);
+        let words = format!("compare two.csv --data rate --column gx,gz --json {more}");
+        check(&schema("compare"), &desk.done(&words).stdout, &words);
     }
     let model = schema("model");
     for more in

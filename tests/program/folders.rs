@@ -91,9 +91,9 @@ fn a_gallery_joins_the_results_of_every_command() {
     ));
     desk.done(&format!("allan log.csv {read} --out all/allan"));
     desk.done("compare log.csv log.csv --data rate --column gx,gz --out all/compare");
-    desk.done("lot log.csv --data rate --column gx,gz --out all/lot");
+    desk.done("compare log.csv --data rate --column gx,gz --out all/batch");
     desk.done("model log.csv --data rate --column gx,gz --overbound --out all/model");
-    let pages = ["allan", "compare", "filler", "lot", "model", "study", "study/design", "what_decides"];
+    let pages = ["allan", "batch", "compare", "filler", "model", "study", "study/design", "what_decides"];
     let said = desk.done("report all").stderr;
     for page in pages {
         assert!(said.contains(&format!("all/{page}/report.html\n")), "{page}: {said}");

@@ -103,7 +103,7 @@ fn the_page_of_a_comparison_holds_its_answer_and_coefficients() {
     let page = page(&desk, "results/a_vs_b");
     let headline = document["answer"]["headline"].as_str().unwrap();
     assert!(page.contains(headline), "{headline} is missing");
-    for piece in ["a and b compared", "higher in b", "length needed"] {
+    for piece in ["a and b compared", "b higher", "length needed"] {
         assert!(page.contains(piece), "{piece} is missing");
     }
 }

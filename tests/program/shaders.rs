@@ -1,4 +1,4 @@
-//! The shaders as files: what the description lists is written, and a browser finds the described results.
+//! The files of the example `shaders`: the description lists them, and a browser finds the described results.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,14 @@ use serde_json::{Value, json};
 use crate::browser::Browser;
 use crate::desk::Desk;
 
+#[path = "../../examples/shaders/files.rs"]
+mod files;
+
 /// A folder with the shaders, and their description.
 fn written() -> (Desk, Value) {
     let desk = Desk::with("");
-    desk.done("shaders to");
-    let description = serde_json::from_str(&desk.read("to/shaders.json")).unwrap();
+    files::files().iter().for_each(|(name, text)| desk.write(name, text));
+    let description = serde_json::from_str(&desk.read("shaders.json")).unwrap();
     (desk, description)
 }
 
@@ -28,14 +31,12 @@ fn names(description: &Value) -> Vec<String> {
 #[test]
 fn every_file_that_the_description_lists_is_written_and_declares_its_buffers() {
     let (desk, description) = written();
-    let mut files = BTreeSet::from(
-        ["check.html", "shaders.json", "tallies.lock", "written_by_sagnac.jsonl"].map(str::to_owned),
-    );
+    let mut files = BTreeSet::from(["check.html", "shaders.json", "study.toml"].map(str::to_owned));
     for shader in list(&description["shaders"]) {
         let name = shader["name"].as_str().unwrap();
         for (variant, has_64_bits) in [("u32", false), ("u64", true)] {
             let file = shader["wgsl"][variant].as_str().unwrap();
-            let text = desk.read(&format!("to/{file}"));
+            let text = desk.read(file);
             let is_wide = |word: &str| ["u64", "i64"].contains(&word);
             let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
             assert_eq!(words.into_iter().any(is_wide), has_64_bits, "64-bit integers in {file}");
@@ -65,7 +66,7 @@ fn every_file_that_the_description_lists_is_written_and_declares_its_buffers() {
         let dispatches = list(&shader["dispatches"]).len();
         assert!(dispatches >= if name.starts_with("allan") { 3 } else { 1 }, "{dispatches} of {name}");
     }
-    assert_eq!(desk.names("to"), Vec::from_iter(files));
+    assert_eq!(desk.names("."), Vec::from_iter(files));
     let names = names(&description);
     assert_eq!(BTreeSet::from_iter(&names).len(), names.len(), "a name is there twice: {names:?}");
     for kernel in KERNELS {
@@ -90,7 +91,7 @@ fn browser() -> Option<Browser> {
 fn every_shader_gives_the_described_results_in_a_browser() {
     let Some(browser) = browser() else { return };
     let (desk, description) = written();
-    browser.begin(&desk.path("to/check.html"));
+    browser.begin(&desk.path("check.html"));
     let names = names(&description);
     for shown in 1..=names.len() {
         browser.wait(&format!("return document.querySelectorAll('tbody tr').length >= {shown}"));
@@ -104,7 +105,7 @@ fn every_shader_gives_the_described_results_in_a_browser() {
 fn a_wrong_bit_and_an_invalid_shader_are_shown_as_different() {
     let Some(browser) = browser() else { return };
     let (desk, description) = written();
-    let page = desk.read("to/check.html");
+    let page = desk.read("check.html");
     let (start, rest) = page.split_once("id=\"description\">").unwrap();
     let (data, end) = rest.split_once("</script>").unwrap();
     let mut data: Value = serde_json::from_str(data).unwrap();

@@ -118,7 +118,7 @@ fn a_wrong_temperature_is_refused_with_what_is_accepted() {
     ] {
         desk.fails(&format!("{WORDS} --column gx {words}"), code, &pieces);
     }
-    for command in ["compare log.csv log.csv", "lot log.csv", "model log.csv"] {
+    for command in ["compare log.csv log.csv", "compare log.csv", "model log.csv"] {
         let words = format!("{command} --data rate --unit deg/h --column gx,gy --temperature temp");
         desk.fails(&words, 2, &["--temperature without --compensate", "give --compensate too"]);
     }
@@ -193,6 +193,7 @@ fn compensated_logs_are_compared_and_pooled_as_records_without_the_dependence() 
     }
     // Both have the in-run bias stability of the batch, or neither shows one.
     let words = format!("log.csv clean.csv {READ} {COMPENSATE} --out out");
+    // The former name takes two logs as a batch.
     desk.done(&format!("lot {words}"));
     assert!(desk.read("out/report.html").contains("temperature compensated"));
     let units = desk.table("out/units.csv");

@@ -4,7 +4,7 @@ pub mod options;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::analysis::log::{kalibr, notes};
+use sagnac::analysis::log::notes;
 use sagnac::analysis::whole::Whole;
 use sagnac::record::log::read::Request;
 use sagnac::store::folder::Folder;
@@ -45,7 +45,7 @@ const NAMES: [&str; 22] = [
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
-    options.check(&request)?;
+    options.check()?;
     let folders = folders(options)?;
     let mut documents: Vec<String> = Vec::new();
     let mut earlier = vec![];
@@ -73,12 +73,6 @@ fn of_log(
     let mut outcome = Outcome::new(notes::heading(analysis), whole.page);
     outcome.tables = whole.tables;
     outcome.files = whole.files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
-    if let Some(path) = &options.kalibr {
-        outcome.page.notes.extend(kalibr::notes(analysis)?);
-        let text = kalibr::text(analysis)?;
-        write_new(path, |file| file.write_all(text.as_bytes()))?;
-        outcome.places.push(format!("the Kalibr file is {}", path.display()));
-    }
     let results = Folder::open(folder)?.reading([path]);
     outcome.save(&results, &NAMES)?;
     if let Some(path) = &options.record {

@@ -7,7 +7,6 @@ use clap::builder::TypedValueParser;
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
-use sagnac::allan::unit::Unit;
 use sagnac::analysis::log::{self, Suppose, navigators};
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::whole::{self, Asked};
@@ -15,7 +14,6 @@ use sagnac::kinds::allan::realizations::LEAST_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;
-use sagnac::record::log::read::Request;
 
 use crate::failure::Failure;
 use crate::limits;
@@ -95,9 +93,9 @@ pub struct Options {
     pub no_psd: bool,
     #[command(flatten)]
     pub output: Output,
-    /// Also write an imu.yaml for Kalibr: noise density N and random walk K of gyros and accelerometers
-    #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
-    pub kalibr: Option<PathBuf>,
+    /// Former option, which wrote an imu.yaml
+    #[arg(long, hide = true)]
+    kalibr: Option<PathBuf>,
     /// Also write the record as it is analysed, with outliers and events removed and the temperature compensated where that is asked
     /// for, as CSV that is read again with --data alone
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
@@ -131,32 +129,24 @@ impl Options {
     ///
     /// # Errors
     /// Results of several logs do not fit into one file, the record cannot be written, or a limit does not fit the fit.
-    pub fn check(&self, request: &Request) -> Result<(), Failure> {
+    pub fn check(&self) -> Result<(), Failure> {
         limits::agree(&self.limit, &self.reading)?;
         if self.navigate.is_some() && self.reading.fitting().is_none() {
             return Err(Failure::Usage("--navigate needs coefficients\nleave out --fit none".to_owned()));
         }
-        for (name, path) in [("--kalibr", &self.kalibr), ("--record", &self.record)] {
-            if path.is_some() && self.files.len() > 1 {
-                let message = format!(
-                    "{name} names one file, but there are several logs\ngive them one by one, each with its {name} FILE"
-                );
-                return Err(Failure::Usage(message));
-            }
-            if let Some(path) = path.as_ref().filter(|path| path.exists()) {
-                let message = format!("{name} {} would replace a file\ngive another FILE", path.display());
-                return Err(Failure::Usage(message));
-            }
+        if self.kalibr.is_some() {
+            let gone = "--kalibr is gone\n`sagnac model LOG --write kalibr` writes the file";
+            return Err(Failure::Usage(gone.to_owned()));
         }
-        let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
-        match &self.kalibr {
-            None => Ok(()),
-            Some(_) if self.reading.fitting().is_none() => wrong("needs coefficients\nleave out --fit none"),
-            Some(_) if request.units.iter().any(|unit| unit.curves == Unit::Plain) => wrong(
-                "needs rates, angles or accelerations, not plain numbers\ngive their --unit, as in deg/s",
-            ),
-            Some(_) => Ok(()),
+        if self.record.is_some() && self.files.len() > 1 {
+            let message = "--record names one file, but there are several logs\ngive them one by one, each with its --record FILE";
+            return Err(Failure::Usage(message.to_owned()));
         }
+        if let Some(path) = self.record.as_ref().filter(|path| path.exists()) {
+            let message = format!("--record {} would replace a file\ngive another FILE", path.display());
+            return Err(Failure::Usage(message));
+        }
+        Ok(())
     }
 
     /// Checks that the record can be written.

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use sagnac::analysis::batch::Batch;
 use sagnac::analysis::log::{self, Asked};
-use sagnac::analysis::lot::Lot;
-use sagnac::analysis::page::of_lot;
+use sagnac::analysis::page::of_batch;
 use sagnac::analysis::requirement::Limit;
 use sagnac::progress::Silent;
 use sagnac::store::folder::Folder;
@@ -19,15 +19,15 @@ use crate::output::print_json;
 pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
     let limits = limits::of_units(&options.limit)?;
     limits::agree(&limits, &options.reading)?;
-    let lot = analysis(options, &limits)?;
-    let decision = lot.decision(&limits);
+    let batch = analysis(options, &limits)?;
+    let decision = batch.decision(&limits);
     let folder = options.output.folder(name);
-    let logs = match lot.logs.len() {
+    let logs = match batch.logs.len() {
         1 => "a log".to_owned(),
         count => format!("{count} logs"),
     };
-    let heading = format!("{} units of {logs}", lot.labels.len());
-    let outcome = Outcome::new(heading, of_lot(&lot, &decision));
+    let heading = format!("{} units of {logs}", batch.labels.len());
+    let outcome = Outcome::new(heading, of_batch(&batch, &decision));
     let results = Folder::open(&folder)?.reading(options.files.iter().map(PathBuf::as_path));
     outcome.save(&results, &["limits.csv", "chart-1", "chart-2"])?;
     if options.output.json {
@@ -37,7 +37,7 @@ pub fn batch(options: &Options, name: &str) -> Result<(), Failure> {
 }
 
 /// Reads and analyses the logs one after the other, because each may fill the memory.
-fn analysis(options: &Options, limits: &[Limit]) -> Result<Lot, Failure> {
+fn analysis(options: &Options, limits: &[Limit]) -> Result<Batch, Failure> {
     let reading = &options.reading;
     let (request, treatment) = (reading.request()?, reading.treatment());
     let asked = Asked { fitting: reading.fitting(), simulated: Some(0), ..Asked::default() };
@@ -46,5 +46,5 @@ fn analysis(options: &Options, limits: &[Limit]) -> Result<Lot, Failure> {
         limits::apply(limits, &log)?;
         Ok(log::Analysis::of(&log, path, &treatment, &asked, &Silent)?)
     };
-    Ok(Lot::of(options.files.iter().map(of).collect::<Result<_, _>>()?)?)
+    Ok(Batch::of(options.files.iter().map(of).collect::<Result<_, _>>()?)?)
 }

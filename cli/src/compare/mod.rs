@@ -31,8 +31,8 @@ Examples:
 Two logs are tested for a difference. Three and more logs, or several columns of one, are a batch of
 units: its median, the scatter between units, the next unit, and outliers. All logs are read with the
 same options, as `sagnac allan` reads them; with time stamps their sampling rates may differ. If
---column names two columns for two logs, the first is read from A and the second from B, and so it is
-with units and rates.";
+--column names two columns for two logs, each log has its own, in the same order, and so it is with
+units and rates.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -42,7 +42,7 @@ pub struct Options {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
-    /// Largest accepted ratio of a coefficient of two logs, B over A, as in N=1.1; may be repeated
+    /// Largest accepted ratio of a coefficient of two logs, second over first, as in N=1.1; may be repeated
     #[arg(long, value_name = "NAME=RATIO")]
     pub max_ratio: Vec<String>,
     /// Largest accepted value of each unit of a batch, as in "N=0.003 deg/sqrt(h)": of Q, N, B, K, R, markov, sine,
@@ -86,7 +86,7 @@ fn pair(options: &Options, files: [&PathBuf; 2]) -> Result<(), Failure> {
     let folder = options.output.folder(format!("{}_vs_{}", stem(first), stem(second)));
     let page = of_comparison([&a, &b], &analysis, &decision);
     let [one, other] = &analysis.sides;
-    let outcome = Outcome::new(format!("A {} · B {}", one.heading(), other.heading()), page);
+    let outcome = Outcome::new(format!("{} · {}", one.heading(), other.heading()), page);
     let results = Folder::open(&folder)?.reading([first.as_path(), second.as_path()]);
     outcome.save(&results, &["coefficients.csv", "limits.csv", "chart-1", "chart-2"])?;
     if options.output.json {

@@ -19,15 +19,15 @@ use sagnac::view::picture::pictures;
 
 use crate::failure::Failure;
 use crate::kind;
-use crate::output::{Printed, print, print_documents};
+use crate::output::{print, print_documents};
 use crate::planning::Planning;
 use crate::program::DeviceArg;
-use crate::progress::{self, How, Shown};
+use crate::progress::{How, Shown};
 use crate::results::{Ran, check_places};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
-use crate::whole;
+use crate::sampling::Sampling;
 use sagnac::quantity::number::short;
 
 const EXAMPLES: &str = "\
@@ -51,25 +51,14 @@ pub struct Options {
     /// --shard its subfolder shard-I-of-N]
     #[arg(help_heading = "Output", long, short, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Trials at each point, instead of the number in the study
-    #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = whole::trials)]
-    trials: Option<u64>,
-    /// Seed, instead of the one in the study
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
-    seed: Option<u64>,
     /// Sample only share I of N, which `sagnac merge` combines with the others; slurm takes I and N from the job array
-    #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = crate::run::share::parse)]
+    #[arg(help_heading = "Sampling", long, value_name = "I/N", conflicts_with = "json", value_parser = crate::run::share::parse)]
     shard: Option<Shard>,
     /// Stop within this time, such as "55 min" or 8:00:00, with exit code 4; run again to continue
     #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Duration>,
-    /// Print the table and the verdict as JSON: one object, or an array of objects for several studies
-    #[arg(help_heading = "Output", long, conflicts_with = "shard")]
-    json: bool,
     #[command(flatten)]
-    printed: Printed,
-    #[command(flatten)]
-    progress: progress::Options,
+    sampling: Sampling,
 }
 
 /// The subfolder of a share.
@@ -133,15 +122,16 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     };
     let course = Course { share, stop: Stop::listen(options.time_limit).map_err(Failure::Signals)? };
     let studies = studies(options, share)?;
-    let how = options.progress.how(options.printed.quiet);
+    let how = options.sampling.how();
     let plans = studies.iter().map(|(_, study)| checked(study, how, Some(&course.stop)));
     let plans = plans.collect::<Result<Vec<_>, _>>()?;
     let is_sampled = plans.iter().any(Plan::is_sampled);
-    let mut device = is_sampled.then(|| options.device.select(!options.printed.quiet)).transpose()?;
+    let mut device =
+        is_sampled.then(|| options.device.select(!options.sampling.printed.quiet)).transpose()?;
     let mut documents: Vec<String> = Vec::new();
     let mut ended = Ok(());
     for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
-        if at > 0 && !options.json && !options.printed.quiet {
+        if at > 0 && !options.sampling.json && !options.sampling.printed.quiet {
             print("\n")?;
         }
         match run_study(study, plan, folder, device.as_mut(), &course, options) {
@@ -167,10 +157,9 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
     let mut studies = Vec::new();
     for path in &options.studies {
         let mut study = kind::study(path)?;
-        study.trials = options.trials.unwrap_or(study.trials);
-        study.seed = options.seed.unwrap_or(study.seed);
+        options.sampling.apply(&mut study);
         if options.shard.is_some() && study.precision.is_some() {
-            if options.trials.is_none() {
+            if options.sampling.trials.is_none() {
                 return Err(Failure::Study(study.error_at(
                     study.place_of("precision"),
                     "a share cannot stop at a precision, because it does not know the trials of the others",
@@ -242,7 +231,7 @@ fn run_study(
         note!("{name} changed since the last run; the affected points are resampled");
     }
     store.note_share(course.share)?;
-    let shown = Shown::new(options.progress.how(options.printed.quiet)).until(&course.stop);
+    let shown = Shown::new(options.sampling.how()).until(&course.stop);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
@@ -261,7 +250,7 @@ fn run_study(
         for note in done.iter().flat_map(|done| &done.degraded) {
             note!("{note}");
         }
-        if !options.printed.quiet {
+        if !options.sampling.printed.quiet {
             let share = course.share;
             say!(
                 "{share} is done and in {}; when all are done: {}",
@@ -278,8 +267,8 @@ fn run_study(
         path: folder,
         done: done.as_ref().zip(name),
         lacking: 0,
-        json: options.json,
-        shown: options.printed,
+        json: options.sampling.json,
+        shown: options.sampling.printed,
     };
     let rate = |done: &Done| {
         if done.trials == 0 {

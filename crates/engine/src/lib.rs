@@ -5,8 +5,7 @@
 //! text ─ kinds ─▶ Study ─ lower ─▶ integers ─ sampling on a device ─▶ tallies ─ store ─▶ tables
 //! ```
 
-#![allow(missing_docs)]
-#![warn(unreachable_pub)]
+#![deny(missing_docs)]
 
 pub use sagnac_base::{progress, quantity, source, table};
 pub use sagnac_kernel as kernel;

@@ -179,7 +179,7 @@ pub(crate) fn of_study(
         headline: outline.headline,
         value: outline.value,
         limit,
-        table: outline.table,
+        table: outline.table.without_blanks(),
         facts,
         checks: agreement::check(&tables.points).into_iter().collect(),
     })

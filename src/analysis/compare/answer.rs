@@ -7,7 +7,7 @@ use crate::analysis::compare::words::{duration, length, times};
 use crate::analysis::compare::{Length, SIGNIFICANT};
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
 use crate::answer::reading::{number, range};
-use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
+use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
 use crate::fit::Term;
 use crate::quantity::number::probability;
 use crate::quantity::number::significant;
@@ -25,6 +25,21 @@ impl Row {
         Some(Reading::in_unit("ratio", self.found.ratio?, "", ends))
     }
 
+    /// The row in the table of an answer with these cells of a limit and of a test.
+    fn cells(&self, status: &str, p: String, needed: String) -> Vec<AnswerCell> {
+        let text = |ratio: &Reading| times(ratio.value, 3) + &ratio.in_brackets();
+        let ratio = self.reading();
+        let ratio = AnswerCell {
+            text: ratio.as_ref().map_or_else(|| "—".to_owned(), text),
+            value: ratio,
+            ..AnswerCell::default()
+        };
+        let value =
+            |k: usize| value_or_bound(self.name, self.found.values[k], self.found.at_most[k], self.symbol);
+        let name = self.name.replace('_', " ");
+        vec![name.into(), ratio, status.into(), p.into(), value(0), value(1), needed.into()]
+    }
+
     fn is_apart(&self) -> bool {
         matches!(self.verdict(), Verdict::Higher | Verdict::Lower)
     }
@@ -33,7 +48,7 @@ impl Row {
 impl Analysis {
     /// The answer of the comparison.
     pub fn decision(&self, limits: &[RatioLimit]) -> Decision {
-        let labels = self.sides.each_ref().map(|side| side.label.as_str());
+        let labels = self.labels();
         let judged: Vec<Judged> = limits.iter().map(|limit| Judged::new(self, limit)).collect();
         let standings: Vec<Standing> = judged.iter().map(|one| one.standing).collect();
         let critical =
@@ -59,7 +74,7 @@ impl Analysis {
             headline,
             value,
             limit: critical.map(|one| Reading::in_unit("ratio", one.limit.most, "", None)),
-            table: self.table(&rows, told, labels),
+            table: self.table(rows, told, &judged),
             facts: self.facts(critical, told),
             checks: vec![],
         };
@@ -95,7 +110,7 @@ impl Analysis {
         let ratio = reading.value;
         let headline = match row.is_apart() {
             false => {
-                let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
+                let ends = reading.in_brackets();
                 format!("No significant difference: {name} ratio {}{ends}", times(ratio, 3))
             }
             // In percent up to twice as much.
@@ -112,54 +127,33 @@ impl Analysis {
                 let ends = ends.unwrap_or_default();
                 format!("{b} is {} % {word} in {name}{ends}", significant(percent(ratio), 2))
             }
-            true => {
-                let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
-                format!("{b} has {} × the {name} of {a}{ends}", number(ratio))
-            }
+            true => format!("{b} has {} × the {name} of {a}{}", number(ratio), reading.in_brackets()),
         };
         (headline, Some(reading))
     }
 
-    /// A row for each coefficient.
-    fn table(&self, rows: &[&Row], told: Option<&Row>, labels: [&str; 2]) -> AnswerTable {
-        let is_known = |row: &&&Row| row.found.values.iter().any(Option::is_some);
-        let (known, unknown): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| is_known(row));
-        let mut all: Vec<&Row> = told.into_iter().collect();
-        all.extend(
-            known.into_iter().chain(unknown).filter(|row| told.is_none_or(|told| told.name != row.name)),
-        );
-        let row = |row: &&Row| {
-            let found = &row.found;
-            let value = |k: usize| value_or_bound(row.name, found.values[k], found.at_most[k], row.symbol);
-            let ratio = row.reading().map(|reading| {
-                let ends = reading.ends_text().map(|ends| format!(" ({ends})")).unwrap_or_default();
-                AnswerCell::with_text(times(reading.value, 3) + &ends, reading)
-            });
-            let p = found
-                .p
-                .map_or_else(|| "—".to_owned(), |p| probability(p).replace("p = ", "").replace("p < ", "< "));
-            let needed = match row.is_apart() {
-                true => "",
-                false => &length(row.length),
-            };
-            let ratio = ratio.unwrap_or_else(|| "—".to_owned().into());
-            vec![
-                row.name.replace('_', " ").into(),
-                value(0),
-                value(1),
-                ratio,
-                p.into(),
-                needed.to_owned().into(),
-            ]
+    /// A row for each coefficient: that of the headline, those with a limit, and those that neither log shows last.
+    fn table(&self, mut rows: Vec<&Row>, told: Option<&Row>, judged: &[Judged]) -> AnswerTable {
+        let standing = |row: &Row| {
+            let own = judged.iter().find(|one| one.limit.term.symbol() == row.name);
+            own.map(|one| one.standing.name())
         };
-        let heads = ["coefficient", labels[0], labels[1], "ratio (95 %)", "p", "record to resolve"];
-        AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: all.iter().take(MAX_ROWS).map(row).collect(),
-            best: told.map(|_| 0),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        rows.sort_by_key(|row| {
+            let is_told = told.is_some_and(|told| told.name == row.name);
+            (!is_told, standing(row).is_none(), row.found.values.iter().all(Option::is_none))
+        });
+        let row = |row: &&Row| match judged {
+            [] => {
+                let p = row.found.p.map_or_else(|| "—".to_owned(), probability);
+                let needed = if row.is_apart() { String::new() } else { length(row.length) };
+                row.cells("", p.trim_start_matches("p = ").trim_start_matches("p ").to_owned(), needed)
+            }
+            // A limit is judged by the ratio alone, and p is that of a difference.
+            _ => row.cells(standing(row).unwrap_or_default(), String::new(), String::new()),
+        };
+        let [a, b] = self.labels();
+        let heads = ["coefficient", "ratio (95 %)", "status", "p", a, b, "record to resolve"];
+        AnswerTable { best: told.map(|_| 0), ..AnswerTable::new(heads, rows.iter().map(row)) }
     }
 
     fn facts(&self, critical: Option<&Judged>, told: Option<&Row>) -> Vec<Fact> {

@@ -1,6 +1,6 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::{Deviation, Point};
+use crate::allan::Deviation;
 use crate::analysis::compare::Ratio;
 use crate::key::scale::Scale;
 use crate::quantity::number::probability;
@@ -9,10 +9,7 @@ use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPo
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, times};
-use crate::analysis::log::figures::{described, line};
-
-/// Relative difference below which averaging times are the same.
-const SAME: f64 = 1e-4;
+use crate::analysis::log::figures::{along, described, line, points};
 
 /// Label of the times.
 const TIME: &str = "averaging time τ";
@@ -22,14 +19,10 @@ const NARROW: f64 = 3.0;
 
 /// The chart of both curves.
 pub fn curves(analysis: &Analysis) -> Figure {
-    let labels = [0, 1].map(|i| analysis.sides[i].label.clone());
+    let labels = analysis.labels();
     let fits = fits(analysis).unwrap_or_default();
     let series = |colour: usize| {
-        let point = |point: &Point| {
-            let positive = point.value.filter(|value| *value > 0.0)?;
-            Some(SeriesPoint { x: point.tau_s, y: positive, band: point.interval, key: None })
-        };
-        let points = analysis.comparison.curves[colour].iter().filter_map(point).collect();
+        let points = points(&analysis.comparison.curves[colour]).collect();
         Series { colour, dash: 0, points, law: fits[colour].clone() }
     };
     Figure {
@@ -37,7 +30,7 @@ pub fn curves(analysis: &Analysis) -> Figure {
         subtitle: Some(subtitle(analysis)),
         x: Axis::new(TIME, "s"),
         y: Axis::new("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
-        colours: Grouping::of("records", labels),
+        colours: Grouping::of("records", labels.map(str::to_owned)),
         points: measured(&fits[0]),
         bands: "95 % intervals".to_owned(),
         lines: "fit".to_owned(),
@@ -48,7 +41,7 @@ pub fn curves(analysis: &Analysis) -> Figure {
 
 /// The chart of the ratio of the second curve to the first.
 pub fn ratio(analysis: &Analysis) -> Figure {
-    let [a, b] = [0, 1].map(|i| analysis.sides[i].label.clone());
+    let [a, b] = analysis.labels();
     let point = |ratio: &Ratio| {
         let band = ratio.interval.map(|ends| (ends[0], ends[1]));
         Some(SeriesPoint { x: ratio.tau_s(), y: ratio.value?, band, key: None })
@@ -82,27 +75,19 @@ pub(crate) fn of_ratios(label: &str, ratios: impl Iterator<Item = f64>) -> Axis 
 /// A line by its points.
 type Line = Vec<(f64, f64)>;
 
-/// The expected curves of the fits of both records.
+/// The curves of the fits of both records over the τ on which they were fitted.
 fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
     let fits = analysis.comparison.fits()?;
-    let points = [0, 1].map(|i| described(&fits[i], &analysis.comparison.curves[i]));
-    Some([0, 1].map(|i| line(&fits[i].process, Deviation::Oadev, points[i], analysis.sides[i].samples)))
+    Some([0, 1].map(|i| {
+        let points = described(&fits[i], &analysis.comparison.curves[i]);
+        let longest = points.partition_point(|point| point.tau_s < 1.01 * fits[i].tau_range[1]);
+        line(&fits[i].process, Deviation::Oadev, &points[..longest], analysis.sides[i].samples)
+    }))
 }
 
-/// The second line over the first, at the times of the first that the second contains or spans.
+/// The second line over the first, at the times of the first that the second spans.
 fn of_fits([a, b]: &[Line; 2]) -> Line {
-    let at = |&(tau, of_a): &(f64, f64)| {
-        let next = b.iter().position(|point| point.0 >= tau * (1.0 - SAME))?;
-        let (high, of_high) = b[next];
-        if high <= tau * (1.0 + SAME) {
-            return Some((tau, of_high / of_a));
-        }
-        // Between two points the line is nearly a power of τ.
-        let (low, of_low) = b[next.checked_sub(1)?];
-        let part = libm::log(tau / low) / libm::log(high / low);
-        Some((tau, of_low * libm::pow(of_high / of_low, part) / of_a))
-    };
-    a.iter().filter_map(at).collect()
+    a.iter().filter_map(|&(tau_s, of_a)| Some((tau_s, along(b, tau_s)? / of_a))).collect()
 }
 
 /// Name of the points in the legend, needed where there is a fit too.
@@ -121,11 +106,52 @@ fn found(analysis: &Analysis) -> String {
     let rows = analysis.rows.iter().flatten();
     let of = |row: &Row| {
         let ratio = times(row.found.ratio?, 3);
-        let open = if row.verdict() == Verdict::NotToldApart { ", not significant" } else { "" };
+        let open = if row.verdict() == Verdict::Consistent { ", not significant" } else { "" };
         Some(format!("{}: {ratio} ({}{open})", row.name, probability(row.found.p?)))
     };
     let coefficients = rows.filter_map(of);
     let same = analysis.comparison.same.map(|same| format!("same noise in both: {}", probability(same.p)));
     let all: Vec<String> = coefficients.chain(same).collect();
     if all.is_empty() { subtitle(analysis) } else { all.join("; ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::iter::successors;
+    use std::path::Path;
+
+    use super::*;
+    use crate::allan::Trend;
+    use crate::analysis::log::Treatment;
+    use crate::fit::{Term, Terms};
+    use crate::record::log::channel::Log;
+    use crate::record::log::check::UnitCheck;
+    use crate::record::log::measure::{Data, Unit};
+
+    #[test]
+    fn fits_are_drawn_over_the_times_on_which_they_were_fitted() {
+        let log = |seed: u64| {
+            let numbers = successors(Some(seed), |n| Some(16_807 * n % 2_147_483_647));
+            let rates = numbers.map(|n| n as f64 / 2_147_483_647.0 - 0.5).take(4096).collect();
+            Log::of_column("gz", Data::Rate, Unit::parse("deg/h", Data::Rate).unwrap(), 1.0, rates)
+        };
+        let (a, b) = (log(1), log(2));
+        let treatment = Treatment {
+            skip_s: 0.0,
+            until_s: None,
+            trend: Trend::None,
+            outliers_removed: false,
+            events_removed: false,
+            unit_check: UnitCheck::Off,
+            is_compensated: false,
+        };
+        let fitting = Terms::Given(vec![Term::AngleRandomWalk]).into();
+        let logs = [(Path::new("a.csv"), &a), (Path::new("b.csv"), &b)];
+        let analysis = Analysis::of(logs, &treatment, Some(&fitting)).unwrap();
+        for (series, fit) in curves(&analysis).series.iter().zip(analysis.comparison.fits().unwrap()) {
+            let [from_s, to_s] = fit.tau_range;
+            assert_eq!((series.law[0].0, series.law.last().unwrap().0), (from_s, to_s));
+            assert!(series.points.last().unwrap().x > to_s, "{to_s} s");
+        }
+    }
 }

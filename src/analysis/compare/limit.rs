@@ -7,17 +7,17 @@ use crate::analysis::requirement::{Judgement, LimitError, Limited, Standing, is_
 use crate::answer::reading::range;
 use crate::fit::Term;
 
-/// A requirement on two logs: how many times the coefficient of A that of B may be at most.
+/// A requirement on two logs: the largest accepted ratio of a coefficient, the second log over the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RatioLimit {
     /// The term of the coefficient.
     pub term: Term,
-    /// Largest accepted ratio of B over A.
+    /// Largest accepted ratio of the second log over the first.
     pub most: f64,
 }
 
 impl RatioLimit {
-    /// Reads a limit such as `N=1.1`: B has at most 1.1 times the N of A.
+    /// Reads a limit such as `N=1.1`: the second log has at most 1.1 times the N of the first.
     ///
     /// # Errors
     /// The text is no limit on a coefficient, or its value is not a positive number.
@@ -29,7 +29,7 @@ impl RatioLimit {
             _ => Err(LimitError {
                 message: format!("the limit on {}: \"{value}\" is not a positive number", of.name()),
                 help: format!(
-                    "a comparison limits the ratio of B over A, as in \"{}=1.1\"; limits on the coefficient of a log are those of \
+                    "a comparison limits the ratio of the second log over the first, as in \"{}=1.1\"; limits on the coefficient of a log are those of \
                      its own analysis",
                     of.name()
                 ),

@@ -12,6 +12,7 @@ use crate::record::log::channel::Log;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
 
+use crate::analysis::batch::units::labels;
 use crate::analysis::compare::rows::{Row, rows};
 use crate::analysis::log::events::{Record, Row as Shown};
 use crate::analysis::log::{Treatment, digest, temperatures};
@@ -160,7 +161,11 @@ impl Analysis {
         if a.unit != b.unit {
             return Err(CompareError::Units { units: [a.unit, b.unit], paths: [a.path, b.path] });
         }
-        [a.label, b.label] = labels(&a, &b);
+        let labels = labels(&[(&a.path, &a.column), (&b.path, &b.column)], 2);
+        (a.label, b.label) = match labels.as_deref() {
+            Some([of_a, of_b]) => (of_a.clone(), of_b.clone()),
+            _ => ("A".to_owned(), "B".to_owned()),
+        };
         let comparison = compare(&a.events, &b.events, fitting)?;
         let rows = rows(&comparison, a.unit);
         Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
@@ -179,6 +184,11 @@ impl Analysis {
         })
     }
 
+    /// The labels of both logs.
+    pub fn labels(&self) -> [&str; 2] {
+        self.sides.each_ref().map(|side| &*side.label)
+    }
+
     /// The treatment of both records.
     pub fn treatment(&self) -> Treatment {
         let [a, b] = &self.sides;
@@ -194,16 +204,6 @@ impl Analysis {
 /// The names of the columns of samples.
 fn names(log: &Log) -> Vec<&str> {
     log.channels.iter().map(|channel| channel.name.as_str()).collect()
-}
-
-/// Labels as short as possible: the names of the files, then with columns, then with folders.
-fn labels(a: &Side, b: &Side) -> [String; 2] {
-    let stem = |side: &Side| side.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let with_column = |side: &Side| format!("{} {}", stem(side), side.column);
-    let whole = |side: &Side| side.path.display().to_string();
-    let names: [&dyn Fn(&Side) -> String; 3] = [&stem, &with_column, &whole];
-    let both = names.iter().map(|name| [name(a), name(b)]).find(|[a, b]| a != b);
-    both.unwrap_or_else(|| ["A", "B"].map(str::to_owned))
 }
 
 fn is_one_record(a: &Side, b: &Side) -> bool {

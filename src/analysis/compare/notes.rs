@@ -12,8 +12,9 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     let common = &analysis.comparison.common;
     if common.farthest > 0.0 {
         notes.push(format!(
-            "the averaging times of the records are up to {} % apart; those of A are shown",
-            significant(100.0 * common.farthest, 2)
+            "the averaging times of the records are up to {} % apart; those of {} are shown",
+            significant(100.0 * common.farthest, 2),
+            analysis.labels()[0]
         ));
     }
     if common.left_out > 0 {

@@ -2,6 +2,7 @@
 
 use crate::allan::{Deviation, Point, fisher};
 use crate::analysis::compare::LEAST_P;
+use crate::analysis::compare::rows::Verdict;
 
 /// Largest relative difference between two averaging times that count as one.
 pub const NEAREST: f64 = 0.02;
@@ -86,10 +87,13 @@ impl Ratio {
         self.points[0].tau_s
     }
 
-    /// Whether the interval lies above (`true`) or below 1; `None` where it contains 1 or is absent.
-    pub fn is_above(&self) -> Option<bool> {
-        let [low, high] = self.interval?;
-        (low > 1.0 || high < 1.0).then_some(low > 1.0)
+    /// Whether the interval lies above 1, below 1 or contains it; `None` without an interval.
+    pub fn verdict(&self) -> Option<Verdict> {
+        Some(match self.interval? {
+            [low, _] if low > 1.0 => Verdict::Higher,
+            [_, high] if high < 1.0 => Verdict::Lower,
+            _ => Verdict::Consistent,
+        })
     }
 }
 

@@ -20,15 +20,15 @@ pub struct Row {
     pub described: [bool; 2],
 }
 
-/// The verdict that follows from p.
+/// The verdict on a quantity of two logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The second record has a higher value.
+    /// The second record has a significantly higher value.
     Higher,
-    /// The second record has a lower value.
+    /// The second record has a significantly lower value.
     Lower,
     /// The records show no significant difference.
-    NotToldApart,
+    Consistent,
     /// Both values are the same number.
     Equal,
     /// Neither record shows the quantity.
@@ -38,15 +38,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Name in files.
-    pub fn name(self) -> &'static str {
+    /// The verdict in files, where the second log has the label `b`: `after higher`.
+    pub fn text(self, b: &str) -> String {
         match self {
-            Verdict::Higher => "B higher",
-            Verdict::Lower => "B lower",
-            Verdict::NotToldApart => "consistent",
-            Verdict::Equal => "equal",
-            Verdict::Neither => "in neither record",
-            Verdict::Explained => "not compared",
+            Verdict::Higher => format!("{b} higher"),
+            Verdict::Lower => format!("{b} lower"),
+            Verdict::Consistent => "consistent".to_owned(),
+            Verdict::Equal => "equal".to_owned(),
+            Verdict::Neither => "in neither record".to_owned(),
+            Verdict::Explained => "not compared".to_owned(),
         }
     }
 }
@@ -62,7 +62,7 @@ impl Row {
                 _ => Verdict::Lower,
             },
             Some(_) if self.found.difference == Some(0.0) => Verdict::Equal,
-            Some(_) => Verdict::NotToldApart,
+            Some(_) => Verdict::Consistent,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::analysis::decision::Sheet;
 use crate::analysis::design::report::{called, duration, named};
 use crate::analysis::design::{Design, Filler, Found, PapersRule, Tried, Variant};
 use crate::answer::reading::{joined, number, range};
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading, Status};
+use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
 use crate::quantity::list::listed;
 use crate::table::{Column, Unit};
 
@@ -118,13 +118,7 @@ impl Design {
         let after = if alike { duration(self.variant().duration_s) } else { "the run".to_owned() };
         let after = format!("after {after}");
         let heads = ["filler", "interval", "within 4 %", self.measure.label(), &after, "× best"];
-        AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: all.iter().take(MAX_ROWS).map(row).collect(),
-            best: Some(0),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        AnswerTable { best: Some(0), ..AnswerTable::new(heads, all.iter().map(row)) }
     }
 
     fn facts(&self, sheet: Option<&Sheet>) -> Vec<Fact> {

@@ -1,7 +1,7 @@
 //! The result of a design: for each variant, filler and interval.
 
 use crate::analysis::decision::{DecisionError, Sheet, decide_at};
-use crate::analysis::design::constraints::{Constraints, Cost, LeftOut, keep};
+use crate::analysis::design::constraints::{Constraints, Cost, keep};
 use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
 use crate::analysis::jackknife::{T_95, of_halves};
@@ -116,8 +116,6 @@ pub struct Design {
     pub trials: u64,
     /// Notes on the results, each a sentence.
     pub notes: Vec<String>,
-    /// Fillers that break a constraint.
-    pub left_out: Vec<LeftOut>,
     /// The results of each combination of swept keys, in the order of the sweeps; a single one where none is swept.
     pub variants: Vec<Variant>,
     /// Index of the variant with the least drift.

@@ -15,7 +15,7 @@
 //! own, and the variant with the least drift wins. All variants have the same random numbers.
 //!
 //! ```
-//! use sagnac::analysis::design::{Measure, Request, design};
+//! use sagnac::analysis::design::{Constraints, Measure, Request, design};
 //! use sagnac::verify::select;
 //! use sagnac::study::Study;
 //! use sagnac::progress::Silent;
@@ -35,7 +35,8 @@
 //!     duration = "1 h"
 //! "#)?;
 //! let mut device = select("cpu", 2)?.device;
-//! let found = design(&study, &Request::of(Measure::DriftRms), &mut device, &Silent)?;
+//! let request = Request { measure: Measure::DriftRms, constraints: Constraints::default(), search: None };
+//! let found = design(&study, &request, &mut device, &Silent)?;
 //! let best = found.best().best();
 //! // In closed form 22.4 s, and 0.0304 °/h rms.
 //! assert!((20.0..25.0).contains(&best.interval_s), "{} s", best.interval_s);
@@ -58,7 +59,7 @@ pub(crate) mod sampling;
 pub mod searched;
 pub(crate) mod variants;
 
-pub use crate::analysis::design::constraints::{Constraints, Cost, LeftOut};
+pub use crate::analysis::design::constraints::{Constraints, Cost};
 pub use crate::analysis::design::error::DesignError;
 pub use crate::analysis::design::found::{Design, Filler, Found, Tried, Variant};
 pub use crate::analysis::design::measure::Measure;
@@ -66,7 +67,7 @@ pub use crate::analysis::design::paper::PapersRule;
 pub use crate::analysis::design::searched::Search;
 
 use crate::analysis::design::candidates::Maker;
-use crate::analysis::design::constraints::constrained;
+use crate::analysis::design::constraints::{LeftOut, constrained};
 use crate::analysis::design::found::deciding;
 use crate::analysis::design::optimum::least_of;
 use crate::analysis::design::runs::{Chosen, Runner, work};
@@ -94,13 +95,6 @@ pub struct Request {
     pub constraints: Constraints,
     /// Search for further fillers; none without it.
     pub search: Option<Search>,
-}
-
-impl Request {
-    /// The interval and the filler of the study that minimize this quantity.
-    pub fn of(measure: Measure) -> Request {
-        Request { measure, constraints: Constraints::default(), search: None }
-    }
 }
 
 /// Runs all candidates of all variants; `progress` counts the switches of their runs.
@@ -167,7 +161,6 @@ pub fn design(
         is_searched: search.is_some(),
         trials,
         notes: notes.collect(),
-        left_out,
         variants: found,
         best,
     })

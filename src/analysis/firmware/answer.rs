@@ -162,7 +162,7 @@ impl Firmware {
             None => "rms within tolerance".to_owned(),
         };
         let heads = ["filler", "rms", &off, "99.73 %", "√Σw²", "latency"];
-        let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect());
+        let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect()).without_blanks();
         AnswerTable { best: table.best.filter(|_| !known.is_empty()), ..table }
     }
 
@@ -258,18 +258,7 @@ impl Trade {
             None => "rms within tolerance".to_owned(),
         };
         let heads = ["ticks before + after", "latency", "rms as given", &off, "99.73 %", "limit"];
-        let mut columns: Vec<String> = heads.map(str::to_owned).into();
-        let mut rows: Vec<Vec<AnswerCell>> = shown.map(row).collect();
-        if self.asked.limit_arcsec.is_none() {
-            columns.pop();
-            rows.iter_mut().for_each(|row| row.truncate(columns.len()));
-        }
-        AnswerTable {
-            columns,
-            rows,
-            best: Some(place - first),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        let omitted = all.len().saturating_sub(MAX_ROWS);
+        AnswerTable { best: Some(place - first), omitted, ..AnswerTable::new(heads, shown.map(row)) }
     }
 }

@@ -181,7 +181,7 @@ fn marks(
 }
 
 /// The value of a line at x, where it is known.
-fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
+pub(crate) fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
     let after = line.partition_point(|place| place.0 < x * (1.0 - 1e-9));
     let (to, value) = *line.get(after)?;
     if (to / x - 1.0).abs() < 1e-9 {
@@ -192,14 +192,19 @@ fn along(line: &[(f64, f64)], x: f64) -> Option<f64> {
 }
 
 fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (usize, usize)) -> Series {
-    let points = curve.points.iter().filter_map(|point| {
-        Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval, key: None })
-    });
     let law = column.noise().map(|noise| {
         let points = described(&noise.fit, &curve.points);
         line(&noise.fit.process, curve.deviation, points, analysis.samples)
     });
-    Series { colour, dash, points: points.collect(), law: law.unwrap_or_default() }
+    Series { colour, dash, points: points(&curve.points).collect(), law: law.unwrap_or_default() }
+}
+
+/// The known deviations of a curve with their intervals.
+pub(crate) fn points(points: &[Point]) -> impl Iterator<Item = SeriesPoint> {
+    let point = |point: &Point| {
+        Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval, key: None })
+    };
+    points.iter().filter_map(point)
 }
 
 /// The points of a curve from the shortest τ that the fit describes on; none where it describes none.

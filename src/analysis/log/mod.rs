@@ -5,13 +5,11 @@
 //!                              ├─ events ─▶ events.csv
 //!                              ├─ figures ─▶ charts
 //!                              ├─ noise_file ─▶ noise.toml, for studies
-//!                              ├─ navigators ─▶ navigation.toml, a study, with its answer
-//!                              └─ kalibr ─▶ imu.yaml
+//!                              └─ navigators ─▶ navigation.toml, a study, with its answer
 //! ```
 
 pub mod events;
 pub mod figures;
-pub mod kalibr;
 pub mod navigators;
 pub mod noise_file;
 pub mod notes;

@@ -10,7 +10,7 @@ use crate::analysis::log::noise_file::{self, quantity};
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::log::{Analysis, Column};
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
+use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
 use crate::device::Device;
 use crate::device::cpu::Cpu;
 use crate::fit::Coefficient;
@@ -298,13 +298,7 @@ pub fn answer(found: &[Result<Navigators, String>]) -> Option<Answer> {
         headline: format!("{name}{} R95 after {after}{}", within(worst).text(), within(worst).in_brackets()),
         value: Some(within(worst)),
         limit: worst.sheet.limit.map(|limit| reading(worst, limit.value, None)),
-        table: AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: all.iter().take(MAX_ROWS).map(row).collect(),
-            best: Some(0),
-            omitted: all.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        },
+        table: AnswerTable { best: Some(0), ..AnswerTable::new(heads, all.iter().map(row)) },
         facts,
         checks: vec![],
     })

@@ -104,11 +104,8 @@ impl Analysis {
         let heads = ["column", "white noise N", "random walk K", "Gauss–Markov σ, T", over];
         let worst = self.worst().and_then(|worst| columns.iter().position(|one| std::ptr::eq(one, worst)));
         AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: columns.iter().take(MAX_ROWS).map(row).collect(),
             best: worst.filter(|place| *place < MAX_ROWS),
-            omitted: columns.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
+            ..AnswerTable::new(heads, columns.iter().map(row))
         }
     }
 
@@ -173,20 +170,9 @@ fn parameters(column: &Column) -> AnswerTable {
         let sigma = Reading::in_unit("sigma", state.sigma, symbol, None);
         vec![format!("Gauss–Markov state {number}").into(), sigma.into(), time.into()]
     });
-    let values = shown(column)
-        .into_iter()
-        .map(|(name, reading)| vec![name.into(), reading.into(), String::new().into()]);
-    let mut rows: Vec<Vec<AnswerCell>> = values.chain(states).collect();
-    let omitted = rows.len().saturating_sub(MAX_ROWS);
-    rows.truncate(MAX_ROWS);
-    let heads = ["parameter", "value", "correlation time"];
-    AnswerTable {
-        columns: heads.map(str::to_owned).into(),
-        rows,
-        best: None,
-        omitted,
-        ..AnswerTable::default()
-    }
+    let values =
+        shown(column).into_iter().map(|(name, reading)| vec![name.into(), reading.into(), "".into()]);
+    AnswerTable::new(["parameter", "value", "correlation time"], values.chain(states))
 }
 
 /// Notes on what was read and on what the model leaves out.

@@ -64,14 +64,6 @@ impl Found {
     pub fn over_bound(&self, target: &Target) -> [f64; 2] {
         largest(target, &self.excesses(target, |i| self.bounds[i]))
     }
-
-    /// The least excess over what is bounded, with its τ: where the model touches it.
-    pub fn nearest(&self, target: &Target) -> [f64; 2] {
-        let excesses: Vec<f64> =
-            self.excesses(target, |i| self.bounds[i]).iter().map(|excess| -excess).collect();
-        let [excess, tau_s] = largest(target, &excesses);
-        [-excess, tau_s]
-    }
 }
 
 fn largest(target: &Target, excesses: &[f64]) -> [f64; 2] {

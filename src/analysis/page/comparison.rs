@@ -4,7 +4,7 @@ use crate::allan::Deviation;
 use crate::analysis::compare::Ratio;
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::notes::notes;
-use crate::analysis::compare::rows::{Row, Verdict};
+use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::{interval, length, times};
 use crate::analysis::compare::{figures, tables};
 use crate::analysis::log::events;
@@ -20,21 +20,16 @@ use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of two logs from their comparison and the decision to which it leads.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {
-    let [a, b] = &analysis.sides;
+    let [a, b] = analysis.labels();
     let figures = [("chart-1", figures::curves(analysis)), ("chart-2", figures::ratio(analysis))];
     let charts = figures.map(|(stem, figure)| chart(stem, Picture::Curves(figure)));
     let deviations = charts.into_iter().chain([ratios(analysis)]);
     let of_fits = analysis.rows.is_ok().then(|| ("coefficients.csv", tables::coefficients(analysis)));
     let shows = analysis.events().concat();
     Page {
-        title: format!("{} and {} compared", a.label, b.label),
+        title: format!("{a} and {b} compared"),
         scope: String::new(),
-        subtitle: format!(
-            "Is {} noisier than {}? {}",
-            b.label,
-            a.label,
-            capitalized(&analysis.treatment().summary())
-        ),
+        subtitle: format!("Is {b} noisier than {a}? {}", capitalized(&analysis.treatment().summary())),
         answer: decision.answer.clone(),
         notes: notes(analysis),
         sections: vec![
@@ -57,20 +52,16 @@ pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) 
 
 /// A row for each averaging time.
 fn ratios(analysis: &Analysis) -> Block {
-    let labels = analysis.sides.each_ref().map(|side| &*side.label);
+    let labels = analysis.labels();
     let row = |ratio: &Ratio| {
         let values = [0, 1].map(|k| ratio.points[k].value.map_or_else(String::new, |x| significant(x, 4)));
         let [a, b] = values;
         let shown = ratio.value.map_or_else(String::new, |ratio| times(ratio, 4));
         let ends = interval(ratio.interval.map_or([None; 2], |ends| ends.map(Some)), &|x| times(x, 4));
-        let verdict = match ratio.is_above() {
-            Some(true) => "higher",
-            Some(false) => "lower",
-            None => "",
-        };
-        [significant(ratio.tau_s(), 7), a, b, shown, ends, verdict.to_owned()]
+        let verdict = ratio.verdict().map_or_else(String::new, |verdict| verdict.text(labels[1]));
+        [significant(ratio.tau_s(), 7), a, b, shown, ends, verdict]
     };
-    let head = ["τ, s", labels[0], labels[1], "ratio", "95 % interval", labels[1]];
+    let head = ["τ, s", labels[0], labels[1], "ratio", "95 % interval", "status"];
     let title = titled("overlapping Allan deviations", analysis.unit.symbol(Deviation::Oadev));
     Block::More(title, Grid::new(head, analysis.comparison.ratios.iter().map(row)))
 }
@@ -102,7 +93,7 @@ fn records(logs: [&Log; 2], analysis: &Analysis) -> Vec<Block> {
 /// A row for each coefficient; `None` without any.
 fn coefficients(analysis: &Analysis) -> Option<Block> {
     let rows = analysis.rows.as_ref().ok().filter(|rows| !rows.is_empty())?;
-    let labels = analysis.sides.each_ref().map(|side| &*side.label);
+    let labels = analysis.labels();
     let found = ["ratio", "difference", "if equal", "status", "length needed"];
     let head = ["coefficient", "unit"].iter().chain(&labels).chain(&found).copied();
     let row = |row: &Row| {
@@ -116,11 +107,6 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
             text: value.map_or_else(|| "–".to_owned(), shown),
             below: interval(ends, shown),
         };
-        let verdict = match row.verdict() {
-            Verdict::Higher => format!("higher in {}", labels[1]),
-            Verdict::Lower => format!("lower in {}", labels[1]),
-            other => other.name().to_owned(),
-        };
         [
             Cell::from(row.name),
             row.symbol.into(),
@@ -129,7 +115,7 @@ fn coefficients(analysis: &Analysis) -> Option<Block> {
             within(found.ratio, found.ratio_interval, &|ratio| times(ratio, 4)),
             within(found.difference, found.interval, &|difference| significant(difference, 4)),
             found.p.map(probability).unwrap_or_default().into(),
-            verdict.into(),
+            row.verdict().text(labels[1]).into(),
             length(row.length).into(),
         ]
     };

@@ -189,7 +189,7 @@ fn of_columns(columns: &[&Column]) -> Grid {
 }
 
 /// A value over its interval, or a bound over the verdict.
-fn cell(row: &Row) -> Cell {
+pub(super) fn cell(row: &Row) -> Cell {
     match (row.value, row.interval) {
         (Some(value), Some(ends)) => Cell { text: significant(value, 4), below: interval(ends) },
         (Some(value), None) => significant(value, 4).into(),

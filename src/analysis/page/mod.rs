@@ -6,18 +6,18 @@
 //! Dynamic ─ of_dynamic ──────────┴▶ Sections ─┐
 //! Log, Analysis with its spectra ─────────────┴ of_log ─▶ Page
 //! two Logs, their comparison ──────────── of_comparison ─▶ Page
-//! Lot, Design, Firmware ─── of_lot, of_design, of_filler ─▶ Page
+//! Batch, Design, Firmware ─── of_batch, of_design, of_filler ─▶ Page
 //! models for filters ─────────────────────────── of_model ─▶ Page
 //! Sensitivity ────────────────────────── of_sensitivity ─▶ Page
 //! store and tables of a study ─ Results ──────────── page ─▶ Page
 //! ```
 
+mod batch;
 mod comparison;
 mod design;
 mod filler;
 mod further;
 mod log;
-mod lot;
 mod model;
 mod record;
 mod sensitivity;
@@ -25,12 +25,12 @@ mod spectrum;
 mod study;
 mod trace;
 
+pub use crate::analysis::page::batch::of_batch;
 pub use crate::analysis::page::comparison::of_comparison;
 pub use crate::analysis::page::design::of_design;
 pub use crate::analysis::page::filler::of_filler;
 pub use crate::analysis::page::further::{of_dynamic, of_navigators, of_temperature};
 pub use crate::analysis::page::log::of_log;
-pub use crate::analysis::page::lot::of_lot;
 pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;
 pub use crate::analysis::page::study::Results;

@@ -267,28 +267,32 @@ impl<'a> Panel<'a> {
         let (first, others): (Vec<Limited>, Vec<Limited>) =
             Limited::OF_LOG.into_iter().chain([Limited::Floor]).partition(is_limited);
         let others = all.filter(|of| others.contains(of)).filter(has_value);
-        let most = MAX_COLUMNS - 1 - usize::from(!self.judged.is_empty());
+        let is_judged = !self.judged.is_empty();
+        let most = MAX_COLUMNS - 1 - usize::from(is_judged);
+        // The status is that of the columns before it.
+        let limited = 1 + first.len().min(most);
         let shown: Vec<Limited> = first.into_iter().chain(others).take(most).collect();
         let row = |subject: &&Subject| {
-            let cell = |of: &Limited| subject.shown(*of).map_or_else(|_| "—".to_owned().into(), Row::cell);
+            let cell = |of: &Limited| subject.shown(*of).map_or_else(|_| "—".into(), Row::cell);
             let own: Vec<Standing> = self
                 .judged
                 .iter()
                 .filter(|one| std::ptr::eq(one.subject, *subject))
                 .map(Judged::standing)
                 .collect();
-            let status = (!self.judged.is_empty()).then(|| status(&own).text().into());
-            let cells = shown.iter().map(cell).chain(status);
-            std::iter::once(subject.label.to_owned().into()).chain(cells).collect()
+            let mut cells = vec![AnswerCell::from(subject.label)];
+            cells.extend(shown.iter().map(cell));
+            if is_judged {
+                cells.insert(limited, status(&own).text().into());
+            }
+            cells
         };
-        let heads = shown.iter().map(|of| of.told()).chain((!self.judged.is_empty()).then_some("status"));
-        AnswerTable {
-            columns: std::iter::once(what).chain(heads).map(str::to_owned).collect(),
-            rows: subjects.iter().take(MAX_ROWS).map(row).collect(),
-            best: Some(0),
-            omitted: subjects.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
+        let mut heads = vec![what];
+        heads.extend(shown.iter().map(|of| of.told().trim_start_matches("the ")));
+        if is_judged {
+            heads.insert(limited, "status");
         }
+        AnswerTable { best: Some(0), ..AnswerTable::new(heads, subjects.iter().map(row)) }
     }
 
     fn facts(&self) -> Vec<Fact> {

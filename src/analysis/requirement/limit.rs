@@ -31,7 +31,7 @@ impl Limited {
     };
 
     /// What a limit on the units of a batch can be on.
-    pub const OF_LOT: &'static [Limited] = Limited::OF_LOG.split_at(Term::ALL.len() + 1).0;
+    pub const OF_BATCH: &'static [Limited] = Limited::OF_LOG.split_at(Term::ALL.len() + 1).0;
 
     /// Name in limits and in tables.
     pub fn name(self) -> &'static str {
@@ -281,7 +281,7 @@ mod tests {
                 assert!(error.contains(piece), "{text}: {piece} is missing in {error}");
             }
         }
-        assert!(Limit::parse("floor=1 deg/sqrt(h)", Limited::OF_LOT).is_err());
+        assert!(Limit::parse("floor=1 deg/sqrt(h)", Limited::OF_BATCH).is_err());
     }
 
     #[test]

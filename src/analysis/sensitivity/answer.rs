@@ -3,7 +3,7 @@
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, Sensitivity};
 use crate::answer::reading::{begun, joined, number, percent_of, range};
-use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading, Status};
+use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
 use crate::quantity::number::with_unit;
 
 /// A part of the variance in percent, which sampling may have left outside 0 to 100.
@@ -71,13 +71,7 @@ impl Sensitivity {
         };
         let inputs = self.by_total();
         let heads = ["input", "total S_T", "first-order S₁", "5 % to 95 %", &self.answer.label];
-        AnswerTable {
-            columns: heads.map(str::to_owned).into(),
-            rows: inputs.iter().take(MAX_ROWS).map(row).collect(),
-            best: Some(0),
-            omitted: inputs.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        AnswerTable { best: Some(0), ..AnswerTable::new(heads, inputs.iter().map(row)) }
     }
 
     fn facts(&self) -> Vec<Fact> {

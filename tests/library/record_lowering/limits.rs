@@ -29,7 +29,7 @@ fn largest(recipe: &Recipe, difference: Difference, m: u64) -> f64 {
     let sine = recipe.sine.map_or(0.0, |[step, amplitude]| {
         let frequency_hz = f64::from(step) / 2.0_f64.powi(32);
         let amplitude = f64::from(amplitude) / 4.0 * std::f64::consts::TAU * frequency_hz;
-        Part::sine(amplitude, frequency_hz).largest(difference, 1.0, m)
+        (2.0 * Part::sine(amplitude, frequency_hz).variance(difference, 1.0, m)).sqrt()
     });
     let process = Process { sample_s: 1.0, parts };
     let holds = (1..).zip(&recipe.flicker).map(|(octave, &word)| {

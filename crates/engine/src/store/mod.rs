@@ -250,11 +250,6 @@ impl Store {
         Ok(Store { path, keep, identity: identity.clone() })
     }
 
-    /// The study whose results the store holds.
-    pub fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
     /// Records that a share of the study is sampled here, so that `check` can tell whether the folder is complete.
     ///
     /// # Errors

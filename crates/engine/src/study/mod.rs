@@ -51,14 +51,19 @@ pub struct Study {
     pub charts: Vec<Chart>,
     /// The limit that its answer must meet.
     pub requirement: Option<Requirement>,
+    /// Its kind.
     pub kind: &'static Kind,
     /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     pub notes: Vec<String>,
     /// Precision at which points stop instead of after a number of trials.
     pub precision: Option<Precision>,
+    /// The part that belongs to its kind.
     pub subject: Arc<dyn Subject>,
+    /// Its text, for messages with places.
     pub text: Text,
+    /// Places of its keys in the text.
     pub places: Places,
+    /// What of the text a resolved study keeps.
     pub written: Written,
     /// Inputs whose values are known only by a range or a distribution.
     pub uncertain: Vec<Uncertain>,

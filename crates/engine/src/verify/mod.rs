@@ -7,11 +7,7 @@
 //! # Ok::<(), sagnac_engine::device::error::GpuError>(())
 //! ```
 
-#[cfg(feature = "gpu")]
-pub mod identity;
 pub mod measured;
-#[cfg(feature = "gpu")]
-pub mod shaders;
 #[cfg(test)]
 mod tests;
 
@@ -135,6 +131,13 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
     Ok(Verdict { kernel: kernel.name, digest: first_64_bits(hasher), differences })
 }
 
+/// First 64 bits of a SHA-256 over the digests of all kernels, which is the same on every machine.
+pub fn digest(verdicts: &[Verdict]) -> u64 {
+    let mut hasher = Sha256::new();
+    verdicts.iter().for_each(|verdict| hasher.update(verdict.digest.to_le_bytes()));
+    first_64_bits(hasher)
+}
+
 fn first_64_bits(hasher: Sha256) -> u64 {
     hasher.finalize()[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte))
 }
@@ -174,7 +177,7 @@ fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
 }
 
 /// Input words for some items of a building block, taken from the generator in whole blocks.
-fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
+pub fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
     let blocks = map.inputs.div_ceil(4) as u64;
     let keys = philox::schedule([Scalar(0); 2]);
     let block = |n: u64| philox::philox([n as u32, (n >> 32) as u32, 0, u32::MAX].map(Scalar), keys);

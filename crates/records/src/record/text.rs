@@ -37,7 +37,7 @@ struct Part<'b> {
 }
 
 /// A text of which the layout is known.
-pub struct Text<'a> {
+pub(crate) struct Text<'a> {
     layout: Layout,
     origin: Origin<'a>,
     rows: Bytes<'a>,

@@ -145,6 +145,12 @@ impl From<String> for AnswerCell {
     }
 }
 
+impl From<&str> for AnswerCell {
+    fn from(text: &str) -> AnswerCell {
+        text.to_owned().into()
+    }
+}
+
 impl From<Reading> for AnswerCell {
     fn from(value: Reading) -> AnswerCell {
         AnswerCell::bounded(Relation::Equal, value)
@@ -166,6 +172,34 @@ pub struct AnswerTable {
     /// those at the end.
     #[serde(skip)]
     pub are_places: bool,
+}
+
+impl AnswerTable {
+    /// The table of these rows, of which it shows the first [`MAX_ROWS`], without columns that are empty or dashes in all of them.
+    pub fn new(
+        columns: impl IntoIterator<Item: Into<String>>,
+        rows: impl IntoIterator<Item = Vec<AnswerCell>>,
+    ) -> AnswerTable {
+        let mut rows: Vec<Vec<AnswerCell>> = rows.into_iter().collect();
+        let omitted = rows.len().saturating_sub(MAX_ROWS);
+        rows.truncate(MAX_ROWS);
+        let columns = columns.into_iter().map(Into::into).collect();
+        AnswerTable { columns, rows, omitted, ..AnswerTable::default() }.without_blanks()
+    }
+
+    /// The table without columns that are empty or dashes in all rows; the first one stays.
+    pub fn without_blanks(mut self) -> AnswerTable {
+        let is_blank = |at: &usize| self.rows.iter().all(|row| matches!(&*row[*at].text, "" | "—"));
+        let blank: Vec<usize> = match self.rows[..] {
+            [] => vec![],
+            _ => (1..self.columns.len()).rev().filter(is_blank).collect(),
+        };
+        for at in blank {
+            self.columns.remove(at);
+            self.rows.iter_mut().for_each(|row| drop(row.remove(at)));
+        }
+        self
+    }
 }
 
 /// A check of the results.

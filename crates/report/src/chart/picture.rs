@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::answer::reading::capitalized;
 use crate::chart::canvas::Canvas;
 use crate::chart::console::{self, Look};
-use crate::chart::figure::{Axis, Figure};
+use crate::chart::figure::Figure;
 use crate::chart::map::Map;
 #[cfg(feature = "png")]
 use crate::chart::png::PngError;
@@ -132,13 +132,5 @@ impl Picture {
             Some(second) => format!("{sentence} {second}"),
             None => sentence.to_owned(),
         });
-    }
-
-    /// The axis of the shown quantity: y of curves, z of maps.
-    pub fn shown(&self) -> &Axis {
-        match self {
-            Picture::Curves(figure) => &figure.y,
-            Picture::Map(map) => &map.z,
-        }
     }
 }

@@ -54,13 +54,6 @@ impl Part {
     pub fn trend(&self, difference: Difference, sample_s: f64, m: u64) -> Option<Trend> {
         (self.term.row().trend)(self, difference, sample_s, m)
     }
-
-    /// Largest |difference| of the deterministic parts and of a sine, ″; 0 for noise.
-    ///
-    /// Together with 16 standard deviations of the noise it must fit into a word.
-    pub fn largest(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        (self.term.row().largest)(self, difference, sample_s, m)
-    }
 }
 
 /// sin 2πx without the loss of digits for large x.
@@ -114,8 +107,6 @@ mod tests {
                 };
                 let mean = (0..16).map(|i| square(f64::from(i) / 16.0)).sum::<f64>() / 16.0;
                 near(part.variance(difference, t0, m), mean, 1e-9, "sine");
-                let peak = (0..4000).map(|i| square(f64::from(i) / 4000.0)).fold(0.0, f64::max);
-                near(part.largest(difference, t0, m), libm::sqrt(peak), 1e-6, "peak of a sine");
             }
         }
         // A long τ keeps its digits where fτ is an integer plus one half.

@@ -14,15 +14,9 @@ pub struct Process {
 }
 
 impl Process {
-    /// Variance of a difference at `m` of all random parts, ″²; it proves the headroom together with
-    /// [`Process::largest`].
+    /// Variance of a difference at `m` of all random parts, ″².
     pub fn variance(&self, difference: Difference, m: u64) -> f64 {
         self.parts.iter().map(|part| part.variance(difference, self.sample_s, m)).sum()
-    }
-
-    /// Bound of a difference at `m` of everything except noise, ″.
-    pub fn largest(&self, difference: Difference, m: u64) -> f64 {
-        self.parts.iter().map(|part| part.largest(difference, self.sample_s, m)).sum()
     }
 
     /// Expected value of an estimator on a record of `samples` rate samples, (″/s)²; `None` where the estimator has no
@@ -80,9 +74,5 @@ mod tests {
             }
             assert_eq!(process.expected(estimator, samples, 201), None);
         }
-        let bound = process.largest(Difference::Second, 9);
-        let worst =
-            (0..383).map(|k| (angle(k + 18) - 2.0 * angle(k + 9) + angle(k)).abs()).fold(0.0, f64::max);
-        assert!(worst <= bound, "{worst} over {bound}");
     }
 }

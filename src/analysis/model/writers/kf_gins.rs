@@ -1,6 +1,6 @@
 //! The part `imunoise` of the configuration of KF-GINS.
 
-use crate::analysis::model::writers::{Axis, Takes, Writer, list, sigma, three, time_s};
+use crate::analysis::model::writers::{Axis, Takes, Writer, list, number, sigma, three, time_s};
 
 pub(super) static KF_GINS: Writer = Writer {
     name: "kf_gins",
@@ -27,6 +27,6 @@ pub(super) static KF_GINS: Writer = Writer {
             + &line(accelerometers, "abstd", three(accelerometers, |model| 0.980_665 * sigma(model)))
             + "  # Scale factors, ppm: a record at rest does not show them.\n"
             + "  gsstd: [0.0, 0.0, 0.0]\n  asstd: [0.0, 0.0, 0.0]\n"
-            + &format!("  corrtime: {}\n", crate::analysis::log::kalibr::number(shared / 3600.0))
+            + &format!("  corrtime: {}\n", number(shared / 3600.0))
     },
 };

@@ -5,9 +5,8 @@
 //! reason.
 
 use crate::allan::Unit;
-use crate::analysis::log::kalibr::plain_number;
 use crate::analysis::model::states::si;
-use crate::analysis::model::writers::{Axis, Takes, Writer, list, three};
+use crate::analysis::model::writers::{Axis, Takes, Writer, list, plain_number, three};
 
 pub(super) static MATLAB: Writer = Writer {
     name: "matlab",

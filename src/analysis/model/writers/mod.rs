@@ -15,7 +15,6 @@ mod pyins;
 mod yaml;
 
 use crate::allan::Unit;
-use crate::analysis::log::kalibr::number;
 use crate::analysis::log::notes::one_line;
 use crate::analysis::model::search::{Allowed, MOST_STATES, PER_DECADE, Problem, times};
 use crate::analysis::model::{Aim, Analysis, Column, Model};
@@ -216,6 +215,24 @@ fn time_s(model: &Model) -> f64 {
     model.markov.first().map_or(1.0, |state| state.time_s)
 }
 
+/// Six digits in a form that YAML 1.1 accepts as a number: with a point, and with a sign in the exponent.
+fn number(value: f64) -> String {
+    let text = format!("{value:.5e}");
+    match text.split_once('e') {
+        Some((mantissa, exponent)) if !exponent.starts_with('-') => format!("{mantissa}e+{exponent}"),
+        _ => text,
+    }
+}
+
+/// A number that is written without an exponent where it is short enough.
+fn plain_number(value: f64) -> String {
+    match significant(value, 9) {
+        long if long.contains('e') => number(value),
+        text if text.contains('.') => text,
+        text => format!("{text}.0"),
+    }
+}
+
 /// Numbers separated by `between`.
 fn list(values: [f64; 3], between: &str) -> String {
     values.map(number).join(between)
@@ -236,5 +253,16 @@ fn bounded(column: &Column, analysis: &Analysis) -> String {
             "The Allan deviation is nowhere below the upper end of the band of {} of records like this one {range}.",
             analysis.percent()
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_such_to_yaml_1_1() {
+        assert_eq!([2e-6, 3.0, 1.234_567_8e12].map(number), ["2.00000e-6", "3.00000e+0", "1.23457e+12"]);
+        assert_eq!([200.0, 0.5, 1e-7].map(plain_number), ["200.0", "0.5", "1.00000e-7"]);
     }
 }

@@ -3,8 +3,7 @@
 //! Its filter drives the bias with gb_dyn/√gb_corr, so the stationary standard deviation there is gb_dyn/√2: σ is written times
 //! √2. Its simulator (`noise_b_dyn`) takes gb_dyn for σ, which is written in a comment.
 
-use crate::analysis::log::kalibr::plain_number;
-use crate::analysis::model::writers::{Axis, Takes, Writer, list, sigma, three, time_s};
+use crate::analysis::model::writers::{Axis, Takes, Writer, list, plain_number, sigma, three, time_s};
 
 pub(super) static NAVEGO: Writer = Writer {
     name: "navego",

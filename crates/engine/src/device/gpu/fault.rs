@@ -118,7 +118,7 @@ impl Gpu {
             _ => {}
         }
         self.heard.failure()?;
-        let index = self.submit_timed(commands);
+        let index = self.queue.submit([commands]);
         if fault == Some(Fault::LostAfter) {
             self.device.destroy();
         }

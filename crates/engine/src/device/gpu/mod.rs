@@ -1,9 +1,7 @@
 //! The GPU: the kernels as compute shaders, through wgpu on Vulkan, Metal or DX12.
 
 pub mod adapter;
-pub(crate) mod clock;
 pub mod fault;
-pub(crate) mod limit;
 pub mod patience;
 pub(crate) mod records;
 pub(crate) mod resource;
@@ -20,7 +18,6 @@ use wgpu::BufferUsages;
 
 use crate::device::error::GpuError;
 pub use crate::device::gpu::adapter::Adapter;
-use crate::device::gpu::clock::Clock;
 use crate::device::gpu::fault::Heard;
 #[doc(hidden)]
 pub use crate::device::gpu::fault::{Fault, Faults, Moment};
@@ -61,7 +58,6 @@ pub struct Gpu {
     /// Buffers of tiles that are done, for the next ones.
     free: Vec<wgpu::Buffer>,
     heard: Heard,
-    clock: Option<Clock>,
     /// Steps of the first tile, of the next tile, and the most steps of any tile.
     first_tile: u64,
     tile: u64,
@@ -93,10 +89,9 @@ impl Gpu {
             ..wgpu::Limits::downlevel_defaults()
         };
         let int64 = if variant.int64 { wgpu::Features::SHADER_INT64 } else { wgpu::Features::empty() };
-        let stamps = adapter.adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
         let (device, queue) = pollster::block_on(adapter.adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("sagnac"),
-            required_features: int64 | stamps,
+            required_features: int64,
             required_limits: limits,
             ..Default::default()
         }))
@@ -122,7 +117,6 @@ impl Gpu {
             record_pipelines: HashMap::new(),
             free: Vec::new(),
             heard,
-            clock: None,
             first_tile: adapter.capacity().first_tile,
             tile: adapter.capacity().first_tile,
             most_tile: TILES.1,
@@ -194,13 +188,6 @@ impl Gpu {
     pub(crate) fn tallying(&self, histogram: bool) -> Variant {
         let times = if histogram { self.adapter.capacity().sharing } else { 1 };
         Variant { workgroup: times * self.variant.workgroup, ..self.variant }
-    }
-
-    /// Its name, driver, backend and the variant of its kernels, for the matrix of identity.
-    pub(crate) fn identity(&self) -> [String; 4] {
-        let info = self.adapter.adapter.get_info();
-        let variant = format!("{}, workgroup {}", self.variant.products(), self.variant.workgroup);
-        [info.name, format!("{} {}", info.driver, info.driver_info), info.backend.to_string(), variant]
     }
 
     /// Number of records that are made in parallel at least.

@@ -9,7 +9,7 @@ use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::fault::Submission;
 use sagnac_kernel::launch::{Launch, MOST_STEPS};
-use sagnac_kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS, Trials};
+use sagnac_kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
 
 /// Work of one workgroup, in the layout that the shader reads.
 #[repr(C)]
@@ -112,14 +112,6 @@ impl<'a> Part<'a> {
 /// Columns and rows of a dispatch of some workgroups.
 pub(crate) fn grid(groups: u32) -> [u32; 2] {
     [groups.min(GROUPS_PER_ROW), groups.div_ceil(GROUPS_PER_ROW)]
-}
-
-impl Job {
-    /// Its trials.
-    pub(crate) fn trials(&self, histogram: bool) -> Trials {
-        let first = u64::from(self.high) << 32 | u64::from(self.low);
-        Trials { first, count: u64::from(self.count), histogram }
-    }
 }
 
 impl Piece {
@@ -286,26 +278,4 @@ fn add_partial(tally: &mut Moments, sums: &[u32]) {
     tally.square += word96(3);
     tally.least = tally.least.min(sums[6] as i32);
     tally.greatest = tally.greatest.max(sums[7] as i32);
-}
-
-/// The words that a workgroup returns for a tally, as [`add_partial`] reads them.
-pub(crate) fn partial(tally: &Moments) -> [u32; PARTIAL_WORDS] {
-    let word = |sum: u128, place: u32| (sum >> (32 * place)) as u32;
-    let sum = tally.sum as u128;
-    let [a, b] = [sum, tally.square].map(|sum| [0, 1, 2].map(|place| word(sum, place)));
-    [a[0], a[1], a[2], b[0], b[1], b[2], tally.least as u32, tally.greatest as u32]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_words_of_a_tally_are_read_back() {
-        let tally =
-            Moments { sum: -(5 << 70) - 3, square: (7 << 90) + 1, least: -9, ..Moments::empty(false) };
-        let mut read = Moments::empty(false);
-        add_partial(&mut read, &partial(&tally));
-        assert_eq!(read, tally);
-    }
 }

@@ -100,11 +100,6 @@ impl Regression {
         Some(Regression { nodes: nodes?, blocks })
     }
 
-    /// The blocks.
-    pub fn blocks(&self) -> &Blocks {
-        &self.blocks
-    }
-
     /// The distribution of the coefficients of some columns, of which the first must be the constant one; `None` where columns
     /// depend on each other, or there are not more blocks than columns.
     pub fn posterior(&self, columns: &[usize]) -> Option<Posterior> {

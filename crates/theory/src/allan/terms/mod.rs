@@ -102,8 +102,6 @@ pub struct Row {
     pub variance: fn(&Part, Difference, f64, u64) -> f64,
     /// See [`Part::trend`].
     pub trend: fn(&Part, Difference, f64, u64) -> Option<Trend>,
-    /// See [`Part::largest`].
-    pub largest: fn(&Part, Difference, f64, u64) -> f64,
     /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
     pub continuous: fn(&Part, f64) -> Option<f64>,
     /// See [`density`](crate::allan::spectrum::density).
@@ -161,9 +159,6 @@ impl Row {
         square: |part| part.size * part.size,
         variance: |_, _, _, _| 0.0,
         trend: |_, _, _, _| None,
-        largest: |part, difference, t0, m| {
-            part.trend(difference, t0, m).map_or(0.0, |trend| trend.first.abs())
-        },
         continuous: |_, _| None,
         density: |_, _, _| None,
         kernel: |_, _| None,

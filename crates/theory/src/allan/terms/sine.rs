@@ -29,7 +29,6 @@ pub(super) static ROW: Row = Row {
         let angle = part.size / (2.0 * PI * part.shape);
         0.5 * angle * angle * libm::pow(step * step, difference.spans() as f64)
     },
-    largest: |part, difference, t0, m| libm::sqrt(2.0 * part.variance(difference, t0, m)),
     // Ω_0²(sin²πfτ/πfτ)².
     continuous: |part, tau| {
         let sine = sine_of_turns(0.5 * part.shape * tau);

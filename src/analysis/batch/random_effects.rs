@@ -1,11 +1,11 @@
 //! Values of several units of a batch as one: a random-effects model of their logarithms.
 //!
 //! The logarithm y_i of unit i is that of the batch, μ, plus a deviation of the unit with variance τ², plus the error of its
-//! record with the known variance v_i. Lots are small, so τ² is uncertain, and a single estimate of it would make every
+//! record with the known variance v_i. Batches are small, so τ² is uncertain, and a single estimate of it would make every
 //! interval too narrow. Q(τ²) = Σ (y_i − μ(τ²))²/(v_i + τ²) with the weighted mean μ(τ²) falls with τ², and at the true τ² it is a
 //! χ² with k − 1 degrees of freedom. This gives a confidence distribution of τ²: for each probability the τ² whose Q is that
 //! quantile. Its ends at 2.5 and 97.5 % are the interval of the spread (Q-profile: W. Viechtbauer, Stat. Med. 26, 37, 2007). The
-//! lot and its next unit are normal numbers for each τ², and their intervals are those of the mixture over that distribution (as
+//! batch and its next unit are normal numbers for each τ², and their intervals are those of the mixture over that distribution (as
 //! K. Nagashima et al., Stat. Methods Med. Res. 28, 1689, 2019). If the records are exact, these are the intervals of Student. The
 //! estimate of τ² has Q = k − 1 (R. C. Paule and J. Mandel, J. Res. NBS 87, 377, 1982).
 //!
@@ -51,7 +51,7 @@ impl Estimate {
     }
 }
 
-/// Several units as one lot, in the unit of the values.
+/// Several units as one batch, in the unit of the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pooled {
     /// Number of units.
@@ -73,12 +73,12 @@ pub struct Pooled {
 /// Pools the estimates of units; `None` for fewer than [`FEWEST`].
 ///
 /// ```
-/// use sagnac::analysis::lot::pool::{Estimate, pool};
+/// use sagnac::analysis::batch::random_effects::{Estimate, pool};
 ///
 /// let exact = [3.0, 3.1, 3.3, 2.8, 2.9].map(|n: f64| Estimate { log: n.ln(), variance: 1e-12 });
-/// let lot = pool(&exact).unwrap();
-/// assert!((lot.spread - 0.063).abs() < 1e-3 && lot.p_equal < 1e-6);
-/// assert!(lot.next[0] < 2.8 && 3.3 < lot.next[1]);
+/// let batch = pool(&exact).unwrap();
+/// assert!((batch.spread - 0.063).abs() < 1e-3 && batch.p_equal < 1e-6);
+/// assert!(batch.next[0] < 2.8 && 3.3 < batch.next[1]);
 /// ```
 pub fn pool(estimates: &[Estimate]) -> Option<Pooled> {
     let mixture = Mixture::of(estimates)?;

@@ -6,38 +6,40 @@
 //! ```
 //!
 //! Each unit has the coefficients of its own [analysis](crate::analysis::log), with intervals in closed form. What the units
-//! show of a coefficient is [pooled](pool::pool) in logarithms. A unit is odd if its estimate is improbable for a lot
-//! like the others ([`pool::place`]), with p multiplied by the number of such tests in the lot (Bonferroni), so that equal or
-//! log-normal lots show an outlier in at most 5 % of cases. Two outliers of equal size hide each other in this test.
+//! show of a coefficient is [pooled](random_effects::pool) in logarithms. A unit is an outlier if its estimate is improbable for a batch
+//! like the others ([`random_effects::place`]), with p multiplied by the number of such tests in the batch (Bonferroni), so that equal or
+//! log-normal batches show an outlier in at most 5 % of cases. Two outliers of equal size hide each other in this test.
 //!
 //! A record that does not show a coefficient gives an upper bound or nothing. Such units are not pooled: the median is then that
 //! of the units that show the coefficient, which is too high for the batch, and the spread is too low. Where fewer than three
-//! units show a coefficient, no spread tells whether one is odd. A unit then stands apart if its interval lies
+//! units show a coefficient, no spread tells whether one is an outlier. A unit is then one if its interval lies
 //! above the bounds of all others.
 
 pub mod answer;
 pub mod figures;
-mod members;
-pub mod pool;
+pub mod random_effects;
 pub mod tables;
+pub(crate) mod units;
+
+use std::path::Path;
 
 use crate::allan::Unit as Curves;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column, Curve, Treatment};
 
-use crate::analysis::lot::members::{Member, labels, twice, units, whole};
-use crate::analysis::lot::pool::{Estimate, Pooled};
+use crate::analysis::batch::random_effects::{Estimate, Pooled};
+use crate::analysis::batch::units::{UnitColumn, labels, twice, units};
 
-/// Probability of an outlier in a lot without one.
+/// Probability of an outlier in a batch without one.
 pub const FALSE_ALARM: f64 = 0.05;
 
-/// Fewest units of which one can be odd.
-const FEWEST: usize = pool::FEWEST + 1;
+/// Fewest units of which one can be an outlier.
+const FEWEST: usize = random_effects::FEWEST + 1;
 
-/// Why some logs are not a lot.
+/// Why some logs are no batch.
 #[derive(Debug, thiserror::Error)]
-pub enum LotError {
+pub enum BatchError {
     /// There are too few units.
     #[error(
         "a batch needs at least two units, found {0}\ngive several logs, or several columns of a log, as in `column = gx,gy`"
@@ -64,9 +66,9 @@ pub enum LotError {
     Twice(String, String),
 }
 
-/// A lot.
+/// A batch of units with its coefficients and outliers.
 #[derive(Debug)]
-pub struct Lot {
+pub struct Batch {
     /// The logs.
     pub logs: Vec<log::Analysis>,
     /// Labels of the units, which are the columns of the logs in order.
@@ -91,7 +93,7 @@ pub struct Coefficient {
     /// The batch of the units that show it; absent where fewer than two do.
     pub pooled: Option<Pooled>,
     /// The batch without the outliers; absent without any, and where fewer than two remain.
-    pub without_odd: Option<Pooled>,
+    pub without_outliers: Option<Pooled>,
 }
 
 /// A coefficient of one unit.
@@ -102,13 +104,13 @@ pub struct Found {
     /// Probability of an estimate at least as far from the others in any of the tests, if all units are alike; absent where
     /// fewer than three units show the coefficient.
     pub p: Option<f64>,
-    /// How the unit is odd, if it is.
-    pub odd: Option<Odd>,
+    /// Why the unit is an outlier; absent if it is none.
+    pub outlier: Option<Outlier>,
 }
 
-/// How a unit is odd.
+/// How an outlier differs from the other units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Odd {
+pub enum Outlier {
     /// Higher than the others.
     Higher,
     /// Lower than the others.
@@ -117,13 +119,13 @@ pub enum Odd {
     Alone,
 }
 
-impl Odd {
+impl Outlier {
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
-            Odd::Higher => "higher",
-            Odd::Lower => "lower",
-            Odd::Alone => "above the bounds of the others",
+            Outlier::Higher => "higher",
+            Outlier::Lower => "lower",
+            Outlier::Alone => "above the bounds of the others",
         }
     }
 }
@@ -144,10 +146,10 @@ impl Found {
 impl Coefficient {
     /// Name for the user, such as `N` or `in-run bias stability`.
     pub fn title(&self) -> String {
-        self.name.replace('_', " ")
+        self.name.replace("in_run", "in-run").replace('_', " ")
     }
 
-    /// What the units show, with their places in the lot.
+    /// What the units show, with their places in the batch.
     fn shown(&self) -> impl Iterator<Item = (usize, &Found)> {
         self.found.iter().enumerate().filter_map(|(unit, found)| Some((unit, found.as_ref()?)))
     }
@@ -170,8 +172,8 @@ impl Coefficient {
     }
 
     /// The outliers.
-    pub fn odd(&self) -> impl Iterator<Item = (usize, &Found, Odd)> {
-        self.shown().filter_map(|(unit, found)| Some((unit, found, found.odd?)))
+    pub fn outliers(&self) -> impl Iterator<Item = (usize, &Found, Outlier)> {
+        self.shown().filter_map(|(unit, found)| Some((unit, found, found.outlier?)))
     }
 
     /// The probability of a lower estimate among units like the others, for each unit that shows the coefficient beside enough
@@ -180,7 +182,7 @@ impl Coefficient {
         let estimates = self.estimates();
         let place = |(unit, one): &(usize, Estimate)| {
             let others = estimates.iter().filter(|(other, _)| other != unit).map(|(_, other)| *other);
-            Some((*unit, pool::place(one, &others.collect::<Vec<_>>())?))
+            Some((*unit, random_effects::place(one, &others.collect::<Vec<_>>())?))
         };
         estimates.iter().filter_map(place).collect()
     }
@@ -190,20 +192,20 @@ impl Coefficient {
         for &(unit, below) in places {
             let Some(found) = &mut self.found[unit] else { continue };
             let p = (2.0 * below.min(1.0 - below) * tests as f64).clamp(0.0, 1.0);
-            let side = if below > 0.5 { Odd::Higher } else { Odd::Lower };
-            (found.p, found.odd) = (Some(p), (p < FALSE_ALARM).then_some(side));
+            let side = if below > 0.5 { Outlier::Higher } else { Outlier::Lower };
+            (found.p, found.outlier) = (Some(p), (p < FALSE_ALARM).then_some(side));
         }
         if let Some(found) = self.alone().and_then(|unit| self.found[unit].as_mut()) {
-            found.odd = Some(Odd::Alone);
+            found.outlier = Some(Outlier::Alone);
         }
         let mut all = Vec::new();
         let mut rest = Vec::new();
         for (_, found) in self.shown() {
             all.extend(found.estimate());
-            rest.extend(found.estimate().filter(|_| found.odd.is_none()));
+            rest.extend(found.estimate().filter(|_| found.outlier.is_none()));
         }
-        self.without_odd = pool::pool(&rest).filter(|_| rest.len() < all.len());
-        self.pooled = pool::pool(&all);
+        self.without_outliers = random_effects::pool(&rest).filter(|_| rest.len() < all.len());
+        self.pooled = random_effects::pool(&all);
     }
 
     /// The unit whose interval is above those of all others, each of which has an upper end, where too few show the
@@ -221,21 +223,25 @@ impl Coefficient {
     }
 }
 
-impl Lot {
+impl Batch {
     /// The batch of all columns of some logs.
     ///
     /// # Errors
     /// There are fewer than two columns, their quantities differ, or two of them are the same record.
-    pub fn of(logs: Vec<log::Analysis>) -> Result<Lot, LotError> {
-        let units: Vec<Member<'_>> = units(&logs).collect();
-        let [(_, first), _, ..] = units[..] else { return Err(LotError::TooFew(units.len())) };
-        let labels = labels(&units, logs.len());
+    pub fn of(logs: Vec<log::Analysis>) -> Result<Batch, BatchError> {
+        let units: Vec<UnitColumn<'_>> = units(&logs).collect();
+        let [(_, first), _, ..] = units[..] else { return Err(BatchError::TooFew(units.len())) };
+        let names: Vec<(&Path, &str)> =
+            units.iter().map(|(log, column)| (&*log.path, &*column.name)).collect();
+        let labels = labels(&names, logs.len())
+            .unwrap_or_else(|| (1..=units.len()).map(|place| format!("unit {place}")).collect());
         if let Some(other) = units.iter().position(|(_, column)| column.unit != first.unit) {
             let units = [first.unit, units[other].1.unit];
-            return Err(LotError::Units { first: labels[0].clone(), other: labels[other].clone(), units });
+            return Err(BatchError::Units { first: labels[0].clone(), other: labels[other].clone(), units });
         }
         if let Some([first, again]) = twice(&units) {
-            return Err(LotError::Twice(whole(units[first]), whole(units[again])));
+            let whole = |unit: usize| format!("{} {}", names[unit].0.display(), names[unit].1);
+            return Err(BatchError::Twice(whole(first), whole(again)));
         }
         let mut coefficients = coefficients(&units);
         let places: Vec<Vec<(usize, f64)>> = coefficients.iter().map(Coefficient::places).collect();
@@ -243,7 +249,7 @@ impl Lot {
         for (one, places) in coefficients.iter_mut().zip(&places) {
             one.judge(places, tests);
         }
-        Ok(Lot { labels, coefficients, tests, logs })
+        Ok(Batch { labels, coefficients, tests, logs })
     }
 
     /// The treatment of the logs.
@@ -253,31 +259,32 @@ impl Lot {
     }
 
     /// The units: each column of each log.
-    pub fn units(&self) -> impl Iterator<Item = Member<'_>> {
+    pub fn units(&self) -> impl Iterator<Item = UnitColumn<'_>> {
         units(&self.logs)
     }
 
     /// The outliers, each once.
-    pub fn odd(&self) -> Vec<usize> {
-        let mut odd: Vec<usize> =
-            self.coefficients.iter().flat_map(|one| one.odd().map(|(unit, ..)| unit)).collect();
-        odd.sort_unstable();
-        odd.dedup();
-        odd
+    pub fn outliers(&self) -> Vec<usize> {
+        let is_outlier = |unit: &usize| {
+            let found =
+                |one: &Coefficient| one.found[*unit].as_ref().is_some_and(|found| found.outlier.is_some());
+            self.coefficients.iter().any(found)
+        };
+        (0..self.labels.len()).filter(is_outlier).collect()
     }
 }
 
 /// The coefficients of all units, each under its name.
-fn coefficients(units: &[Member<'_>]) -> Vec<Coefficient> {
+fn coefficients(units: &[UnitColumn<'_>]) -> Vec<Coefficient> {
     let rows: Vec<Vec<Row>> = units.iter().map(|(log, column)| rows(log, column)).collect();
     let of_kind = |kind: &&Row| {
         let of_unit = |rows: &Vec<Row>| {
             let row = rows.iter().find(|row| row.name == kind.name)?.clone();
-            Some(Found { row, p: None, odd: None })
+            Some(Found { row, p: None, outlier: None })
         };
         let found = rows.iter().map(of_unit).collect();
         let (name, unit, symbol) = (kind.name, kind.unit, kind.symbol);
-        Coefficient { name, unit, symbol, found, pooled: None, without_odd: None }
+        Coefficient { name, unit, symbol, found, pooled: None, without_outliers: None }
     };
     each_once(rows.iter().flatten()).iter().map(of_kind).collect()
 }

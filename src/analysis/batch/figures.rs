@@ -1,46 +1,45 @@
-//! The charts of `sagnac lot`.
+//! The charts of `sagnac compare`.
 
-use crate::allan::{Deviation, Point};
+use crate::allan::Deviation;
 use crate::key::scale::Scale;
 use crate::quantity::number::probability;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 
+use crate::analysis::batch::{Batch, Coefficient, Found};
 use crate::analysis::compare::figures::of_ratios;
 use crate::analysis::compare::words::duration;
 use crate::analysis::log;
-use crate::analysis::lot::{Coefficient, Found, Lot};
+use crate::analysis::log::figures::points;
 
 /// Distance of neighbouring coefficients of a unit, where units are 1 apart, and the most that all of them take.
 const APART: f64 = 0.12;
 const WIDEST: f64 = 0.7;
 
 /// The chart of the curves of all units, with the outliers in colours of their own.
-pub fn curves(lot: &Lot) -> Figure {
-    let odd = lot.odd();
-    let colour = |unit: usize| odd.iter().position(|other| *other == unit).map_or(0, |place| place + 1);
-    let point = |point: &Point| {
-        let positive = point.value.filter(|value| *value > 0.0)?;
-        Some(SeriesPoint { x: point.tau_s, y: positive, band: None, key: None })
-    };
+pub fn curves(batch: &Batch) -> Figure {
+    let outliers = batch.outliers();
+    let colour = |unit: usize| outliers.iter().position(|other| *other == unit).map_or(0, |place| place + 1);
     let mut series = Vec::new();
-    for (unit, (_, column)) in lot.units().enumerate() {
-        let points = column.curves.iter().take(1).flat_map(|curve| curve.points.iter().filter_map(point));
+    for (unit, (_, column)) in batch.units().enumerate() {
+        let points = column.curves.iter().take(1).flat_map(|curve| points(&curve.points));
+        let points = points.map(|point| SeriesPoint { band: None, ..point });
         series.push(Series { colour: colour(unit), dash: 0, points: points.collect(), law: vec![] });
     }
-    // Odd units are drawn over the others.
+    // Outliers are drawn over the others.
     series.sort_by_key(|series| series.colour);
-    let like = lot.labels.len() - odd.len();
-    let others = match odd.len() {
+    let like = batch.labels.len() - outliers.len();
+    let others = match outliers.len() {
         0 => format!("{like} units"),
         _ => format!("{like} other units"),
     };
     let others = (like > 0).then_some(Entry { style: 0, name: others });
-    let named =
-        odd.iter().map(|&unit| Entry { style: colour(unit), name: format!("{}, outlier", lot.labels[unit]) });
-    let unit = lot.units().next().map_or("", |(_, column)| column.unit.symbol(Deviation::Oadev));
+    let named = outliers
+        .iter()
+        .map(|&unit| Entry { style: colour(unit), name: format!("{}, outlier", batch.labels[unit]) });
+    let unit = batch.units().next().map_or("", |(_, column)| column.unit.symbol(Deviation::Oadev));
     Figure {
-        title: format!("Overlapping Allan deviations of a batch of {} units", lot.labels.len()),
-        subtitle: Some(subtitle(lot)),
+        title: format!("Overlapping Allan deviations of a batch of {} units", batch.labels.len()),
+        subtitle: Some(subtitle(batch)),
         x: Axis::new("averaging time τ", "s"),
         y: Axis::new("deviation σ(τ)", unit),
         colours: Grouping { title: "units".to_owned(), entries: others.into_iter().chain(named).collect() },
@@ -50,11 +49,11 @@ pub fn curves(lot: &Lot) -> Figure {
 }
 
 /// The chart of all coefficients of all units as parts of the values of the batch without outliers; `None` where nothing is pooled.
-pub fn coefficients(lot: &Lot) -> Option<Figure> {
-    let shown: Vec<(&Coefficient, f64, [f64; 2])> = lot
+pub fn coefficients(batch: &Batch) -> Option<Figure> {
+    let shown: Vec<(&Coefficient, f64, [f64; 2])> = batch
         .coefficients
         .iter()
-        .filter_map(|one| one.without_odd.or(one.pooled).map(|lot| (one, lot.value, lot.next)))
+        .filter_map(|one| one.without_outliers.or(one.pooled).map(|batch| (one, batch.value, batch.next)))
         .collect();
     if shown.is_empty() {
         return None;
@@ -72,16 +71,16 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
         Series { colour: place, dash: 0, points: one.shown().filter_map(point).collect(), law: vec![] }
     });
     let series: Vec<Series> = series.collect();
-    let ends = [0.5, lot.labels.len() as f64 + 0.5];
+    let ends = [0.5, batch.labels.len() as f64 + 0.5];
     let lines = shown.iter().enumerate().flat_map(|(place, (_, value, next))| {
         next.map(|end| LawLine { colours: vec![place], points: ends.map(|x| (x, end / value)).into() })
     });
     let values = series.iter().flat_map(|series| &series.points).map(|point| point.y);
     let y = of_ratios("value over that of the batch", values);
     Some(Figure {
-        title: format!("Coefficients of {} units over those of the batch", lot.labels.len()),
-        subtitle: Some(found(lot)),
-        x: Axis { scale: Scale::Linear, whole: true, names: lot.labels.clone(), ..Axis::new("unit", "") },
+        title: format!("Coefficients of {} units over those of the batch", batch.labels.len()),
+        subtitle: Some(found(batch)),
+        x: Axis { scale: Scale::Linear, whole: true, names: batch.labels.clone(), ..Axis::new("unit", "") },
         y,
         colours: Grouping::of("coefficients", shown.iter().map(|(one, ..)| one.title())),
         bands: "95 % intervals".to_owned(),
@@ -97,24 +96,24 @@ pub fn coefficients(lot: &Lot) -> Option<Figure> {
 }
 
 /// The lengths of the records and their treatment.
-pub(crate) fn subtitle(lot: &Lot) -> String {
-    let lengths = lot.logs.iter().map(log::Analysis::length_s);
+pub(crate) fn subtitle(batch: &Batch) -> String {
+    let lengths = batch.logs.iter().map(log::Analysis::length_s);
     let (shortest, longest) =
         lengths.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
     let of = if longest > 1.01 * shortest { format!(" to {}", duration(longest)) } else { String::new() };
-    let treatment = lot.treatment();
+    let treatment = batch.treatment();
     format!("records of {}{of}; {treatment}", duration(shortest))
 }
 
 /// The outliers in a few words.
-fn found(lot: &Lot) -> String {
+fn found(batch: &Batch) -> String {
     let of = |one: &Coefficient| {
-        let odd = one.odd().map(|(unit, found, odd)| {
+        let outliers = one.outliers().map(|(unit, found, outliers)| {
             let p = found.p.map_or_else(String::new, |p| format!(" ({})", probability(p)));
-            format!("{}: {} {}{p}", lot.labels[unit], one.title(), odd.name())
+            format!("{}: {} {}{p}", batch.labels[unit], one.title(), outliers.name())
         });
-        odd.collect::<Vec<_>>()
+        outliers.collect::<Vec<_>>()
     };
-    let odd: Vec<String> = lot.coefficients.iter().flat_map(of).collect();
-    if odd.is_empty() { "no unit is an outlier".to_owned() } else { odd.join("; ") }
+    let outliers: Vec<String> = batch.coefficients.iter().flat_map(of).collect();
+    if outliers.is_empty() { "no unit is an outlier".to_owned() } else { outliers.join("; ") }
 }

@@ -1,4 +1,4 @@
-//! The results of `sagnac lot` as tables.
+//! The results of `sagnac compare` as tables.
 
 use crate::analysis::log;
 use crate::analysis::log::records::{self, Record};
@@ -6,8 +6,8 @@ use crate::analysis::log::tables::text;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 
-use crate::analysis::lot::pool::Pooled;
-use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
+use crate::analysis::batch::random_effects::Pooled;
+use crate::analysis::batch::{Batch, Coefficient, Found, Outlier};
 
 /// Meaning of the column that names coefficients.
 const COEFFICIENT: &str = "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, L, and `in_run_bias_stability`, the \
@@ -43,7 +43,7 @@ pub(crate) fn unit_columns<'a>() -> Vec<ColumnOf<UnitRow<'a>>> {
         Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
             .is(Role::Estimate, "Probability that any test of the batch finds a unit at least as far from the others by chance if all are \
                 alike; blank where fewer than three units show the coefficient."),
-        Of::new("outlier", Unit::NONE, "outlier", |row| text(row.found.odd.map_or("", Odd::name)))
+        Of::new("outlier", Unit::NONE, "outlier", |row| text(row.found.outlier.map_or("", Outlier::name)))
             .is(Role::Note, "`higher` or `lower` than the others where p < 5 %, or `above the bounds of the others`; blank for a unit like \
                 the others."),
         Of::new("file", Unit::NONE, "file", |row| text(&row.file))
@@ -56,13 +56,13 @@ pub(crate) fn unit_columns<'a>() -> Vec<ColumnOf<UnitRow<'a>>> {
 }
 
 /// The coefficients of all units: `units.csv`.
-pub fn units(lot: &Lot) -> Table {
+pub fn units(batch: &Batch) -> Table {
     let mut rows = Vec::new();
-    for (unit, (log, column)) in lot.units().enumerate() {
-        for one in &lot.coefficients {
+    for (unit, (log, column)) in batch.units().enumerate() {
+        for one in &batch.coefficients {
             let Some(found) = &one.found[unit] else { continue };
             rows.push(UnitRow {
-                label: &lot.labels[unit],
+                label: &batch.labels[unit],
                 file: log.path.display().to_string(),
                 column,
                 found,
@@ -73,13 +73,13 @@ pub fn units(lot: &Lot) -> Table {
 }
 
 /// A row of `batch.csv`.
-pub(crate) struct LotRow<'a> {
+pub(crate) struct BatchRow<'a> {
     one: &'a Coefficient,
     of: &'static str,
     pooled: Option<Pooled>,
 }
 
-impl LotRow<'_> {
+impl BatchRow<'_> {
     /// A number of the batch that the units determine.
     fn finite(&self, of: impl Fn(&Pooled) -> f64) -> Cell {
         self.pooled.as_ref().map(of).filter(|number| number.is_finite()).into()
@@ -88,8 +88,8 @@ impl LotRow<'_> {
 
 /// The columns of `batch.csv`, in the order of the file.
 #[rustfmt::skip]
-pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
-    type Of<'a> = ColumnOf<LotRow<'a>>;
+pub(crate) fn batch_columns<'a>() -> Vec<ColumnOf<BatchRow<'a>>> {
+    type Of<'a> = ColumnOf<BatchRow<'a>>;
     vec![
         Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.one.name))
             .is(Role::Key, COEFFICIENT),
@@ -125,18 +125,22 @@ pub(crate) fn lot_columns<'a>() -> Vec<ColumnOf<LotRow<'a>>> {
 }
 
 /// The values of the batch, with and without outliers: `batch.csv`.
-pub fn lot(lot: &Lot) -> Table {
+pub fn batch(batch: &Batch) -> Table {
     let mut rows = Vec::new();
-    for one in &lot.coefficients {
+    for one in &batch.coefficients {
         let of = if one.estimates().len() == one.found.len() { "all" } else { "those that show it" };
-        rows.push(LotRow { one, of, pooled: one.pooled });
-        rows.extend(one.without_odd.map(|rest| LotRow { one, of: "without outliers", pooled: Some(rest) }));
+        rows.push(BatchRow { one, of, pooled: one.pooled });
+        rows.extend(one.without_outliers.map(|rest| BatchRow {
+            one,
+            of: "without outliers",
+            pooled: Some(rest),
+        }));
     }
-    Table { columns: columns_of(&lot_columns(), &rows) }
+    Table { columns: columns_of(&batch_columns(), &rows) }
 }
 
 /// The records of all units: `records.csv`.
-pub fn records(lot: &Lot) -> Table {
-    let units = lot.units().zip(&lot.labels);
+pub fn records(batch: &Batch) -> Table {
+    let units = batch.units().zip(&batch.labels);
     records::table(units.map(|((log, column), label)| Record::new(log, column, label)))
 }

@@ -1,7 +1,7 @@
-"""Coverage of the intervals of `sagnac lot`, and its odd units, on lots made by NumPy.
+"""Coverage of the intervals of `sagnac compare` for batches, and its outliers, on batches made by NumPy.
 
     cargo build --release -p sagnac-cli
-    python benches/lot_numpy.py units [LOTS]    # units with white noise and flicker: values, spreads, the next unit, odd units
+    python benches/batch_numpy.py units [BATCHES]    # units with white noise and flicker: values, spreads, the next unit, outliers
 
 Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
 """
@@ -37,10 +37,10 @@ def factors(rng, kind, spread):
     return np.exp(np.sqrt(np.log1p(spread**2)) * rng.standard_normal(UNITS + 1))
 
 
-def lot(rng, kind, spreads, filtered, odd):
+def batch(rng, kind, spreads, filtered, outlier):
     """Rates of all units, and the coefficients of the units and the next one."""
     n, b = (factors(rng, kind, spread) for spread in spreads)
-    n[0] *= odd
+    n[0] *= outlier
     rates = []
     for unit in range(UNITS):
         flicker = allan_numpy.flicker(rng, FINER * (SAMPLES + 1)).reshape(-1, FINER).mean(axis=1)
@@ -49,21 +49,21 @@ def lot(rng, kind, spreads, filtered, odd):
     return np.stack(rates, axis=1), n, B * b
 
 
-def units(lots):
-    print(f"{lots} lots of {UNITS} units of {SAMPLES} samples; coverage in percent: lot, next unit, spread")
+def units(batches):
+    print(f"{batches} batches of {UNITS} units of {SAMPLES} samples; coverage in percent: batch, next unit, spread")
     names = ",".join(str(unit + 1) for unit in range(UNITS))
     options = ["--rate", "1Hz", "--unit", "none", "--column", names]
-    for kind, spreads, filtered, odd in ROWS:
+    for kind, spreads, filtered, outlier in ROWS:
         rng = np.random.default_rng(31)
-        made = [lot(rng, kind, spreads, filtered, odd) for _ in range(lots)]
-        documents = allan_numpy.POOL.map(lambda one: allan_numpy.program("lot", [one[0]], *options), made)
+        made = [batch(rng, kind, spreads, filtered, outlier) for _ in range(batches)]
+        documents = allan_numpy.POOL.map(lambda one: allan_numpy.program("compare", [one[0]], *options), made)
         covered = {name: [] for name in ("N", "B")}
         false, found, shown = 0, 0, {name: [] for name in covered}
         for (_, n, b), document in zip(made, documents):
             tables = document["tables"]
             labels = list(dict.fromkeys(row["label"] for row in tables["units"]))
             named = {labels.index(row["label"]) for row in tables["units"] if row["outlier"] is not None}
-            false += bool(named - ({0} if odd != 1 else set()))
+            false += bool(named - ({0} if outlier != 1 else set()))
             first = [row for row in tables["units"] if row["label"] == labels[0]]
             found += any(row["outlier"] == "higher" and row["coefficient"] == "N" for row in first)
             for one in tables["batch"]:
@@ -79,12 +79,12 @@ def units(lots):
                     ]
                 )
         line = f"{kind:10} N {100 * spreads[0]:2.0f} % B {100 * spreads[1]:2.0f} %{' filtered' if filtered else ''}"
-        line += f"{f' odd {odd}' if odd != 1 else ''}:"
+        line += f"{f' outlier {outlier}' if outlier != 1 else ''}:"
         for name, inside in covered.items():
             if inside:
                 line += f" {name} " + " · ".join(f"{100 * share:.1f}" for share in np.mean(inside, axis=0))
                 line += f" ({np.mean(shown[name]):.1f} units)"
-        print(line, f"false odd {100 * false / lots:.1f} %, found {100 * found / lots:.1f} %", flush=True)
+        print(line, f"false outlier {100 * false / batches:.1f} %, found {100 * found / batches:.1f} %", flush=True)
 
 
 if __name__ == "__main__":

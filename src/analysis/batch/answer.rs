@@ -2,11 +2,11 @@
 
 use std::cmp::Ordering;
 
-use crate::analysis::lot::pool::Pooled;
-use crate::analysis::lot::{Coefficient, Found, Lot, Odd};
-use crate::analysis::requirement::{Decision, Limit, Subject, decide, value_or_bound};
+use crate::analysis::batch::random_effects::Pooled;
+use crate::analysis::batch::{Batch, Coefficient, Found, Outlier};
+use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use crate::answer::reading::number;
-use crate::answer::{AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
+use crate::answer::{AnswerCell, AnswerTable, Fact, Kind, Reading};
 use crate::quantity::list::listed;
 use crate::quantity::number::probability;
 use crate::quantity::number::significant;
@@ -14,7 +14,7 @@ use crate::quantity::number::significant;
 /// Most units that a caveat names.
 const MAX_NAMED: usize = 3;
 
-impl Lot {
+impl Batch {
     /// The answer of the batch: with limits whether its units meet them, else which unit is an outlier.
     pub fn decision(&self, limits: &[Limit]) -> Decision {
         let units = self.units().zip(&self.labels);
@@ -38,21 +38,21 @@ impl Lot {
     fn shown(&self, limits: &[Limit]) -> Option<&Coefficient> {
         let named = |name: &str| self.coefficients.iter().find(|one| one.name == name);
         let limited = limits.iter().find_map(|limit| named(limit.of.name()));
-        let odd = || self.coefficients.iter().find(|one| one.odd().next().is_some());
+        let outlying = || self.coefficients.iter().find(|one| one.outliers().next().is_some());
         let usual = || named("N").filter(|one| one.pooled.is_some());
         let most = || {
             let pooled = self.coefficients.iter().rev().filter(|one| one.pooled.is_some());
             pooled.max_by_key(|one| one.estimates().len())
         };
-        limited.or_else(odd).or_else(usual).or_else(most)
+        limited.or_else(outlying).or_else(usual).or_else(most)
     }
 
     fn headline(&self, one: &Coefficient) -> (String, Option<Reading>) {
-        if let Some((unit, found, odd)) = one.odd().max_by(|a, b| by_size(a.1, b.1)) {
+        if let Some((unit, found, outlier)) = one.outliers().max_by(|a, b| by_size(a.1, b.1)) {
             let (label, name, reading) = (&self.labels[unit], one.title(), found.row.reading());
             let value = reading.as_ref().map(Reading::text).unwrap_or_default();
-            let result = match (odd, self.rest(one).map(|rest| rest.value), found.row.value) {
-                (Odd::Higher | Odd::Lower, Some(median), Some(value)) => {
+            let result = match (outlier, self.rest(one).map(|rest| rest.value), found.row.value) {
+                (Outlier::Higher | Outlier::Lower, Some(median), Some(value)) => {
                     let p = found.p.map(|p| format!(" ({})", probability(p))).unwrap_or_default();
                     format!("{name} {} × the median{p}", number(value / median))
                 }
@@ -71,61 +71,42 @@ impl Lot {
 
     /// The batch without its outliers, where enough units remain.
     fn rest(&self, one: &Coefficient) -> Option<Pooled> {
-        one.without_odd.or(one.pooled)
+        one.without_outliers.or(one.pooled)
     }
 
     /// A row for each unit, outliers first and then by falling value.
     fn table(&self, one: &Coefficient) -> AnswerTable {
         let mut units: Vec<usize> = (0..self.labels.len()).collect();
         let found = |unit: usize| one.found[unit].as_ref();
-        let is_odd = |unit: usize| found(unit).is_some_and(|found| found.odd.is_some());
+        let is_outlier = |unit: usize| found(unit).is_some_and(|found| found.outlier.is_some());
         units.sort_by(|&a, &b| {
             let by_value = || match (found(a), found(b)) {
                 (Some(a), Some(b)) => by_size(b, a),
                 (a, b) => b.is_some().cmp(&a.is_some()),
             };
-            is_odd(b).cmp(&is_odd(a)).then_with(by_value)
+            is_outlier(b).cmp(&is_outlier(a)).then_with(by_value)
         });
         let median = self.rest(one).map(|rest| rest.value);
         let row = |&unit: &usize| -> Vec<AnswerCell> {
-            let label = self.labels[unit].clone().into();
-            let Some(Found { row, odd, .. }) = found(unit) else {
-                return vec![
-                    label,
-                    "—".to_owned().into(),
-                    "".to_owned().into(),
-                    "".to_owned().into(),
-                    "".to_owned().into(),
-                ];
+            let label = &*self.labels[unit];
+            let Some(Found { row, outlier, .. }) = found(unit) else {
+                return [label, "—", "", "", ""].map(AnswerCell::from).into();
             };
-            let reading = row.reading();
-            let interval = reading.as_ref().and_then(Reading::ends_text).unwrap_or_default();
-            let bound = value_or_bound(row.name, row.value, row.interval.map(|[_, most]| most), row.symbol);
+            let interval = row.reading().and_then(|reading| reading.ends_text()).unwrap_or_default();
             let ratio = row.value.zip(median).map(|(value, median)| number(value / median));
-            let status = if odd.is_some() { "outlier" } else { "" };
-            vec![
-                label,
-                reading.map_or(bound, AnswerCell::from),
-                interval.into(),
-                ratio.unwrap_or_default().into(),
-                status.to_owned().into(),
-            ]
+            let status = if outlier.is_some() { "outlier" } else { "" };
+            vec![label.into(), row.cell(), interval.into(), ratio.unwrap_or_default().into(), status.into()]
         };
-        let heads = ["unit", &one.title(), "95 % interval", "× median", "status"].map(str::to_owned);
-        AnswerTable {
-            columns: heads.into(),
-            rows: units.iter().take(MAX_ROWS).map(row).collect(),
-            best: units.first().filter(|&&unit| is_odd(unit)).map(|_| 0),
-            omitted: units.len().saturating_sub(MAX_ROWS),
-            ..AnswerTable::default()
-        }
+        let heads = ["unit", &one.title(), "95 % interval", "× median", "status"];
+        let best = units.first().filter(|&&unit| is_outlier(unit)).map(|_| 0);
+        AnswerTable { best, ..AnswerTable::new(heads, units.iter().map(row)) }
     }
 
     fn facts(&self, one: &Coefficient) -> Vec<Fact> {
         let mut facts = Vec::new();
         let fact = |name: String, value: Reading, at: &str| Fact::Value { name, value, at: at.to_owned() };
         if let Some(pooled) = self.rest(one) {
-            let is_rest = one.without_odd.is_some();
+            let is_rest = one.without_outliers.is_some();
             let name = if is_rest { "Without outliers" } else { "Batch" };
             facts.push(fact(format!("{name}, {}", one.title()), median(one, &pooled), "median"));
             let percent = |part: f64| 100.0 * part;
@@ -168,17 +149,17 @@ fn by_size(a: &Found, b: &Found) -> Ordering {
 }
 
 /// Notes attached to the results, each with the path of its log.
-pub fn notes(lot: &Lot) -> Vec<String> {
+pub fn notes(batch: &Batch) -> Vec<String> {
     let of_log = |log: &crate::analysis::log::Analysis| {
         let notes = crate::analysis::log::notes::notes(log).into_iter();
         notes.map(|note| format!("{}: {note}", log.path.display())).collect::<Vec<_>>()
     };
-    let tests = (lot.tests > 0).then(|| {
+    let tests = (batch.tests > 0).then(|| {
         format!(
             "each p is corrected for {} tests (Bonferroni): at most {} % of batches without an outlier show one",
-            lot.tests,
+            batch.tests,
             significant(100.0 * super::FALSE_ALARM, 2)
         )
     });
-    lot.logs.iter().flat_map(of_log).chain(tests).collect()
+    batch.logs.iter().flat_map(of_log).chain(tests).collect()
 }

@@ -1,4 +1,4 @@
-//! `sagnac lot` as a user meets it: tables, files, pictures and sentences, and what it refuses.
+//! `sagnac compare` of a batch as a user meets it: tables, files, pictures and sentences, and what it refuses.
 
 use crate::desk::{Desk, number, row, rows_of};
 use crate::logs::desk_with;
@@ -24,9 +24,9 @@ fn log(sigmas: &[f64]) -> Desk {
 }
 
 #[test]
-fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
+fn an_outlier_is_named_in_table_csv_json_answer_and_pictures() {
     let desk = log(&[6.0, 6.3, 5.8, 12.0, 6.1, 5.9]);
-    let ended = desk.full(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6"));
+    let ended = desk.full(&format!("compare bench.csv {RATE} --column g1,g2,g3,g4,g5,g6"));
     for piece in [
         "*0.",
         "without outliers",
@@ -38,14 +38,14 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let units = desk.table("results/lot/units.csv");
-    let odd = row(&units, &[("label", "g4"), ("coefficient", "N")]);
-    assert_eq!((odd["outlier"].as_str(), odd["unit"].as_str()), ("higher", "deg/sqrt(h)"));
-    assert!(number(odd, "p") < 0.01, "{odd:?}");
+    let units = desk.table("results/batch/units.csv");
+    let outlier = row(&units, &[("label", "g4"), ("coefficient", "N")]);
+    assert_eq!((outlier["outlier"].as_str(), outlier["unit"].as_str()), ("higher", "deg/sqrt(h)"));
+    assert!(number(outlier, "p") < 0.01, "{outlier:?}");
     assert_eq!(units.iter().filter(|row| !row["outlier"].is_empty()).count(), 1);
-    let lot = desk.table("results/lot/batch.csv");
-    let all = row(&lot, &[("coefficient", "N"), ("of", "all")]);
-    let rest = row(&lot, &[("coefficient", "N"), ("of", "without outliers")]);
+    let batch = desk.table("results/batch/batch.csv");
+    let all = row(&batch, &[("coefficient", "N"), ("of", "all")]);
+    let rest = row(&batch, &[("coefficient", "N"), ("of", "without outliers")]);
     assert_eq!((all["units"].as_str(), rest["units"].as_str()), ("6", "5"));
     // 6 °/h in samples of 1 s are 0.1 °/√h.
     assert!((number(rest, "value") / 0.1 - 1.0).abs() < 0.05, "{rest:?}");
@@ -55,10 +55,10 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
     );
     assert!(number(rest, "unit_sd") < 0.06 && number(all, "unit_sd") > 0.2, "{rest:?} {all:?}");
     for chart in ["chart-1.svg", "chart-1.png", "chart-2.svg", "chart-2.png"] {
-        assert!(desk.path(&format!("results/lot/{chart}")).is_file(), "{chart} is missing");
+        assert!(desk.path(&format!("results/batch/{chart}")).is_file(), "{chart} is missing");
     }
-    assert!(desk.read("results/lot/chart-1.svg").contains("g4, outlier"));
-    let json = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3,g4,g5,g6 --json")).stdout;
+    assert!(desk.read("results/batch/chart-1.svg").contains("g4, outlier"));
+    let json = desk.done(&format!("compare bench.csv {RATE} --column g1,g2,g3,g4,g5,g6 --json")).stdout;
     let document: Value = serde_json::from_str(&json).unwrap();
     let is_n = |row: &&Value| row["coefficient"] == "N";
     let units: Vec<_> = rows_of(&document, "units").iter().filter(is_n).collect();
@@ -68,13 +68,13 @@ fn an_odd_unit_is_named_in_table_csv_json_answer_and_pictures() {
 }
 
 #[test]
-fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
+fn logs_of_an_even_batch_have_no_outlier_and_are_called_by_their_files() {
     let desk = log(&[6.0]);
     for (seed, name) in ["a.csv", "b.csv", "c.csv"].into_iter().enumerate() {
         let lines: String = white(6.0, 10 + seed as u64).iter().map(|rate| format!("{rate:.6}\n")).collect();
         desk.write(name, &lines);
     }
-    let ended = desk.done(&format!("lot a.csv b.csv c.csv {RATE} --out even"));
+    let ended = desk.done(&format!("compare a.csv b.csv c.csv {RATE} --out even"));
     assert!(ended.stdout.contains("No outlier in 3 units: median N 0.1"), "{}", ended.stdout);
     let n = desk.table("even/batch.csv");
     let n = row(&n, &[("coefficient", "N")]);
@@ -87,7 +87,7 @@ fn logs_of_an_even_lot_have_no_odd_unit_and_are_called_by_their_files() {
 }
 
 #[test]
-fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_left_out() {
+fn a_unit_that_alone_shows_a_coefficient_is_an_outlier_and_the_others_are_said_to_be_left_out() {
     let desk = log(&[6.0, 6.0, 6.0]);
     // A random walk in the first column, where it dominates the curve at long τ.
     let text = desk.read("bench.csv");
@@ -101,19 +101,19 @@ fn a_unit_that_alone_shows_a_coefficient_is_odd_and_the_others_are_said_to_be_le
         }
     });
     desk.write("bench.csv", &lines.collect::<String>());
-    let ended = desk.done(&format!("lot bench.csv {RATE} --column g1,g2,g3 --fit N,K"));
+    let ended = desk.done(&format!("compare bench.csv {RATE} --column g1,g2,g3 --fit N,K"));
     for piece in
         ["g1 is an outlier: K ", ", above all others", "K is estimated in 1 of 3 units, not in g2 and g3"]
     {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }
-    let k = desk.table("results/lot/batch.csv");
+    let k = desk.table("results/batch/batch.csv");
     let k = row(&k, &[("coefficient", "K"), ("of", "those that show it")]);
     assert_eq!((k["units"].as_str(), k["bounded"].as_str(), k["value"].as_str()), ("1", "2", ""));
 }
 
 #[test]
-fn what_is_no_lot_is_refused_with_what_to_do() {
+fn what_is_no_batch_is_refused_with_what_to_do() {
     let desk = log(&[6.0, 6.0]);
     let rows: String = white(1.0, 5).iter().map(|y| format!("{y},{y}\n")).collect();
     desk.write("imu.csv", &format!("gx [deg/h],ax [m/s^2]\n{rows}"));
@@ -121,17 +121,17 @@ fn what_is_no_lot_is_refused_with_what_to_do() {
     for (words, code, pieces) in [
         (format!("bench.csv {RATE} --column g1"), 2, vec!["at least two units, found 1", "--column gx,gy"]),
         (
-            format!("bench.csv bench.csv {RATE} --column g1"),
+            format!("bench.csv bench.csv copy.csv {RATE} --column g1"),
             2,
             vec!["bench.csv g1 and bench.csv g1 are the same record", "each unit once"],
         ),
         (
-            format!("bench.csv ./bench.csv {RATE} --column g1"),
+            format!("bench.csv ./bench.csv copy.csv {RATE} --column g1"),
             2,
             vec!["bench.csv g1 and ./bench.csv g1 are the same"],
         ),
         (
-            format!("bench.csv copy.csv {RATE} --column g1"),
+            format!("bench.csv copy.csv ./bench.csv {RATE} --column g1"),
             2,
             vec!["bench.csv g1 and copy.csv g1 are the same record"],
         ),
@@ -142,7 +142,7 @@ fn what_is_no_lot_is_refused_with_what_to_do() {
         ),
         (format!("none.csv {RATE}"), 3, vec!["none.csv"]),
     ] {
-        desk.fails(&format!("lot {words}"), code, &pieces);
-        assert!(!desk.path("results").exists(), "lot {words} left results");
+        desk.fails(&format!("compare {words}"), code, &pieces);
+        assert!(!desk.path("results").exists(), "compare {words} left results");
     }
 }

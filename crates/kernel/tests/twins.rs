@@ -92,7 +92,7 @@ fn every_file_is_registered() {
         let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         entries.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
     };
-    for stem in stems("../shaders") {
+    for stem in stems("../../shaders") {
         assert!(
             registered.contains(stem.as_str()),
             "shaders/{stem}.wgsl is not in `twins!` of kernel/src/lib.rs"

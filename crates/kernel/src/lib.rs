@@ -62,7 +62,7 @@ macro_rules! twins {
     (of $stem:ident) => {
         crate::shader::Part {
             stem: stringify!($stem),
-            wgsl: include_str!(concat!("../../shaders/", stringify!($stem), ".wgsl")),
+            wgsl: include_str!(concat!("../../../shaders/", stringify!($stem), ".wgsl")),
             constants: crate::$stem::constants,
         }
     };
