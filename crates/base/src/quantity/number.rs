@@ -69,8 +69,9 @@ pub fn interval_ends(value: f64, [low, high]: [f64; 2]) -> Option<[String; 2]> {
     let of_half = order((high - low) / 2.0) - 1;
     let with_last = |last: i32| {
         let decimals = usize::try_from(-last).unwrap_or(0);
-        let unit = libm::pow(10.0, f64::from(last.max(0)));
-        [low, high].map(|end| format!("{:.decimals$}", libm::round(end / unit) * unit + 0.0))
+        let unit = libm::pow(10.0, f64::from(last));
+        let rounded = |end: f64| if last > 0 { libm::round(end / unit) * unit } else { end };
+        [low, high].map(|end| format!("{:.decimals$}", rounded(end)))
     };
     (2..5).map(|digits| with_last(of_half.max(of_value - digits))).find(|[low, high]| low != high)
 }

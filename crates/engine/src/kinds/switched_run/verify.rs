@@ -160,7 +160,7 @@ mod tests {
             "{drawn}phase = \"extremum\"\ngaussian = {{ rms = \"200 arcsec/s\", band = [\"5 Hz\", \"9 Hz\"] }}\n"
         );
         let recorded = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"20 arcsec\" }\nreadout_lsb = \"200 arcsec\"\n[motion]\n\
-                        profile = { file = \"studies/data/base_vibration.csv\" }\n";
+                        profile = { file = \"../../studies/data/base_vibration.csv\" }\n";
         let drift = "[drift]\nmagnetic = \"0.02 arcsec/s\"\n";
         let minute = "[run]\nduration = \"60 s\"\n";
         for gyro in [drawn, &fixed_phase, recorded] {
