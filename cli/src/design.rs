@@ -120,12 +120,11 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let candidates = report::table(&found).rows();
     let heading = format!("{} · {candidates} candidates × {runs} runs of {after}", found.study.title);
     let mut outcome = Outcome::new(heading, page);
-    let provenance = Provenance::new(study.seed, found.trials);
-    outcome.provenance =
-        Some(Provenance { device: Some(device.name()), seconds: Some(seconds), ..provenance });
+    outcome.provenance = Some(Provenance::new(study.seed, found.trials));
     outcome.add_document("design.json");
     outcome.save(&Folder::open(&folder)?, &["pareto.csv", "design", "pareto"])?;
     if options.sampling.json {
+        outcome.sampled(&device, seconds);
         return print_json(&outcome.document());
     }
     outcome.show(&options.sampling.printed, &folder)

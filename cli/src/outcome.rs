@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
+use sagnac::device::Device;
 use sagnac::store::CARD;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
@@ -54,6 +55,14 @@ impl Outcome {
         let document = self.page.document(&self.tables);
         let notes = document.notes.iter().map(|note| in_options(note)).collect();
         Document { provenance: self.provenance.clone(), notes, ..document }
+    }
+
+    /// Adds to how the results were sampled what differs between runs, which files do not have.
+    pub fn sampled(&mut self, device: &Device, seconds: f64) {
+        if let Some(provenance) = &mut self.provenance {
+            provenance.device = Some(device.name());
+            provenance.seconds = Some(seconds);
+        }
     }
 
     /// Adds the document as a file.

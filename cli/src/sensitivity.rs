@@ -80,14 +80,11 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(name));
     let heading = format!("{} · {}", study.title, report::effort(&found));
     let mut outcome = Outcome::new(heading, page::of_sensitivity(&study, &found));
-    outcome.provenance = found.trials.map(|trials| Provenance {
-        device: Some(device.name()),
-        seconds: Some(seconds),
-        ..Provenance::new(study.seed, trials)
-    });
+    outcome.provenance = found.trials.map(|trials| Provenance::new(study.seed, trials));
     outcome.add_document("sensitivity.json");
     outcome.save(&Folder::open(&folder)?, &[])?;
     if options.sampling.json {
+        outcome.sampled(&device, seconds);
         return print_json(&outcome.document());
     }
     outcome.show(&options.sampling.printed, &folder)

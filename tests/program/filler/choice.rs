@@ -14,15 +14,15 @@ fn the_point_of_a_study_with_sweeps_is_the_one_asked_for_or_the_first_of_those_w
         let json = tables(&desk, &format!("study.toml {at}"));
         let question = json["question"].as_str().unwrap();
         assert!(question.contains("gap of 2 lost ticks of 5 ms"), "{question}");
-        assert!(question.contains("motion.frequency = 25 Hz"), "{question}");
+        assert!(question.contains("vibration frequency 25 Hz"), "{question}");
         near(&entry(&json, "quadratic", "residual")["weights"], &[-0.5, 1.5, 1.5, -0.5], 0.0);
     }
     let json = tables(&desk, "study.toml --at gap_ticks=3");
-    assert!(json["question"].as_str().unwrap().contains("motion.frequency = 20 Hz"), "{json:#}");
+    assert!(json["question"].as_str().unwrap().contains("vibration frequency 20 Hz"), "{json:#}");
     near(&entry(&json, "quadratic", "residual")["amplitude_arcsec"], &[26.848], 5e-4);
     let shown = desk.done("filler study.toml --at gap_ticks=3").stdout;
-    assert!(unwrapped(&shown).contains("motion.frequency = 20 Hz, switching.gap_ticks = 3"), "{shown}");
-    assert!(desk.read("results/study/filler/sagnac_filler.h").contains("Point: motion.frequency = 20 Hz, "));
+    assert!(unwrapped(&shown).contains("vibration frequency 20 Hz is the first of its 2 values"), "{shown}");
+    assert!(desk.read("results/study/filler/sagnac_filler.h").contains("Point: vibration frequency 20 Hz"));
 }
 
 #[test]
