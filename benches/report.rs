@@ -4,12 +4,12 @@
 mod fillers;
 
 use fillers::{cells, chart, column};
-use sagnac::answer::Answer;
+use sagnac::report::answer::Answer;
+use sagnac::report::chart::picture::Picture;
+use sagnac::report::page::sections::{Block, Page, Section};
 use sagnac::table::{Table, Unit};
-use sagnac::view::chart::from_table;
-use sagnac::view::chart::picture::Picture;
+use sagnac::view::from_table;
 use sagnac::view::picture::Drawn;
-use sagnac::view::report::sections::{Block, Page, Section};
 
 fn main() {
     divan::main();

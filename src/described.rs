@@ -3,13 +3,13 @@
 use crate::analysis::{
     batch, compare, design, dynamic, firmware, log, model, requirement, sensitivity, spectrum, temperature,
 };
-use crate::chart::file::Source;
-use crate::key::row::Key;
-use crate::kinds::{KINDS, switched_run};
-use crate::quantity::unit::bare;
-use crate::study::kind::Kind;
-use crate::table::About;
-use crate::table::column::abouts;
+use sagnac_base::quantity::unit::bare;
+use sagnac_base::table::About;
+use sagnac_base::table::column::abouts;
+use sagnac_engine::chart::file::Source;
+use sagnac_engine::key::row::Key;
+use sagnac_engine::kinds::{KINDS, switched_run};
+use sagnac_engine::study::kind::Kind;
 
 /// A file of results with columns.
 #[derive(Debug, Clone)]
@@ -145,7 +145,7 @@ mod tests {
 
     use super::*;
     use crate::analysis::model::document::ModelDocument;
-    use crate::table::Cells;
+    use sagnac_base::table::Cells;
 
     #[test]
     fn the_columns_that_kinds_are_explained_by_are_there() {

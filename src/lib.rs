@@ -53,7 +53,7 @@
 //! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | progress of a run, and a way to stop it |
 //! | [`select`](verify::select), [`verify`](verify::verify) | the choice of a device, and the check of its bits |
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
-//! | [`Page`](view::report::sections::Page), [`Figure`](view::chart::figure::Figure), [`pictures`](view::picture::pictures) | pages, and charts |
+//! | [`Page`](report::page::sections::Page), [`Figure`](report::chart::figure::Figure), [`pictures`](view::picture::pictures) | pages, and charts |
 //! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |
 //! | [`curve`](allan::curve::curve), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
 //! | [`Density`](spectrum::Density), [`lines`](spectrum::lines()), [`Floor`](spectrum::Floor) | the power spectral density of a record, its lines and its white floor |
@@ -74,7 +74,7 @@ pub mod view;
 pub use sagnac_base::{progress, table};
 pub use sagnac_engine::{device, run, store, study, tally, verify};
 pub use sagnac_records::{allan, events, fit, record, spectrum};
-pub use sagnac_report::answer;
+pub use sagnac_report as report;
 pub use sagnac_theory as theory;
 
 // Below the front page: for tests, benches and the front ends, and free to change.

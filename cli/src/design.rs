@@ -11,9 +11,9 @@ use sagnac::analysis::design::{Constraints, Measure, Request, Search, design as 
 use sagnac::analysis::page;
 use sagnac::quantity::number::short;
 use sagnac::quantity::units::Dimension;
+use sagnac::report::chart::picture::Picture;
+use sagnac::report::page::document::Provenance;
 use sagnac::store::folder::Folder;
-use sagnac::view::chart::picture::Picture;
-use sagnac::view::report::document::Provenance;
 
 use crate::failure::Failure;
 use crate::filler::alone::at_least_0;

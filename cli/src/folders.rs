@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use sagnac::analysis::model::writers::WRITERS;
 use sagnac::described::files;
+use sagnac::report::page::FILE as REPORT;
 use sagnac::run::RESOLVED;
 use sagnac::store::CARD;
 use sagnac::study::Study;
-use sagnac::view::report::FILE as REPORT;
 
 use crate::failure::Failure;
 

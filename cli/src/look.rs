@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::sync::OnceLock;
 
 use clap::{Args, ColorChoice};
-use sagnac::view::chart::console::Look;
+use sagnac::report::chart::console::Look;
 
 /// Number of columns if no terminal specifies it.
 const USUAL_WIDTH: usize = 80;

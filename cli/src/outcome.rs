@@ -4,13 +4,13 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use sagnac::device::Device;
+use sagnac::report::chart::picture::Picture;
+use sagnac::report::page::FILE as REPORT;
+use sagnac::report::page::document::{self, Document, Provenance};
+use sagnac::report::page::sections::Page;
 use sagnac::store::CARD;
 use sagnac::store::folder::Folder;
 use sagnac::table::Table;
-use sagnac::view::chart::picture::Picture;
-use sagnac::view::report::FILE as REPORT;
-use sagnac::view::report::document::{self, Document, Provenance};
-use sagnac::view::report::sections::Page;
 use serde_json::json;
 
 use crate::failure::{Failure, in_options};

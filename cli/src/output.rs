@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::quantity::visible::{visible, visible_json};
+use sagnac::report::page::FILE as REPORT;
+use sagnac::report::page::document::json;
 use sagnac::store::folder::{self, Folder};
 use sagnac::table::Table;
-use sagnac::view::report::FILE as REPORT;
-use sagnac::view::report::document::json;
 use serde::Serialize;
 
 use crate::failure::Failure;

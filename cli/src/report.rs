@@ -5,13 +5,13 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use sagnac::analysis::page::Results;
+use sagnac::report::page::{Card, FILE as REPORT, MARKS, gallery};
 use sagnac::run::{Plan, RESOLVED, complete};
 use sagnac::source::text_file::read_bytes;
 use sagnac::store::CARD;
 use sagnac::store::folder::{Folder, write_marked};
 use sagnac::study::Study;
 use sagnac::view::picture::incomplete;
-use sagnac::view::report::{Card, FILE as REPORT, MARKS, gallery};
 
 use crate::chart::{Redraw, redraw};
 use crate::failure::{Failure, in_options};

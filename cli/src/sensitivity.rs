@@ -7,9 +7,9 @@ use clap::Args;
 use sagnac::analysis::page;
 use sagnac::analysis::sensitivity::report;
 use sagnac::analysis::sensitivity::{Request, SensitivityError, sensitivity as find};
+use sagnac::report::page::document::Provenance;
 use sagnac::store::folder::Folder;
 use sagnac::study::Study;
-use sagnac::view::report::document::Provenance;
 
 use crate::failure::{Failure, in_options};
 use crate::outcome::Outcome;

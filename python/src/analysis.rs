@@ -28,12 +28,12 @@ use sagnac::fit::range::Fitting;
 use sagnac::progress::Silent;
 use sagnac::quantity::units::Dimension;
 use sagnac::record::log::channel::Log;
+use sagnac::report::chart::picture::Picture;
+use sagnac::report::page::document::{Document, Provenance, json};
+use sagnac::report::page::sections::Page;
 use sagnac::run::RunError;
 use sagnac::table::Table;
 use sagnac::verify::select;
-use sagnac::view::chart::picture::Picture;
-use sagnac::view::report::document::{Document, Provenance, json};
-use sagnac::view::report::sections::Page;
 
 use super::argument::at_least_0;
 use super::compute::{compute, compute_on};

@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("version", env!("CARGO_PKG_VERSION"))?;
-    module.add("colours", sagnac::view::chart::COLOURS.to_vec())?;
+    module.add("colours", sagnac::report::chart::COLOURS.to_vec())?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::design, module)?)?;
     module.add_function(wrap_pyfunction!(analysis::sensitivity, module)?)?;

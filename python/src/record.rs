@@ -29,11 +29,11 @@ use sagnac::record::log::doubt::Doubt;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::samples::{Fault, Samples};
+use sagnac::report::page::document::{Rows, json};
 use sagnac::table::Table;
 use sagnac::theory::allan::estimator::Estimator;
 use sagnac::theory::allan::terms::Term;
 use sagnac::theory::allan::{FLAT_LEVEL, Part};
-use sagnac::view::report::document::{Rows, json};
 
 use super::argument::word;
 use super::compute::{compute_on, read_on};

@@ -2,11 +2,11 @@
 
 use statrs::function::erf::erfc_inv;
 
-use crate::answer::Check;
-use crate::answer::reading::{capitalized, place};
-use crate::quantity::number::significant;
-use crate::table::{Column, Role, Table};
-use crate::view::report::sections::{Block, Cell as GridCell, Grid, Section};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::{Column, Role, Table};
+use sagnac_report::answer::Check;
+use sagnac_report::answer::reading::{capitalized, place};
+use sagnac_report::page::sections::{Block, Cell as GridCell, Grid, Section};
 
 /// The deviations of an estimate from its closed form, in standard errors of the simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,7 +105,7 @@ fn place_of(table: &Table, row: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Cell;
+    use sagnac_base::table::Cell;
 
     fn table(z: &[Option<f64>]) -> Table {
         let column = |name: &str, role, cells: Vec<Cell>| Column {

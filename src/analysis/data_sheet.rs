@@ -1,13 +1,13 @@
 //! Noise coefficients of a record as in a data sheet: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
-use crate::allan::Unit;
 use crate::analysis::shape::Noise;
-use crate::device::cpu::Cpu;
-use crate::events::{Event, Events};
-use crate::fit::{Coefficient, Described, Fit, Fitting, Quantity, Verdict};
-use crate::kernel::width::Width;
-use crate::kinds::allan::realizations::realizations;
+use sagnac_engine::device::cpu::Cpu;
+use sagnac_engine::kinds::allan::realizations::realizations;
+use sagnac_kernel::width::Width;
+use sagnac_records::allan::Unit;
+use sagnac_records::events::{Event, Events};
+use sagnac_records::fit::{Coefficient, Described, Fit, Fitting, Quantity, Verdict};
 
 /// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALIZATIONS: usize = 1000;
@@ -103,8 +103,8 @@ impl Intervals {
 
 impl DataSheet {
     /// The noise of a record without its `events`, whose curves are in `unit`: the fit of terms to its overlapping Allan variances over the
-    /// octaves of τ that they [describe](crate::fit::range), with the intervals of
-    /// [`Fitter::fit_realized`](crate::fit::Fitter::fit_realized) where records are simulated. The same record gives the same
+    /// octaves of τ that they [describe](sagnac_records::fit::range), with the intervals of
+    /// [`Fitter::fit_realized`](sagnac_records::fit::Fitter::fit_realized) where records are simulated. The same record gives the same
     /// bits for any number of threads.
     ///
     /// # Errors

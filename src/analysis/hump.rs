@@ -5,11 +5,11 @@
 //! that are larger than the noise of a sample have quantization errors that depend on each other from sample to sample; their
 //! density is another one, and Q is not tested.
 
-use crate::allan::Angles;
-use crate::events::Events;
-use crate::fit::Fit;
-use crate::spectrum::{Density, Floor, Welch, lines};
-use crate::theory::allan::{Part, Process, Term};
+use sagnac_records::allan::Angles;
+use sagnac_records::events::Events;
+use sagnac_records::fit::Fit;
+use sagnac_records::spectrum::{Density, Floor, Welch, lines};
+use sagnac_theory::allan::{Part, Process, Term};
 
 /// Part of the density of the quantization noise that the spectrum must have.
 const PART: f64 = 0.5;

@@ -4,7 +4,7 @@
 //! multiple of its period. The curve dips there to values that say nothing of its course, and whether a grid of averaging
 //! times meets such a place is a coincidence.
 
-use crate::table::{Column, Usual};
+use sagnac_base::table::{Column, Usual};
 
 /// The part of both values beside it that a notch stays below.
 const DEPTH: f64 = 0.5;
@@ -53,7 +53,7 @@ impl Notches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Cell;
+    use sagnac_base::table::Cell;
 
     /// The notches of curves over 1, 2, 4, … s.
     fn notches<const N: usize>(curves: &[[f64; N]], usual: Option<Usual>) -> Vec<f64> {

@@ -1,14 +1,14 @@
 //! The part that a column, and each filler, plays in the question of a study.
 
-use crate::chart::Source;
-use crate::filler::FILLERS;
-use crate::kinds::KINDS;
-use crate::kinds::allan::columns::COEFFICIENT;
-use crate::kinds::gap_fill::GapFill;
-use crate::kinds::gap_fill::tuning::{Tuning, tuned};
-use crate::kinds::switched_run::SwitchedRun;
-use crate::study::Study;
-use crate::table::{Column, ColumnError, Role, Table};
+use sagnac_base::table::{Column, ColumnError, Role, Table};
+use sagnac_engine::chart::Source;
+use sagnac_engine::filler::FILLERS;
+use sagnac_engine::kinds::KINDS;
+use sagnac_engine::kinds::allan::columns::COEFFICIENT;
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::kinds::gap_fill::tuning::{Tuning, tuned};
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_engine::study::Study;
 
 /// Whether a column is a condition instead of a choice: that of a key by its role, of others the names of coefficients.
 pub(crate) fn is_given(column: &Column) -> bool {

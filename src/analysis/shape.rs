@@ -4,13 +4,13 @@
 //! for quantization noise or for a part of N. The spectrum shows it.
 
 use crate::analysis::hump;
-use crate::events::{Event, Events, What};
-use crate::fit::{
+use sagnac_records::events::{Event, Events, What};
+use sagnac_records::fit::{
     Coefficient, Described, Fit, FitError, Fitting, Terms, Verdict, describe, describe_without_shortest,
     is_fast, room_for_correlation, survival, white_beside_correlation, with_correlation,
 };
-use crate::spectrum::Density;
-use crate::theory::allan::{Part, Process, Term};
+use sagnac_records::spectrum::Density;
+use sagnac_theory::allan::{Part, Process, Term};
 
 /// Number of bands that are compared, and the least number of frequencies of each.
 const BANDS: usize = 12;

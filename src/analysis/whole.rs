@@ -9,7 +9,6 @@
 
 use std::path::Path;
 
-use crate::allan::{TauError, Trend};
 use crate::analysis::dynamic::{self, Dynamic, DynamicError};
 use crate::analysis::log::navigators::{self, Navigators, navigators};
 use crate::analysis::log::{self, Treatment, noise_file};
@@ -17,11 +16,12 @@ use crate::analysis::page::{of_dynamic, of_log, of_navigators, of_temperature};
 use crate::analysis::requirement::Limit;
 use crate::analysis::spectrum::{self, NoSpectrum, densities};
 use crate::analysis::temperature::{self, Temperature};
-use crate::progress::Progress;
-use crate::record::log::channel::Log;
-use crate::spectrum::{Density, Welch};
-use crate::table::Table;
-use crate::view::report::sections::Page;
+use sagnac_base::progress::Progress;
+use sagnac_base::table::Table;
+use sagnac_records::allan::{TauError, Trend};
+use sagnac_records::record::log::channel::Log;
+use sagnac_records::spectrum::{Density, Welch};
+use sagnac_report::page::sections::Page;
 
 /// What is asked for.
 #[derive(Debug, Clone)]

@@ -1,21 +1,21 @@
 //! The charts of a study.
 
-use crate::chart::{Chart, Named, Shows};
-use crate::key::setting::Swept;
-use crate::kinds::keys::{explain_key, explained_keys};
-use crate::quantity::number::short;
-use crate::quantity::unit::bare;
-use crate::quantity::units::Dimension;
-use crate::run::Tables;
-use crate::source::diagnose::{StudyError, nearest};
-use crate::study::Study;
-use crate::table::{Cell, ColumnError};
-use crate::view::chart::from_table::figure;
-use crate::view::chart::map_from_table::map;
-use crate::view::chart::notes::ChartError;
-pub use crate::view::chart::picture::Drawn;
-use crate::view::chart::picture::Picture;
-use crate::view::chart::stack::Shown;
+use crate::view::from_table::figure;
+use crate::view::map_from_table::map;
+use crate::view::stack::Shown;
+use sagnac_base::quantity::number::short;
+use sagnac_base::quantity::unit::bare;
+use sagnac_base::quantity::units::Dimension;
+use sagnac_base::source::diagnose::{StudyError, nearest};
+use sagnac_base::table::{Cell, ColumnError};
+use sagnac_engine::chart::{Chart, Named, Shows};
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::kinds::keys::{explain_key, explained_keys};
+use sagnac_engine::run::Tables;
+use sagnac_engine::study::Study;
+use sagnac_report::chart::notes::ChartError;
+pub use sagnac_report::chart::picture::Drawn;
+use sagnac_report::chart::picture::Picture;
 
 /// The names of a chart's files, without their endings.
 pub fn chart_stem(index: usize, charts: usize) -> String {
@@ -31,7 +31,7 @@ pub fn incomplete(lacking: u64) -> Option<String> {
 ///
 /// # Errors
 /// The table lacks something that a chart requires; the error points at the name in the study. Charts of
-/// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show this before anything is sampled.
+/// [`Plan::blank_tables`](sagnac_engine::run::Plan::blank_tables) show this before anything is sampled.
 pub fn pictures(study: &Study, tables: &Tables, lacking: u64) -> Result<Vec<Drawn>, StudyError> {
     let of = |(index, chart): (usize, &Chart)| {
         let table = tables.of(chart.source);

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use sagnac::analysis::log::notes;
 use sagnac::analysis::whole::Whole;
 use sagnac::record::log::read::Request;
+use sagnac::report::page::document::json;
 use sagnac::store::folder::Folder;
-use sagnac::view::report::document::json;
 
 pub use crate::allan::options::Options;
 use crate::failure::Failure;

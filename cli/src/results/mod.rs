@@ -8,6 +8,8 @@ use std::thread;
 
 use sagnac::analysis::page::Results;
 use sagnac::chart::Source;
+use sagnac::report::page::FILE as REPORT;
+use sagnac::report::page::document::{Provenance, json};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::folder::Folder;
 use sagnac::store::{self, Store};
@@ -15,8 +17,6 @@ use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::chart_stem;
-use sagnac::view::report::FILE as REPORT;
-use sagnac::view::report::document::{Provenance, json};
 
 use crate::failure::Failure;
 use crate::outcome::Outcome;

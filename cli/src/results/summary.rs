@@ -2,13 +2,13 @@
 
 use sagnac::chart::{Chart, Source};
 use sagnac::quantity::number::significant;
+use sagnac::report::chart::notes::ChartError;
 use sagnac::run::Tables;
 use sagnac::study::Study;
 use sagnac::table::text::{aligned, pivot};
 use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
-use sagnac::view::chart::notes::ChartError;
-use sagnac::view::chart::stack::Shown as Curves;
 use sagnac::view::picture::{refused, written};
+use sagnac::view::stack::Shown as Curves;
 
 use crate::failure::Failure;
 use crate::look;

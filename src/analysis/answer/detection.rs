@@ -1,12 +1,12 @@
 //! From which value on at least half of the records show a coefficient.
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table};
-use crate::answer::reading::percent_of;
-use crate::answer::{AnswerCell, Kind, Reading};
-use crate::kinds::allan::columns::is_absent;
-use crate::table::Column;
-use crate::table::crossing::between;
-use crate::view::chart::figure::Shape;
+use sagnac_base::table::Column;
+use sagnac_base::table::crossing::between;
+use sagnac_engine::kinds::allan::columns::is_absent;
+use sagnac_report::answer::reading::percent_of;
+use sagnac_report::answer::{AnswerCell, Kind, Reading};
+use sagnac_report::chart::figure::Shape;
 
 /// The part of records from which on a coefficient counts as shown.
 const HALF: f64 = 0.5;

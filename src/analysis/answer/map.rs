@@ -2,10 +2,10 @@
 
 use crate::analysis::answer::Outline;
 use crate::analysis::answer::{headline, sampled};
-use crate::answer::reading::{joined, number, range, symbol};
-use crate::answer::{AnswerCell, AnswerTable, Kind, Reading};
-use crate::view::chart::figure::Axis;
-use crate::view::chart::map::{Cells, Map};
+use sagnac_report::answer::reading::{joined, number, range, symbol};
+use sagnac_report::answer::{AnswerCell, AnswerTable, Kind, Reading};
+use sagnac_report::chart::figure::Axis;
+use sagnac_report::chart::map::{Cells, Map};
 
 pub(super) fn of_map(map: &Map) -> Option<Outline> {
     match &map.cells {

@@ -2,9 +2,9 @@
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, joined_names, table};
 use crate::analysis::notch::Notches;
-use crate::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
-use crate::table::Column;
-use crate::view::chart::figure::Shape;
+use sagnac_base::table::Column;
+use sagnac_report::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
+use sagnac_report::chart::figure::Shape;
 
 /// Most words of a name with labels in a headline.
 const MAX_WORDS: usize = 5;

@@ -14,20 +14,22 @@ mod values;
 use crate::analysis::agreement;
 use crate::analysis::decision::Sheet;
 use crate::analysis::role::{Bandless, apart, is_given, less_is_better};
-use crate::answer::reading::{begun, joined, labelled, place, shown, symbol};
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status};
-use crate::chart::{Chart, Limit, Source};
-use crate::quantity::list::listed;
-use crate::run::Tables;
-use crate::source::diagnose::StudyError;
-use crate::study::Study;
-use crate::table::crossing::{between, fraction};
-use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
-use crate::view::chart::figure::{Mark, Shape};
-use crate::view::chart::from_table::axis_unit;
-use crate::view::chart::picture::Picture;
-use crate::view::chart::stack::Shown;
+use crate::view::from_table::axis_unit;
 use crate::view::picture::{Drawn, refused};
+use crate::view::stack::Shown;
+use sagnac_base::quantity::list::listed;
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_base::table::crossing::{between, fraction};
+use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped, worded};
+use sagnac_engine::chart::{Chart, Limit, Source};
+use sagnac_engine::run::Tables;
+use sagnac_engine::study::Study;
+use sagnac_report::answer::reading::{begun, joined, labelled, place, shown, symbol};
+use sagnac_report::answer::{
+    Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Status,
+};
+use sagnac_report::chart::figure::{Mark, Shape};
+use sagnac_report::chart::picture::Picture;
 
 /// The rows that answer the question of a study.
 pub(super) struct Question<'t> {
@@ -550,7 +552,7 @@ pub(super) fn at(x: &Column, value: f64) -> String {
     let symbol = symbol(&x.label);
     match (reading.unit.is_empty(), symbol == x.label) {
         (true, false) => format!("{symbol}={}", reading.text()),
-        _ => joined(&crate::answer::reading::number(reading.value), &reading.unit),
+        _ => joined(&sagnac_report::answer::reading::number(reading.value), &reading.unit),
     }
 }
 

@@ -3,10 +3,10 @@
 use crate::analysis::answer::{
     Line, Named, Outline, Question, at, at_place, headline, joined_names, table, values,
 };
-use crate::answer::reading::span;
-use crate::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
-use crate::table::Column;
-use crate::view::chart::figure::Shape;
+use sagnac_base::table::Column;
+use sagnac_report::answer::reading::span;
+use sagnac_report::answer::{AnswerCell, Kind, MAX_ROWS, Reading};
+use sagnac_report::chart::figure::Shape;
 
 /// The excess over the least value up to which the cost counts as equal.
 const FLAT: f64 = 0.04;

@@ -1,9 +1,9 @@
 //! The places at which curves peak.
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table};
-use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, Reading};
-use crate::table::Column;
-use crate::view::chart::figure::Shape;
+use sagnac_base::table::Column;
+use sagnac_report::answer::{AnswerCell, Kind, MAX_COLUMNS, Reading};
+use sagnac_report::chart::figure::Shape;
 
 /// The peaks of curves of which each has some; `None` for others.
 pub(super) fn outline(question: &Question, x: &Column) -> Option<Outline> {

@@ -1,12 +1,12 @@
 //! How far along the curves a value stays within its limit.
 
 use crate::analysis::answer::{Line, Named, Outline, Question, at, headline, table, values};
-use crate::answer::reading::{Reading, joined, number, span};
-use crate::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS, Relation};
-use crate::chart::Limit;
-use crate::table::Column;
-use crate::table::crossing::{Window, windows};
-use crate::view::chart::figure::Shape;
+use sagnac_base::table::Column;
+use sagnac_base::table::crossing::{Window, windows};
+use sagnac_engine::chart::Limit;
+use sagnac_report::answer::reading::{Reading, joined, number, span};
+use sagnac_report::answer::{AnswerCell, Kind, MAX_COLUMNS, MAX_ROWS, Relation};
+use sagnac_report::chart::figure::Shape;
 
 /// The stretches of a curve that are within the limit.
 struct Extent {

@@ -5,11 +5,11 @@ use crate::analysis::answer::{
     table,
 };
 use crate::analysis::role::less_is_better;
-use crate::answer::reading::Reading;
-use crate::answer::{AnswerCell, Kind, MAX_ROWS, MAX_WORDS};
-use crate::chart::Limit;
-use crate::table::{Column, Role};
-use crate::view::chart::figure::Shape;
+use sagnac_base::table::{Column, Role};
+use sagnac_engine::chart::Limit;
+use sagnac_report::answer::reading::Reading;
+use sagnac_report::answer::{AnswerCell, Kind, MAX_ROWS, MAX_WORDS};
+use sagnac_report::chart::figure::Shape;
 
 pub(super) fn outline(question: &Question) -> Outline {
     let is_error = question.limit.is_some() || less_is_better(question.table, question.y, &question.rows);

@@ -5,11 +5,11 @@ use std::cmp::Ordering;
 use crate::analysis::batch::random_effects::Pooled;
 use crate::analysis::batch::{Batch, Coefficient, Found, Outlier};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
-use crate::answer::reading::number;
-use crate::answer::{AnswerCell, AnswerTable, Fact, Kind, Reading};
-use crate::quantity::list::listed;
-use crate::quantity::number::probability;
-use crate::quantity::number::significant;
+use sagnac_base::quantity::list::listed;
+use sagnac_base::quantity::number::probability;
+use sagnac_base::quantity::number::significant;
+use sagnac_report::answer::reading::number;
+use sagnac_report::answer::{AnswerCell, AnswerTable, Fact, Kind, Reading};
 
 /// Most units that a caveat names.
 const MAX_NAMED: usize = 3;

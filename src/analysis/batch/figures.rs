@@ -1,9 +1,9 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::Deviation;
-use crate::key::scale::Scale;
-use crate::quantity::number::probability;
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+use sagnac_base::quantity::number::probability;
+use sagnac_engine::key::scale::Scale;
+use sagnac_records::allan::Deviation;
+use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 
 use crate::analysis::batch::{Batch, Coefficient, Found};
 use crate::analysis::compare::figures::of_ratios;

@@ -23,10 +23,10 @@ pub(crate) mod units;
 
 use std::path::Path;
 
-use crate::allan::Unit as Curves;
 use crate::analysis::data_sheet::{Row, each_once};
 use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column, Curve, Treatment};
+use sagnac_records::allan::Unit as Curves;
 
 use crate::analysis::batch::random_effects::{Estimate, Pooled};
 use crate::analysis::batch::units::{UnitColumn, labels, twice, units};

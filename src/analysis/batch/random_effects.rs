@@ -13,9 +13,9 @@
 //! 0, or at 0. Its upper end is therefore at least the bound that equal units with these errors have on average, where the
 //! expected Q(τ²) of such units is the 2.5 % quantile (a power-constrained limit: G. Cowan et al., arXiv:1105.3166).
 
-use crate::allan::chi_squared;
-use crate::fit::interval::WITHIN_95;
-use crate::fit::survival;
+use sagnac_records::allan::chi_squared;
+use sagnac_records::fit::interval::WITHIN_95;
+use sagnac_records::fit::survival;
 
 /// Fewest units that have a spread.
 pub const FEWEST: usize = 2;
@@ -217,7 +217,7 @@ fn normal(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::allan::fisher;
+    use sagnac_records::allan::fisher;
 
     fn exact(logs: &[f64]) -> Vec<Estimate> {
         logs.iter().map(|&log| Estimate { log, variance: 1e-18 }).collect()

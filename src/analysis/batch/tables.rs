@@ -3,8 +3,8 @@
 use crate::analysis::log;
 use crate::analysis::log::records::{self, Record};
 use crate::analysis::log::tables::text;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
 
 use crate::analysis::batch::random_effects::Pooled;
 use crate::analysis::batch::{Batch, Coefficient, Found, Outlier};

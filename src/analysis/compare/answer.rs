@@ -6,11 +6,11 @@ use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, length, times};
 use crate::analysis::compare::{Length, SIGNIFICANT};
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
-use crate::answer::reading::{number, range};
-use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
-use crate::fit::Term;
-use crate::quantity::number::probability;
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::probability;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::fit::Term;
+use sagnac_report::answer::reading::{number, range};
+use sagnac_report::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
 
 /// The order in which coefficients are looked at.
 const ORDER: [&str; 5] = ["N", "B", "Q", "K", "R"];

@@ -4,10 +4,10 @@ use crate::analysis::compare::estimate::{Estimate, Two};
 use crate::analysis::compare::length;
 use crate::analysis::compare::{Length, NEAREST};
 use crate::analysis::shape::Noise;
-use crate::events::{Event, Events};
-use crate::fit::interval::WITHIN_95;
-use crate::fit::{Curve, Fit, FitError, Fitting, Quantity, Terms, fit_record};
-use crate::theory::allan::Term;
+use sagnac_records::events::{Event, Events};
+use sagnac_records::fit::interval::WITHIN_95;
+use sagnac_records::fit::{Curve, Fit, FitError, Fitting, Quantity, Terms, fit_record};
+use sagnac_theory::allan::Term;
 
 /// Significance level: differences with a smaller p are significant.
 pub const SIGNIFICANT: f64 = 0.05;

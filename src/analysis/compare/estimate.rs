@@ -6,7 +6,7 @@
 //! one degree of freedom, since one value is fitted to two. The pairs of values at a distance below 1.96 make up the 95
 //! % interval of any function of them, such as their difference.
 
-use crate::fit::evidence::Evidence;
+use sagnac_records::fit::evidence::Evidence;
 
 /// Number of grid points, and of golden sections of one grid step on either side.
 const GRID: u32 = 16;
@@ -121,7 +121,7 @@ fn least(low: f64, high: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::interval::{Variance, WITHIN_95};
+    use sagnac_records::fit::interval::{Variance, WITHIN_95};
 
     fn square(estimate: f64, variance: [f64; 3]) -> Estimate {
         Estimate::Square(Evidence::new(estimate, Variance(variance)))

@@ -1,10 +1,10 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::Deviation;
 use crate::analysis::compare::Ratio;
-use crate::key::scale::Scale;
-use crate::quantity::number::probability;
-use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
+use sagnac_base::quantity::number::probability;
+use sagnac_engine::key::scale::Scale;
+use sagnac_records::allan::Deviation;
+use sagnac_report::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
@@ -121,12 +121,12 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::allan::Trend;
     use crate::analysis::log::Treatment;
-    use crate::fit::{Term, Terms};
-    use crate::record::log::channel::Log;
-    use crate::record::log::check::UnitCheck;
-    use crate::record::log::measure::{Data, Unit};
+    use sagnac_records::allan::Trend;
+    use sagnac_records::fit::{Term, Terms};
+    use sagnac_records::record::log::channel::Log;
+    use sagnac_records::record::log::check::UnitCheck;
+    use sagnac_records::record::log::measure::{Data, Unit};
 
     #[test]
     fn fits_are_drawn_over_the_times_on_which_they_were_fitted() {

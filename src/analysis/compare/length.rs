@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::allan::Spread;
 use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::difference::two;
-use crate::fit::record::factors;
-use crate::fit::{Curve, Fit, Quantity, Terms, fit_record};
-use crate::theory::allan::{Difference, Estimator, Part, Process, Term, holds};
+use sagnac_records::allan::Spread;
+use sagnac_records::fit::record::factors;
+use sagnac_records::fit::{Curve, Fit, Quantity, Terms, fit_record};
+use sagnac_theory::allan::{Difference, Estimator, Part, Process, Term, holds};
 
 /// Distance of 1.96 standard deviations for p = 5 %, plus 1.28, so that 90 % of records have at least that distance.
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;

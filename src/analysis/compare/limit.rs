@@ -4,8 +4,8 @@ use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::times;
 use crate::analysis::requirement::{Judgement, LimitError, Limited, Standing, is_fitted, named, twice};
-use crate::answer::reading::range;
-use crate::fit::Term;
+use sagnac_records::fit::Term;
+use sagnac_report::answer::reading::range;
 
 /// A requirement on two logs: the largest accepted ratio of a coefficient, the second log over the first.
 #[derive(Debug, Clone, Copy, PartialEq)]

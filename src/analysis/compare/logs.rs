@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::allan::Unit;
 use crate::analysis::compare::words::duration;
 use crate::analysis::compare::{Comparison, NoCommonTime, compare};
-use crate::events::Events;
-use crate::fit::Fitting;
-use crate::quantity::number::significant;
-use crate::record::log::channel::Log;
-use crate::record::log::measure::Data;
-use crate::record::log::outliers::Outliers;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Unit;
+use sagnac_records::events::Events;
+use sagnac_records::fit::Fitting;
+use sagnac_records::record::log::channel::Log;
+use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::log::outliers::Outliers;
 
 use crate::analysis::batch::units::labels;
 use crate::analysis::compare::rows::{Row, rows};

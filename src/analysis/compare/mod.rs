@@ -56,12 +56,12 @@ pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
 pub use crate::analysis::compare::same::Same;
 
-use crate::allan::curve::{curve, suppose};
-use crate::allan::{Angles, Deviation, Point, Taus, Trend};
 use crate::analysis::compare::difference::Fits;
 use crate::analysis::log::model;
-use crate::events::{Event, Events};
-use crate::fit::{Fit, FitError, Fitting};
+use sagnac_records::allan::curve::{curve, suppose};
+use sagnac_records::allan::{Angles, Deviation, Point, Taus, Trend};
+use sagnac_records::events::{Event, Events};
+use sagnac_records::fit::{Fit, FitError, Fitting};
 
 /// The comparison of two records, the first of which has index 0.
 #[derive(Debug, Clone, PartialEq)]

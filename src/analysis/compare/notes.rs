@@ -2,9 +2,9 @@
 
 use crate::analysis::compare::NEAREST;
 use crate::analysis::compare::logs::{Analysis, Side};
-use crate::events::Event;
-use crate::quantity::number::significant;
-use crate::record::log::measure::Data;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::events::Event;
+use sagnac_records::record::log::measure::Data;
 
 /// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {

@@ -1,8 +1,8 @@
 //! Two curves at their common averaging times, and their ratio.
 
-use crate::allan::{Deviation, Point, fisher};
 use crate::analysis::compare::LEAST_P;
 use crate::analysis::compare::rows::Verdict;
+use sagnac_records::allan::{Deviation, Point, fisher};
 
 /// Largest relative difference between two averaging times that count as one.
 pub const NEAREST: f64 = 0.02;

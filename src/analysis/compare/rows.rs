@@ -1,7 +1,7 @@
 //! Coefficients of two logs in the units of data sheets.
 
-use crate::allan::Unit;
 use crate::analysis::compare::{Comparison, Difference, Length, SIGNIFICANT};
+use sagnac_records::allan::Unit;
 
 /// The result for one coefficient of two logs.
 #[derive(Debug, Clone)]

@@ -2,11 +2,11 @@
 
 use statrs::function::gamma::digamma;
 
-use crate::allan::Point;
 use crate::analysis::compare::difference::Fits;
 use crate::analysis::compare::{LEAST_P, NEAREST, Ratio};
-use crate::fit::{Covariance, Curve, FitError, survival};
-use crate::theory::allan::{Difference, Estimator, Term, gaussian};
+use sagnac_records::allan::Point;
+use sagnac_records::fit::{Covariance, Curve, FitError, survival};
+use sagnac_theory::allan::{Difference, Estimator, Term, gaussian};
 
 /// The test of two records for equal noise.
 #[derive(Debug, Clone, Copy, PartialEq)]

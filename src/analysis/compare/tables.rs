@@ -1,9 +1,9 @@
 //! The results of `sagnac compare` as tables.
 
-use crate::allan::Deviation;
 use crate::analysis::compare::{Length, Ratio};
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::Deviation;
 
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::Row;

@@ -1,7 +1,7 @@
 //! Numbers of a comparison as text.
 
 use crate::analysis::compare::Length;
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
 
 /// Formats a duration with two digits, such as `31 h`.
 pub fn duration(seconds: f64) -> String {

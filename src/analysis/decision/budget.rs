@@ -3,8 +3,8 @@
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator};
 use crate::analysis::decision::{DecisionError, Figure};
-use crate::study::Study;
-use crate::table::{Column, Role, Table};
+use sagnac_base::table::{Column, Role, Table};
+use sagnac_engine::study::Study;
 
 /// A part of the error.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,13 +2,13 @@
 
 use crate::analysis::decision::compared::Compared;
 use crate::analysis::role::{Bandless, apart, is_given};
-use crate::answer::Reading;
-use crate::answer::reading::place as place_of;
-use crate::chart::{Chart, Limit, Source};
-use crate::kinds::allan::keys::LENGTH;
-use crate::run::Tables;
-use crate::study::Study;
-use crate::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
+use sagnac_base::table::{Cell, Column, ColumnError, Role, Table, Usual, grouped};
+use sagnac_engine::chart::{Chart, Limit, Source};
+use sagnac_engine::kinds::allan::keys::LENGTH;
+use sagnac_engine::run::Tables;
+use sagnac_engine::study::Study;
+use sagnac_report::answer::Reading;
+use sagnac_report::answer::reading::place as place_of;
 
 /// An option with its worst row.
 #[derive(Debug, Clone)]

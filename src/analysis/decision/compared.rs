@@ -1,8 +1,8 @@
 //! The rows among which a study compares options: which conditions they have, and which of them count.
 
 use crate::analysis::notch::Notches;
-use crate::answer::reading::naming;
-use crate::table::{Column, grouped};
+use sagnac_base::table::{Column, grouped};
+use sagnac_report::answer::reading::naming;
 
 /// Rows with an estimate, by option and condition.
 pub(crate) struct Compared<'t> {

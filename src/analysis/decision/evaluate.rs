@@ -1,13 +1,13 @@
 //! Values of an estimate at points of a study, with common random numbers, and their scatter.
 
 use crate::analysis::decision::DecisionError;
-use crate::device::Device;
-use crate::progress::{Progress, Silent};
-use crate::run::{Plan, Tables};
-use crate::store::Store;
-use crate::study::Study;
-use crate::table::{Column, Role, Table};
-use crate::tally::share::Share;
+use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::table::{Column, Role, Table};
+use sagnac_engine::device::Device;
+use sagnac_engine::run::{Plan, Tables};
+use sagnac_engine::store::Store;
+use sagnac_engine::study::Study;
+use sagnac_engine::tally::share::Share;
 
 /// Number of parts of the trials, whose scatter gives the intervals.
 const PARTS: u64 = 16;

@@ -6,10 +6,10 @@ use crate::analysis::decision::evaluate::{Effort, Evaluator};
 use crate::analysis::decision::place::{Change, EVALUATIONS, Place, Tried, changed};
 use crate::analysis::decision::words::short;
 use crate::analysis::decision::{DecisionError, Figure};
-use crate::answer::{Alternative, Fact};
-use crate::quantity::units::Quantity;
-use crate::study::Study;
-use crate::table::Table;
+use sagnac_base::quantity::units::Quantity;
+use sagnac_base::table::Table;
+use sagnac_engine::study::Study;
+use sagnac_report::answer::{Alternative, Fact};
 
 /// Most changes whose needed values are compared.
 const COMPARED: usize = 6;

@@ -27,19 +27,19 @@ use crate::analysis::decision::budget::budget;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Evaluator, MOST_TRIALS};
 use crate::analysis::decision::lever::lever;
-use crate::chart::Source;
-use crate::device::Device;
-use crate::device::cpu::Cpu;
-use crate::kernel::width::Width;
-use crate::key::row::Key;
-use crate::key::setting::Swept;
-use crate::progress::{Progress, Silent};
-use crate::run::{Plan, RunError, Tables};
-use crate::source::diagnose::StudyError;
-use crate::store::Store;
-use crate::study::Study;
-use crate::table::ColumnError;
-use crate::tally::share::Share;
+use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_base::table::ColumnError;
+use sagnac_engine::chart::Source;
+use sagnac_engine::device::Device;
+use sagnac_engine::device::cpu::Cpu;
+use sagnac_engine::key::row::Key;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::run::{Plan, RunError, Tables};
+use sagnac_engine::store::Store;
+use sagnac_engine::study::Study;
+use sagnac_engine::tally::share::Share;
+use sagnac_kernel::width::Width;
 
 /// Why there is no decision sheet.
 #[derive(Debug, thiserror::Error)]

@@ -4,16 +4,16 @@ use crate::analysis::decision::DecisionError;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::evaluate::{Effort, Evaluator, Value};
 use crate::analysis::role::is_given;
-use crate::drift::schedule::{End, INTERVAL};
-use crate::key::row::Key;
-use crate::key::setting::Swept;
-use crate::key::sweep::Sweep;
-use crate::kinds::lock_in::LockInStudy;
-use crate::kinds::lock_in::inputs::{FREQUENCY, SCALE_FACTOR, THRESHOLD};
-use crate::kinds::switched_run::SwitchedRun;
-use crate::quantity::units::{Dimension, Quantity};
-use crate::study::Study;
-use crate::table::Table;
+use sagnac_base::quantity::units::{Dimension, Quantity};
+use sagnac_base::table::Table;
+use sagnac_engine::drift::schedule::{End, INTERVAL};
+use sagnac_engine::key::row::Key;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Sweep;
+use sagnac_engine::kinds::lock_in::LockInStudy;
+use sagnac_engine::kinds::lock_in::inputs::{FREQUENCY, SCALE_FACTOR, THRESHOLD};
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_engine::study::Study;
 
 /// Factor by which each input is tried.
 const TRIED: f64 = 1.25;
@@ -310,8 +310,8 @@ fn beyond(input: &Input, factor: f64) -> Quantity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filler::keys::GAP_TICKS;
-    use crate::kinds::gap_fill::keys::READOUT_LSB;
+    use sagnac_engine::filler::keys::GAP_TICKS;
+    use sagnac_engine::kinds::gap_fill::keys::READOUT_LSB;
 
     #[test]
     fn needed_values_lie_beyond_the_change_with_three_digits_and_are_never_the_present_ones() {

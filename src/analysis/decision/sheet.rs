@@ -4,10 +4,10 @@ use crate::analysis::decision::Figure;
 use crate::analysis::decision::budget::Part;
 use crate::analysis::decision::choice::Choice;
 use crate::analysis::decision::lever::Lever;
-use crate::answer::{self as fact, Fact, Reading, Status};
-use crate::chart::Limit;
-use crate::quantity::list::listed;
-use crate::table::Unit;
+use sagnac_base::quantity::list::listed;
+use sagnac_base::table::Unit;
+use sagnac_engine::chart::Limit;
+use sagnac_report::answer::{self as fact, Fact, Reading, Status};
 
 /// The decision sheet of a study.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,13 @@
 use crate::analysis::decision::{Sheet, decide};
-use crate::answer::{Fact, Status};
-use crate::device::Device;
-use crate::device::cpu::Cpu;
-use crate::kernel::width::Width;
-use crate::progress::Silent;
-use crate::run::{Plan, Tables};
-use crate::store::Store;
-use crate::study::Study;
-use crate::tally::share::Share;
+use sagnac_base::progress::Silent;
+use sagnac_engine::device::Device;
+use sagnac_engine::device::cpu::Cpu;
+use sagnac_engine::run::{Plan, Tables};
+use sagnac_engine::store::Store;
+use sagnac_engine::study::Study;
+use sagnac_engine::tally::share::Share;
+use sagnac_kernel::width::Width;
+use sagnac_report::answer::{Fact, Status};
 
 /// The problem of a newcomer: a pulse of 1.2 ″ in a recorded vibration, and a limit of 5 ″.
 const PULSES: &str = r#"

@@ -1,7 +1,7 @@
 //! Quantities of decisions as text.
 
-use crate::quantity::number::significant;
-use crate::quantity::units::{Dimension, Quantity};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::units::{Dimension, Quantity};
 
 /// A quantity with this many digits; a time below a tenth of a second in milliseconds.
 pub(crate) fn short(quantity: Quantity, digits: usize) -> String {

@@ -3,10 +3,10 @@
 use crate::analysis::decision::Sheet;
 use crate::analysis::design::report::{called, duration, named};
 use crate::analysis::design::{Design, Filler, Found, PapersRule, Tried, Variant};
-use crate::answer::reading::{joined, number, range};
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
-use crate::quantity::list::listed;
-use crate::table::{Column, Unit};
+use sagnac_base::quantity::list::listed;
+use sagnac_base::table::{Column, Unit};
+use sagnac_report::answer::reading::{joined, number, range};
+use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
 
 /// The excess over the least drift up to which an interval costs as much.
 const FLAT: f64 = 0.04;

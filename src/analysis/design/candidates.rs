@@ -1,10 +1,10 @@
 //! The candidate intervals for each filler.
 
 use crate::analysis::design::DesignError;
-use crate::key::common::Streams;
-use crate::kinds::switched_run::SwitchedRun;
-use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
-use crate::kinds::switched_run::point::Point as RunPoint;
+use sagnac_engine::key::common::Streams;
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_engine::kinds::switched_run::lower::{FilledRun, LoweredRun};
+use sagnac_engine::kinds::switched_run::point::Point as RunPoint;
 
 /// Number of candidate intervals where the study names none.
 const CANDIDATES: usize = 17;

@@ -2,11 +2,11 @@
 
 use crate::analysis::design::DesignError;
 use crate::analysis::firmware::memory::Memory;
-use crate::filler::ticks::latency_ticks;
-use crate::filler::{Fill, Filler};
-use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::switched_run::SwitchedRun;
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::filler::ticks::latency_ticks;
+use sagnac_engine::filler::{Fill, Filler};
+use sagnac_engine::kinds::gap_fill::inputs::Inputs;
+use sagnac_engine::kinds::switched_run::SwitchedRun;
 
 /// What a filler must meet to be tried.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,11 +1,11 @@
 //! Why a design is not possible.
 
 use crate::analysis::design::Measure;
-use crate::device::error::GpuError;
-use crate::key::refusal::Refusal;
-use crate::key::setting::Swept;
-use crate::source::diagnose::StudyError;
-use crate::study::Study;
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_engine::device::error::GpuError;
+use sagnac_engine::key::refusal::Refusal;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::study::Study;
 
 /// Why a design is not possible.
 #[derive(Debug, thiserror::Error)]

@@ -5,12 +5,12 @@ use crate::analysis::design::constraints::{Constraints, Cost, keep};
 use crate::analysis::design::report::variants;
 use crate::analysis::design::{Measure, PapersRule};
 use crate::analysis::jackknife::{T_95, of_halves};
-use crate::drift::schedule::INTERVAL;
-use crate::key::setting::Swept;
-use crate::key::sweep::Sweep;
-use crate::kinds::switched_run::SwitchedRun;
-use crate::quantity::units::{Dimension, Quantity};
-use crate::study::Study;
+use sagnac_base::quantity::units::{Dimension, Quantity};
+use sagnac_engine::drift::schedule::INTERVAL;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Sweep;
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_engine::study::Study;
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -73,15 +73,15 @@ use crate::analysis::design::optimum::least_of;
 use crate::analysis::design::runs::{Chosen, Runner, work};
 use crate::analysis::design::searched::with_searched;
 use crate::analysis::design::variants::Values;
-use crate::device::Device;
-use crate::drift::schedule::{End, INTERVAL};
-use crate::kinds::switched_run::SwitchedRun;
-use crate::kinds::switched_run::Timing;
-use crate::kinds::switched_run::run::late;
-use crate::progress::Progress;
-use crate::quantity::number::short;
-use crate::study::Study;
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::number::short;
+use sagnac_engine::device::Device;
+use sagnac_engine::drift::schedule::{End, INTERVAL};
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_engine::kinds::switched_run::Timing;
+use sagnac_engine::kinds::switched_run::run::late;
 use sagnac_engine::sampling::worker::Worker;
+use sagnac_engine::study::Study;
 
 /// Number of switches from which the effort is said before the runs: a minute or more on most processors.
 const MANY: u64 = 20_000_000_000;

@@ -2,7 +2,7 @@
 
 use crate::analysis::design::{Found, Tried};
 use crate::analysis::jackknife::{T_95, of_halves};
-use crate::fit::nnls;
+use sagnac_records::fit::nnls;
 
 /// The law is fitted where the drift is at most this many times its minimum.
 const FITTED: f64 = 1.6;
@@ -94,7 +94,7 @@ fn least(x: &[f64], y: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::analysis::jackknife::{PARTS, halves};
-    use crate::kernel::moments::{level, level_edge};
+    use sagnac_kernel::moments::{level, level_edge};
 
     /// The 99.73 % level of errors that are counted in bins as those of runs are.
     fn level_of(counts: &[u32]) -> f64 {

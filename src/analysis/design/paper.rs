@@ -1,9 +1,9 @@
 //! The choice of the paper's rule: the interval at which the bound Z(7) is least.
 
 use crate::analysis::design::Tried;
-use crate::kinds::switched_run::lower::FilledRun;
-use crate::kinds::switched_run::point::Point as RunPoint;
-use crate::theory::drift::budget::{Budget, Optimum};
+use sagnac_engine::kinds::switched_run::lower::FilledRun;
+use sagnac_engine::kinds::switched_run::point::Point as RunPoint;
+use sagnac_theory::drift::budget::{Budget, Optimum};
 
 /// The paper's choice.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,12 +6,12 @@ use crate::analysis::design::found::{Filler, Found, Tried};
 use crate::analysis::design::paper::{self, PapersRule};
 use crate::analysis::design::{DesignError, Measure, optimum, sampling};
 use crate::analysis::jackknife::halves;
-use crate::kernel::moments::Moments;
-use crate::kinds::switched_run::lower::FilledRun;
-use crate::progress::Progress;
-use crate::tally::stats::{Estimates, NORMAL_95};
-use crate::theory::drift::budget::Optimum;
+use sagnac_base::progress::Progress;
+use sagnac_engine::kinds::switched_run::lower::FilledRun;
 use sagnac_engine::sampling::worker::Worker;
+use sagnac_engine::tally::stats::{Estimates, NORMAL_95};
+use sagnac_kernel::moments::Moments;
+use sagnac_theory::drift::budget::Optimum;
 
 /// The runs of a variant with its candidates.
 pub(crate) struct Chosen<'a> {

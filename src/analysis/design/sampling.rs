@@ -1,13 +1,13 @@
 //! Sampling of the runs of one candidate, in parts.
 
 use crate::analysis::jackknife::PARTS;
-use crate::device::Job;
-use crate::device::error::GpuError;
-use crate::kernel::moments::Moments;
-use crate::kinds::switched_run::lower::FilledRun;
-use crate::progress::Progress;
-use crate::tally::block::Block;
+use sagnac_base::progress::Progress;
+use sagnac_engine::device::Job;
+use sagnac_engine::device::error::GpuError;
+use sagnac_engine::kinds::switched_run::lower::FilledRun;
 use sagnac_engine::sampling::worker::Worker;
+use sagnac_engine::tally::block::Block;
+use sagnac_kernel::moments::Moments;
 
 /// The number of trials, at least `asked`, for which all parts have the same power of two.
 pub(crate) fn trials(asked: u64) -> u64 {

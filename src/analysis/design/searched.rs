@@ -6,16 +6,16 @@ use crate::analysis::design::DesignError;
 use crate::analysis::design::constraints::{Constraints, Cost};
 use crate::analysis::design::variants;
 use crate::analysis::firmware::search::{Asked, Trade, entry};
-use crate::filler::keys::Error;
-use crate::filler::{Fill, Filler, Method, Target};
-use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::SHIFT;
-use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
-use crate::kinds::switched_run::SwitchedRun;
-use crate::motion::Gaussian;
-use crate::quantity::units::{Dimension, parse, round_12};
-use crate::study::Study;
-use crate::theory::minimum_variance::Band;
+use sagnac_base::quantity::units::{Dimension, parse, round_12};
+use sagnac_engine::filler::keys::Error;
+use sagnac_engine::filler::{Fill, Filler, Method, Target};
+use sagnac_engine::kinds::gap_fill::inputs::Inputs;
+use sagnac_engine::kinds::gap_fill::judged::SHIFT;
+use sagnac_engine::kinds::gap_fill::lower::weights::{Rows, Statistics};
+use sagnac_engine::kinds::switched_run::SwitchedRun;
+use sagnac_engine::motion::Gaussian;
+use sagnac_engine::study::Study;
+use sagnac_theory::minimum_variance::Band;
 
 /// Most fillers that are added for one motion.
 const MOST_ADDED: usize = 6;

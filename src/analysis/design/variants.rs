@@ -1,8 +1,8 @@
 //! The variants of a study: the combinations of its swept keys other than the interval, each with its runs.
 
-use crate::drift::schedule::INTERVAL;
-use crate::key::setting::Swept;
-use crate::kinds::switched_run::SwitchedRun;
+use sagnac_engine::drift::schedule::INTERVAL;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::kinds::switched_run::SwitchedRun;
 
 /// The values of the swept keys other than the interval, in the order of the sweeps.
 pub(crate) type Values = Vec<(&'static str, Swept)>;

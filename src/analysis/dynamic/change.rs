@@ -10,8 +10,8 @@
 
 use rayon::prelude::*;
 
-use crate::allan::sums::{Sum, sums};
-use crate::allan::{Angles, Deviation};
+use sagnac_records::allan::sums::{Sum, sums};
+use sagnac_records::allan::{Angles, Deviation};
 
 /// Number of parts of a record.
 pub const PARTS: usize = 64;
@@ -156,9 +156,9 @@ fn quantile(p: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::allan::Trend;
     use rand::rngs::StdRng;
     use rand::{RngExt, SeedableRng};
+    use sagnac_records::allan::Trend;
 
     fn record(samples: usize, seed: u64, scale: impl Fn(usize) -> f64) -> Angles {
         let mut rng = StdRng::seed_from_u64(seed);

@@ -1,10 +1,10 @@
 //! The maps of `sagnac allan --dynamic`.
 
-use crate::allan::{Deviation, Point};
-use crate::key::scale::Scale;
-use crate::quantity::number::significant;
-use crate::view::chart::figure::Axis;
-use crate::view::chart::map::{Cells, Estimate, Layer, Map};
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::key::scale::Scale;
+use sagnac_records::allan::{Deviation, Point};
+use sagnac_report::chart::figure::Axis;
+use sagnac_report::chart::map::{Cells, Estimate, Layer, Map};
 
 use crate::analysis::dynamic::words::sentence;
 use crate::analysis::dynamic::{Column, Dynamic};

@@ -10,12 +10,12 @@ pub mod figures;
 pub mod tables;
 pub mod words;
 
-use crate::allan::curve::{curve, suppose};
-use crate::allan::{Angles, Deviation, Point, Unit};
 use crate::analysis::log::{Treatment, model, temperatures};
-use crate::quantity::number::significant;
-use crate::record::log::channel::{Channel, Log};
-use crate::theory::allan::Process;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::curve::{curve, suppose};
+use sagnac_records::allan::{Angles, Deviation, Point, Unit};
+use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_theory::allan::Process;
 
 use crate::analysis::dynamic::change::{Octave, octaves};
 

@@ -1,9 +1,9 @@
 //! The noise of a log over time as tables.
 
-use crate::allan::{Deviation, Point};
 use crate::analysis::log::tables::{key, text};
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Point};
 
 use crate::analysis::dynamic::change::Octave;
 use crate::analysis::dynamic::{Column, Dynamic, Window};

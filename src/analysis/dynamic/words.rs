@@ -1,10 +1,10 @@
 //! Whether the noise of a column changes, as a sentence.
 
-use crate::allan::Deviation;
 use crate::analysis::compare::words::duration;
-use crate::fit::Quantity;
-use crate::quantity::number::{probability, significant, with_unit};
-use crate::theory::allan::{Estimator, Process, Term};
+use sagnac_base::quantity::number::{probability, significant, with_unit};
+use sagnac_records::allan::Deviation;
+use sagnac_records::fit::Quantity;
+use sagnac_theory::allan::{Estimator, Process, Term};
 
 use crate::analysis::dynamic::Column;
 use crate::analysis::dynamic::change::{FALSE_ALARM, FEWEST, Octave, PARTS, SHORTEST, clearest};

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use crate::analysis::firmware::choice::{ChoiceError, undetermined};
 use crate::analysis::firmware::{Asked, Firmware, Trade};
-use crate::answer::reading::capitalized;
-pub use crate::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
-use crate::kinds::gap_fill::GapFill;
-use crate::study::Study;
+pub use sagnac_engine::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::study::Study;
+use sagnac_report::answer::reading::capitalized;
 
 /// The properties of fillers; quantities are texts with units, as in a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub struct Alone {
 
 impl Alone {
     /// The text of a gap-fill study of one point with fillers of these [`KINDS`], for
-    /// [`Study::parse`](crate::study::Study::parse), which reports any faults in them.
+    /// [`Study::parse`](sagnac_engine::study::Study::parse), which reports any faults in them.
     ///
     /// ```
     /// # use sagnac::analysis::firmware::{Alone, Firmware};

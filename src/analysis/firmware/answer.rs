@@ -3,12 +3,12 @@
 use crate::analysis::answer::{Line, table};
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Trade};
-use crate::answer::reading::{begun, number};
-use crate::answer::{
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::kinds::gap_fill::judged::{Judged, Size, deviation};
+use sagnac_report::answer::reading::{begun, number};
+use sagnac_report::answer::{
     Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Part, Reading, Status,
 };
-use crate::kinds::gap_fill::judged::{Judged, Size, deviation};
-use crate::quantity::number::significant;
 
 fn arcsec(name: &str, value: f64) -> Reading {
     Reading::in_unit(name, value, "″", None)

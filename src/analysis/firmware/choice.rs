@@ -2,15 +2,15 @@
 
 use crate::analysis::firmware::design::{Firmware, limit, rules};
 use crate::analysis::firmware::search::{Asked, Trade};
-use crate::filler::Filler;
-use crate::key::setting::Swept;
-use crate::key::sweep::Sweep;
-use crate::kinds::gap_fill::GapFill;
-use crate::kinds::gap_fill::point::Point;
-use crate::quantity::number::significant;
-use crate::quantity::units::{Dimension, Quantity, parse as parse_quantity};
-use crate::source::diagnose::StudyError;
-use crate::study::Study;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::units::{Dimension, Quantity, parse as parse_quantity};
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_engine::filler::Filler;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::key::sweep::Sweep;
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::kinds::gap_fill::point::Point;
+use sagnac_engine::study::Study;
 
 /// Why nothing could be chosen.
 #[derive(Debug, Clone, thiserror::Error)]

@@ -2,27 +2,27 @@
 
 use crate::analysis::firmware::choice::shown;
 use crate::analysis::firmware::{Rule, Trade};
-use crate::chart::Chart;
-use crate::filler::keys::Error;
-use crate::filler::keys::GAP_TICKS;
-use crate::filler::specification::Part;
-use crate::filler::ticks::latency_ticks;
-use crate::filler::{Fill, Filler, Method, Target};
-use crate::key::row::Key;
-use crate::key::setting::Swept;
-use crate::kinds::gap_fill::GapFill;
-use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{Judge, Judged, of_noise, shift};
-use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
-use crate::kinds::gap_fill::point::Point;
-use crate::motion::keys::Design::{FirstHalf, Whole};
-use crate::quantity::number::significant;
-use crate::source::diagnose::StudyError;
-use crate::study::Study;
-use crate::theory::gap::{Weights, sine_response, tick_amplitude};
-use crate::theory::minimum_variance::Band;
-use crate::theory::rows::sides;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_engine::chart::Chart;
+use sagnac_engine::filler::keys::Error;
+use sagnac_engine::filler::keys::GAP_TICKS;
+use sagnac_engine::filler::specification::Part;
+use sagnac_engine::filler::ticks::latency_ticks;
+use sagnac_engine::filler::{Fill, Filler, Method, Target};
+use sagnac_engine::key::row::Key;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::kinds::gap_fill::GapFill;
+use sagnac_engine::kinds::gap_fill::inputs::Inputs;
+use sagnac_engine::kinds::gap_fill::judged::{Judge, Judged, of_noise, shift};
+use sagnac_engine::kinds::gap_fill::lower::Lowered;
+use sagnac_engine::kinds::gap_fill::lower::weights::{Rows, Statistics};
+use sagnac_engine::kinds::gap_fill::point::Point;
+use sagnac_engine::motion::keys::Design::{FirstHalf, Whole};
+use sagnac_engine::study::Study;
+use sagnac_theory::gap::{Weights, sine_response, tick_amplitude};
+use sagnac_theory::minimum_variance::Band;
+use sagnac_theory::rows::sides;
 
 /// The fillers of one point of a study.
 #[derive(Debug, Clone)]

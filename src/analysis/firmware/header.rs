@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::analysis::firmware::{Design, Firmware, Rule};
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
 
 /// Instructions in the header for using the tables.
 const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit, and are rounded

@@ -1,6 +1,6 @@
 //! The memory that a filler takes in firmware, from what the C header declares and what its use needs.
 
-use crate::filler::{Fill, Filler, Method};
+use sagnac_engine::filler::{Fill, Filler, Method};
 
 /// Bytes of a number of ticks or weights, `int32_t`.
 const WORD: u64 = 4;

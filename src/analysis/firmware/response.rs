@@ -1,12 +1,12 @@
 //! The frequency response of fillers, as a chart.
 
 use crate::analysis::firmware::design::{Firmware, Mark, response};
-use crate::filler::closed::LISTED;
-use crate::filler::keys::Error;
-use crate::quantity::number::significant;
-use crate::theory::gap::Weights;
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
-use crate::view::chart::styles::of_names;
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::filler::closed::LISTED;
+use sagnac_engine::filler::keys::Error;
+use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
+use sagnac_report::chart::styles::of_names;
+use sagnac_theory::gap::Weights;
 
 /// Decades below the Nyquist frequency at which the chart begins, which is 1 Hz for ticks of 5 ms. Below it the errors
 /// fall on straight lines.

@@ -9,19 +9,19 @@
 
 use rayon::prelude::*;
 
-use crate::filler::Target;
-use crate::filler::closed::MINIMUM_VARIANCE;
-use crate::kernel::gap_fill::shape::MAX_SIDE;
-use crate::key::scale::Scale;
-use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::judged::{Judge, Size, deviation, of_noise, shift};
-use crate::kinds::gap_fill::lower::weights::Statistics;
-use crate::quantity::number::significant;
-use crate::table::column::{ColumnOf, columns_of};
-use crate::table::{Cell, Role, Table, Unit};
-use crate::theory::minimum_variance::{Band, minimum_variance_weights};
-use crate::theory::rows::TickRows;
-use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Mark, Series, SeriesPoint, Shape};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::column::{ColumnOf, columns_of};
+use sagnac_base::table::{Cell, Role, Table, Unit};
+use sagnac_engine::filler::Target;
+use sagnac_engine::filler::closed::MINIMUM_VARIANCE;
+use sagnac_engine::key::scale::Scale;
+use sagnac_engine::kinds::gap_fill::inputs::Inputs;
+use sagnac_engine::kinds::gap_fill::judged::{Judge, Size, deviation, of_noise, shift};
+use sagnac_engine::kinds::gap_fill::lower::weights::Statistics;
+use sagnac_kernel::gap_fill::shape::MAX_SIDE;
+use sagnac_report::chart::figure::{Axis, Figure, Grouping, Limit, Mark, Series, SeriesPoint, Shape};
+use sagnac_theory::minimum_variance::{Band, minimum_variance_weights};
+use sagnac_theory::rows::TickRows;
 
 /// Most ticks before the gap.
 const MOST_BEFORE: u32 = 32;
@@ -222,8 +222,8 @@ pub(crate) fn entry(name: String, before: u32, after: u32) -> toml::Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinds::gap_fill::inputs::TickNoise;
-    use crate::motion::{Gaussian, Motion};
+    use sagnac_engine::kinds::gap_fill::inputs::TickNoise;
+    use sagnac_engine::motion::{Gaussian, Motion};
 
     /// Whether the choice meets the limit; `None` without one.
     fn is_met(trade: &Trade) -> Option<bool> {

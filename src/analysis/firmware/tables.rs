@@ -1,12 +1,12 @@
 //! `fillers.csv`, with the errors and gains of fillers, and `weights.csv`, with a row for each weight.
 
 use crate::analysis::firmware::{Closed, Design, Firmware, Rule};
-use crate::filler::FILLERS;
-use crate::filler::keys::Error;
-use crate::kinds::gap_fill::columns::FILLER;
-use crate::kinds::gap_fill::judged::Size;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_engine::filler::FILLERS;
+use sagnac_engine::filler::keys::Error;
+use sagnac_engine::kinds::gap_fill::columns::FILLER;
+use sagnac_engine::kinds::gap_fill::judged::Size;
 
 /// A row before it becomes cells.
 pub(crate) struct Row<'a> {

@@ -5,10 +5,10 @@ use std::io;
 use rand::rand_core::Rng;
 
 use crate::analysis::firmware::{Design, Firmware, Rule};
-use crate::kernel::philox::Philox;
-use crate::kinds::gap_fill::columns::FILLER;
-use crate::table::{About, Cell, Column, Role, Table};
-use crate::tally::id::Id;
+use sagnac_base::table::{About, Cell, Column, Role, Table};
+use sagnac_engine::kinds::gap_fill::columns::FILLER;
+use sagnac_engine::tally::id::Id;
+use sagnac_kernel::philox::Philox;
 
 /// Inputs on all ticks that any of the fillers reads.
 #[derive(Debug, Clone, PartialEq)]

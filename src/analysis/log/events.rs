@@ -4,14 +4,14 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::log::{Analysis, Column, Treatment};
-use crate::events::{Event, What};
-use crate::quantity::number::significant;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
-use crate::theory::allan::Term;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Unit as Curves};
+use sagnac_records::events::{Event, What};
+use sagnac_theory::allan::Term;
 
 /// A gap, an outlier or an event of a record with what was done with it: a row of `events.csv`.
 #[derive(Debug, Clone, PartialEq)]

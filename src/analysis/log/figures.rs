@@ -1,14 +1,14 @@
 //! The charts of `sagnac allan`.
 
-use crate::allan::{Deviation, Point, Unit};
-use crate::answer::reading::capitalized;
-use crate::fit::{Fit, Quantity};
-use crate::key::scale::Scale;
-use crate::quantity::number::{joined, significant};
-use crate::table::crossing::{between, fraction};
-use crate::theory::allan::terms::Shape;
-use crate::theory::allan::{Part, Process, Term};
-use crate::view::chart::figure::{self, Axis, Figure, Grouping, Mark, Parts, Series, SeriesPoint};
+use sagnac_base::quantity::number::{joined, significant};
+use sagnac_base::table::crossing::{between, fraction};
+use sagnac_engine::key::scale::Scale;
+use sagnac_records::allan::{Deviation, Point, Unit};
+use sagnac_records::fit::{Fit, Quantity};
+use sagnac_report::answer::reading::capitalized;
+use sagnac_report::chart::figure::{self, Axis, Figure, Grouping, Mark, Parts, Series, SeriesPoint};
+use sagnac_theory::allan::terms::Shape;
+use sagnac_theory::allan::{Part, Process, Term};
 
 use crate::analysis::log::events::are_left_out;
 use crate::analysis::log::notes::heading;

@@ -21,25 +21,25 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::allan::curve::{curve, suppose};
-use crate::allan::{
-    Angles, Deviation, Line, MOST_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum,
-};
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::{LEAST_CHANGE, averages};
-use crate::events::{Event, Events};
-use crate::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
-use crate::progress::Progress;
-use crate::quantity::number::significant;
-use crate::record::error::RecordError;
-use crate::record::log::channel::{Channel, Log};
-use crate::record::log::check::UnitCheck;
-use crate::record::log::measure::Data;
-use crate::record::log::outliers::Outliers;
-use crate::record::log::read::Request;
-use crate::record::log::samples::Samples;
-use crate::theory::allan::{Process, Term};
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::curve::{curve, suppose};
+use sagnac_records::allan::{
+    Angles, Deviation, Line, MOST_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum,
+};
+use sagnac_records::events::{Event, Events};
+use sagnac_records::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
+use sagnac_records::record::error::RecordError;
+use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_records::record::log::check::UnitCheck;
+use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::log::outliers::Outliers;
+use sagnac_records::record::log::read::Request;
+use sagnac_records::record::log::samples::Samples;
+use sagnac_theory::allan::{Process, Term};
 
 /// Number of simulated samples from which on the simulation is announced.
 const LONG: usize = 1_000_000_000;

@@ -4,27 +4,27 @@
 //! at the upper end of its interval. The decision sheet is that of the study, whose parts and levers are compared with the first
 //! sets of coefficients only, so that another value may meet the limit by the third digit.
 
-use crate::allan::Unit;
 use crate::analysis::decision::{Figure, Sheet, decide};
 use crate::analysis::log::noise_file::{self, quantity};
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::log::{Analysis, Column};
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
-use crate::device::Device;
-use crate::device::cpu::Cpu;
-use crate::fit::Coefficient;
-use crate::kernel::width::Width;
-use crate::progress::{Progress, Silent};
-use crate::quantity::number::{significant, with_unit};
-use crate::quantity::units::Quantity;
-use crate::run::{Plan, Tables};
-use crate::store::Store;
-use crate::study::Study;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit as TableUnit, Usual};
-use crate::tally::share::Share;
-use crate::theory::allan::Term;
+use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::quantity::number::{significant, with_unit};
+use sagnac_base::quantity::units::Quantity;
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit as TableUnit, Usual};
+use sagnac_engine::device::Device;
+use sagnac_engine::device::cpu::Cpu;
+use sagnac_engine::run::{Plan, Tables};
+use sagnac_engine::store::Store;
+use sagnac_engine::study::Study;
+use sagnac_engine::tally::share::Share;
+use sagnac_kernel::width::Width;
+use sagnac_records::allan::Unit;
+use sagnac_records::fit::Coefficient;
+use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
+use sagnac_theory::allan::Term;
 
 /// Navigators of a study, and sets of coefficients that are drawn from the intervals.
 const TRIALS: u64 = 3200;

@@ -1,10 +1,10 @@
 //! `noise.toml`: the identified coefficients of a column, in the form that studies read.
 
-use crate::allan::Unit;
-use crate::fit::Coefficient;
-use crate::quantity::number::significant;
-use crate::theory::allan::Term;
-use crate::theory::allan::terms::Shape;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Unit;
+use sagnac_records::fit::Coefficient;
+use sagnac_theory::allan::Term;
+use sagnac_theory::allan::terms::Shape;
 
 use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::notes::one_line;

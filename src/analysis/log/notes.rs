@@ -1,11 +1,11 @@
 //! Notes attached to the results of an analysis.
 
 use crate::analysis::log::{Analysis, Column};
-use crate::events::Event;
-use crate::fit::Fit;
-use crate::quantity::number::significant;
-use crate::record::log::measure::Data;
-use crate::record::log::outliers::OUTLYING;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::events::Event;
+use sagnac_records::fit::Fit;
+use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::log::outliers::OUTLYING;
 
 /// All notes on a log and its results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::data_sheet::DataSheet;
 use crate::analysis::log::tables::text;
 use crate::analysis::log::{Analysis, Column};
-use crate::record::log::measure::Data;
-use crate::record::log::outliers::Outliers;
-use crate::spectrum::Density;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Unit as Curves};
+use sagnac_records::record::log::measure::Data;
+use sagnac_records::record::log::outliers::Outliers;
+use sagnac_records::spectrum::Density;
 
 /// A record with its fit and its spectrum: a row of `records.csv`.
 pub(crate) struct Record<'a> {

@@ -1,9 +1,9 @@
 //! The results of `sagnac allan` as tables.
 
-use crate::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
 use crate::analysis::data_sheet::Row;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
 
 use crate::analysis::log::{self, Analysis, Curve};
 

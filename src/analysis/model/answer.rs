@@ -1,13 +1,13 @@
 //! The answer of models: their parameters, and how near they come to what they bound.
 
-use crate::allan::{Deviation, Unit};
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::states::si;
 use crate::analysis::model::tables::figures;
 use crate::analysis::model::target::{LONGEST, NEAR};
 use crate::analysis::model::{Aim, Analysis, Column};
-use crate::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::{Deviation, Unit};
+use sagnac_report::answer::{Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_ROWS, Reading};
 
 impl Analysis {
     /// The confidence as a percentage, such as `95 %`.

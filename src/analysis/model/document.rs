@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::allan::{Deviation, Unit};
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::states::{Discrete, discrete};
 use crate::analysis::model::tables::figures;
 use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Aim, Analysis, Column, Markov};
-use crate::view::report::document::Document;
-use crate::view::report::sections::Page;
+use sagnac_records::allan::{Deviation, Unit};
+use sagnac_report::page::document::Document;
+use sagnac_report::page::sections::Page;
 
 /// The results of `sagnac model` with their answer, as `--json` prints them.
 #[derive(Debug, Serialize)]

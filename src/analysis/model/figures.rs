@@ -1,10 +1,10 @@
 //! The charts of `sagnac model`.
 
-use crate::allan::{Deviation, Unit};
 use crate::analysis::log::figures::of_columns;
 use crate::analysis::model::tables::lines;
 use crate::analysis::model::{Aim, Analysis, Column};
-use crate::view::chart::figure::{Axis, Figure, Law, LawLine, Part, Parts, Series, SeriesPoint};
+use sagnac_records::allan::{Deviation, Unit};
+use sagnac_report::chart::figure::{Axis, Figure, Law, LawLine, Part, Parts, Series, SeriesPoint};
 
 /// Most points of a curve that are marked.
 const MOST_POINTS: usize = 40;

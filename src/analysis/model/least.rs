@@ -1,7 +1,7 @@
 //! Least squares with non-negative coefficients between constraints.
 
-use crate::fit::nnls;
-use crate::theory::cholesky;
+use sagnac_records::fit::nnls;
+use sagnac_theory::cholesky;
 
 /// Value of the last residual above which the constraints contradict each other.
 const FEASIBLE: f64 = -1e-9;

@@ -36,8 +36,8 @@ pub mod writers;
 use crate::analysis::log::events::Row;
 use crate::analysis::model::search::{Found, find};
 use crate::analysis::model::target::{Source, Target};
-use crate::source::diagnose::StudyError;
-use crate::theory::allan::{Part, continuous};
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_theory::allan::{Part, continuous};
 
 /// A first-order Gauss–Markov state of the rate.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use crate::allan::Unit;
 use crate::analysis::log::noise_file::{Intervals, intervals_of};
 use crate::analysis::model::target::{Point, Source, Target};
 use crate::analysis::model::{Asked, ModelError};
-use crate::quantity::list::listed;
-use crate::quantity::number::significant;
-use crate::theory::allan::{Part, Term, continuous};
+use sagnac_base::quantity::list::listed;
+use sagnac_base::quantity::number::significant;
 use sagnac_engine::noise::Noise;
+use sagnac_records::allan::Unit;
+use sagnac_theory::allan::{Part, Term, continuous};
 
 /// Points of the curve per decade of τ.
 const PER_DECADE: f64 = 40.0;

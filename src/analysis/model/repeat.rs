@@ -6,9 +6,9 @@
 //! degrees of freedom of both. The bound is therefore the value of the first record times the largest ratio that is likely at all τ
 //! together, times the width of the band of the second.
 
-use crate::allan::{chi_squared, fisher};
 use crate::analysis::model::ModelError;
 use crate::analysis::model::target::{Point, Target};
+use sagnac_records::allan::{chi_squared, fisher};
 
 /// The upper ends of the bands of another record, which it exceeds at any τ with a probability of at most 1 − `confidence`.
 ///

@@ -7,8 +7,8 @@ use crate::analysis::model::least::{Rows, least};
 use crate::analysis::model::repeat::repeated;
 use crate::analysis::model::target::Target;
 use crate::analysis::model::{Aim, Asked, Markov, Model, ModelError};
-use crate::quantity::number::significant;
-use crate::theory::allan::{Part, continuous};
+use sagnac_base::quantity::number::significant;
+use sagnac_theory::allan::{Part, continuous};
 
 /// Correlation times that are tried in each decade of τ.
 pub const PER_DECADE: f64 = 6.0;

@@ -13,10 +13,10 @@
 
 use serde::Serialize;
 
-use crate::allan::Unit;
 use crate::analysis::model::Model;
-use crate::quantity::expression::STANDARD_GRAVITY;
-use crate::theory::allan::steps::Step;
+use sagnac_base::quantity::expression::STANDARD_GRAVITY;
+use sagnac_records::allan::Unit;
+use sagnac_theory::allan::steps::Step;
 
 /// Size of the unit of a model in SI: of ″ in rad, or of µg in m/s².
 pub fn si(unit: Unit) -> f64 {

@@ -1,14 +1,14 @@
 //! The results of `sagnac model` as a table.
 
-use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::model::states::si;
 use crate::analysis::model::target::Point;
 use crate::analysis::model::{Aim, Analysis, Column};
-use crate::fit::Term;
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
-use crate::theory::allan::{Part, continuous};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Unit as Curves};
+use sagnac_records::fit::Term;
+use sagnac_theory::allan::{Part, continuous};
 
 /// A row of `model.csv`.
 pub(crate) struct Row<'a> {
@@ -115,7 +115,7 @@ pub(crate) fn lines(column: &Column, taus: &[f64]) -> Vec<(String, Vec<(f64, f64
         let label = match part.term {
             Term::Markov => {
                 let sigma = part.size * libm::sqrt(0.5 * part.shape);
-                let shown = |x: f64| crate::quantity::number::significant(x, 3);
+                let shown = |x: f64| sagnac_base::quantity::number::significant(x, 3);
                 format!("σ = {} {symbol}, T = {} s", shown(sigma), shown(part.shape))
                     .replace(' ', "\u{a0}")
                     .replace(",\u{a0}", ", ")

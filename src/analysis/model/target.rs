@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use crate::allan::Unit;
 use crate::analysis::log;
 use crate::analysis::log::events::{Row, of_column};
 use crate::analysis::log::notes::{heading, notes};
 use crate::analysis::model::{Asked, ModelError, Quantization};
-use crate::fit::Term;
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Unit;
+use sagnac_records::fit::Term;
 
 /// Inverse of the longest τ relative to a record, where none is given.
 pub(crate) const LONGEST: f64 = 10.0;

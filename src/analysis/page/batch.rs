@@ -6,12 +6,12 @@ use crate::analysis::batch::{Batch, Coefficient, Found, figures, tables};
 use crate::analysis::page::log::cell;
 use crate::analysis::page::{chart, interval};
 use crate::analysis::requirement::Decision;
-use crate::answer::reading::capitalized;
-use crate::quantity::number::probability;
-use crate::quantity::number::significant;
-use crate::table::titled;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_base::quantity::number::probability;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::titled;
+use sagnac_report::answer::reading::capitalized;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of a batch of units with the decision to which it leads.
 pub fn of_batch(batch: &Batch, decision: &Decision) -> Page {

@@ -1,6 +1,5 @@
 //! The page of two logs that are compared.
 
-use crate::allan::Deviation;
 use crate::analysis::compare::Ratio;
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::notes::notes;
@@ -11,12 +10,13 @@ use crate::analysis::log::events;
 use crate::analysis::page::record::{Recorded, by_name, charts, gaps, outliers, removed, sampling};
 use crate::analysis::page::{chart, shown};
 use crate::analysis::requirement::Decision;
-use crate::answer::reading::capitalized;
-use crate::quantity::number::{probability, significant};
-use crate::record::log::channel::Log;
-use crate::table::titled;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_base::quantity::number::{probability, significant};
+use sagnac_base::table::titled;
+use sagnac_records::allan::Deviation;
+use sagnac_records::record::log::channel::Log;
+use sagnac_report::answer::reading::capitalized;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of two logs from their comparison and the decision to which it leads.
 pub fn of_comparison(logs: [&Log; 2], analysis: &Analysis, decision: &Decision) -> Page {

@@ -4,9 +4,9 @@ use crate::analysis::decision::Sheet;
 use crate::analysis::design::{Design, report};
 use crate::analysis::page::grid;
 use crate::analysis::page::{chart, study_file};
-use crate::quantity::number::significant;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Page, Section};
+use sagnac_base::quantity::number::significant;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Page, Section};
 
 /// The page of a design from its chart.
 pub fn of_design(found: &Design, sheet: Option<&Sheet>, picture: Picture) -> Page {

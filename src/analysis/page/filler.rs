@@ -3,12 +3,12 @@
 use crate::analysis::firmware::design::Closed;
 use crate::analysis::firmware::{Candidate, Design, Firmware, Rule, Trade};
 use crate::analysis::page::{chart, grid, study_file};
-use crate::filler::keys::Error;
-use crate::quantity::number::significant;
-use crate::study::Study;
-use crate::theory::gap::Weights;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::filler::keys::Error;
+use sagnac_engine::study::Study;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_theory::gap::Weights;
 
 /// Denominators up to this are shown as fractions.
 const MAX_DENOMINATOR: i64 = 999;

@@ -8,10 +8,10 @@ use crate::analysis::page::interval;
 use crate::analysis::page::record::by_name;
 use crate::analysis::temperature::tables::{Row, rows};
 use crate::analysis::temperature::{self, Temperature, notes::notes};
-use crate::answer::Answer;
-use crate::quantity::number::significant;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Grid, Section};
+use sagnac_base::quantity::number::significant;
+use sagnac_report::answer::Answer;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Grid, Section};
 
 /// The section on the dependence of a log on temperature, with its analyses before and after compensation.
 pub fn of_temperature(found: &Temperature, [before, after]: [&Analysis; 2]) -> Section {

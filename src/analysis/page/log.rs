@@ -2,8 +2,6 @@
 
 use rayon::prelude::*;
 
-use crate::allan::noise::LEAST_GROUPS;
-use crate::allan::{Point, Spread, Unit};
 use crate::analysis::compare::length::expected;
 use crate::analysis::compare::words::duration;
 use crate::analysis::data_sheet::{Row, each_once};
@@ -11,15 +9,17 @@ use crate::analysis::log::{self, Analysis as Noise, Column, Curve, events, figur
 use crate::analysis::page::record::{self, by_name};
 use crate::analysis::page::{chart, interval, range, shown, spectrum, stability};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
-use crate::answer::Answer;
-use crate::fit::{Fit, Terms, Verdict};
-use crate::quantity::number::{significant, with_unit};
-use crate::record::log::channel::Log;
-use crate::table::titled;
-use crate::theory::allan::{Process, Term};
-use crate::view::chart::figure::Figure;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_base::quantity::number::{significant, with_unit};
+use sagnac_base::table::titled;
+use sagnac_records::allan::noise::LEAST_GROUPS;
+use sagnac_records::allan::{Point, Spread, Unit};
+use sagnac_records::fit::{Fit, Terms, Verdict};
+use sagnac_records::record::log::channel::Log;
+use sagnac_report::answer::Answer;
+use sagnac_report::chart::figure::Figure;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_theory::allan::{Process, Term};
 
 /// How many times longer records are tried.
 const LONGER: [f64; 3] = [4.0, 16.0, 64.0];

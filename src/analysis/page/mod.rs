@@ -35,15 +35,15 @@ pub use crate::analysis::page::model::of_model;
 pub use crate::analysis::page::sensitivity::of_sensitivity;
 pub use crate::analysis::page::study::Results;
 
-use crate::allan::Minimum;
 use crate::analysis::log::{Column, events};
-use crate::fit::Fit;
-use crate::quantity::number::{significant, with_unit};
-use crate::study::Study;
-use crate::table::{self, Role, Table};
-use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
-use crate::view::report::sections::{Block, Cell, Grid, Section};
+use sagnac_base::quantity::number::{significant, with_unit};
+use sagnac_base::table::{self, Role, Table};
+use sagnac_engine::study::Study;
+use sagnac_records::allan::Minimum;
+use sagnac_records::fit::Fit;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Section};
 
 /// Significant digits of values.
 const DIGITS: usize = 4;

@@ -1,6 +1,5 @@
 //! The page of a model for a filter.
 
-use crate::allan::Deviation;
 use crate::analysis::log::events;
 use crate::analysis::model::answer::notes;
 use crate::analysis::model::states::discrete;
@@ -8,10 +7,11 @@ use crate::analysis::model::target::Point;
 use crate::analysis::model::writers::{Writer, texts};
 use crate::analysis::model::{Aim, Analysis, Column, figures, tables};
 use crate::analysis::page::{chart, shown};
-use crate::quantity::number::significant;
-use crate::table::titled;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Page, Section};
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::titled;
+use sagnac_records::allan::Deviation;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Page, Section};
 
 /// The page of the models of a log or a noise.toml, with the files that were written for tools.
 pub fn of_model(analysis: &Analysis, writers: &[&'static Writer]) -> Page {

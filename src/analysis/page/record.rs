@@ -3,20 +3,20 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::allan::{Deviation, Trend, Unit as Curves};
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::page::in_unit;
 use crate::analysis::page::trace::{extremes, means, shares};
-use crate::events::{Event, What};
-use crate::key::scale::Scale;
-use crate::quantity::number::significant;
-use crate::record::log::channel::{Channel, Log};
-use crate::record::log::measure::{Data, Unit};
-use crate::record::log::outliers::Outliers;
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
-use crate::view::chart::picture::Picture;
 use crate::view::picture::Drawn;
-use crate::view::report::sections::{Block, Section};
+use sagnac_base::quantity::number::significant;
+use sagnac_engine::key::scale::Scale;
+use sagnac_records::allan::{Deviation, Trend, Unit as Curves};
+use sagnac_records::events::{Event, What};
+use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_records::record::log::measure::{Data, Unit};
+use sagnac_records::record::log::outliers::Outliers;
+use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Series, SeriesPoint};
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Section};
 
 /// Most stretches of all records together, which leaves room for the other charts of a page, and of each record.
 const MOST_PARTS: [usize; 2] = [4000, 1000];

@@ -3,9 +3,9 @@
 use crate::analysis::page::grid;
 use crate::analysis::page::{chart, study_file};
 use crate::analysis::sensitivity::{Sensitivity, report};
-use crate::study::Study;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Page, Section};
+use sagnac_engine::study::Study;
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Page, Section};
 
 /// The page of a sensitivity.
 pub fn of_sensitivity(study: &Study, found: &Sensitivity) -> Page {

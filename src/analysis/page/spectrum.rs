@@ -1,6 +1,5 @@
 //! The section on the spectrum of a log.
 
-use crate::allan::Deviation;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
 use crate::analysis::page::chart;
@@ -8,12 +7,13 @@ use crate::analysis::page::record::by_name;
 use crate::analysis::page::{in_unit, interval};
 use crate::analysis::spectrum::notes::{method, symbol};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, Spectrum, figures};
-use crate::quantity::number::probability;
-use crate::quantity::number::significant;
-use crate::spectrum::{FALSE_ALARM, Line, Point};
-use crate::table::titled;
-use crate::view::chart::picture::Picture;
-use crate::view::report::sections::{Block, Cell, Grid, Section};
+use sagnac_base::quantity::number::probability;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::titled;
+use sagnac_records::allan::Deviation;
+use sagnac_records::spectrum::{FALSE_ALARM, Line, Point};
+use sagnac_report::chart::picture::Picture;
+use sagnac_report::page::sections::{Block, Cell, Grid, Section};
 
 /// Rows of a density per octave.
 const PER_OCTAVE: f64 = 2.0;

@@ -1,18 +1,18 @@
 //! The answer of records: what they show of their noise, and whether that meets limits.
 
-use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::requirement::change::{to_decide, to_meet};
 use crate::analysis::requirement::judged::{Judged, Judgement, Shown, Standing, columns};
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::Subject;
-use crate::answer::{
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::Table;
+use sagnac_base::table::column::columns_of;
+use sagnac_records::allan::Unit;
+use sagnac_records::fit::{Quantity, Term};
+use sagnac_report::answer::{
     Answer, AnswerCell, AnswerTable, Fact, Kind, MAX_COLUMNS, MAX_ROWS, Reading, Relation, Status,
 };
-use crate::fit::{Quantity, Term};
-use crate::quantity::number::significant;
-use crate::table::Table;
-use crate::table::column::columns_of;
 
 /// Coefficients by which records are compared without a limit, the first that they show.
 const ORDER: [Term; 5] =

@@ -5,9 +5,9 @@ use crate::analysis::compare::words::duration;
 use crate::analysis::requirement::judged::{Judged, Standing};
 use crate::analysis::requirement::limit::Limited;
 use crate::analysis::requirement::subject::Subject;
-use crate::answer::{Alternative, Fact};
-use crate::fit::{Quantity, Term, Terms};
-use crate::quantity::number::with_unit;
+use sagnac_base::quantity::number::with_unit;
+use sagnac_records::fit::{Quantity, Term, Terms};
+use sagnac_report::answer::{Alternative, Fact};
 
 /// Most sensors whose mean is proposed.
 const MAX_SENSORS: f64 = 100.0;

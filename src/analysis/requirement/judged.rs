@@ -4,8 +4,8 @@ use crate::analysis::data_sheet::Row;
 use crate::analysis::log::tables::text;
 use crate::analysis::requirement::limit::{Limit, Limited};
 use crate::analysis::requirement::subject::{Gap, Subject};
-use crate::answer::Reading;
-use crate::table::{Cell, ColumnOf, Role, Unit};
+use sagnac_base::table::{Cell, ColumnOf, Role, Unit};
+use sagnac_report::answer::Reading;
 
 /// How an interval lies to its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,10 +1,10 @@
 //! Limits on the noise of a sensor, and their text.
 
-use crate::allan::{Deviation, Unit};
-use crate::fit::{Quantity, Term};
-use crate::quantity::list::listed;
-use crate::quantity::units::parse_in;
-use crate::source::diagnose::choices;
+use sagnac_base::quantity::list::listed;
+use sagnac_base::quantity::units::parse_in;
+use sagnac_base::source::diagnose::choices;
+use sagnac_records::allan::{Deviation, Unit};
+use sagnac_records::fit::{Quantity, Term};
 
 /// What a limit is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! What a record shows of that which can be limited.
 
-use crate::allan::{Spread, Unit};
 use crate::analysis::data_sheet::{DataSheet, Row};
 use crate::analysis::log::tables::least_or_bound;
 use crate::analysis::log::{self, Column};
 use crate::analysis::requirement::limit::Limited;
-use crate::fit::Fit;
+use sagnac_records::allan::{Spread, Unit};
+use sagnac_records::fit::Fit;
 
 /// A record that is checked against limits: a column of a log, or a unit of a batch.
 #[derive(Debug, Clone)]

@@ -2,9 +2,9 @@
 
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, Sensitivity};
-use crate::answer::reading::{begun, joined, number, percent_of, range};
-use crate::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
-use crate::quantity::number::with_unit;
+use sagnac_base::quantity::number::with_unit;
+use sagnac_report::answer::reading::{begun, joined, number, percent_of, range};
+use sagnac_report::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading, Status};
 
 /// A part of the variance in percent, which sampling may have left outside 0 to 100.
 fn share(found: Found) -> Reading {

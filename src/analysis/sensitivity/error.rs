@@ -1,10 +1,10 @@
 //! Why an analysis is not possible.
 
-use crate::key::sensitivity::SENSITIVITY;
-use crate::run::RunError;
-use crate::source::diagnose::StudyError;
-use crate::study::Study;
-use crate::table::ColumnError;
+use sagnac_base::source::diagnose::StudyError;
+use sagnac_base::table::ColumnError;
+use sagnac_engine::key::sensitivity::SENSITIVITY;
+use sagnac_engine::run::RunError;
+use sagnac_engine::study::Study;
 
 /// Why an analysis is not possible.
 #[derive(Debug, thiserror::Error)]

@@ -3,16 +3,16 @@
 use std::collections::HashMap;
 
 use crate::analysis::sensitivity::SensitivityError;
-use crate::device::Device;
-use crate::key::row::Key;
-use crate::key::setting::Swept;
-use crate::progress::{Progress, Silent};
-use crate::run::Plan;
-use crate::store::Store;
-use crate::study::Study;
-use crate::table::{Column, Role, Table};
-use crate::tally::share::Share;
-use crate::tally::stats::NORMAL_95;
+use sagnac_base::progress::{Progress, Silent};
+use sagnac_base::table::{Column, Role, Table};
+use sagnac_engine::device::Device;
+use sagnac_engine::key::row::Key;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::run::Plan;
+use sagnac_engine::store::Store;
+use sagnac_engine::study::Study;
+use sagnac_engine::tally::share::Share;
+use sagnac_engine::tally::stats::NORMAL_95;
 
 /// Most points that are lowered and sampled together, whose tallies are held in memory.
 const MOST_POINTS: usize = 512;

@@ -55,15 +55,15 @@ use crate::analysis::design::Found;
 use crate::analysis::sensitivity::evaluate::{Evaluator, chosen};
 use crate::analysis::sensitivity::sobol::{indices, samples, share};
 use crate::analysis::sensitivity::tornado::{count, joined, swings};
-use crate::chart::{Chart, Limit, Source};
-use crate::device::Device;
-use crate::key::sensitivity::Uncertain;
-use crate::key::setting::Swept;
-use crate::progress::Progress;
-use crate::quantity::number::significant;
-use crate::run::Plan;
-use crate::study::Study;
-use crate::table::{Cells, Column, Usual};
+use sagnac_base::progress::Progress;
+use sagnac_base::quantity::number::significant;
+use sagnac_base::table::{Cells, Column, Usual};
+use sagnac_engine::chart::{Chart, Limit, Source};
+use sagnac_engine::device::Device;
+use sagnac_engine::key::sensitivity::Uncertain;
+use sagnac_engine::key::setting::Swept;
+use sagnac_engine::run::Plan;
+use sagnac_engine::study::Study;
 
 /// What to analyse.
 #[derive(Debug, Clone, Default)]

@@ -2,12 +2,12 @@
 
 use crate::analysis::design::Found;
 use crate::analysis::sensitivity::{Input, LEVELS, Sensitivity};
-use crate::answer::Reading;
-use crate::key::scale::Scale;
-use crate::study::Study;
-use crate::table::column::columns_of;
-use crate::table::{ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::{
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{ColumnOf, Role, Table, Unit};
+use sagnac_engine::key::scale::Scale;
+use sagnac_engine::study::Study;
+use sagnac_report::answer::Reading;
+use sagnac_report::chart::figure::{
     Axis, Entry, Figure as Drawing, Grouping, Law, LawLine, Mark, Part, Parts, Series, SeriesPoint, Shape,
 };
 

@@ -3,9 +3,9 @@
 use crate::analysis::sensitivity::evaluate::Evaluator;
 use crate::analysis::sensitivity::sobol::{Index, Indices};
 use crate::analysis::sensitivity::{LEVELS, SensitivityError};
-use crate::key::sensitivity::Uncertain;
-use crate::key::setting::Swept;
-use crate::table::Unit;
+use sagnac_base::table::Unit;
+use sagnac_engine::key::sensitivity::Uncertain;
+use sagnac_engine::key::setting::Swept;
 
 /// The effect of one input.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! The answer of a log.
 
-use crate::allan::Deviation;
 use crate::analysis::log::{Column, events};
 use crate::analysis::requirement::{Decision, Limit, Subject, decide};
 use crate::analysis::spectrum::{Analysis, Spectrum};
-use crate::answer::{Fact, Reading};
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Deviation;
+use sagnac_report::answer::{Fact, Reading};
 
 /// Most events that are named; the page has all.
 const MAX_EVENTS: usize = 3;

@@ -1,17 +1,17 @@
 //! The chart of a spectrum.
 
-use crate::allan::Unit;
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::Column;
 use crate::analysis::log::figures::{of_columns, per_unit};
 use crate::analysis::log::notes::heading;
 use crate::analysis::spectrum::notes::symbol;
 use crate::analysis::spectrum::{Analysis, Spectrum};
-use crate::quantity::number::{joined, significant};
-use crate::spectrum::Point;
-use crate::theory::allan::spectrum::density;
-use crate::theory::allan::{Part, Term};
-use crate::view::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
+use sagnac_base::quantity::number::{joined, significant};
+use sagnac_records::allan::Unit;
+use sagnac_records::spectrum::Point;
+use sagnac_report::chart::figure::{self, Axis, Figure, Law, LawLine, Parts, Series, SeriesPoint};
+use sagnac_theory::allan::spectrum::density;
+use sagnac_theory::allan::{Part, Term};
 
 /// Points per octave.
 const PER_OCTAVE: f64 = 12.0;

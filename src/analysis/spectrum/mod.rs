@@ -15,11 +15,11 @@ use rayon::prelude::*;
 
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log::{self, Column, Treatment, temperatures};
-use crate::events::{Event, What};
-use crate::fit::Quantity;
-use crate::record::log::channel::{Channel, Log};
-use crate::spectrum::{Density, Floor, Line, MOST_USUAL, Point, SpectrumError, Welch, lines};
-use crate::theory::allan::{Part, Process, Term};
+use sagnac_records::events::{Event, What};
+use sagnac_records::fit::Quantity;
+use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_records::spectrum::{Density, Floor, Line, MOST_USUAL, Point, SpectrumError, Welch, lines};
+use sagnac_theory::allan::{Part, Process, Term};
 
 /// Standard errors of a 95 % interval on each side.
 const SIDE: f64 = 1.959_963_984_540_054;

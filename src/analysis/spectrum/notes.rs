@@ -1,10 +1,10 @@
 //! Notes and phrases on the spectra of a log.
 
-use crate::allan::Unit;
 use crate::analysis::log::{self, Column};
 use crate::analysis::spectrum::{Analysis, Spectrum};
-use crate::quantity::number::significant;
-use crate::theory::allan::Term;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Unit;
+use sagnac_theory::allan::Term;
 
 /// Part of the samples that may be unused without a note.
 const FEW: f64 = 0.05;

@@ -1,14 +1,14 @@
 //! The spectra of a log as tables.
 
-use crate::allan::{Deviation, Unit as Curves};
 use crate::analysis::data_sheet::Row;
 use crate::analysis::log;
 use crate::analysis::log::records::{self, Record};
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::spectrum::{Analysis, Spectrum, White};
-use crate::spectrum::{Line, Point};
-use crate::table::column::columns_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::{Deviation, Unit as Curves};
+use sagnac_records::spectrum::{Line, Point};
 
 /// Unit of densities in files.
 fn in_files(unit: Curves) -> &'static str {

@@ -1,7 +1,7 @@
 //! What the rate may depend on.
 
-use crate::allan::{Deviation, Unit};
-use crate::key::holds::names;
+use sagnac_engine::key::holds::names;
+use sagnac_records::allan::{Deviation, Unit};
 
 names! {
     /// A term of the model of a rate.

@@ -1,14 +1,14 @@
 //! The charts of the dependence on temperature.
 
-use crate::allan::{Deviation, Point, Unit};
 use crate::analysis::log::figures::{of_columns, per_unit};
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column};
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::{Dependence, Temperature};
-use crate::answer::reading::capitalized;
-use crate::key::scale::Scale;
-use crate::view::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};
+use sagnac_engine::key::scale::Scale;
+use sagnac_records::allan::{Deviation, Point, Unit};
+use sagnac_report::answer::reading::capitalized;
+use sagnac_report::chart::figure::{Axis, Figure, Grouping, Series, SeriesPoint};
 
 /// Places of a fitted line.
 const PLACES: u32 = 100;

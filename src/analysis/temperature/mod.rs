@@ -16,15 +16,15 @@ pub mod tables;
 
 use std::borrow::Cow;
 
-use crate::allan::Unit;
 use crate::analysis::log::{Treatment, model};
 use crate::analysis::temperature::averages::{Averages, LEAST_BLOCKS};
 use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::{Effects, Model};
-use crate::quantity::number::significant;
-use crate::record::log::channel::{Channel, Log};
-use crate::record::log::measure::Data;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Unit;
+use sagnac_records::record::log::channel::{Channel, Log};
+use sagnac_records::record::log::measure::Data;
 
 /// Least standard deviation of the temperature of blocks, in errors of these means: below it, the errors of the sensor make
 /// a coefficient come out too small by more than a tenth.

@@ -3,8 +3,8 @@
 use crate::analysis::temperature::averages::Averages;
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::search::Search;
-use crate::fit::regression::{Estimate, Posterior};
-use crate::theory::allan::Process;
+use sagnac_records::fit::regression::{Estimate, Posterior};
+use sagnac_theory::allan::Process;
 
 /// Shortest time of a warm-up in blocks, and longest as a share of the record; a slower one is nearly a straight line.
 const SHORTEST: f64 = 1.0;

@@ -1,7 +1,7 @@
 //! Notes on the dependence on temperature.
 
 use crate::analysis::temperature::{Column, Temperature};
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
 
 /// What was done with the temperature, and what limits the results of columns, in a line each.
 pub fn notes(temperature: &Temperature) -> Vec<String> {

@@ -3,10 +3,10 @@
 use crate::analysis::temperature::averages::Averages;
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::{Finding, Model};
-use crate::fit::choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL};
-use crate::fit::regression::{Blocks, Posterior, Regression};
-use crate::quantity::list::listed;
-use crate::theory::allan::{Part, Process, Term, blocks, holds};
+use sagnac_base::quantity::list::listed;
+use sagnac_records::fit::choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL};
+use sagnac_records::fit::regression::{Blocks, Posterior, Regression};
+use sagnac_theory::allan::{Part, Process, Term, blocks, holds};
 
 /// Times of a warm-up that are tried in one pass, and how many of them the noise is learnt beside.
 const TIMES: usize = 24;

@@ -1,13 +1,13 @@
 //! The dependence on temperature as tables.
 
-use crate::allan::Deviation;
 use crate::analysis::log::tables::{key, text};
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::Finding;
 use crate::analysis::temperature::{Column, Dependence, Temperature};
-use crate::fit::regression::Estimate;
-use crate::table::column::columns_of;
-use crate::table::{ColumnOf, Role, Table, Unit};
+use sagnac_base::table::column::columns_of;
+use sagnac_base::table::{ColumnOf, Role, Table, Unit};
+use sagnac_records::allan::Deviation;
+use sagnac_records::fit::regression::Estimate;
 
 /// Steps of a compensation table, K, of which the least is taken that gives no more than so many rows.
 const STEPS: [f64; 7] = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0];

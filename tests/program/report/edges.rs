@@ -1,12 +1,12 @@
 //! Reports of what is little, nothing or very much.
 
-use sagnac::answer::Answer;
 use sagnac::chart::{Chart, Shows};
+use sagnac::report::answer::Answer;
+use sagnac::report::chart::picture::Picture;
+use sagnac::report::page::sections::{Block, Page, Section};
 use sagnac::table::Table;
-use sagnac::view::chart::from_table;
-use sagnac::view::chart::picture::Picture;
+use sagnac::view::from_table;
 use sagnac::view::picture::Drawn;
-use sagnac::view::report::sections::{Block, Page, Section};
 use serde_json::json;
 use tempfile::TempDir;
 

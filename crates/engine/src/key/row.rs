@@ -52,6 +52,8 @@ macro_rules! keys {
      $($(#[doc = $doc:literal])* $vis:vis $name:ident = $key:literal, $label:literal, $role:ident, $holds:expr, $example:literal $(, $required:ident)?;)+) => {
         $(
             $(#[doc = $doc])*
+            // The words are those of help, in which brackets are tables of a study.
+            #[allow(rustdoc::broken_intra_doc_links)]
             $vis static $name: $crate::key::row::Key = $crate::key::row::Key {
                 name: $key,
                 label: $label,

@@ -12,7 +12,7 @@ pub use crate::analysis::design::report::trade::{filler_table, pareto_figure, pa
 pub(crate) use crate::analysis::design::report::variants::named;
 
 use crate::analysis::design::{Filler, Found};
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
 
 /// Name of the filler in tables.
 pub fn called(filler: &Filler) -> &str {

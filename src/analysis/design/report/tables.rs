@@ -5,15 +5,15 @@ use core::slice;
 use crate::analysis::design::answer::time;
 use crate::analysis::design::report::{called, ends};
 use crate::analysis::design::{Design, Filler, Measure, Tried, Variant};
-use crate::chart::{Chart, Shows};
-use crate::filler::FILLERS;
-use crate::filler::closed::LISTED;
-use crate::kinds::gap_fill::columns::FILLER;
-use crate::kinds::table::table as table_of;
-use crate::table::{Cell, Column, ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::{Figure, Mark, Shape};
-use crate::view::chart::from_table;
-use crate::view::chart::notes::ChartError;
+use crate::view::from_table;
+use sagnac_base::table::{Cell, Column, ColumnOf, Role, Table, Unit};
+use sagnac_engine::chart::{Chart, Shows};
+use sagnac_engine::filler::FILLERS;
+use sagnac_engine::filler::closed::LISTED;
+use sagnac_engine::kinds::gap_fill::columns::FILLER;
+use sagnac_engine::kinds::table::table as table_of;
+use sagnac_report::chart::figure::{Figure, Mark, Shape};
+use sagnac_report::chart::notes::ChartError;
 
 /// A row of `design.csv`.
 pub(crate) struct Row<'a> {

@@ -4,14 +4,14 @@ use crate::analysis::design::constraints::milliseconds;
 use crate::analysis::design::pareto::Choice;
 use crate::analysis::design::report::{called, ends, four_digits};
 use crate::analysis::design::{Cost, Design, Filler, Found, Measure, PapersRule, Variant};
-use crate::filler::FILLERS;
-use crate::filler::closed::LISTED;
-use crate::key::scale::Scale;
-use crate::kinds::gap_fill::columns::FILLER;
-use crate::kinds::table::table as table_of;
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
-use crate::view::chart::styles::of_names;
+use sagnac_base::table::{Cell, ColumnOf, Role, Table, Unit};
+use sagnac_engine::filler::FILLERS;
+use sagnac_engine::filler::closed::LISTED;
+use sagnac_engine::key::scale::Scale;
+use sagnac_engine::kinds::gap_fill::columns::FILLER;
+use sagnac_engine::kinds::table::table as table_of;
+use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+use sagnac_report::chart::styles::of_names;
 
 /// A filler at its best interval: a row of `pareto.csv` and `fillers.csv`.
 pub(crate) struct Row<'a> {

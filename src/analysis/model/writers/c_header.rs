@@ -1,9 +1,9 @@
 //! A C header with the whole model.
 
-use crate::allan::Unit;
 use crate::analysis::model::search::MOST_STATES;
 use crate::analysis::model::states::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, number};
+use sagnac_records::allan::Unit;
 
 pub(super) static C_HEADER: Writer = Writer {
     name: "c",

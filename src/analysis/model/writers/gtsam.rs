@@ -1,8 +1,8 @@
 //! Covariances of gtsam's `PreintegrationCombinedParams`, for C++ and for Python.
 
-use crate::allan::Unit;
 use crate::analysis::model::states::si;
 use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, list, three};
+use sagnac_records::allan::Unit;
 
 const CONVENTION: &str = "continuous covariances, which are two-sided densities: N^2 in (rad/s)^2/Hz and K^2 in (rad/s^2)^2/Hz; of accelerometers in \
                           (m/s^2)^2/Hz and (m/s^3)^2/Hz";

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::analysis::model::document::{ColumnModel, Models};
 use crate::analysis::model::writers::{Takes, Writer};
-use crate::view::report::document::json;
+use sagnac_report::page::document::json;
 
 /// The file: the models, of which a single one stands at the top too, where `navigation.filter` reads it.
 #[derive(Serialize)]

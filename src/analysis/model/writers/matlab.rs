@@ -4,9 +4,9 @@
 //! RandomWalk is K; the default, 'double-sided', divides densities by √2. MathWorks' example of Allan variances sets it for this
 //! reason.
 
-use crate::allan::Unit;
 use crate::analysis::model::states::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, plain_number, three};
+use sagnac_records::allan::Unit;
 
 pub(super) static MATLAB: Writer = Writer {
     name: "matlab",

@@ -14,11 +14,11 @@ mod psins;
 mod pyins;
 mod yaml;
 
-use crate::allan::Unit;
 use crate::analysis::log::notes::one_line;
 use crate::analysis::model::search::{Allowed, MOST_STATES, PER_DECADE, Problem, times};
 use crate::analysis::model::{Aim, Analysis, Column, Model};
-use crate::quantity::number::significant;
+use sagnac_base::quantity::number::significant;
+use sagnac_records::allan::Unit;
 
 /// A tool with the file that it reads.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! Sensor models of pyins.
 
-use crate::allan::Unit;
 use crate::analysis::model::states::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, list, three};
+use sagnac_records::allan::Unit;
 
 pub(super) static PYINS: Writer = Writer {
     name: "pyins",

@@ -1,8 +1,8 @@
 //! YAML files of visual-inertial tools, which have the keys of Kalibr.
 
-use crate::allan::Unit;
 use crate::analysis::model::states::si;
 use crate::analysis::model::writers::{Axis, Sheet, Takes, Writer, largest, number, plain_number};
+use sagnac_records::allan::Unit;
 
 const CONVENTION: &str = "square roots of two-sided densities per Hz, which are N in rad/s/sqrt(Hz) = rad/sqrt(s) and K in rad/s^2/sqrt(Hz); of \
                           accelerometers in m/s^2/sqrt(Hz) and m/s^3/sqrt(Hz)";

@@ -86,7 +86,7 @@ pub struct SwitchedRun {
 /// An angle of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Angle {
-    /// The angle at the end, which [`End`](crate::drift::schedule::End) defines.
+    /// The angle at the end, which [`End`] defines.
     End,
     /// The largest angle, just before or after a switch or at the end.
     Largest,

@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 
-use crate::chart::{Chart, Shows};
-use crate::key::scale::Scale;
-use crate::table::{Column, Table};
-use crate::view::chart::figure::Entry;
-use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
-use crate::view::chart::map::winners::winners;
-use crate::view::chart::map::{Cells, Estimate, Layer, Map};
-use crate::view::chart::notes::{ChartError, MapNotes};
-use crate::view::chart::styles::styles;
+use crate::view::from_table::{axis, check_unit, grouping, limit, numbers, style};
+use sagnac_base::table::{Column, Table};
+use sagnac_engine::chart::{Chart, Shows};
+use sagnac_engine::key::scale::Scale;
+use sagnac_report::chart::figure::Entry;
+use sagnac_report::chart::map::winners::winners;
+use sagnac_report::chart::map::{Cells, Estimate, Layer, Map};
+use sagnac_report::chart::notes::{ChartError, MapNotes};
+use sagnac_report::chart::styles::styles;
 
 /// The map of `table` that `chart` selects, with a cell for each pair of values of x and y.
 ///

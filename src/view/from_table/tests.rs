@@ -1,6 +1,6 @@
 use super::*;
-use crate::chart::law::Law;
-use crate::chart::{Named, Shows};
+use sagnac_engine::chart::law::Law;
+use sagnac_engine::chart::{Named, Shows};
 
 fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
     Column { name: name.to_owned(), label: name.to_owned(), unit, cells: cells.into(), ..Column::default() }

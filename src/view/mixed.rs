@@ -1,8 +1,8 @@
 //! Curves that run through rows of several curves.
 
-use crate::chart::Chart;
-use crate::table::{Cell, Column, Role, Table, grouped};
-use crate::view::chart::notes::ChartError;
+use sagnac_base::table::{Cell, Column, Role, Table, grouped};
+use sagnac_engine::chart::Chart;
+use sagnac_report::chart::notes::ChartError;
 
 /// Refuses curves along which more than one of the columns that distinguish rows varies, or whose abscissa is constant
 /// while one of them varies.
@@ -62,7 +62,7 @@ fn mixed<'t>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Unit;
+    use sagnac_base::table::Unit;
 
     /// Frequencies 1 and 2, gaps 1 and 2, two fillers; Δt·ν is their product, which no two points share.
     fn table() -> Table {

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use crate::chart::Chart;
-use crate::table::{Cell, Column, Role, Table};
-use crate::view::chart::notes::ChartError;
+use sagnac_base::table::{Cell, Column, Role, Table};
+use sagnac_engine::chart::Chart;
+use sagnac_report::chart::notes::ChartError;
 
 /// The column with the names of the stacked quantities.
 pub const CURVE: &str = "curve";
@@ -134,7 +134,7 @@ fn part<'c>(column: &'c Column, shared: &str) -> Option<&'c str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Unit;
+    use sagnac_base::table::Unit;
 
     fn table() -> Table {
         let column = |name: &str, label: &str, unit, cells: [f64; 2]| Column {

@@ -1,13 +1,13 @@
 //! A figure from a table and the specification of its chart.
 
-use crate::chart::{self, Chart};
-use crate::key::scale::Scale;
-use crate::table::{Cell, Column, Role, Table, Unit, grouped};
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
-use crate::view::chart::mixed::check_curves;
-use crate::view::chart::notes::{ChartError, Notes};
-use crate::view::chart::stack::Shown;
-use crate::view::chart::styles::styles;
+use crate::view::mixed::check_curves;
+use crate::view::stack::Shown;
+use sagnac_base::table::{Cell, Column, Role, Table, Unit, grouped};
+use sagnac_engine::chart::{self, Chart};
+use sagnac_engine::key::scale::Scale;
+use sagnac_report::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+use sagnac_report::chart::notes::{ChartError, Notes};
+use sagnac_report::chart::styles::styles;
 
 /// The curves of `table` that `chart` selects, in the order of their first rows, with points by rising x. Identical
 /// curves are merged by [`Figure::merge_coincident`].
