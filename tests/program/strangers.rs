@@ -215,13 +215,6 @@ fn a_header_beyond_the_first_mebibyte_is_refused_and_one_within_it_is_read() {
 }
 
 #[test]
-fn a_report_of_the_identity_is_an_ordinary_file() {
-    let desk = Desk::with("");
-    assert!(std::process::Command::new("mkfifo").arg(desk.path("pipe")).status().unwrap().success());
-    desk.fails("verify --device cpu --trials 1 --report pipe", 2, &["pipe is not an ordinary file"]);
-}
-
-#[test]
 fn arguments_that_are_refused_are_shown_visibly() {
     let hostile = "\u{1b}]0;pwned\u{7}\u{9b}2J\u{7f}\u{202e}x";
     let desk = Desk::with(STUDY);

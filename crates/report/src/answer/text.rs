@@ -6,8 +6,8 @@ use sagnac_base::quantity::visible::in_cell;
 /// The mark of the row of the headline.
 const BEST: &str = "▸ ";
 
-/// Distance between columns.
-const GAP: usize = 3;
+/// Distances between columns, of which the first one is taken that fits.
+const GAPS: [usize; 2] = [3, 2];
 
 /// Width up to which a heading stays in one line.
 const HEADING: usize = 14;
@@ -43,18 +43,26 @@ impl AnswerTable {
         let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
         let length = |text: &str| in_cell(text).chars().count();
         // A heading has as many lines as its words need beside the cells.
-        let widths: Vec<usize> = (0..self.columns.len())
-            .map(|column| {
+        let widths = |headings: [usize; 2]| -> Vec<usize> {
+            let of_column = |column: usize| {
                 let cells = self.rows.iter().filter_map(|row| Some(length(&row.get(column)?.text)));
                 let words = words(&columns[column]);
                 let words = words.iter().map(|word| length(word));
-                let whole = length(&columns[column]).min(if column == 0 { FIRST_HEADING } else { HEADING });
+                let whole = length(&columns[column]).min(headings[usize::from(column > 0)]);
                 cells.chain(words).chain([whole]).max().unwrap_or(0)
-            })
-            .collect();
+            };
+            (0..self.columns.len()).map(of_column).collect()
+        };
         let mut shown: Vec<usize> = (0..columns.len()).collect();
-        let total = |shown: &[usize]| shown.iter().map(|&at| widths[at] + GAP).sum::<usize>() - GAP;
-        while shown.len() > 2 && BEST.chars().count() + total(&shown) > width {
+        let total = |shown: &[usize], widths: &[usize], gap: usize| {
+            BEST.chars().count() + shown.iter().map(|&at| widths[at] + gap).sum::<usize>() - gap
+        };
+        let layouts = [([FIRST_HEADING, HEADING], GAPS[0]), ([0, 0], GAPS[0]), ([0, 0], GAPS[1])];
+        let mut layouts = layouts.into_iter().map(|(headings, gap)| (widths(headings), gap));
+        let narrowest = (widths([0, 0]), GAPS[1]);
+        let (widths, gap) =
+            layouts.find(|(widths, gap)| total(&shown, widths, *gap) <= width).unwrap_or(narrowest);
+        while shown.len() > 2 && total(&shown, &widths, gap) > width {
             shown.remove(if self.are_places { shown.len() / 2 } else { shown.len() - 1 });
         }
         let broken: Vec<Vec<String>> = shown.iter().map(|&at| wrapped(&columns[at], widths[at])).collect();
@@ -75,7 +83,7 @@ impl AnswerTable {
             let cells = row.iter().zip(shown.iter().map(|&at| widths[at])).enumerate().map(
                 |(column, (cell, width))| match column {
                     0 => format!("{cell:<width$}"),
-                    _ => format!("{:GAP$}{cell:>width$}", ""),
+                    _ => format!("{:gap$}{cell:>width$}", ""),
                 },
             );
             format!("{}\n", format!("{mark}{}", cells.collect::<String>()).trim_end())
@@ -87,8 +95,9 @@ impl AnswerTable {
         }
         let hidden: Vec<&str> =
             (0..columns.len()).filter(|at| !shown.contains(at)).map(|at| &*columns[at]).collect();
-        if !hidden.is_empty() {
-            let note = format!("too narrow for {}", hidden.join(", "));
+        // Of places, some are shown in any case.
+        if !hidden.is_empty() && !self.are_places {
+            let note = format!("not shown at this width: {}", hidden.join(", "));
             text.extend(wrapped(&note, width.saturating_sub(2)).iter().map(|line| format!("  {line}\n")));
         }
         text
