@@ -1,7 +1,6 @@
 //! `sagnac design`.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -105,10 +104,8 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let request = options.request()?;
     let mut device = options.device.select(!options.sampling.printed.quiet)?;
     let shown = Shown::new(options.sampling.how());
-    let started = Instant::now();
     let found = find(&study, &request, &mut device, &shown)
         .map_err(|error| error.in_study(&study).map_or_else(Failure::Gpu, Failure::Study))?;
-    let seconds = started.elapsed().as_secs_f64();
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
@@ -124,7 +121,6 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     outcome.add_document("design.json");
     outcome.save(&Folder::open(&folder)?, &["pareto.csv", "design", "pareto"])?;
     if options.sampling.json {
-        outcome.sampled(&device, seconds);
         return print_json(&outcome.document());
     }
     outcome.show(&options.sampling.printed, &folder)

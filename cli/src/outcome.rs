@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use sagnac::device::Device;
 use sagnac::report::chart::picture::Picture;
 use sagnac::report::page::FILE as REPORT;
 use sagnac::report::page::document::{self, Document, Provenance};
@@ -55,14 +54,6 @@ impl Outcome {
         let document = self.page.document(&self.tables);
         let notes = document.notes.iter().map(|note| in_options(note)).collect();
         Document { provenance: self.provenance.clone(), notes, ..document }
-    }
-
-    /// Adds to how the results were sampled what differs between runs, which files do not have.
-    pub fn sampled(&mut self, device: &Device, seconds: f64) {
-        if let Some(provenance) = &mut self.provenance {
-            provenance.device = Some(device.name());
-            provenance.seconds = Some(seconds);
-        }
     }
 
     /// Adds the document as a file.

@@ -1,7 +1,6 @@
 //! `sagnac sensitivity`.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
 use sagnac::analysis::page;
@@ -68,9 +67,7 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
         samples: options.samples,
         trials: options.sampling.trials,
     };
-    let started = Instant::now();
     let found = find(&study, &asked, &mut device, &shown).map_err(|error| failure(&study, error))?;
-    let seconds = started.elapsed().as_secs_f64();
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let name = match &options.by {
@@ -84,7 +81,6 @@ pub fn sensitivity(options: &Options) -> Result<(), Failure> {
     outcome.add_document("sensitivity.json");
     outcome.save(&Folder::open(&folder)?, &[])?;
     if options.sampling.json {
-        outcome.sampled(&device, seconds);
         return print_json(&outcome.document());
     }
     outcome.show(&options.sampling.printed, &folder)

@@ -57,11 +57,17 @@ impl AnswerTable {
         let total = |shown: &[usize], widths: &[usize], gap: usize| {
             BEST.chars().count() + shown.iter().map(|&at| widths[at] + gap).sum::<usize>() - gap
         };
-        let layouts = [([FIRST_HEADING, HEADING], GAPS[0]), ([0, 0], GAPS[0]), ([0, 0], GAPS[1])];
-        let mut layouts = layouts.into_iter().map(|(headings, gap)| (widths(headings), gap));
-        let narrowest = (widths([0, 0]), GAPS[1]);
-        let (widths, gap) =
-            layouts.find(|(widths, gap)| total(&shown, widths, *gap) <= width).unwrap_or(narrowest);
+        // The first one that fits, or the narrowest.
+        let layouts = [
+            ([FIRST_HEADING, HEADING], GAPS[0]),
+            ([FIRST_HEADING, 0], GAPS[0]),
+            ([FIRST_HEADING, 0], GAPS[1]),
+            ([HEADING, 0], GAPS[1]),
+        ];
+        let mut layouts = layouts.map(|(headings, gap)| (widths(headings), gap)).into_iter();
+        let fits = |(widths, gap): &(Vec<usize>, usize)| total(&shown, widths, *gap) <= width;
+        let narrowest = layouts.clone().next_back();
+        let (widths, gap) = layouts.find(fits).or(narrowest).unwrap_or_default();
         while shown.len() > 2 && total(&shown, &widths, gap) > width {
             shown.remove(if self.are_places { shown.len() / 2 } else { shown.len() - 1 });
         }

@@ -46,7 +46,7 @@ pub struct Provenance {
     pub device: Option<String>,
     /// Trials sampled by this run over all points, without those of earlier runs.
     pub sampled_trials: Option<u64>,
-    /// Duration of the run or the search, s.
+    /// Duration of the sampling, s.
     pub seconds: Option<f64>,
     /// Trials that are missing over all points.
     pub missing_trials: u64,
