@@ -85,7 +85,7 @@ pub fn coefficients(batch: &Batch) -> Option<Figure> {
         colours: Grouping::of("coefficients", shown.iter().map(|(one, ..)| one.title())),
         bands: "95 % intervals".to_owned(),
         laws: vec![Law {
-            label: "limits of the next unit".to_owned(),
+            label: "95 % prediction interval".to_owned(),
             lines: lines.collect(),
             is_area: false,
         }],
