@@ -189,8 +189,8 @@ fn results_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
                     "{shown} holds output of `sagnac {command}` of an earlier version, without {CARD}\nrun the command again"
                 ),
                 None => format!(
-                    "neither {shown} nor a folder in it has a {RESOLVED} or a {CARD}\ngive folders that `sagnac run`, allan, psd, \
-                     compare, lot, model, design, sensitivity or filler wrote results to"
+                    "neither {shown} nor a folder in it has a {RESOLVED} or a {CARD}\ngive folders that `sagnac run`, allan, \
+                     compare, model, design, sensitivity or filler wrote results to"
                 ),
             }));
         }

@@ -11,8 +11,8 @@ use crate::whole::whole;
 #[derive(Debug, Args)]
 #[group(skip)]
 pub struct Sampling {
-    /// Trials at each point, runs of each candidate of a design, or trials of each evaluation of a sensitivity [default:
-    /// those of the study; of a sensitivity 4096, or more for few evaluations]
+    /// Trials at each point, of each candidate or of each evaluation [default: those of the study; of a sensitivity 4096,
+    /// or more for few evaluations]
     #[arg(help_heading = "Sampling", long, short = 'n', value_name = "N", value_parser = trials)]
     pub trials: Option<u64>,
     /// Seed, instead of the one in the study

@@ -124,7 +124,7 @@ def analyze(
     if navigate is not None and terms is None:
         raise UsageError("navigate needs coefficients\nleave terms=None out")
     for argument, value in {"navigate": navigate, "dynamic": dynamic}.items():
-        if value is not None and not 0.0 <= value < float("inf"):
+        if value is not None and not isinstance(value, bool) and not 0.0 < value < float("inf"):
             raise UsageError(f"{argument}={value}\naccepted: seconds above 0")
     record = reading_of(
         data, rate, kind, unit, detrend, remove_outliers, unit_check, threads, name=name, remove_events=remove_events

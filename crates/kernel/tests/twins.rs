@@ -71,14 +71,14 @@ fn twins_have_the_same_functions_in_the_same_order() {
             let found = twins.any(|twin| twin == *name);
             assert!(
                 found,
-                "`{name}` of shaders/{stem}.wgsl is not a function of kernel/src/{stem} in this order"
+                "`{name}` of shaders/{stem}.wgsl is not a function of crates/kernel/src/{stem} in this order"
             );
         }
         for twin in rust.iter().filter(|f| f.shared && f.of_lanes && f.has_body) {
             let name = twin.name.as_str();
             assert!(
                 names.contains(&name),
-                "`{name}` of kernel/src/{stem} is not in shaders/{stem}.wgsl: rename, or mark it `{ONLY}: why`"
+                "`{name}` of crates/kernel/src/{stem} is not in shaders/{stem}.wgsl: rename, or mark it `{ONLY}: why`"
             );
         }
     }
@@ -95,13 +95,16 @@ fn every_file_is_registered() {
     for stem in stems("../../shaders") {
         assert!(
             registered.contains(stem.as_str()),
-            "shaders/{stem}.wgsl is not in `twins!` of kernel/src/lib.rs"
+            "shaders/{stem}.wgsl is not in `twins!` of crates/kernel/src/lib.rs"
         );
     }
     let root = rust_of("lib");
     for stem in stems("src").iter().filter(|stem| *stem != "lib" && !registered.contains(stem.as_str())) {
-        assert!(root.contains(&format!("mod {stem};")), "kernel/src/{stem} is neither a twin nor a module");
-        assert!(!rust_of(stem).contains("Twin of `shaders"), "kernel/src/{stem} is not in `twins!`");
+        assert!(
+            root.contains(&format!("mod {stem};")),
+            "crates/kernel/src/{stem} is neither a twin nor a module"
+        );
+        assert!(!rust_of(stem).contains("Twin of `shaders"), "crates/kernel/src/{stem} is not in `twins!`");
     }
 }
 

@@ -50,7 +50,11 @@ pub(super) fn outline(question: &Question, x: &Column, limit: Limit) -> Outline 
         let mut cells: Vec<AnswerCell> = extents[at].iter().take(MAX_COLUMNS - 1).map(cell).collect();
         if is_single {
             let interval = interval(question, x, &choices[at].rows[0], limit, &extents[at][0]);
-            let interval = interval.map_or_else(String::new, |[low, high]| span(x, low, high));
+            let end = extents[at][0].windows.first().and_then(|window| window[1].or(window[0]));
+            let interval = interval
+                .zip(end)
+                .and_then(|([low, high], end)| Reading::new(x, end, Some((low, high))).interval_text());
+            let interval = interval.unwrap_or_default();
             let largest = extents[at][0].largest.map(|row| question.reading(row).into());
             cells.extend([AnswerCell::from(interval), largest.unwrap_or_default()]);
         }

@@ -6,8 +6,7 @@ use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, length, times};
 use crate::analysis::compare::{Length, SIGNIFICANT};
 use crate::analysis::requirement::{Decision, Standing, status, value_or_bound};
-use sagnac_base::quantity::number::probability;
-use sagnac_base::quantity::number::significant;
+use sagnac_base::quantity::number::{interval_ends, probability, significant};
 use sagnac_records::fit::Term;
 use sagnac_report::answer::reading::{number, range};
 use sagnac_report::answer::{Alternative, Answer, AnswerCell, AnswerTable, Fact, Kind, Reading};
@@ -118,13 +117,11 @@ impl Analysis {
                 let word = if ratio > 1.0 { "noisier" } else { "quieter" };
                 let percent = |ratio: f64| 100.0 * libm::fabs(ratio - 1.0);
                 let ends = reading.interval.filter(|[low, high]| (*low > 1.0) == (*high > 1.0)).map(|ends| {
-                    let [mut low, mut high] = ends.map(percent);
-                    if low > high {
-                        (low, high) = (high, low);
-                    }
-                    format!(" ({} %)", range(&number(low), &number(high)))
+                    let [one, other] = ends.map(percent);
+                    [one.min(other), one.max(other)]
                 });
-                let ends = ends.unwrap_or_default();
+                let ends = ends.and_then(|ends| interval_ends(percent(ratio), ends));
+                let ends = ends.map(|[low, high]| format!(" ({} %)", range(&low, &high))).unwrap_or_default();
                 format!("{b} is {} % {word} in {name}{ends}", significant(percent(ratio), 2))
             }
             true => format!("{b} has {} × the {name} of {a}{}", number(ratio), reading.in_brackets()),

@@ -36,7 +36,8 @@ pub struct InputChange {
 /// What changes of single inputs do to the judged estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lever {
-    /// The most effective change that was tried: a quarter more, a fifth less, or the next whole number.
+    /// The change that was tried, a quarter more, a fifth less, or the next whole number: of the input that meets the limit with the
+    /// smallest relative change, else the most effective one.
     pub change: InputChange,
     /// The fraction by which the judged estimate falls at the tried value.
     pub gain: Figure,

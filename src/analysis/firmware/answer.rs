@@ -75,7 +75,7 @@ impl Firmware {
     fn of_designs(&self) -> Answer {
         let known = self.ranked();
         let first = known.first().map(|(design, _)| *design);
-        let level = first.and_then(|design| design.level);
+        let level = first.and_then(|design| design.possible).map(|possible| possible.worst().level);
         let size = known.first().map(|(_, size)| *size);
         let limit = self.limit_arcsec;
         let headline = match (first, level, size) {
@@ -97,10 +97,8 @@ impl Firmware {
             let text = "the limit is on the 99.73 % residual, which `sagnac run` samples".to_owned();
             facts.push(Fact::Caveat { text });
         }
-        let judged = first.and_then(|best| best.judged);
-        facts.extend(
-            judged.map(|_| Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) }),
-        );
+        facts
+            .extend(level.map(|_| Fact::Caveat { text: format!("at worst with {}", deviation(self.shift)) }));
         facts.extend(self.first_values());
         facts.extend(
             self.unsampled.as_ref().map(|why| Fact::Caveat { text: format!("there is no rms: {why}") }),
@@ -141,7 +139,6 @@ impl Firmware {
             None => "—".to_owned().into(),
         };
         let row = |design: &&Design| {
-            let worst = design.judged.map(Judged::worst);
             let latency = match self.tick_s {
                 Some(tick_s) => {
                     Reading::in_unit("latency", 1e3 * tick_s * f64::from(design.latency_ticks), "ms", None)
@@ -150,29 +147,27 @@ impl Firmware {
             };
             let cells = vec![
                 cell(design.errors[0].rms),
-                cell(worst.map(|Size { rms, .. }| rms)),
-                cell(design.level),
+                cell(design.possible.map(|possible| possible.own.level)),
+                cell(design.possible.map(|possible| possible.worst().level)),
                 number(design.interpolation.whole().noise_gain()).into(),
                 latency.into(),
             ];
             Line { name: design.name.clone(), is_usable: true, cells }
         };
         let off = match self.shift {
-            Some(shift) => format!("rms at f ±{} %", significant(100.0 * shift, 3)),
-            None => "rms within tolerance".to_owned(),
+            Some(shift) => format!("99.73 % at f ±{} %", significant(100.0 * shift, 3)),
+            None => "99.73 % within tolerance".to_owned(),
         };
-        let heads = ["filler", "rms", &off, "99.73 %", "√Σw²", "latency"];
+        let heads = ["filler", "rms", "99.73 %", &off, "√Σw²", "latency"];
         let table = table(heads.map(str::to_owned).into(), all.iter().map(row).collect()).without_blanks();
         AnswerTable { best: table.best.filter(|_| !known.is_empty()), ..table }
     }
 
-    /// The fillers with the residual by which they compare, ″, the least first: the 99.73 % level on a specification, else the
-    /// rms, as far as it is known.
+    /// The fillers with the residual by which they compare, ″, the least first: the 99.73 % level with frequencies off, else the rms,
+    /// as far as it is known.
     fn ranked(&self) -> Vec<(&Design, f64)> {
-        let size = |design: &Design| match self.shift {
-            None => design.judged.map(|judged| judged.worst().level),
-            Some(_) => design.robust_rms(),
-        };
+        let level = |design: &Design| design.possible.map(|possible| possible.worst().level);
+        let size = |design: &Design| level(design).or(design.robust_rms());
         let mut known: Vec<(&Design, f64)> =
             self.designs.iter().filter_map(|design| Some((design, size(design)?))).collect();
         known.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -201,9 +196,9 @@ impl Firmware {
 }
 
 impl Design {
-    /// The rms residual, ″: with shifted frequencies where the filler is designed for the very motion of the point.
+    /// The rms residual, ″: the largest with frequencies off, where it is known.
     pub fn robust_rms(&self) -> Option<f64> {
-        self.judged.map(|judged| judged.worst().rms).or(self.errors[0].rms).filter(|rms| *rms > 0.0)
+        self.possible.map(|possible| possible.worst().rms).or(self.errors[0].rms).filter(|rms| *rms > 0.0)
     }
 }
 

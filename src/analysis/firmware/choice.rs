@@ -200,8 +200,14 @@ impl Firmware {
         let asked: Vec<usize> = at.iter().filter_map(|asked| Some(find(study, asked).ok()?.0)).collect();
         let sweeps = study.sweeps.iter().enumerate();
         let unasked = sweeps.filter(|(place, sweep)| !asked.contains(place) && sweep.values.len() > 1);
-        let unasked = unasked.map(|(_, sweep)| (sweep.key, sweep.values.len())).collect();
-        Ok(Firmware { unasked, ..Firmware::new(study, point, &fillers)? })
+        let unasked: Vec<_> = unasked.map(|(_, sweep)| (sweep.key, sweep.values.len())).collect();
+        let firmware = Firmware::new(study, point, &fillers)?;
+        // The limit of a chart is one along the sweep, which the first of its values does not show.
+        let limit_arcsec = match unasked.is_empty() {
+            true => firmware.limit_arcsec,
+            false => study.requirement.map(|required| required.limit.value),
+        };
+        Ok(Firmware { unasked, limit_arcsec, ..firmware })
     }
 
     /// The study with a single filler of least variance, whose ticks are searched for the motion and noise at the point that

@@ -82,9 +82,9 @@ pub struct Design {
     /// The residual as given and with frequencies off; present for a filler that is designed for the very motion of the
     /// point, and where there is a specification.
     pub judged: Option<Judged>,
-    /// The level below which 99.73 % of the residuals stay, ″: the largest of `judged`, else that of the motion as given; absent for
-    /// recorded motion, and for a motion at rest or of a fixed phase.
-    pub level: Option<f64>,
+    /// The residual as given and with frequencies off, of any filler; absent for recorded motion, and for a motion at rest or of a
+    /// fixed phase.
+    pub possible: Option<Judged>,
     /// The part of the rms residual that comes from noise and whole pulses, ″.
     pub noise_rms: f64,
     /// The rms residual of the C header where it is given the whole pulses of the readout and returns whole pulses, ″; absent
@@ -103,6 +103,9 @@ pub struct Closed {
 
 /// The estimate that limits are on.
 const LIMITED: &str = "p99_73";
+
+/// The column that names the error of a row.
+const ERROR: &str = "error";
 
 /// The errors of [`Design::errors`].
 const ERRORS: [Error; 2] = [Error::Residual, Error::Extrapolation];
@@ -143,9 +146,7 @@ impl Firmware {
             let latency_ticks = latency_ticks(&interpolation.ticks, inputs.gap_ticks);
             let weights: Vec<f64> = interpolation.whole().values().collect();
             let noise_rms = of_noise(inputs, &interpolation.ticks, &weights);
-            let of_motion = || Judged::of_weights(inputs, &interpolation.ticks, &weights);
-            let level = judged.map(|judged| judged.worst()).or_else(|| Some(of_motion()?.own));
-            let level = level.map(|size| size.level);
+            let possible = judged.or_else(|| Judged::of_weights(inputs, &interpolation.ticks, &weights));
             let rounded = inputs.readout_lsb * libm::sqrt(interpolation.rounding());
             let exported_rms = errors[0].rms.filter(|_| rounded > 0.0).map(|rms| libm::hypot(rms, rounded));
             designs.push(Design {
@@ -156,7 +157,7 @@ impl Firmware {
                 errors,
                 latency_ticks,
                 judged,
-                level,
+                possible,
                 noise_rms,
                 exported_rms,
             });
@@ -209,10 +210,15 @@ fn marks(inputs: &Inputs, tone: Option<(f64, f64)>) -> Vec<Mark> {
     tone.map(|(_, nu)| Mark { name: "the motion", ends_hz: [nu; 2] }).into_iter().chain(parts).collect()
 }
 
-/// The limit of a study of gaps on the 99.73 % residual, ″: its requirement, else that of its first chart with one.
+/// The limit of a study of gaps on the 99.73 % residual, ″: its requirement, else that of its first chart of residuals with one.
 pub(crate) fn limit(study: &Study) -> Option<f64> {
     let of_charts = || {
-        let judged = |chart: &&Chart| chart.estimate().name.trim_end_matches("_arcsec") == LIMITED;
+        let is_of_residuals = |chart: &Chart| {
+            chart.filter().iter().all(|(name, value)| name != ERROR || value == Error::Residual.name())
+        };
+        let judged = |chart: &&Chart| {
+            chart.estimate().name.trim_end_matches("_arcsec") == LIMITED && is_of_residuals(chart)
+        };
         study.charts.iter().filter(judged).find_map(|chart| chart.limit)
     };
     study.requirement.map(|required| required.limit).or_else(of_charts).map(|limit| limit.value)

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! text ─ Limit::parse ─▶ Limit ─┐
-//! log, batch ▶ Subject ──────────┴─ Judged ─▶ Standing ─▶ Decision: Answer, judgements
+//! log, batch ─▶ Subject ────────┴─ Judged ─▶ Standing ─▶ Decision: Answer, judgements
 //! ```
 //!
 //! A limit is met if the upper end of the 95 % interval of the coefficient is at most the limit. It is not met if the lower end is

@@ -63,15 +63,19 @@ pub fn interval_ends(value: f64, [low, high]: [f64; 2]) -> Option<[String; 2]> {
     let order = |x: f64| libm::floor(libm::log10(x.abs())) as i32;
     let largest = low.abs().max(high.abs());
     let of_value = order(if value.is_normal() { value } else { largest });
-    if !(-5..6).contains(&order(largest)) || low > 0.0 && high > 10.0 * low {
-        return Some([low, high].map(|end| significant(end, 2)));
+    let [near, far] = if low > 0.0 { [low, high] } else { [-high, -low] };
+    if !(-5..6).contains(&order(largest)) || near > 0.0 && far > 10.0 * near {
+        let with_digits = |digits| [low, high].map(|end| significant(end, digits));
+        return (2..=5).map(with_digits).find(|[low, high]| low != high);
     }
     let of_half = order((high - low) / 2.0) - 1;
     let with_last = |last: i32| {
         let decimals = usize::try_from(-last).unwrap_or(0);
         let unit = libm::pow(10.0, f64::from(last));
         let rounded = |end: f64| if last > 0 { libm::round(end / unit) * unit } else { end };
-        [low, high].map(|end| format!("{:.decimals$}", rounded(end)))
+        let text = |end: f64| format!("{:.decimals$}", rounded(end));
+        // Without the sign of an end that is rounded to 0.
+        [low, high].map(|end| if rounded(end).abs() < 0.5 * unit { text(0.0) } else { text(end) })
     };
     (2..5).map(|digits| with_last(of_half.max(of_value - digits))).find(|[low, high]| low != high)
 }
@@ -131,6 +135,10 @@ mod tests {
             (-12_345.6, [-12_500.0, -12_200.0], ["-12500", "-12200"]),
             (2.5e-9, [2.4e-9, 2.6e-9], ["2.4e-9", "2.6e-9"]),
             (0.0, [-1.0, 1.0], ["-1.0", "1.0"]),
+            (1.67e-12, [1.66e-12, 1.68e-12], ["1.66e-12", "1.68e-12"]),
+            (1e6, [0.999e6, 1.003e6], ["999000", "1.003e6"]),
+            (5.0, [-0.04, 10.0], ["0.0", "10.0"]),
+            (-50.0, [-1000.0, -1.0], ["-1000", "-1"]),
         ] {
             assert_eq!(interval_ends(value, ends), Some(shown.map(str::to_owned)), "{value}");
         }

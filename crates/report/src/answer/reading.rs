@@ -106,9 +106,10 @@ pub fn number(value: f64) -> String {
 /// Two numbers as the ends of a range.
 pub fn range(low: &str, high: &str) -> String {
     match low.starts_with(['-', '−']) || high.starts_with(['-', '−']) {
-        true => format!("{low} to {high}").replace('-', "−"),
+        true => format!("{low} to {high}"),
         false => format!("{low}–{high}"),
     }
+    .replace('-', "−")
 }
 
 /// The values of a column from one to another, with one unit.

@@ -40,6 +40,9 @@ impl Answer {
 impl AnswerTable {
     /// The table in aligned columns, numbers flush right, with the names of columns that do not fit below.
     pub fn text(&self, width: usize) -> String {
+        if self.columns.is_empty() {
+            return String::new();
+        }
         let columns: Vec<_> = self.columns.iter().map(|heading| in_cell(heading)).collect();
         let length = |text: &str| in_cell(text).chars().count();
         // A heading has as many lines as its words need beside the cells.
