@@ -50,10 +50,6 @@ pub mod adapter {
             match self.0 {}
         }
 
-        pub(crate) fn vendor(&self) -> u32 {
-            match self.0 {}
-        }
-
         pub(crate) fn variant(&self) -> Variant {
             match self.0 {}
         }

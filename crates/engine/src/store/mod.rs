@@ -179,6 +179,7 @@ impl Provenance {
 pub struct Store {
     path: PathBuf,
     keep: Box<dyn Keep>,
+    #[cfg_attr(not(feature = "store"), expect(dead_code, reason = "only folders are merged"))]
     identity: Identity,
 }
 
