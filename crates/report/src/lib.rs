@@ -11,7 +11,7 @@
 //!
 //! let value = Reading::in_unit("rms", 7.96, "″", Some([7.72, 8.31]));
 //! let answer = Answer { headline: format!("Quadratic: rms error {}", value.with_interval()), ..Answer::default() };
-//! assert_eq!(answer.headline, "Quadratic: rms error 7.96″ (7.72–8.31″)");
+//! assert_eq!(answer.headline, "Quadratic: rms error 7.96″ (7.72–8.31)");
 //! assert!(answer.text(80).starts_with("no limit"));
 //! ```
 
