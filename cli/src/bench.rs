@@ -29,7 +29,7 @@ struct Figure {
     estimates: usize,
     /// Whether the tallies have histograms.
     histogram: bool,
-    /// What is counted: trials, runs, samples or steps.
+    /// The unit of the rate: trials, runs, samples or steps.
     unit: &'static str,
     /// The best rate of all runs, in millions of this unit per second.
     million_per_second: f64,

@@ -61,7 +61,7 @@ impl Found {
         Found { page, document, tables, files: vec![] }
     }
 
-    /// The same with further files.
+    /// Adds further files to the results.
     pub fn with(self, files: Vec<(String, String)>) -> Found {
         Found { files, ..self }
     }
@@ -237,7 +237,7 @@ pub fn batch<'py>(
     found.into_python(py)
 }
 
-/// What is asked for of a record.
+/// The options of the analysis of a record.
 #[derive(FromPyObject)]
 pub struct Whole {
     deviations: Vec<String>,

@@ -23,7 +23,7 @@ use sagnac_records::record::log::channel::Log;
 use sagnac_records::spectrum::{Density, Welch};
 use sagnac_report::page::sections::Page;
 
-/// What is asked for.
+/// The options of the whole analysis of a log.
 #[derive(Debug, Clone)]
 pub struct Asked {
     /// Deviations and coefficients.

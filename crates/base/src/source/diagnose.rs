@@ -184,7 +184,7 @@ impl StudyError {
         StudyError { help: help.to_owned(), ..self }
     }
 
-    /// The same error with its settings in the spelling of a front end; see [`spelled`].
+    /// Returns the error with its settings spelled as a front end spells them; see [`spelled`].
     pub fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);

@@ -35,7 +35,7 @@ impl RecordError {
         RecordError(self.0.with_help(help))
     }
 
-    /// The same error with its settings in the spelling of a front end; see [`spelled`](sagnac_base::source::setting::spelled).
+    /// Returns the error with its settings spelled as a front end spells them; see [`spelled`](sagnac_base::source::setting::spelled).
     pub fn spelled(self, spell: &dyn Fn(&str, &str) -> Option<String>) -> RecordError {
         RecordError(self.0.spelled(spell))
     }
