@@ -29,8 +29,12 @@ impl Noise {
     pub fn covariance(&self, a: &[f64], b: &[f64]) -> f64 {
         let mut sum = self.errors * self.errors * dot(&of_angles(a), &of_angles(b));
         sum += self.white * self.white * dot(a, b);
-        for (octave, sigma) in self.octaves.iter().enumerate().filter(|(_, sigma)| **sigma != 0.0) {
-            sum += sigma * sigma * of_holds(a, b, octave);
+        let held = self.octaves.iter().enumerate().filter(|(_, sigma)| **sigma != 0.0);
+        if held.clone().next().is_some() {
+            let (a, b) = (sums_before(a), sums_before(b));
+            for (octave, sigma) in held {
+                sum += sigma * sigma * of_holds(&a, &b, octave);
+            }
         }
         if self.walk != 0.0 {
             sum += self.walk * self.walk * dot(&from_here_on(a), &from_here_on(b));
@@ -70,23 +74,31 @@ fn from_here_on(weights: &[f64]) -> Vec<f64> {
     sums
 }
 
-/// Σ_p S_a(p) S_b(p)/L over all places p of a window of L = 2^octave samples, with S the sum of the weights in it.
+/// Sums of the weights before each sample, and of all.
+fn sums_before(weights: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; weights.len() + 1];
+    for (k, weight) in weights.iter().enumerate() {
+        sums[k + 1] = sums[k] + weight;
+    }
+    sums
+}
+
+/// Σ_p S_a(p) S_b(p)/L over all places p of a window of L = 2^octave samples, with S the sum of the weights in it, from the
+/// sums of the weights before each sample.
 fn of_holds(a: &[f64], b: &[f64], octave: usize) -> f64 {
-    let (samples, length) = (a.len(), 1_usize << octave);
-    let until = |weights: &[f64]| -> Vec<f64> {
-        let mut sums = vec![0.0; samples + 1];
-        for (k, weight) in weights.iter().enumerate() {
-            sums[k + 1] = sums[k] + weight;
-        }
-        sums
-    };
-    let (a, b) = (until(a), until(b));
-    let window = |from: usize, to: usize| (a[to] - a[from]) * (b[to] - b[from]);
+    let (samples, length) = (a.len() - 1, 1_usize << octave);
     // A window longer than the record overlaps it as one of its length does, and holds all of it more often.
     let overlap = length.min(samples);
-    let mut sum = (length - overlap) as f64 * window(0, samples);
-    for end in 1..samples + overlap {
-        sum += window(end.saturating_sub(overlap), end.min(samples));
+    let mut sum = (length - overlap) as f64 * (a[samples] - a[0]) * (b[samples] - b[0]);
+    // Windows that begin before the record, lie in it, and end after it.
+    for (a_to, b_to) in a[1..overlap].iter().zip(&b[1..overlap]) {
+        sum += (a_to - a[0]) * (b_to - b[0]);
+    }
+    for ((a_from, a_to), (b_from, b_to)) in a.iter().zip(&a[overlap..]).zip(b.iter().zip(&b[overlap..])) {
+        sum += (a_to - a_from) * (b_to - b_from);
+    }
+    for (a_from, b_from) in a[samples - overlap + 1..samples].iter().zip(&b[samples - overlap + 1..samples]) {
+        sum += (a[samples] - a_from) * (b[samples] - b_from);
     }
     sum / length as f64
 }
