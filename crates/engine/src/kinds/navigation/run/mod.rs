@@ -3,7 +3,7 @@
 pub(crate) mod claim;
 pub(crate) mod sizes;
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
@@ -31,6 +31,7 @@ use sagnac_base::progress::Progress;
 use sagnac_base::source::diagnose::StudyError;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::rows::Rows;
+use sagnac_theory::navigation::radial::Radial;
 
 /// A study of navigation whose points are all proven to fit.
 #[derive(Debug)]
@@ -43,6 +44,18 @@ pub(crate) struct Plan<'a> {
     of_point: usize,
     /// The newest lowered point: the weights of its gyros are computed together.
     newest: Mutex<Option<(usize, Arc<Lowered>)>>,
+    /// The closed forms of each point. They take longer than its tables, which decisions make for many parts of the trials.
+    closed: Vec<OnceLock<Closed>>,
+}
+
+/// What the words of a point give in closed form.
+#[derive(Debug, Clone)]
+struct Closed {
+    /// By quantity.
+    sizes: Vec<Sizes>,
+    /// The distributions of the first error, where a filter claims one.
+    claimed: Vec<Radial>,
+    representation: Option<f64>,
 }
 
 impl<'a> Plan<'a> {
@@ -52,7 +65,9 @@ impl<'a> Plan<'a> {
         navigation: &'a Navigation,
         progress: &dyn Progress,
     ) -> Result<Option<Plan<'a>>, StudyError> {
-        let mut plan = Plan { study, navigation, records: vec![], of_point: 1, newest: Mutex::new(None) };
+        let closed = navigation.points.iter().map(|_| OnceLock::new()).collect();
+        let mut plan =
+            Plan { study, navigation, records: vec![], of_point: 1, newest: Mutex::new(None), closed };
         progress.start("points", 0, navigation.points.len() as u64);
         let lower = |point: usize| {
             if progress.stops() {
@@ -115,26 +130,43 @@ impl<'a> Plan<'a> {
         };
         let lowered = self.lowered(point)?;
         let errors = sampled(&lowered, store)?;
+        let Closed { sizes, claimed, representation } = match self.closed[point].get() {
+            Some(closed) => closed.clone(),
+            None => {
+                let closed = self.closed(point, &lowered)?;
+                self.closed[point].get_or_init(|| closed).clone()
+            }
+        };
+        let with_estimates = |(quantity, closed): (&Quantity, Sizes)| {
+            let size =
+                |errors: &[f64]| quantity.errors().iter().map(|error| errors[*error]).fold(0.0, libm::hypot);
+            closed.with(errors.chunks_exact(lowered.errors.len()).map(size).collect())
+        };
+        let sizes: Vec<Sizes> = quantities.par_iter().zip(sizes).map(with_estimates).collect();
+        let claim = |sigma| Claim::of(sigma, &sizes[0], &claimed, &errors);
+        let claim = of_point.inputs.claimed().map(claim);
+        let trials = (errors.len() / lowered.errors.len()) as u64;
+        Ok(Row { point: of_point, trials, sizes, claim, representation })
+    }
+
+    fn closed(&self, point: usize, lowered: &Lowered) -> Result<Closed, Refusal> {
+        let of_point = &self.navigation.points[point];
+        let quantities = Quantity::of(self.navigation.solution);
         let size = |quantity: &Quantity| {
             let places = quantity.errors();
             let rounding = places.iter().map(|error| lowered.rounding(*error)).fold(0.0, libm::fmax);
-            let size = |errors: &[f64]| places.iter().map(|error| errors[*error]).fold(0.0, libm::hypot);
-            let sizes = errors.chunks_exact(lowered.errors.len()).map(size).collect();
-            Sizes::closed(&lowered.distributions(places), rounding).with(sizes)
+            Sizes::closed(&lowered.distributions(places), rounding)
         };
         let sizes: Vec<Sizes> = quantities.par_iter().map(size).collect();
         // A filter keeps the heading, which is its only error.
-        let claim = |sigma| Claim::of(sigma, &sizes[0], &lowered.distributions(&[0]), &errors);
-        let claim = of_point.inputs.claimed().map(claim);
+        let claimed = of_point.inputs.claimed().map(|_| lowered.distributions(&[0])).unwrap_or_default();
         let physical = PhysicalTheory::new(of_point, self.navigation, self.study.seed);
         let of_quantity = |(quantity, sizes): (&Quantity, &Sizes)| {
             lowered.representation(quantity.errors(), sizes.closed_rms, &physical)
         };
         let found = quantities.iter().zip(&sizes).map(of_quantity).collect::<Result<Vec<_>, Refusal>>()?;
         let larger = |most: f64, one: f64| if one.abs() > most.abs() { one } else { most };
-        let representation = found.into_iter().flatten().reduce(larger);
-        let trials = (errors.len() / lowered.errors.len()) as u64;
-        Ok(Row { point: of_point, trials, sizes, claim, representation })
+        Ok(Closed { sizes, claimed, representation: found.into_iter().flatten().reduce(larger) })
     }
 }
 
