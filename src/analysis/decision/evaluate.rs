@@ -4,7 +4,7 @@ use crate::analysis::decision::DecisionError;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::table::{Column, Role, Table};
 use sagnac_engine::device::Device;
-use sagnac_engine::run::{Plan, Tables};
+use sagnac_engine::run::{Plan, RunError};
 use sagnac_engine::store::Store;
 use sagnac_engine::study::Study;
 use sagnac_engine::tally::share::Share;
@@ -123,11 +123,23 @@ impl Evaluator<'_> {
         let most = if effort == Effort::Screening { most / SCREENED } else { most };
         let study = Study { trials: study.trials.min(most), ..study.clone() };
         let plan = Plan::new(&study)?;
-        let mut sampled = |share| self.sampled(&plan, points, row, column, share);
-        let Some(whole) = sampled(Share::WHOLE)? else { return Ok(None) };
-        let count = if effort == Effort::Parts { PARTS } else { 0 };
-        let shares = (1..=count).filter_map(|number| Share::new(number, PARTS));
-        let parts: Vec<Option<Vec<f64>>> = shares.map(sampled).collect::<Result<_, _>>()?;
+        let estimates = |store: &Store| -> Result<Option<Vec<f64>>, DecisionError> {
+            let table = plan.tables(store, &Silent)?.points;
+            Ok(table.column(column).ok().and_then(|column| of_rows(&table, points, row, column)))
+        };
+        // The parts together are the whole.
+        let mut whole = Store::in_memory(&plan.identity());
+        let count = if effort == Effort::Parts { PARTS } else { 1 };
+        let mut parts = vec![];
+        for share in (1..=count).filter_map(|number| Share::new(number, count)) {
+            let mut store = Store::in_memory(&plan.identity());
+            plan.run(&mut store, self.device, share, &Silent)?;
+            if effort == Effort::Parts {
+                parts.push(estimates(&store)?);
+            }
+            whole.copy_from(&store).map_err(RunError::from)?;
+        }
+        let Some(whole) = estimates(&whole)? else { return Ok(None) };
         let parts: Vec<Vec<f64>> = parts.into_iter().collect::<Option<_>>().unwrap_or_default();
         // Points take turns in the shares: the same part of the trials is in another share for each.
         let share = |point: usize, part: usize| (part + parts.len() - point % parts.len()) % parts.len();
@@ -136,20 +148,6 @@ impl Evaluator<'_> {
             parts: (0..parts.len()).map(|part| parts[share(point, part)][point]).collect(),
         };
         Ok(Some(whole.iter().enumerate().map(of_point).collect()))
-    }
-
-    fn sampled(
-        &mut self,
-        plan: &Plan,
-        points: usize,
-        row: usize,
-        column: &str,
-        share: Share,
-    ) -> Result<Option<Vec<f64>>, DecisionError> {
-        let mut store = Store::in_memory(&plan.identity());
-        plan.run(&mut store, self.device, share, &Silent)?;
-        let Tables { points: table, .. } = plan.tables(&store, &Silent)?;
-        Ok(table.column(column).ok().and_then(|column| of_rows(&table, points, row, column)))
     }
 }
 

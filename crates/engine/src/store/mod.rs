@@ -50,6 +50,7 @@ pub(crate) mod session;
 pub mod source;
 #[cfg(all(test, feature = "store"))]
 mod tests;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 #[cfg(feature = "store")]
 use std::sync::Arc;
@@ -109,7 +110,7 @@ impl Identity {
 }
 
 /// The address of a tally: its point, its estimate and the digest of its parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Address {
     /// Identifies everything on which the draws depend.
     pub point: Id,
@@ -220,6 +221,17 @@ impl Store {
     pub fn in_memory(identity: &Identity) -> Store {
         let keep = Box::new(Memory::default());
         Store { path: PathBuf::from("memory"), keep, identity: identity.clone() }
+    }
+
+    /// Adds the rows of another store of the same study; those that are here already have no effect.
+    ///
+    /// # Errors
+    /// A row disagrees with one that is here, or the disk fails.
+    pub fn copy_from(&mut self, other: &Store) -> Result<(), StoreError> {
+        let addresses: HashSet<Address> =
+            other.keep.keys()?.into_iter().map(|(address, _)| address).collect();
+        let rows = other.keep.rows(&addresses.into_iter().collect::<Vec<_>>())?.concat();
+        self.keep.insert(&rows, None, &other.path).map(|_| ())
     }
 
     /// Opens the store of a results folder, which is created where it is missing.
