@@ -162,7 +162,7 @@ impl Base<'_> {
             let names = ["motion.acceleration", "gyro.tick"];
             return self.places.refuse(&names, message, "too large", "accepted: up to 1e9 arcsec/s");
         }
-        debug_assert!(inputs.motion.rate.abs() <= MOST_RATE, "a key's limit");
+        assert!(inputs.motion.rate.abs() <= MOST_RATE, "a key's limit");
         let sigma = inputs.sigma_arcsec();
         if sigma > MOST_SIGMA {
             let message =

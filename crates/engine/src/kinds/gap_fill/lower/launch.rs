@@ -13,7 +13,7 @@ impl Lowered {
     /// then all extrapolations, then all errors in the gap.
     pub fn launch(&self, fillers: &[usize]) -> Launch {
         let estimates: Vec<&Estimate> = self.launched(fillers).collect();
-        debug_assert!(estimates.len() <= MAX_ESTIMATES);
+        assert!(estimates.len() <= MAX_ESTIMATES);
         let shape = shape(&self.fixed, &estimates, fillers.len());
         let fixed = &self.fixed;
         let n = fixed.gap_ticks;

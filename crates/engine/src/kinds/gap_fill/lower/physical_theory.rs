@@ -87,7 +87,7 @@ impl Boundaries {
 
     /// −Σ r_l D(l) with r the autocorrelation of g, whose sum is 0.
     fn variance(&self, structure: &[Double]) -> f64 {
-        debug_assert!(structure.is_empty() || structure.len() >= self.products.len());
+        assert!(structure.is_empty() || structure.len() >= self.products.len());
         let terms = self.products.iter().zip(structure);
         let sum = terms.fold(Double::default(), |sum, (product, d)| sum - *product * *d);
         sum.value() / (self.denominator * self.denominator)
