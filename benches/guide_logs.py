@@ -1,4 +1,4 @@
-"""Writes the made logs of docs/guide.md into a folder.
+"""Writes the logs of the how-tos in docs/howto into a folder.
 
     python benches/guide_logs.py [FOLDER]    # results/guide
 

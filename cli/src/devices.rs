@@ -61,7 +61,7 @@ pub struct Options {
 /// Lists the devices that can run kernels.
 pub fn devices(options: &Options) -> Result<(), Failure> {
     if options.why || options.json {
-        say!("note: `--why` is gone: \"A GPU that is not used\" in docs/guide.md says what may be missing");
+        say!("note: `--why` is gone: \"A GPU that is not used\" in docs/reference/exit-codes.md says what may be missing");
     }
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     print(&format!("cpu: {}", widths.join(", ")))?;
