@@ -22,9 +22,13 @@ fn list() -> String {
     let sections = tables.into_iter().map(|table| {
         let own: Vec<&Explained> = keys.iter().filter(|key| table_of(key) == table).collect();
         let heading = if table.is_empty() { "At the top".to_owned() } else { format!("`[{table}]`") };
-        let kinds = &own[0].kinds;
+        // The kinds that most of its keys are in.
+        let count = |key: &Explained| own.iter().filter(|other| other.kinds == key.kinds).count();
+        let kinds = &own.iter().max_by_key(|key| count(key)).unwrap().kinds;
         let items: String = own.iter().map(|key| item(key, kinds)).collect();
-        format!("\n### {heading}\n\nKinds: {}.\n\n{items}", kinds.join(", "))
+        let all = explain_key("title").map_or(0, |title| title.kinds.len());
+        let kinds = if kinds.len() == all { "all".to_owned() } else { kinds.join(", ") };
+        format!("\n### {heading}\n\nKinds: {kinds}.\n\n{items}")
     });
     sections.collect()
 }
@@ -42,13 +46,13 @@ fn item(key: &Explained, kinds: &[&str]) -> String {
     let limits = Some(key.range.clone()).filter(|_| key.choices.is_empty() && !is_alike);
     let facts = std::iter::once(held(&key.holds).to_owned()).chain(limits).filter(|fact| !fact.is_empty());
     let facts = facts.chain(key.required.then(|| "required".to_owned()));
-    let facts = facts.chain(key.swept.map(|_| "swept".to_owned()));
     let facts = facts.chain((key.kinds != kinds).then(|| format!("in {}", key.kinds.join(", "))));
     let facts = facts.collect::<Vec<_>>().join("; ");
     let facts = if facts.is_empty() { facts } else { format!(" ({facts})") };
     let choices = key.choices.iter().filter(|_| !is_alike);
     let choice = |(word, meaning): &(&str, String)| filled("  - ", &format!("`\"{word}\"`: {meaning}"));
-    filled("- ", &format!("`{}`: {}{facts}", key.key, key.meaning)) + &choices.map(choice).collect::<String>()
+    let mark = if key.swept.is_some() { "\\*" } else { "" };
+    filled("- ", &format!("`{}`{mark}: {}{facts}", key.key, key.meaning)) + &choices.map(choice).collect::<String>()
 }
 
 /// What a key holds, where neither its limits nor its words say it.

@@ -23,7 +23,7 @@ const PAGES: [Page; 8] = [
         "Gap fillers",
         &[
             ("which_filler", "Put your tick, noise and vibration in; add fillers to `switching.fillers`."),
-            ("best_filler", "Change the upper ends of the band in the sweep of `motion.frequency.high`."),
+            ("best_filler", "Set the upper ends of the band in the sweep of `motion.frequency.high`."),
             ("filler_map", "Sweep other ranges of `motion.frequency` and `motion.amplitude`."),
             ("noise_error_vs_gap", "Set `gyro.tick_noise`; the gyro does not move, so only noise remains."),
             ("readout_quantization", "Change `gyro.tick_noise`: its ratio to the pulse decides."),
