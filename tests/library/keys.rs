@@ -49,7 +49,8 @@ fn item(key: &Explained, kinds: &[&str]) -> String {
     let facts = facts.chain((key.kinds != kinds).then(|| format!("in {}", key.kinds.join(", "))));
     let facts = facts.collect::<Vec<_>>().join("; ");
     let facts = if facts.is_empty() { facts } else { format!(" ({facts})") };
-    let choices = key.choices.iter().filter(|_| !is_alike);
+    // Scales have the same words.
+    let choices = key.choices.iter().filter(|_| !is_alike && !["chart.y_scale", "chart.z_scale"].contains(&key.key));
     let choice = |(word, meaning): &(&str, String)| filled("  - ", &format!("`\"{word}\"`: {meaning}"));
     let mark = if key.swept.is_some() { "\\*" } else { "" };
     filled("- ", &format!("`{}`{mark}: {}{facts}", key.key, key.meaning)) + &choices.map(choice).collect::<String>()

@@ -131,12 +131,10 @@ pub fn pages(asked: &[Asked]) -> Vec<(String, String)> {
         let mut page = format!("# {title}\n\n[Gallery](index.md)\n");
         index += &format!("\n## [{title}]({file}.md)\n\n");
         for (name, _) in studies {
-            index += &format!("[{}]({file}.md#{name})\n", picture(name, 210));
+            index += &format!("[{}]({file}.md#{name})\n", picture(name, 280));
         }
-        index += "\n";
         for (name, change) in studies {
-            let Asked { question, headline, shown, .. } = of(name);
-            index += &format!("- [{name}]({file}.md#{name}): {headline}\n");
+            let Asked { question, shown, .. } = of(name);
             page += &format!(
                 "\n## {name}\n\n{question}\n\n{}\n\n```text\n{}\n```\n\n**Change:** {change}\n",
                 picture(name, 560),

@@ -33,7 +33,6 @@ const COMMANDS: [&str; 17] = [
 /// The help of a command in parts.
 struct Help {
     about: String,
-    usage: String,
     /// Arguments and options with their texts.
     entries: Vec<(String, String)>,
 }
@@ -42,27 +41,44 @@ fn help(command: &str) -> Help {
     let output = Command::new(PROGRAM).args(command.split(' ')).arg("--help").output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     let (about, rest) = text.split_once("Usage: ").unwrap();
-    let (usage, rest) = rest.split_once('\n').unwrap();
-    let usage = usage.split_once(' ').map_or("", |(_, words)| words);
+    let (_, rest) = rest.split_once('\n').unwrap();
     let mut entries: Vec<(String, String)> = vec![];
+    // Of values with texts of their own, the names.
+    let mut values: Option<Vec<&str>> = None;
+    let close = |entries: &mut Vec<(String, String)>, values: &mut Option<Vec<&str>>| {
+        if let Some(names) = values.take() {
+            entries.last_mut().unwrap().1 += &format!(" [possible values: {}]", names.join(", "));
+        }
+    };
     for line in rest.split("\nExamples:\n").next().unwrap().lines() {
         let indent = line.len() - line.trim_start().len();
         let text = line.trim();
         match indent {
             _ if text.is_empty() => {}
-            0 => {}
-            10.. => {
+            0..10 => {
+                close(&mut entries, &mut values);
+                if indent > 0 {
+                    entries.push((text.to_owned(), String::new()));
+                }
+            }
+            _ if text == "Possible values:" => values = Some(vec![]),
+            _ if values.is_some() && !text.starts_with('[') => {
+                let name = text.strip_prefix("- ").and_then(|value| value.split(':').next());
+                values.as_mut().unwrap().extend(name);
+            }
+            _ => {
+                close(&mut entries, &mut values);
                 let own = &mut entries.last_mut().unwrap().1;
                 *own += if own.is_empty() { "" } else { " " };
                 *own += text;
             }
-            _ => entries.push((text.to_owned(), String::new())),
         }
     }
+    close(&mut entries, &mut values);
     entries.retain(|(name, _)| !name.contains("--help"));
     let about = about.trim().split("\n\n").map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
     let about = about.map(|part| format!("{}.", part.trim_end_matches('.'))).collect::<Vec<_>>().join(" ");
-    Help { about, usage: usage.to_owned(), entries }
+    Help { about, entries }
 }
 
 /// An item with an argument or option: marks around values are those of code, not of links.
@@ -93,7 +109,7 @@ fn the_reference_lists_all_commands_and_options() {
     let own = |name: &str, help: &Help| {
         let entries = help.entries.iter().filter(|entry| commands[*entry].len() == 1);
         let about = filled("", &escaped(&help.about));
-        format!("\n## `sagnac {name}`\n\n{about}\n`sagnac {}`\n\n{}", help.usage, entries.map(entry).collect::<String>())
+        format!("\n## `sagnac {name}`\n\n{about}\n{}", entries.map(entry).collect::<String>())
     };
     let mut groups: Vec<(&Vec<&str>, Vec<String>)> = vec![];
     for shared in order.into_iter().filter(|entry| commands[entry].len() > 1) {
@@ -133,10 +149,10 @@ fn the_reference_lists_all_columns() {
     let mut listed: Vec<(&str, String)> = vec![];
     for file in files() {
         let by = match file.by {
-            By::Study(kind, _) => format!("kind = \"{}\"", kind.name),
-            By::Command(command) => command.to_owned(),
+            By::Study(kind, _) => kind.name,
+            By::Command(command) => command,
         };
-        text += &format!("\n## `{}` of `{by}`\n\n", file.name);
+        text += &format!("\n## `{by}`: `{}`\n\n", file.name);
         let mut again: Vec<String> = vec![];
         for column in file.columns.iter().filter(|column| !is_companion(column)) {
             let label = labelled(column);
@@ -167,21 +183,19 @@ fn header(column: &About) -> String {
 /// The label of a column; where that only repeats the name, the first sentence of the meaning.
 fn labelled(column: &About) -> String {
     let is_name = column.label.is_empty() || column.label.replace(' ', "_") == column.name;
-    let first = column.meaning.split_once(". ").map_or(column.meaning, |(first, _)| first);
+    let first = column.meaning.split(". ").next().and_then(|first| first.split("; ").next()).unwrap_or_default();
     if is_name { first.trim_end_matches('.').to_owned() } else { column.label.to_owned() }
 }
+
+/// The types that the reference shows; the schema has all of them.
+const SHOWN: [&str; 7] = ["Document", "Answer", "Reading", "AnswerTable", "Status", "Fact", "Provenance"];
 
 #[test]
 fn the_reference_lists_the_form_of_documents() {
     let schema = std::fs::read_to_string(format!("{}/schema/document.schema.json", crate::ROOT)).unwrap();
     let schema: Value = serde_json::from_str(&schema).unwrap();
     let types = schema["$defs"].as_object().unwrap();
-    let first = ["Document", "Answer", "Reading", "AnswerTable"];
-    // Models are explained by the schema.
-    let left_out = ["Cell", "Models", "ColumnModel", "Discrete", "Tried"];
-    let others =
-        types.keys().map(String::as_str).filter(|name| !first.contains(name) && !left_out.contains(name));
-    let text: String = first.into_iter().chain(others).map(|name| of_type(name, &types[name])).collect();
+    let text: String = SHOWN.into_iter().map(|name| of_type(name, &types[name])).collect();
     check(crate::ROOT, "docs/reference/json.md", &text);
 }
 
@@ -211,7 +225,7 @@ fn type_of(value: &Value) -> String {
     let inner = [&value["$ref"], &value["items"]["$ref"], &value["anyOf"][0]["$ref"]];
     let found = inner.into_iter().find_map(|link| link.as_str()?.rsplit('/').next());
     found.map_or(String::new(), |name| match name {
-        "Cell" | "Models" => String::new(),
+        name if !SHOWN.contains(&name) => String::new(),
         name => format!(" ([{name}](#{}))", name.to_lowercase()),
     })
 }
