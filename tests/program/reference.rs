@@ -154,7 +154,8 @@ fn the_reference_lists_all_columns() {
         };
         text += &format!("\n## `{by}`: `{}`\n\n", file.name);
         let mut again: Vec<String> = vec![];
-        for column in file.columns.iter().filter(|column| !is_companion(column)) {
+        let is_listed = |column: &&About| !is_companion(column) && !["unit", "column"].contains(&column.name);
+        for column in file.columns.iter().filter(is_listed) {
             let label = labelled(column);
             let found = (column.name, label.clone());
             if listed.contains(&found) {
