@@ -2,7 +2,7 @@
 
     python benches/guide_logs.py [FOLDER]    # results/guide
 
-Needs NumPy and SciPy. The commands of the guide print its numbers there.
+Needs NumPy and SciPy. The commands of the how-tos can be run there.
 """
 
 import sys

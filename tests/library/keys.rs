@@ -50,10 +50,12 @@ fn item(key: &Explained, kinds: &[&str]) -> String {
     let facts = facts.collect::<Vec<_>>().join("; ");
     let facts = if facts.is_empty() { facts } else { format!(" ({facts})") };
     // Scales have the same words.
-    let choices = key.choices.iter().filter(|_| !is_alike && !["chart.y_scale", "chart.z_scale"].contains(&key.key));
+    let choices =
+        key.choices.iter().filter(|_| !is_alike && !["chart.y_scale", "chart.z_scale"].contains(&key.key));
     let choice = |(word, meaning): &(&str, String)| filled("  - ", &format!("`\"{word}\"`: {meaning}"));
     let mark = if key.swept.is_some() { "\\*" } else { "" };
-    filled("- ", &format!("`{}`{mark}: {}{facts}", key.key, key.meaning)) + &choices.map(choice).collect::<String>()
+    filled("- ", &format!("`{}`{mark}: {}{facts}", key.key, key.meaning))
+        + &choices.map(choice).collect::<String>()
 }
 
 /// What a key holds, where neither its limits nor its words say it.

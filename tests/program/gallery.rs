@@ -28,7 +28,10 @@ const PAGES: [Page; 8] = [
             ("noise_error_vs_gap", "Set `gyro.tick_noise`; the gyro does not move, so only noise remains."),
             ("readout_quantization", "Change `gyro.tick_noise`: its ratio to the pulse decides."),
             ("recorded_profile", "Name your own record in `motion.profile.file`."),
-            ("what_decides", "`sagnac sensitivity` takes the `[[sensitivity]]` inputs; give each your range."),
+            (
+                "what_decides",
+                "`sagnac sensitivity` takes the `[[sensitivity]]` inputs; give each your range.",
+            ),
             ("smoke", "Nothing: it takes a second and tries every kind of motion."),
         ],
     ),
@@ -42,7 +45,10 @@ const PAGES: [Page; 8] = [
             ("error_vs_amplitude_extremum", "Set `motion.frequency` to that of your vibration."),
             ("error_vs_amplitude_zero_crossing", "Chart `extrapolation` to see the error during the gap."),
             ("suspension", "Write your modes into `suspension.modes`."),
-            ("lgk400_vs_lgv1_vibration", "Give the density of your vibration in `motion.suspension.random.psd`."),
+            (
+                "lgk400_vs_lgv1_vibration",
+                "Give the density of your vibration in `motion.suspension.random.psd`.",
+            ),
         ],
     ),
     (
@@ -50,7 +56,10 @@ const PAGES: [Page; 8] = [
         "Switching interval and drift",
         &[
             ("design_point", "Use `sagnac design` to find the interval too."),
-            ("drift_vs_interval", "Set `[drift]`; `run.end = \"exact\"` for runs that end after a whole number of intervals."),
+            (
+                "drift_vs_interval",
+                "Set `[drift]`; `run.end = \"exact\"` for runs that end after a whole number of intervals.",
+            ),
             ("drift_vs_interval_bound", "The same keys, in closed form."),
             ("optimal_interval", "Set `drift.residual_max` to the largest residual of your filler."),
             ("sawtooth", "`run.trajectories` sets the number of curves."),
@@ -71,7 +80,10 @@ const PAGES: [Page; 8] = [
         &[
             ("lock_in_static", "Set `lock_in.threshold` and `gyro.scale_factor`."),
             ("dither_zones", "Sweep finer inputs: zone 2 lies between two of these."),
-            ("dither_randomization", "Set `dither.rate` and `dither.frequency`; 3 rad of the beat phase are enough."),
+            (
+                "dither_randomization",
+                "Set `dither.rate` and `dither.frequency`; 3 rad of the beat phase are enough.",
+            ),
             ("arw_from_lock_in", "Sweep `lock_in.threshold` over the range of your gyros."),
             ("lgv1_lock_in", "Scale factor, dither rate and randomization are assumed: set yours."),
             ("lock_in_in_allan", "Write your `noise.lock_in`."),
@@ -102,7 +114,10 @@ const PAGES: [Page; 8] = [
         "navigation",
         "Navigation",
         &[
-            ("position_after_an_hour", "Set `navigation.latitude`, `alignment`, and a leg by `speed` and `course`."),
+            (
+                "position_after_an_hour",
+                "Set `navigation.latitude`, `alignment`, and a leg by `speed` and `course`.",
+            ),
             ("heading_after", "Set `limit` and `navigation.alignment`."),
             ("gyrocompass", "Sweep `navigation.alignment` further."),
             ("switching_in_navigation", "Sweep `noise.file` over files with your filler's residual."),
@@ -120,7 +135,9 @@ The shipped studies, by subject. `sagnac run studies/NAME.toml` makes the whole 
 
 /// The files of the gallery with their texts.
 pub fn pages(asked: &[Asked]) -> Vec<(String, String)> {
-    let of = |name: &str| asked.iter().find(|asked| asked.name == name).unwrap_or_else(|| panic!("no study {name}"));
+    let of = |name: &str| {
+        asked.iter().find(|asked| asked.name == name).unwrap_or_else(|| panic!("no study {name}"))
+    };
     for Asked { name, .. } in asked {
         let count = PAGES.iter().flat_map(|page| page.2).filter(|(study, _)| study == name).count();
         assert_eq!(count, 1, "{name} is to be on one page of the gallery");

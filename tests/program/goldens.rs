@@ -225,7 +225,10 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
     let documents = std::iter::once((ANSWERS.to_owned(), answers)).chain(pages(&asked));
     let stale: Vec<String> =
         documents.filter(|(name, text)| is_stale(crate::ROOT, name, text)).map(|(name, _)| name).collect();
-    assert!(stale.is_empty(), "out of date: {stale:?}; review each NAME.new, then accept it with `mv NAME.new NAME`");
+    assert!(
+        stale.is_empty(),
+        "out of date: {stale:?}; review each NAME.new, then accept it with `mv NAME.new NAME`"
+    );
 }
 
 /// Straight lines between the samples of a record, all of which designs fillers and judges them.

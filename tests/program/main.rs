@@ -8,10 +8,10 @@ mod desk;
 mod devices;
 #[path = "../desks/fitted.rs"]
 mod fitted;
-#[path = "../desks/logs.rs"]
-mod logs;
 #[path = "../desks/generated.rs"]
 mod generated;
+#[path = "../desks/logs.rs"]
+mod logs;
 #[path = "../desks/noise.rs"]
 mod noise;
 #[path = "../desks/stores.rs"]

@@ -174,8 +174,10 @@ fn every_link_and_picture_of_the_documents_exists_and_every_anchor_is_a_heading(
 
 #[test]
 fn the_documents_for_users_are_short() {
-    let words: Vec<(String, usize)> =
-        of_users().into_iter().map(|name| (name.clone(), text_of(&name).split_whitespace().count())).collect();
+    let words: Vec<(String, usize)> = of_users()
+        .into_iter()
+        .map(|name| (name.clone(), text_of(&name).split_whitespace().count()))
+        .collect();
     let all: usize = words.iter().map(|(_, words)| words).sum();
     for (name, words) in &words {
         println!("{words:6} {name}");
@@ -218,7 +220,9 @@ fn prepared() -> Desk {
 fn commands(text: &str) -> Vec<String> {
     let lines = text.replace("\\\n", " ");
     let lines = lines.lines().map(|line| line.replace("cargo run --release --locked -- ", "sagnac "));
-    lines.filter(|line| ["sagnac ", "cp ", "head ", "tail "].iter().any(|word| line.starts_with(word))).collect()
+    lines
+        .filter(|line| ["sagnac ", "cp ", "head ", "tail "].iter().any(|word| line.starts_with(word)))
+        .collect()
 }
 
 /// A command with further words, on the processor, before its comment.
@@ -227,7 +231,8 @@ fn made(command: &str, more: &str) -> String {
     if !words.starts_with("sagnac ") {
         return words.to_owned();
     }
-    let samples = ["run", "design", "sensitivity"].iter().any(|name| words.starts_with(&format!("sagnac {name} ")));
+    let samples =
+        ["run", "design", "sensitivity"].iter().any(|name| words.starts_with(&format!("sagnac {name} ")));
     let device = if samples && !words.contains("--device") { " --device cpu" } else { "" };
     format!("{}{device} {more}", words.trim_end())
 }
@@ -269,7 +274,10 @@ fn run(name: &str) -> (Vec<String>, String) {
                     let output = shell.output().unwrap();
                     if !output.status.success() {
                         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-                        wrong.push(format!("{name}:{}: `{made}` ended with {}:\n{said}", block.from, output.status));
+                        wrong.push(format!(
+                            "{name}:{}: `{made}` ended with {}:\n{said}",
+                            block.from, output.status
+                        ));
                     }
                     printed = Some(String::from_utf8(output.stdout).unwrap());
                 }

@@ -184,7 +184,8 @@ fn header(column: &About) -> String {
 /// The label of a column; where that only repeats the name, the first sentence of the meaning.
 fn labelled(column: &About) -> String {
     let is_name = column.label.is_empty() || column.label.replace(' ', "_") == column.name;
-    let first = column.meaning.split(". ").next().and_then(|first| first.split("; ").next()).unwrap_or_default();
+    let first =
+        column.meaning.split(". ").next().and_then(|first| first.split("; ").next()).unwrap_or_default();
     if is_name { first.trim_end_matches('.').to_owned() } else { column.label.to_owned() }
 }
 
