@@ -122,10 +122,9 @@ fn anchors(text: &str) -> Vec<String> {
 fn targets(text: &str) -> Vec<String> {
     let mut found = vec![];
     for line in prose(text) {
-        if let Some((label, target)) = line.split_once("]: ").filter(|(label, _)| label.starts_with('[')) {
-            if !label.contains(' ') {
-                found.push(target.trim().to_owned());
-            }
+        let is_label = |label: &str| label.starts_with('[') && !label.contains(' ');
+        if let Some((_, target)) = line.split_once("]: ").filter(|(label, _)| is_label(label)) {
+            found.push(target.trim().to_owned());
         }
         for piece in line.split("](").skip(1) {
             found.push(piece.split(')').next().unwrap().to_owned());
@@ -255,7 +254,10 @@ fn run(name: &str) -> (Vec<String>, String) {
     let (mut wrong, mut edits) = (vec![], vec![]);
     let desk = prepared();
     let folder = Path::new(PROGRAM).parent().unwrap();
-    let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap_or_default());
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let path =
+        std::env::join_paths(std::iter::once(folder.to_path_buf()).chain(std::env::split_paths(&others)));
+    let path = path.unwrap();
     let mut printed: Option<String> = None;
     for block in blocks(&text) {
         let asked = block.asked.as_deref().unwrap_or_default();
