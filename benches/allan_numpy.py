@@ -7,7 +7,7 @@
     python benches/allan_numpy.py compare [PAIRS]         # p of two records of equal noise behind such a filter
     python benches/allan_numpy.py dynamic [RECORDS]       # changes in records without one, and a step of N that is found
 
-Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
+Needs NumPy and SciPy. Results are tables of docs/dev/numerics.md. `SAGNAC` names the program, by default that of target/release.
 """
 
 import json

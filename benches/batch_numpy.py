@@ -3,7 +3,7 @@
     cargo build --release -p sagnac-cli
     python benches/batch_numpy.py units [BATCHES]    # units with white noise and flicker: values, spreads, the next unit, outliers
 
-Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
+Needs NumPy and SciPy. Results are tables of docs/dev/numerics.md. `SAGNAC` names the program, by default that of target/release.
 """
 
 import sys

@@ -4,7 +4,7 @@
     python benches/dynamic_numpy.py p FILE             # p of the rates of a text file, as in stationarity.csv
 
 Needs NumPy and SciPy. `allan_numpy.py dynamic` counts the same with the program, which takes longer because it draws maps. Results are a
-table of docs/numerics.md.
+table of docs/dev/numerics.md.
 """
 
 import sys

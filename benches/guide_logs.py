@@ -1,8 +1,8 @@
-"""Writes the made logs of docs/guide.md into a folder.
+"""Writes the logs of the how-tos in docs/howto into a folder.
 
     python benches/guide_logs.py [FOLDER]    # results/guide
 
-Needs NumPy and SciPy. The commands of the guide print its numbers there.
+Needs NumPy and SciPy. The commands of the how-tos can be run there.
 """
 
 import sys

@@ -20,7 +20,7 @@ from numba import njit, prange
 from scipy import optimize, special
 
 TAU = 2 * np.pi
-# ″/s, ″ per pulse, Hz, ″/s and σ_A/A: the gyro of docs/physics.md.
+# ″/s, ″ per pulse, Hz, ″/s and σ_A/A: the gyro of docs/dev/equations.md.
 THRESHOLD, SCALE, FREQUENCY, DITHER, NOISE = 180.0, 2.0, 400.0, 360_000.0, 0.02
 
 

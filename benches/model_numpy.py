@@ -5,7 +5,7 @@
     python benches/model_numpy.py logs FOLDER          # both halves of the logs of public_logs.py
 
 Records are white noise, flicker and a random walk by the generator of allan_numpy.py, which is independent of sagnac: the order-1/2 integral of
-Kasdin instead of octave holds. `SAGNAC` names the program. Needs NumPy and SciPy. Results are in docs/numerics.md.
+Kasdin instead of octave holds. `SAGNAC` names the program. Needs NumPy and SciPy. Results are in docs/dev/numerics.md.
 """
 
 import json

@@ -6,10 +6,10 @@
 The logs are fetched from the commits below into FOLDER (results/public_logs) and compared with their SHA-256. Data sets of R become .npz
 with the arrays gx, gy, gz (and ax, ay, az); `rdata` reads them, because an .rda file is a serialized and compressed object of R. Then each gyro
 gets one line that is independent of sagnac: N = σ(τ) √τ at the τ next to 1 s, and B = σ / 0.664 at the minimum of the overlapping Allan
-deviation over octaves of τ up to a fifth of the record. docs/public_logs.md compares them with what sagnac finds.
+deviation over octaves of τ up to a fifth of the record. docs/dev/public-logs.md compares them with what sagnac finds.
 
 The variable PUBLIC_LOGS replaces https://github.com, as in PUBLIC_LOGS=file:///srv/mirror, where the files lie under the same paths.
-The licences are those of the owners, who are named in docs/public_logs.md; nothing of the logs is part of sagnac.
+The licences are those of the owners, who are named in docs/dev/public-logs.md; nothing of the logs is part of sagnac.
 """
 
 import hashlib

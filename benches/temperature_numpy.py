@@ -5,7 +5,7 @@
     python benches/temperature_numpy.py method [RECORDS]  # the same from an implementation in NumPy, without the sensor's resolution
     python benches/temperature_numpy.py chosen [RECORDS]  # records without dependence, terms chosen by the program
 
-Needs NumPy and SciPy. Results are tables of docs/numerics.md. `SAGNAC` names the program, by default that of target/release.
+Needs NumPy and SciPy. Results are tables of docs/dev/numerics.md. `SAGNAC` names the program, by default that of target/release.
 """
 
 import json

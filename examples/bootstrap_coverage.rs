@@ -1,7 +1,7 @@
 //! How often 95 % intervals of noise coefficients cover the true values, for several methods of deriving them from
 //! simulated records: `cargo run --release --example bootstrap_coverage -- 2000 1000 [gyro|small|short|walk|faint|ramp]
 //! [auto]`. The arguments are the number of records, the number of realizations for each, the truth, and whether the
-//! fit chooses its terms. docs/numerics.md has the results.
+//! fit chooses its terms. docs/dev/numerics.md has the results.
 
 use std::thread;
 

@@ -1,4 +1,4 @@
-//! How often `compare` finds a difference between records of the same noise: the table of docs/numerics.md.
+//! How often `compare` finds a difference between records of the same noise: the table of docs/dev/numerics.md.
 //!
 //! ```text
 //! cargo run --release --example compare_calibration

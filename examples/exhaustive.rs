@@ -1,6 +1,6 @@
 //! The Gaussian for all its 2^31 magnitudes and the sine for all its 2^32 phases, compared with the exact functions.
 //!
-//! `cargo run --release --example exhaustive` prints the figures of `docs/numerics.md`.
+//! `cargo run --release --example exhaustive` prints the figures of `docs/dev/numerics.md`.
 
 use core::f64::consts::{PI, SQRT_2};
 use std::time::Instant;

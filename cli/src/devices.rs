@@ -50,7 +50,7 @@ pub fn device(command: &Command) -> Result<(), Failure> {
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Former option: the guide has a section on GPUs that are not used
+    /// Former option: docs/reference/exit-codes.md has a section on GPUs that are not used
     #[arg(long, hide = true)]
     why: bool,
     /// Former option, which printed that as JSON
@@ -61,7 +61,9 @@ pub struct Options {
 /// Lists the devices that can run kernels.
 pub fn devices(options: &Options) -> Result<(), Failure> {
     if options.why || options.json {
-        say!("note: `--why` is gone: \"A GPU that is not used\" in docs/guide.md says what may be missing");
+        say!(
+            "note: `--why` is gone: \"A GPU that is not used\" in docs/reference/exit-codes.md says what may be missing"
+        );
     }
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     print(&format!("cpu: {}", widths.join(", ")))?;

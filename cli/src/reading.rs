@@ -81,7 +81,7 @@ pub struct Reading {
     /// temperature, lines of the spectrum
     #[arg(long)]
     remove_events: bool,
-    /// Whether to note rates and accelerations that seem to be in another unit; see docs/reference.md
+    /// Whether to note rates and accelerations that seem to be in another unit; see docs/reference/log-formats.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
     unit_check: UnitCheck,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,

@@ -73,7 +73,7 @@ fn of_sample(recipe: &dyn Recorded, variant: Variant) -> Operations {
 mod tests {
     use super::*;
 
-    /// The figures of docs/performance.md, with 64-bit products and with 16-bit ones.
+    /// The figures of docs/dev/performance.md, with 64-bit products and with 16-bit ones.
     const KNOWN: [[u64; 2]; 13] = [
         [552, 1743],
         [630, 1821],
@@ -99,6 +99,6 @@ mod tests {
         let measured = measured();
         let found: Vec<String> = measured.iter().map(|measured| line((measured, of(measured)))).collect();
         let known: Vec<String> = measured.iter().zip(KNOWN).map(line).collect();
-        assert_eq!(found, known, "counted on the left, those of docs/performance.md on the right");
+        assert_eq!(found, known, "counted on the left, those of docs/dev/performance.md on the right");
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! shaders DIR
 //! ```
-//! `DIR/check.html` checks them in a browser with WebGPU; docs/numerics.md explains `DIR/shaders.json` for other hosts.
+//! `DIR/check.html` checks them in a browser with WebGPU; docs/dev/numerics.md explains `DIR/shaders.json` for other hosts.
 
 mod files;
 

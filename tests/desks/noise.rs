@@ -23,6 +23,28 @@ pub fn white(count: usize, sigma: f64, seed: u64) -> Vec<f64> {
     (0..count).map(|_| sigma * normal(&mut rng)).collect()
 }
 
+/// A log of five gyros at 1 Hz, of which the fourth has twice the noise.
+pub fn units() -> String {
+    let units = [5.0, 5.2, 4.9, 10.0, 5.1].into_iter().zip(1..).map(|(sigma, seed)| white(4096, sigma, seed));
+    let units: Vec<Vec<f64>> = units.collect();
+    let row = |i: usize| units.iter().map(|unit| format!("{:.4}", unit[i])).collect::<Vec<_>>().join(",");
+    let names: Vec<String> = (1..6).map(|unit| format!("g{unit} [deg/h]")).collect();
+    let rows: Vec<String> = std::iter::once(names.join(",")).chain((0..4096).map(row)).collect();
+    rows.join("\n")
+}
+
+/// A log of a gyro at 1 Hz in a chamber: 0.5 °/h/K over ±5 K, and a warm-up of 2.1 °/h that decays in 1600 s.
+pub fn chamber() -> String {
+    let noise = white(36_000, 3.6, 1);
+    let row = |(second, noise): (usize, &f64)| {
+        let second = second as f64;
+        let temperature = 20.0 + 5.0 * (TAU * second / 9000.0).sin();
+        let rate = 10.0 + 0.5 * (temperature - 20.0) + 2.1 * (-second / 1600.0).exp() + noise;
+        format!("{rate:.4},{temperature:.3}\n")
+    };
+    "gz [deg/h],temp [degC]\n".to_owned() + &noise.iter().enumerate().map(row).collect::<String>()
+}
+
 /// The angles of one part of a record of `samples` rates, one more than these.
 pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64> {
     let held = |rates: &mut dyn FnMut(usize) -> f64| {

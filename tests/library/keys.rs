@@ -1,26 +1,12 @@
 //! The reference lists every key of study files, from the rows that declare them.
 
+use crate::generated::{check, filled};
 use sagnac::key::explained::Explained;
 use sagnac::kinds::keys::{explain_key, explained_keys};
 
-/// What stands around the list in the reference.
-const MARKS: [&str; 2] =
-    ["<!-- keys: written by a test, see CONTRIBUTING.md -->\n", "<!-- end of keys -->\n"];
-
-/// Longest line of the list.
-const WIDTH: usize = 140;
-
 #[test]
 fn the_reference_lists_all_keys() {
-    let path = format!("{}/docs/reference.md", crate::ROOT);
-    let committed = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = committed.split_once(MARKS[0]).expect("the start of the list of keys");
-    let (_, after) = rest.split_once(MARKS[1]).expect("the end of the list of keys");
-    let current = format!("{before}{}{}{}{after}", MARKS[0], list(), MARKS[1]);
-    if current != committed {
-        std::fs::write(format!("{path}.new"), current).unwrap();
-        panic!("the keys in {path} are out of date; review {path}.new and rename it");
-    }
+    check(crate::ROOT, "docs/reference/study-file.md", &list());
 }
 
 /// A heading for each table of studies, and an item for each of its keys.
@@ -36,11 +22,15 @@ fn list() -> String {
     let sections = tables.into_iter().map(|table| {
         let own: Vec<&Explained> = keys.iter().filter(|key| table_of(key) == table).collect();
         let heading = if table.is_empty() { "At the top".to_owned() } else { format!("`[{table}]`") };
-        let kinds = &own[0].kinds;
+        // The kinds that most of its keys are in.
+        let count = |key: &Explained| own.iter().filter(|other| other.kinds == key.kinds).count();
+        let kinds = &own.iter().max_by_key(|key| count(key)).unwrap().kinds;
         let items: String = own.iter().map(|key| item(key, kinds)).collect();
-        format!("\n### {heading}\n\nIn studies of kind {}.\n\n{items}", kinds.join(", "))
+        let all = explain_key("title").map_or(0, |title| title.kinds.len());
+        let kinds = if kinds.len() == all { "all".to_owned() } else { kinds.join(", ") };
+        format!("\n### {heading}\n\nKinds: {kinds}.\n\n{items}")
     });
-    sections.collect::<String>() + "\n"
+    sections.collect()
 }
 
 /// The table that a key is in; a table at the top stands under its own heading.
@@ -51,29 +41,42 @@ fn table_of(key: &Explained) -> &'static str {
 
 /// A key, with its kinds of studies where they are not those of its table.
 fn item(key: &Explained, kinds: &[&str]) -> String {
-    let limits = Some(&key.range).filter(|range| !range.is_empty() && key.choices.is_empty());
-    let facts = std::iter::once(&key.holds).chain(limits).cloned();
+    // A key like another one has the words and limits of that one.
+    let is_alike = key.meaning.starts_with("Like ");
+    let limits = Some(key.range.clone()).filter(|_| key.choices.is_empty() && !is_alike);
+    let facts = std::iter::once(held(&key.holds).to_owned()).chain(limits).filter(|fact| !fact.is_empty());
     let facts = facts.chain(key.required.then(|| "required".to_owned()));
-    let facts = facts.chain(key.swept.map(|_| "can be swept".to_owned()));
     let facts = facts.chain((key.kinds != kinds).then(|| format!("in {}", key.kinds.join(", "))));
     let facts = facts.collect::<Vec<_>>().join("; ");
+    let facts = if facts.is_empty() { facts } else { format!(" ({facts})") };
+    // Scales have the same words.
+    let choices =
+        key.choices.iter().filter(|_| !is_alike && !["chart.y_scale", "chart.z_scale"].contains(&key.key));
     let choice = |(word, meaning): &(&str, String)| filled("  - ", &format!("`\"{word}\"`: {meaning}"));
-    filled("- ", &format!("`{}`: {} ({facts})", key.key, key.meaning))
-        + &key.choices.iter().map(choice).collect::<String>()
+    let mark = if key.swept.is_some() { "\\*" } else { "" };
+    filled("- ", &format!("`{}`{mark}: {}{facts}", key.key, key.meaning))
+        + &choices.map(choice).collect::<String>()
 }
 
-/// An item of a list, in lines.
-fn filled(bullet: &str, text: &str) -> String {
-    let mut lines = vec![bullet.to_owned()];
-    for word in text.split(' ') {
-        let last = lines.last_mut().unwrap();
-        if last.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines.push(format!("{:1$}{word}", "", bullet.len()));
-        } else if last.ends_with(' ') {
-            *last += word;
-        } else {
-            *last += &format!(" {word}");
-        }
+/// What a key holds, where neither its limits nor its words say it.
+fn held(holds: &str) -> &str {
+    match holds {
+        "a number with its unit, in quotes"
+        | "a number with its unit, in quotes, or a table of one key"
+        | "a number with its unit, in quotes, or a list of two ends"
+        | "a number, or percent in quotes"
+        | "a text in quotes"
+        | "a table"
+        | "a table of one key"
+        | "a list of two ends"
+        | "one value" => "",
+        "a whole number" => "whole number",
+        "a list in brackets" => "list",
+        "a list of tables in brackets" => "list of tables",
+        "a list of quantities in brackets" => "list of quantities",
+        "a list of texts in brackets" => "list of texts",
+        "a list of pairs in brackets" => "list of pairs",
+        "a percentage in quotes" => "percentage",
+        other => other,
     }
-    lines.join("\n") + "\n"
 }

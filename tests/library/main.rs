@@ -6,6 +6,8 @@ mod devices;
 mod fitted;
 #[path = "../desks/formats.rs"]
 mod formats;
+#[path = "../desks/generated.rs"]
+mod generated;
 #[path = "../desks/noise.rs"]
 mod noise;
 #[path = "../desks/reference/mod.rs"]

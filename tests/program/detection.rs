@@ -1,4 +1,4 @@
-//! Which damage of which file is detected: a table in docs/reliability.md.
+//! Which damage of which file is detected: a table in docs/dev/reliability.md.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use sagnac::store::folder::LIST;
 
 use crate::desk::{Desk, with};
 
-const PAGE: &str = "docs/reliability.md";
+const PAGE: &str = "docs/dev/reliability.md";
 
 /// What stands around the tables.
 const MARKS: [&str; 2] =

@@ -102,7 +102,7 @@ fn lines_that_only_a_noise_burst_makes_are_none_and_its_samples_count_as_missing
 
 #[test]
 fn every_event_of_the_reference_is_explained() {
-    let reference = include_str!("../../docs/reference.md");
+    let reference = include_str!("../../docs/reference/log-formats.md");
     let table = reference.split("| event | found by | in the fit |\n|---|---|---|\n").nth(1).unwrap();
     let names = table.lines().take_while(|line| line.starts_with('|'));
     let names: Vec<&str> =

@@ -8,7 +8,9 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::desk::Desk;
-use crate::noise::white;
+use crate::gallery::{Asked, pages};
+use crate::generated::is_stale;
+use crate::noise::units;
 
 /// Trials of each point. Any change of a kernel, a lowering or a statistic shows in the first few.
 const TRIALS: u32 = 512;
@@ -19,9 +21,8 @@ const FEW: u32 = 256;
 const GOLDEN: &str = "tests/data/tables.sha256";
 const NEW: &str = "tests/data/tables.new.sha256";
 
-/// The page of questions and answers, and the one that the test writes.
-const ANSWERS: &str = "docs/answers.md";
-const NEW_ANSWERS: &str = "docs/answers.md.new";
+/// The questions and answers, of which the gallery shows parts.
+const ANSWERS: &str = "tests/data/answers.md";
 
 const ABOUT_ANSWERS: &str = "# Questions and answers
 
@@ -73,12 +74,7 @@ fn desk_of_commands(root: &Path) -> Desk {
     desk.write("data/gyro_at_rest.csv", &log);
     let half: Vec<&str> = log.lines().take(log.lines().count() / 2).collect();
     desk.write("half.csv", &half.join("\n"));
-    let units = [5.0, 5.2, 4.9, 10.0, 5.1].into_iter().zip(1..).map(|(sigma, seed)| white(4096, sigma, seed));
-    let units: Vec<Vec<f64>> = units.collect();
-    let row = |i: usize| units.iter().map(|unit| format!("{:.4}", unit[i])).collect::<Vec<_>>().join(",");
-    let names: Vec<String> = (1..6).map(|unit| format!("g{unit} [deg/h]")).collect();
-    let rows: Vec<String> = std::iter::once(names.join(",")).chain((0..4096).map(row)).collect();
-    desk.write("units.csv", &rows.join("\n"));
+    desk.write("units.csv", &units());
     desk
 }
 
@@ -108,8 +104,18 @@ fn measured(name: &str, shown: &str) -> (String, [usize; 2]) {
 /// Most words of a headline, and most lines of an answer with its heading.
 const MOST: [usize; 2] = [12, 20];
 
-/// A row and a section of the page of answers, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`.
-fn digests(study: &Path) -> ([String; 2], BTreeMap<String, String>) {
+/// The row of a study on the page of answers.
+fn row(Asked { name, headline, counts, .. }: &Asked) -> String {
+    format!("| [{name}](#{name}) | {headline} | {} | {} |\n", counts[0], counts[1])
+}
+
+/// The section of a study on the page of answers.
+fn section(Asked { name, question, shown, .. }: &Asked) -> String {
+    format!("\n## {name}\n\n{question}\n\n```text\n{shown}\n```\n")
+}
+
+/// The question of a study with its answer, and the SHA-256 of each table by its name, as in `error_vs_dtnu/points.csv`.
+fn digests(study: &Path) -> (Asked, BTreeMap<String, String>) {
     let name = study.file_stem().unwrap().to_str().unwrap();
     let desk = Desk::with("");
     let trials = own_trials(study).filter(|own| *own < FEW).unwrap_or(TRIALS);
@@ -121,15 +127,14 @@ fn digests(study: &Path) -> ([String; 2], BTreeMap<String, String>) {
     agree(&desk, &words, name, shown);
     let text = std::fs::read_to_string(study).unwrap();
     let question = text.parse::<toml::Table>().unwrap()["question"].as_str().unwrap().to_owned();
-    let row = format!("| [{name}](#{name}) | {headline} | {} | {} |\n", counts[0], counts[1]);
-    let section = format!("\n## {name}\n\n{question}\n\n```text\n{shown}\n```\n");
+    let asked = Asked { name: name.to_owned(), question, headline, shown: shown.to_owned(), counts };
     let tables = desk.names(name).into_iter().filter(|file| file.ends_with(".csv"));
     let tables = tables.map(|file| {
         let digest = Sha256::digest(desk.read(&format!("{name}/{file}")));
         let hex = digest.iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
         (format!("{name}/{file}"), hex)
     });
-    ([row, section], tables.collect())
+    (asked, tables.collect())
 }
 
 /// Checks that document, page and terminal have the same answer, and document and file the same points.
@@ -185,8 +190,9 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
     let mut studies: Vec<PathBuf> =
         files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     studies.sort();
-    let (answers, found): (Vec<[String; 2]>, Vec<BTreeMap<String, String>>) =
+    let (asked, found): (Vec<Asked>, Vec<BTreeMap<String, String>>) =
         studies.iter().map(|study| digests(study)).unzip();
+    let answers: Vec<[String; 2]> = asked.iter().map(|asked| [row(asked), section(asked)]).collect();
     let found: BTreeMap<String, String> = found.into_iter().flatten().collect();
     let all = |part: usize| answers.iter().map(|parts| parts[part].as_str()).collect::<String>();
     let heading = "\n| study or question | headline | words | lines |\n|---|---|---|---|\n";
@@ -194,10 +200,6 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
     let commands: Vec<[String; 2]> = COMMANDS.into_iter().map(|command| answered(&desk, command)).collect();
     let of_commands = |part: usize| commands.iter().map(|parts| parts[part].as_str()).collect::<String>();
     let answers = format!("{ABOUT_ANSWERS}{heading}{}{}{}{}", all(0), of_commands(0), all(1), of_commands(1));
-    let is_current = std::fs::read_to_string(root.join(ANSWERS)).unwrap_or_default() == answers;
-    if !is_current {
-        std::fs::write(root.join(NEW_ANSWERS), answers).unwrap();
-    }
     let golden = std::fs::read_to_string(root.join(GOLDEN)).unwrap_or_default();
     let golden: BTreeMap<String, String> = golden
         .lines()
@@ -220,7 +222,13 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
             found.len()
         );
     }
-    assert!(is_current, "{ANSWERS} is out of date; the present answers are in {NEW_ANSWERS}");
+    let documents = std::iter::once((ANSWERS.to_owned(), answers)).chain(pages(&asked));
+    let stale: Vec<String> =
+        documents.filter(|(name, text)| is_stale(crate::ROOT, name, text)).map(|(name, _)| name).collect();
+    assert!(
+        stale.is_empty(),
+        "out of date: {stale:?}; review each NAME.new, then accept it with `mv NAME.new NAME`"
+    );
 }
 
 /// Straight lines between the samples of a record, all of which designs fillers and judges them.

@@ -18,16 +18,16 @@ fn all_adapters_of_this_machine_are_compared_and_the_digest_is_that_of_the_proce
     desk.fails("device verify --report identity.md", 2, &["--report is gone", "sagnac device list"]);
 }
 
-/// The table of docs/identity.md is of the current kernels, which this digest of less work shows.
+/// The table of docs/dev/verified-devices.md is of the current kernels, which this digest of less work shows.
 #[test]
 fn the_matrix_of_the_documents_is_that_of_the_current_kernels() {
     let desk = Desk::with("");
     let printed = desk.done("device verify --device cpu --trials 4096").stdout;
     let digest = printed.trim_end().rsplit(' ').next().unwrap();
-    let document = std::fs::read_to_string(format!("{}/docs/identity.md", crate::ROOT)).unwrap();
+    let document = std::fs::read_to_string(format!("{}/docs/dev/verified-devices.md", crate::ROOT)).unwrap();
     assert!(
         document.contains(&format!("`{digest}` with `--trials 4096`")),
-        "docs/identity.md is of other kernels: measure its rows again with `sagnac device verify`, and name the digest \
+        "docs/dev/verified-devices.md is of other kernels: measure its rows again with `sagnac device verify`, and name the digest \
          {digest} of 4096 trials"
     );
     let measured: Vec<_> = document.lines().filter(|line| line.contains("| identical |")).collect();

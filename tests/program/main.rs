@@ -8,6 +8,8 @@ mod desk;
 mod devices;
 #[path = "../desks/fitted.rs"]
 mod fitted;
+#[path = "../desks/generated.rs"]
+mod generated;
 #[path = "../desks/logs.rs"]
 mod logs;
 #[path = "../desks/noise.rs"]
@@ -51,6 +53,7 @@ mod exact_studies;
 mod filler;
 mod folders;
 mod full_disks;
+mod gallery;
 mod goldens;
 mod groups;
 mod help;
@@ -58,10 +61,12 @@ mod identity;
 mod kills;
 mod log_columns;
 mod log_pages;
+mod manual;
 mod messy_logs;
 mod model;
 mod model_files;
 mod psd;
+mod reference;
 mod report;
 mod resumed;
 mod sensitivity;

@@ -3,7 +3,7 @@
 //! Twin of `shaders/normal.wgsl`. The lower 31 bits of the word, doubled and made odd, are the tail probability in
 //! units of 2^−33; the top bit is the sign. Each octave of the probability is cut into 16 segments, and in each segment
 //! the quantile is a quadratic in the position. There are no branches, rejections or floats. The distribution reaches
-//! ±6.3σ; `docs/numerics.md` gives its moments and tails, taken over all 2^31 magnitudes.
+//! ±6.3σ; `docs/dev/numerics.md` gives its moments and tails, taken over all 2^31 magnitudes.
 
 use crate::Form;
 use crate::map::{Block, Map};

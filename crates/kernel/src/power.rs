@@ -2,7 +2,7 @@
 //!
 //! Twin of `shaders/power.wgsl`. An exponential e^{−t/τ} is 2^{−t·log2(e)/τ}, whose exponent is a fixed-point number;
 //! its whole part is a shift. The error of the logarithm is between −2^−25.9 and 2^−30, that of the power below 2^−30;
-//! both are exact at the powers of two (`docs/numerics.md`).
+//! both are exact at the powers of two (`docs/dev/numerics.md`).
 
 use crate::Form;
 use crate::map::{Block, Map};

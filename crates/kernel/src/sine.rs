@@ -1,7 +1,7 @@
 //! Sine of a phase in turns by an integer polynomial of six terms.
 //!
 //! Twin of `shaders/sine.wgsl`. The phase is a word in units of 2^−32 turns; it wraps by itself and needs no range
-//! reduction. The error is below 2^−29.5 everywhere, and the result is exact at 0, ¼ and ½ turn (`docs/numerics.md`).
+//! reduction. The error is below 2^−29.5 everywhere, and the result is exact at 0, ¼ and ½ turn (`docs/dev/numerics.md`).
 
 use crate::Form;
 use crate::map::{Block, Map};

@@ -160,7 +160,7 @@ mod tests {
 
     use super::*;
 
-    /// The gyro of docs/physics.md.
+    /// The gyro of docs/dev/equations.md.
     const GYRO: LockIn =
         LockIn { threshold: 180.0, scale_factor: 2.0, dither_rate: 360_000.0, dither_frequency: 400.0 };
 

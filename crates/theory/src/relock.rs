@@ -3,7 +3,7 @@
 //!
 //! Detunings Δλ are fractions of the wavelength. Rates are in the unit of f0, which is ″/s where that is Hz × pulse
 //! weight. Tick i = 1 is the first after the loop closes; its first half has the larger detuning. Signs are those for
-//! the negative half-period first. χ in Z(11) and the exponents of Z(12) for i > 1 are corrected: see docs/physics.md.
+//! the negative half-period first. χ in Z(11) and the exponents of Z(12) for i > 1 are corrected: see docs/explain/errata.md.
 //!
 //! ```
 //! use sagnac_theory::relock::{Relock, drift_from_detuning, drift_from_frequency};

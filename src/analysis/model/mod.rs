@@ -19,7 +19,7 @@
 //!
 //! **Limits.** The curve is bounded between the two times that are named and says nothing beyond them. A model whose Allan deviation
 //! is above that of the truth is no proof that every linear functional of it is, but those that weigh the same times are
-//! (`docs/numerics.md` has the consistency of a Kalman filter).
+//! (`docs/dev/numerics.md` has the consistency of a Kalman filter).
 
 pub mod answer;
 pub mod document;

@@ -175,13 +175,13 @@ fn whatever_moves_a_filler_is_given_with_its_errors_on_the_specification() {
 }
 
 #[test]
-fn the_study_of_the_guide_finds_what_the_guide_says() {
-    let guide = include_str!("../../../docs/guide.md");
-    let (study, rest) = guide
+fn the_study_of_the_how_to_finds_what_it_says() {
+    let page = include_str!("../../../docs/howto/pick-a-filler.md");
+    let (study, rest) = page
         .split("```toml\n")
         .find(|text| text.starts_with("title = \"A filler for a band and a dither\""))
         .and_then(|text| text.split_once("```\n"))
-        .expect("the guide has the study");
+        .expect("the how-to has the study");
     let command = rest.split_once("`sagnac ").and_then(|(_, rest)| rest.split_once('`')).unwrap().0;
     let told = rest.trim_start().split("\n\n").next().unwrap().replace('\n', " ");
     let found = tables(&Desk::with(study), "study.toml --latency 32ms");

@@ -28,7 +28,7 @@ pub struct SelfTest {
 pub enum SelectError {
     /// A GPU was requested, but no adapter is one.
     #[error(
-        "no GPU was found\nuse `device = cpu`, or install the Vulkan driver of the card: \"A GPU that is not used\" in docs/guide.md says how"
+        "no GPU was found\nuse `device = cpu`, or install the Vulkan driver of the card: \"A GPU that is not used\" in docs/reference/exit-codes.md says how"
     )]
     NoGpu,
     /// No width and no adapter has the requested name.

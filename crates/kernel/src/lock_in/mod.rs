@@ -4,7 +4,7 @@
 //! Twin of `shaders/lock_in.wgsl`. The beat phase is that of the lock-in so far, of the input and of the dither, ψ = φ + I + D.
 //! Input and dither are exact in each step and not integrated. Only φ is: it grows by c·sin ψ at the middle of each step, which is
 //! symmetric splitting, in units so small that c has 26 bits. The sine is odd bit for bit, so rounding makes no false rate
-//! (`docs/numerics.md`).
+//! (`docs/dev/numerics.md`).
 //!
 //! A half-cycle of the dither lies between two zero crossings of its angle, with the reversal in the middle. Each has its own
 //! amplitude, and the angle stays continuous. At zero crossings from below an angle has what the integral has beyond the sum of steps

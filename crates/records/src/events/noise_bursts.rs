@@ -27,7 +27,7 @@ const OF_ROUNDING: f64 = 5.0;
 const FARTHEST: f64 = 3.0;
 /// Most neighbouring blocks whose means show the scatter: it is larger there where neighbours are alike.
 const MOST_JOINED: usize = 16;
-/// Increase of twice the logarithm of the likelihood by a noise burst. The false alarms of records of the noises of docs/numerics.md were
+/// Increase of twice the logarithm of the likelihood by a noise burst. The false alarms of records of the noises of docs/dev/numerics.md were
 /// counted.
 const PENALTY: f64 = 30.0;
 /// Least ratio of the variances of a noise burst and of the rest.

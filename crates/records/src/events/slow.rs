@@ -60,7 +60,7 @@ pub(crate) enum Course {
 
 impl Course {
     /// Increase of twice the logarithm of the likelihood that is needed. The false alarms of records of the models of
-    /// docs/numerics.md were counted.
+    /// docs/dev/numerics.md were counted.
     fn penalty(self) -> f64 {
         match self {
             Course::Step { .. } | Course::Burst { .. } => 22.0,

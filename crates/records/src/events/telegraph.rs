@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::events::gaussian;
 
 /// Increase of twice the logarithm of the likelihood by two levels over Gaussian noise. The false alarms of records of the models of
-/// docs/numerics.md were counted.
+/// docs/dev/numerics.md were counted.
 const PENALTY: f64 = 12.0;
 /// Least increase by Markov noise over white noise, without which there are no levels.
 const LEAST_OF_MARKOV: f64 = 6.0;

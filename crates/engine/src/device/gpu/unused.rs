@@ -28,7 +28,7 @@ fn unused(root: &Path, offered: &[u32]) -> Option<String> {
     let (_, name) =
         VENDORS.iter().find(|(vendor, _)| present.contains(vendor) && !offered.contains(vendor))?;
     Some(format!(
-        "this machine has {name}, but Vulkan does not offer it (see \"A GPU that is not used\" in docs/guide.md)"
+        "this machine has {name}, but Vulkan does not offer it (see \"A GPU that is not used\" in docs/reference/exit-codes.md)"
     ))
 }
 

@@ -12,7 +12,7 @@ use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 
 const THINNED: Estimator = Estimator { difference: Difference::Second, stride: Stride::Part(64) };
 
-/// The gyro of the checked figure of docs/physics.md: 180 ″/s, 2 ″ per pulse, dithered by 100 °/s at 400 Hz.
+/// The gyro of the checked figure of docs/dev/equations.md: 180 ″/s, 2 ″ per pulse, dithered by 100 °/s at 400 Hz.
 pub fn checked() -> Inputs {
     Inputs {
         scale_factor: 2.0,

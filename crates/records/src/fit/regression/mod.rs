@@ -27,7 +27,7 @@ const WALK: std::ops::RangeInclusive<i32> = -4..=8;
 /// Weight of noise without flicker relative to each proportion of flicker, and exponent of the weight of a random walk as a
 /// power of its proportion.
 ///
-/// They were chosen by counting (docs/numerics.md): with equal weights, the intervals of coefficients under a random walk
+/// They were chosen by counting (docs/dev/numerics.md): with equal weights, the intervals of coefficients under a random walk
 /// cover in 85 to 90 % of records, because flicker explains the same record with less noise at the slowest end.
 const NO_FLICKER: f64 = 20.0;
 const WALK_EXPONENT: f64 = 0.2;

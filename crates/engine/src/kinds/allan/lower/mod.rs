@@ -5,7 +5,7 @@
 //!                                         └─ theory ─▶ Theory
 //! ```
 //!
-//! Words, unit of angle and headroom: `docs/numerics.md`, "Synthetic records".
+//! Words, unit of angle and headroom: `docs/dev/numerics.md`, "Synthetic records".
 
 pub mod curve;
 pub(crate) mod drift;

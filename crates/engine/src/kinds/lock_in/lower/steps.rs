@@ -6,7 +6,7 @@
 //! by that bound, and half of them that of nearly every half-cycle, so that an integration with half the steps shows the error
 //! of this one. Where the amplitude changes, at the zero crossings, a sum of samples differs from the integral by up to its
 //! next term, which n ≥ 2.2 Θ keeps below 10^−4 of a jump at a reversal. Where a sample ends the sum, the kernel adds that
-//! term. The explicit step of the lock-in itself errs by π²c² of c. `docs/numerics.md` has the derivations.
+//! term. The explicit step of the lock-in itself errs by π²c² of c. `docs/dev/numerics.md` has the derivations.
 
 use core::f64::consts::{PI, TAU};
 

@@ -6,7 +6,7 @@
 //!         └─ task ─▶ theory::navigation: weights or filter ─┴─▶ Navigation, one for each gyro and set of coefficients
 //! ```
 //!
-//! Words, weights and headroom: `docs/numerics.md`, "Errors of a navigator".
+//! Words, weights and headroom: `docs/dev/numerics.md`, "Errors of a navigator".
 
 pub mod closed;
 pub(crate) mod physical_theory;
