@@ -14,7 +14,7 @@ import numpy as np
 from scipy import signal, stats
 
 PARTS = 64
-SHORTEST = 8
+MIN_PART = 8
 OVERSHOOT = 0.5826
 
 
@@ -24,7 +24,7 @@ def probabilities(rates):
     angles = np.concatenate([[0], np.cumsum(rates - np.mean(rates))])
     found = []
     m = 1
-    while m * SHORTEST <= length:
+    while m * MIN_PART <= length:
         parts = [angles[i * length : (i + 1) * length + 1] for i in range(PARTS)]
         logs = np.log([np.mean((part[2 * m :] - 2 * part[m:-m] + part[: -2 * m]) ** 2) for part in parts])
         sums = np.cumsum(logs - logs.mean())[:-1]

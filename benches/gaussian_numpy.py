@@ -42,7 +42,7 @@ import numpy as np
 LONG = np.longdouble
 PI = 4 * np.arctan(LONG(1))
 POINTS, WEIGHTS = (x.astype(LONG) for x in np.polynomial.legendre.leggauss(20))
-MOST_SIDE = 48
+MAX_SIDE = 48
 TRIALS = 100_000
 BEYOND = 5
 SHOWN = 40
@@ -286,7 +286,7 @@ def random_study(seed, index):
     for name in ("mv", "mv 2"):
         ticks = None
         while ticks is None or ticks in fit_ticks.values():
-            before, after = draw.whole(1, MOST_SIDE), draw.whole(1, MOST_SIDE)
+            before, after = draw.whole(1, MAX_SIDE), draw.whole(1, MAX_SIDE)
             ticks = [*range(1 - before, 1), *range(n + 1, n + after + 1)]
             if draw.chance(0.2):
                 ticks = [tick for tick in ticks if tick in (0, n + 1) or draw.chance(0.7)]
@@ -385,7 +385,7 @@ def compare(index, study, designs):
             given, refused = call(folder, "filler", "study.toml")
     if refused:
         return [], refused
-    window = Ticks(study, study.motion, MOST_SIDE)
+    window = Ticks(study, study.motion, MAX_SIDE)
     fractions = by_lag(study, window)
     points = {(point["filler"], point["error"]): point for point in table["tables"]["points"]}
     found = []
@@ -410,7 +410,7 @@ def excess(row, study, window, ticks, weights, fractions):
     if row.filler in study.bands:
         low, high = study.bands[row.filler]
         value = float(np.sum(window.power)) / (high - low)
-        design = Ticks(study, Motion("band", [(low, value), (high, value)]), MOST_SIDE)
+        design = Ticks(study, Motion("band", [(low, value), (high, value)]), MAX_SIDE)
     else:
         in_truth = row.right / rms(study, window, ticks, least(study, window, ticks, fractions), fractions) - 1
     apart = independent(study, window.numbers.size)
@@ -525,7 +525,7 @@ def check(seed, trials=40_000):
         if (study.motion.kind, bool(study.pulse)) not in missing:
             continue
         missing.remove((study.motion.kind, bool(study.pulse)))
-        window, wider = Ticks(study, study.motion, MOST_SIDE), Ticks(study, study.motion, 3 * MOST_SIDE)
+        window, wider = Ticks(study, study.motion, MAX_SIDE), Ticks(study, study.motion, 3 * MAX_SIDE)
         fractions = by_lag(study, window)
         n = study.gap_ticks
         estimates = [([-1, 0, n + 1, n + 2], np.full(4, LONG(n) / 4))]

@@ -29,7 +29,7 @@ fn exp2_fraction(u: u32) -> u32 {
     return EXP2_ONE + ((u - mulhi(between(u), sum)) >> 1u);
 }
 
-// 2^-x for x in units of 2^-26, from 0 to LARGEST_MINUS, in units of 2^-31.
+// 2^-x for x in units of 2^-26, from 0 to MAX_MINUS, in units of 2^-31.
 fn exp2_minus(x: u32) -> u32 {
     let whole = (x + (1u << LOG_BITS) - 1u) >> LOG_BITS;
     return exp2_fraction((0u - x) << (32u - LOG_BITS)) >> whole;

@@ -54,7 +54,7 @@ fn start(address: Address) -> Run {
 // The warm-up of a run from the deviations of its A and its ln τ.
 fn warm_up(magnetic: u32, time: u32) -> WarmUp {
     // The factor between a drawn τ and the nominal one is at most 2^5.
-    let five = MOST_STRETCH << LOG_BITS;
+    let five = MAX_STRETCH << LOG_BITS;
     let log = high_word(mul_wide(time, p[WARM_UP_SPREAD]));
     let ratio = exp2_minus(five - log);
     let inverse = exp2_minus(five + log);
@@ -63,15 +63,15 @@ fn warm_up(magnetic: u32, time: u32) -> WarmUp {
     // log2 of τ (1 − q)/(1 + q) with q = e^{−MT/τ}; then 2^x is computed as 2^31 · 2^−(31 − x).
     let tanh = log + log2_word(one - lost) - log2_word(one + lost) + ((LOG_BITS + p[TIME_BITS]) << LOG_BITS);
     let heated = p[HEATED] + bits_from(mul_wide(magnetic, p[HEATED + 1u]), NORMAL_BITS);
-    return WarmUp(heated, ratio, inverse, exp2_minus(LARGEST_MINUS - tanh), DECAY_ONE);
+    return WarmUp(heated, ratio, inverse, exp2_minus(MAX_MINUS - tanh), DECAY_ONE);
 }
 
 // Converts a number of halvings of the nominal τ to halvings of this τ, 2^−26, at most 31.
 fn halvings(inverse: u32, usual: u32) -> u32 {
     let bits = p[HALVING_BITS];
     let product = mul_wide(inverse, usual);
-    let within = sar(high_word(product) - (MOST_HALVINGS << (bits - (32u - LOG_BITS))), 31u);
-    return (bits_from(product, bits) & within) + (LARGEST_MINUS & (within ^ 0xffffffffu));
+    let within = sar(high_word(product) - (MAX_HALVINGS << (bits - (32u - LOG_BITS))), 31u);
+    return (bits_from(product, bits) & within) + (MAX_MINUS & (within ^ 0xffffffffu));
 }
 
 // ∫ s (1 − e^{−t/τ}) dt at a row of the table in interval `k`, and e^{−t/τ} there; `words` is the place of the last two

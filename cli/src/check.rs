@@ -51,7 +51,7 @@ enum State {
 }
 
 /// Most faults of a folder that are listed individually.
-const MOST_TOLD: usize = 10;
+const MAX_TOLD: usize = 10;
 
 /// Reads everything in the folders and reports whether it is intact, complete and matches its tables. All folders are
 /// read, whatever is found in the first ones.
@@ -192,7 +192,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         }
     }
     let unfinished = changed.iter().flatten().filter(|(_, found)| **found == Difference::Unfinished);
-    let unfinished: Vec<&str> = unfinished.map(|(name, _)| name.as_str()).take(MOST_TOLD).collect();
+    let unfinished: Vec<&str> = unfinished.map(|(name, _)| name.as_str()).take(MAX_TOLD).collect();
     // Tables are compared with the tallies.
     for (name, difference) in changed.iter().flatten().filter(|(name, _)| !compared.contains(&name.as_str()))
     {
@@ -210,7 +210,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             }
         }
     }
-    for fault in faults.iter().take(MOST_TOLD) {
+    for fault in faults.iter().take(MAX_TOLD) {
         say!("error: {}", failure::in_options(fault));
     }
     if !faults.is_empty() {
@@ -235,7 +235,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
 fn note_unlisted(folder: &Folder, study: &Study) {
     let listed = folder.listed();
     let is_unlisted = |name: &String| !listed.contains(name) && folder.path().join(name).is_file();
-    let unlisted: Vec<String> = names(study).into_iter().filter(is_unlisted).take(MOST_TOLD).collect();
+    let unlisted: Vec<String> = names(study).into_iter().filter(is_unlisted).take(MAX_TOLD).collect();
     if !listed.is_empty() && !unlisted.is_empty() {
         note!(
             "{}: its list lacks {}, so that changes of them are not found",

@@ -46,7 +46,7 @@ pub fn is_ours(name: &str) -> bool {
 }
 
 /// Most folders listed in a message.
-const MOST_NAMED: usize = 4;
+const MAX_NAMED: usize = 4;
 
 /// Whether the folder contains results of a study.
 pub fn is_study(folder: &Path) -> bool {
@@ -161,7 +161,7 @@ pub fn results_within(folder: &Path) -> std::io::Result<Vec<(PathBuf, Option<&'s
 }
 
 fn named(folders: &[PathBuf]) -> String {
-    let more = if folders.len() > MOST_NAMED { ", …" } else { "" };
-    let names = folders.iter().take(MOST_NAMED).map(|folder| folder.display().to_string());
+    let more = if folders.len() > MAX_NAMED { ", …" } else { "" };
+    let names = folders.iter().take(MAX_NAMED).map(|folder| folder.display().to_string());
     names.collect::<Vec<_>>().join(", ") + more
 }

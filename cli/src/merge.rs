@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::{RESOLVED, keep};
-use sagnac::source::text_file::{MOST_RECORD, MOST_TOML, read_bytes, read_text};
+use sagnac::source::text_file::{MAX_RECORD, MAX_TOML, read_bytes, read_text};
 use sagnac::store::Store;
 use sagnac::store::folder::Folder;
 use sagnac::store::source::{Merged, Source};
@@ -113,7 +113,7 @@ fn study(options: &Options) -> Result<Study, Failure> {
     let mut found: Option<(PathBuf, String)> = None;
     for folder in &options.folders {
         let path = folder.join(RESOLVED);
-        let text = read_text(&path, MOST_TOML).map_err(|error| {
+        let text = read_text(&path, MAX_TOML).map_err(|error| {
             let why = if folder.is_dir() { error.to_string() } else { "there is no such folder".to_owned() };
             Failure::Usage(format!(
                 "cannot read {}: {why}\ngive folders of results; the study itself can be given with --study FILE",
@@ -147,7 +147,7 @@ fn have_the_same_inputs(options: &Options, study: &Study, path: &Path) -> Result
         for folder in &options.folders {
             let other = folder.join(&input.name);
             // Folders of earlier versions do not contain them.
-            if read_bytes(&other, MOST_RECORD).is_ok_and(|found| found != input.text.as_bytes()) {
+            if read_bytes(&other, MAX_RECORD).is_ok_and(|found| found != input.text.as_bytes()) {
                 return Err(Failure::Usage(format!(
                     "{} is not what {} was run with\nmerge shards of the same {}",
                     other.display(),

@@ -98,17 +98,17 @@ pub fn say(text: &str) {
 }
 
 /// Most characters of a line on the standard error stream, which may quote what a stranger wrote.
-const MOST_SAID: usize = 4096;
+const MAX_SAID: usize = 4096;
 
 /// The text with the middle of longer lines left out.
 fn bounded(text: &str) -> String {
     let of_line = |line: &str| {
         let count = line.chars().count();
-        if count <= MOST_SAID {
+        if count <= MAX_SAID {
             return line.to_owned();
         }
-        let left = line.chars().take(MOST_SAID / 2).collect::<String>();
-        left + " … " + &line.chars().skip(count - MOST_SAID / 2).collect::<String>()
+        let left = line.chars().take(MAX_SAID / 2).collect::<String>();
+        left + " … " + &line.chars().skip(count - MAX_SAID / 2).collect::<String>()
     };
     text.split('\n').map(of_line).collect::<Vec<_>>().join("\n")
 }

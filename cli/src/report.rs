@@ -24,7 +24,7 @@ use crate::results::{held, lacking};
 const GALLERY: &str = "gallery.html";
 
 /// Most bytes of a card that is read, several times as many as a picture has.
-const MOST_BYTES: u64 = 4 << 20;
+const MAX_BYTES: u64 = 4 << 20;
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -156,10 +156,10 @@ fn kept(folder: &Path) -> Result<Card, Failure> {
         return Err(again(page, "is missing"));
     }
     let size = std::fs::metadata(&path).map_or(0, |found| found.len());
-    if size > MOST_BYTES {
+    if size > MAX_BYTES {
         return Err(again(path, &format!("has {size} bytes, more than any card")));
     }
-    let text = read_bytes(&path, MOST_BYTES + 1)
+    let text = read_bytes(&path, MAX_BYTES + 1)
         .map_err(|error| again(path.clone(), &format!("cannot be read: {error}")))?;
     serde_json::from_slice(&text).map_err(|error| again(path, &format!("is no card of results: {error}")))
 }

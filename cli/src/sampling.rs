@@ -1,7 +1,7 @@
 //! The options of the commands that sample studies.
 
 use clap::Args;
-use sagnac::key::common::MOST_TRIALS;
+use sagnac::key::common::MAX_TRIALS;
 use sagnac::study::Study;
 
 use crate::output::Printed;
@@ -42,7 +42,7 @@ impl Sampling {
 
 /// A number of trials.
 fn trials(text: &str) -> Result<u64, String> {
-    whole(text, 1..=MOST_TRIALS)
+    whole(text, 1..=MAX_TRIALS)
 }
 
 /// A seed.

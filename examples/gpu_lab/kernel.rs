@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
-use sagnac::kernel::launch::MOST_STEPS;
+use sagnac::kernel::launch::MAX_STEPS;
 use sagnac::kernel::moments::Moments;
 use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
@@ -71,7 +71,7 @@ pub fn kernel(options: &Options) -> bool {
     }
     for bench in &all[2..] {
         let steps = bench.launch.steps();
-        let rounds = (MOST_STEPS / steps).clamp(1, 64) as u32;
+        let rounds = (MAX_STEPS / steps).clamp(1, 64) as u32;
         let groups = if steps > 16 { (waves / 16).max(1) } else { waves };
         for edit in [PLAIN, ONE_PRODUCT, UNIFORM] {
             measure(bench, variant, &edit, groups, rounds);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use sagnac::device::load::Work;
 use sagnac::kernel::curve::Recorded;
-use sagnac::kernel::launch::{Launch, MOST_STEPS};
+use sagnac::kernel::launch::{Launch, MAX_STEPS};
 use sagnac::kernel::map::Map;
 use sagnac::kernel::moments::{GROUPS_PER_ROW, Moments, PARTIAL_WORDS, Trials};
 use sagnac::kernel::normal_table::NORMAL_TABLE;
@@ -137,7 +137,7 @@ fn of_map(map: &Map) -> Run {
 }
 
 fn of_trials(launch: &Launch) -> Run {
-    let trials = (MOST_STEPS / launch.steps()).clamp(TRIALS.0, TRIALS.1);
+    let trials = (MAX_STEPS / launch.steps()).clamp(TRIALS.0, TRIALS.1);
     let of_group = trials.div_ceil(GROUPS).next_multiple_of(WORKGROUP.into());
     let mut total = vec![Moments::empty(true); launch.sampled().estimates()];
     let (mut jobs, mut partials) = (vec![], vec![]);
@@ -178,7 +178,7 @@ fn of_records(recipe: &dyn Recorded) -> Run {
         }
     }
     let chunks = recipe.curve().chunks();
-    let most = (MOST_STEPS as u32 / recipe.rounds() as u32).min(chunks / DISPATCHES).max(1);
+    let most = (MAX_STEPS as u32 / recipe.rounds() as u32).min(chunks / DISPATCHES).max(1);
     let parameters = |from: u32| recipe.parameters(FIRST, RECORDS as u32, [from, chunks.min(from + most)]);
     let groups = (RECORDS as u32).div_ceil(WORKGROUP);
     let contents = vec![

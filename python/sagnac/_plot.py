@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _DASHES = ["-", "--", ":", "-.", (0, (8, 2)), (0, (8, 2, 2, 2, 2, 2))]
 _MARKERS = ["o", "s", "^", "D", "v", "p"]
 #: Most points of a line that all have markers.
-_MOST_MARKED = 200
+_MAX_MARKED = 200
 
 
 def axes_of(ax: Axes | None) -> Axes:
@@ -94,7 +94,7 @@ def _curves(figure: Mapping[str, Any], ax: Axes) -> None:
         look = colour(series["colour"])
         dash = series["dash"] if names[1] else series["colour"]
         line = "none" if has_laws or is_named else _DASHES[dash % len(_DASHES)]
-        marker = _MARKERS[dash % len(_MARKERS)] if len(x) <= _MOST_MARKED or has_laws else "none"
+        marker = _MARKERS[dash % len(_MARKERS)] if len(x) <= _MAX_MARKED or has_laws else "none"
         texts = [text for text in (names[0].get(series["colour"]), names[1].get(series["dash"])) if text is not None]
         label = ", ".join(texts) or None
         ax.plot(x, y, color=look, linestyle=line, marker=marker, markersize=4, label=label, zorder=3)

@@ -14,7 +14,7 @@ from ._reading import Record, limits_of, reading_of
 from .errors import UsageError
 from .logs import Kind, Log
 from .results import Charted, Table, answer_of
-from .studies import MOST_TRIALS, _source, _threads, _whole
+from .studies import MAX_TRIALS, _source, _threads, _whole
 
 Measure = Literal["drift_p99_73", "drift_rms", "largest_p99_73", "largest_rms"]
 
@@ -97,7 +97,7 @@ def design(
     if memory is not None:
         memory = _whole("memory", memory, 0, 1 << 32)
     if trials is not None:
-        trials = _whole("trials", trials, 1, MOST_TRIALS)
+        trials = _whole("trials", trials, 1, MAX_TRIALS)
     if seed is not None:
         seed = _whole("seed", seed, 0, (1 << 63) - 1)
     return _analysis(_sagnac.design(path, text, by, latency, memory, search, band, trials, seed, device, _threads(threads), progress))
@@ -160,7 +160,7 @@ def sensitivity(
     if samples is not None:
         samples = _whole("samples", samples, 1, 1 << 21)
     if trials is not None:
-        trials = _whole("trials", trials, 1, MOST_TRIALS)
+        trials = _whole("trials", trials, 1, MAX_TRIALS)
     if seed is not None:
         seed = _whole("seed", seed, 0, (1 << 63) - 1)
     rows = [(str(column), str(value)) for column, value in (where or {}).items()]

@@ -14,7 +14,7 @@ from .errors import UsageError
 from .logs import Kind
 from .studies import _source, _whole
 
-MOST_STATES = 3
+MAX_STATES = 3
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def model(
         raise UsageError(f"filter_rate={filter_rate}\naccepted: Hz above 0")
     if isinstance(write, str):
         raise UsageError(f'write="{write}"\naccepted: a list such as ["kalibr"], or ["all"]')
-    states = None if states is None else _whole("states", states, 0, MOST_STATES)
+    states = None if states is None else _whole("states", states, 0, MAX_STATES)
     wanted = _Wanted(
         from_s,
         to_s,

@@ -20,7 +20,7 @@ from .studies import _whole
 Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
 
 #: Least number of simulated records with usable 2.5 % quantiles.
-LEAST_REALIZATIONS = 200
+MIN_REALIZATIONS = 200
 
 
 def allan(
@@ -199,7 +199,7 @@ def fit(
     """
     record, reading, _ = reading_of(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if bootstrap is not None and bootstrap != 0:
-        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
+        bootstrap = _whole("bootstrap", bootstrap, MIN_REALIZATIONS, 1 << 20)
     if isinstance(terms, str) and terms != "auto":
         raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
     found = _sagnac.fit(

@@ -17,10 +17,10 @@ from .errors import StorageError, UsageError
 from .results import Results, Table, answer_of
 
 #: Most trials at a point.
-MOST_TRIALS = 1 << 40
+MAX_TRIALS = 1 << 40
 
 #: Most threads of the processor.
-MOST_THREADS = 4096
+MAX_THREADS = 4096
 
 
 def run(
@@ -88,7 +88,7 @@ def run(
     """
     path, text = _source(study)
     if trials is not None:
-        trials = _whole("trials", trials, 1, MOST_TRIALS)
+        trials = _whole("trials", trials, 1, MAX_TRIALS)
     if seed is not None:
         seed = _whole("seed", seed, 0, (1 << 63) - 1)
     threads = _threads(threads)
@@ -109,7 +109,7 @@ def run(
 
 
 def _threads(threads: int | None) -> int:
-    return 0 if threads is None else _whole("threads", threads, 1, MOST_THREADS)
+    return 0 if threads is None else _whole("threads", threads, 1, MAX_THREADS)
 
 
 def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[Path | None, str]:

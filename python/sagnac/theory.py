@@ -45,7 +45,7 @@ Values: TypeAlias = Any
 Numbers = NDArray[np.float64]
 
 #: Longest gap and farthest tick for which weights are exact.
-MOST_TICKS = 128
+MAX_TICKS = 128
 
 
 def _broadcast(*values: ArrayLike) -> tuple[list[Numbers], Callable[[NDArray[Any]], Values]]:
@@ -98,8 +98,8 @@ def gap_error(
         raise UsageError(f"gap_ticks={gap_ticks}\naccepted: 1 to 64")
     if ticks is None:
         ticks = [-1, 0, gap_ticks + 1, gap_ticks + 2] if error == "residual" else [-3, -2, -1, 0]
-    if any(abs(place) > MOST_TICKS or 1 <= place <= gap_ticks for place in ticks):
-        raise UsageError(f"ticks={list(ticks)}\naccepted: within ±{MOST_TICKS}, and not the lost ones 1 to {gap_ticks}")
+    if any(abs(place) > MAX_TICKS or 1 <= place <= gap_ticks for place in ticks):
+        raise UsageError(f"ticks={list(ticks)}\naccepted: within ±{MAX_TICKS}, and not the lost ones 1 to {gap_ticks}")
     numerators, denominator = _sagnac.polynomial(list(ticks), orders[kind], gap_ticks)
     arrays, shaped = _broadcast(frequency, tick, amplitude)
     response = _sagnac.gap_response(list(ticks), numerators, denominator, gap_ticks, arrays[:2])

@@ -13,7 +13,7 @@ from ._reading import Record, limits_of, reading_of
 from .analyses import Analysis, _analysis, _terms
 from .errors import UsageError
 from .logs import Kind, effects_of
-from .records import LEAST_REALIZATIONS, Deviation, times_of
+from .records import MIN_REALIZATIONS, Deviation, times_of
 from .studies import _whole
 
 
@@ -226,7 +226,7 @@ def _probability(confidence: float) -> float:
 def _bootstrap(bootstrap: int | None) -> int | None:
     if bootstrap is None or bootstrap == 0:
         return bootstrap
-    return _whole("bootstrap", bootstrap, LEAST_REALIZATIONS, 1 << 20)
+    return _whole("bootstrap", bootstrap, MIN_REALIZATIONS, 1 << 20)
 
 
 def _is_linear(segment_detrend: str) -> bool:

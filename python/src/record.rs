@@ -22,9 +22,9 @@ use sagnac::fit::range::Fitting;
 use sagnac::fit::record::curve_of;
 use sagnac::quantity::number::significant;
 use sagnac::record::excess;
-use sagnac::record::log::MOST_SAMPLES;
+use sagnac::record::log::MAX_SAMPLES;
 use sagnac::record::log::channel::Log;
-use sagnac::record::log::check::LEAST_SAMPLES;
+use sagnac::record::log::check::MIN_SAMPLES;
 use sagnac::record::log::doubt::Doubt;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
@@ -165,8 +165,8 @@ impl Reading {
     fn checked(&self, values: &[f64]) -> Result<(Data, Unit), Failure> {
         let data = kind_of(&self.kind)?;
         let unit = unit_of(&self.unit, data)?;
-        if values.len() > MOST_SAMPLES {
-            let found = format!("the array has {} samples, more than {MOST_SAMPLES}", values.len());
+        if values.len() > MAX_SAMPLES {
+            let found = format!("the array has {} samples, more than {MAX_SAMPLES}", values.len());
             return Err(Failure::Record(format!("{found}\nanalyse a part of it, or average neighbours")));
         }
         let found = values.iter().enumerate().find_map(|(place, value)| Some((place, excess(*value)?)));
@@ -252,7 +252,7 @@ fn several(log: &Log) -> Failure {
 fn in_words(fault: Fault) -> String {
     match fault {
         Fault::TooFew(there) => format!(
-            "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or remove less"
+            "the array has {there} samples, at least {MIN_SAMPLES} are needed\nrecord longer, or remove less"
         ),
         Fault::Constant { there, value } => format!(
             "the array is constant: all {there} samples are {value}\nis it the right column, and was the sensor on? a \

@@ -9,10 +9,10 @@ use sagnac_records::allan::Unit;
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::{Coefficient, Described, Fit, Fitting, Quantity, Verdict};
 
-/// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
+/// Default number of simulated records of a fit, unless the record has more than [`MAX_SIMULATED`] samples.
 pub const USUAL_REALIZATIONS: usize = 1000;
 /// Number of samples of a record above which simulating it so often takes more than a few seconds.
-pub const MOST_SIMULATED: usize = 2_000_000;
+pub const MAX_SIMULATED: usize = 2_000_000;
 
 /// The result for one coefficient, in the unit of data sheets.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +73,7 @@ impl Intervals {
     /// The intervals of records of `samples` samples in all from the requested number of simulated records of each, else from the
     /// default number unless that would take more than a few seconds.
     pub fn simulated(asked: Option<usize>, samples: usize) -> Intervals {
-        let is_long = asked.is_none() && samples > MOST_SIMULATED;
+        let is_long = asked.is_none() && samples > MAX_SIMULATED;
         let why = || {
             format!(
                 "simulating {USUAL_REALIZATIONS} records of {samples} samples takes long: `bootstrap = {USUAL_REALIZATIONS}` \

@@ -14,13 +14,13 @@ use sagnac_theory::allan::{Part, Process, Term};
 
 /// Number of bands that are compared, and the least number of frequencies of each.
 const BANDS: usize = 12;
-const LEAST_IN_BAND: usize = 8;
+const MIN_IN_BAND: usize = 8;
 /// Lowest frequency that is compared, in spacings of the density: below, its window mixes slow noise.
 const FIRST: usize = 16;
 /// Least share of the samples that must be known for a shape.
-const LEAST_SHARE: f64 = 0.999;
+const MIN_SHARE: f64 = 0.999;
 /// Probability of so different a shape, below which it contradicts.
-const LEAST_P: f64 = 1e-5;
+const MIN_P: f64 = 1e-5;
 
 /// The noise of a record without its events.
 pub(crate) struct Noise<'a> {
@@ -45,7 +45,7 @@ impl Noise<'_> {
         let mut shown = vec![];
         let is_chosen = matches!(asked.terms, Terms::Auto(_)) && described.is_described;
         // Bridges over gaps are smoother than noise.
-        let is_whole = events.without.bridged().share > LEAST_SHARE;
+        let is_whole = events.without.bridged().share > MIN_SHARE;
         if let (Some(density), None, true) = (&events.density, asked.from_s, is_chosen && is_whole)
             && contradicts(density, &described.fit)
         {
@@ -154,7 +154,7 @@ fn differs(density: &Density, fit: &Fit, reach: f64, is_meant: impl Fn(Term) -> 
     let process = Process { parts, ..fit.process };
     let end = density.points.partition_point(|point| point.frequency_hz < 0.999 * reach);
     let width = end.saturating_sub(FIRST) / BANDS;
-    if width < LEAST_IN_BAND {
+    if width < MIN_IN_BAND {
         return false;
     }
     // Logarithms of the ratios of the means, with their variances.
@@ -171,5 +171,5 @@ fn differs(density: &Density, fit: &Fit, reach: f64, is_meant: impl Fn(Term) -> 
     let level = bands.iter().map(|(ratio, variance)| ratio / variance).sum::<f64>() / weights;
     let chi_squared =
         bands.iter().map(|(ratio, variance)| (ratio - level) * (ratio - level) / variance).sum();
-    survival(chi_squared, BANDS - 1) < LEAST_P
+    survival(chi_squared, BANDS - 1) < MIN_P
 }

@@ -14,8 +14,8 @@ use crate::cases::records::run;
 use crate::limits::{Taken, within};
 
 /// Most bytes and time of a file.
-const MOST_BYTES: usize = 1 << 29;
-const LONGEST: Duration = Duration::from_secs(2);
+const MAX_BYTES: usize = 1 << 29;
+const MAX_TIME: Duration = Duration::from_secs(2);
 
 /// The header of a .npy file of this shape.
 fn npy(shape: &str) -> Vec<u8> {
@@ -143,8 +143,8 @@ fn logs_that_unpack_to_far_more_than_they_hold_take_neither_the_memory_nor_the_t
         let (outcomes, taken) = within(&bytes[..bytes.len().min(1 << 16)], kept, || run(&bytes));
         let Taken { time, bytes: held } = taken;
         println!("{what}: {} bytes, {time:?}, {} MiB", bytes.len(), held >> 20);
-        let longest = LONGEST * outcomes.len() as u32;
-        assert!(time < longest && held < MOST_BYTES, "{what}: {time:?}, {} MiB", held >> 20);
+        let longest = MAX_TIME * outcomes.len() as u32;
+        assert!(time < longest && held < MAX_BYTES, "{what}: {time:?}, {} MiB", held >> 20);
     }
 }
 
@@ -167,6 +167,6 @@ fn studies_of_a_file_of_the_largest_size_take_less_than_the_memory() {
         println!("{what}: {time:?}, {} MiB", bytes >> 20);
         let said = study.unwrap_err().render(false, 100);
         assert!(said.len() < 4000, "{what}: {}", &said[..4000]);
-        assert!(time < LONGEST && bytes < MOST_BYTES, "{what}: {time:?}, {} MiB", bytes >> 20);
+        assert!(time < MAX_TIME && bytes < MAX_BYTES, "{what}: {time:?}, {} MiB", bytes >> 20);
     }
 }

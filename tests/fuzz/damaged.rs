@@ -15,7 +15,7 @@ use crate::limits::within;
 const COUNT: u64 = 500;
 
 /// Most bytes that are altered in a file, and so most samples, if its structure stays.
-const MOST_ALTERED: usize = 4;
+const MAX_ALTERED: usize = 4;
 
 /// Marsaglia's xorshift64.
 struct Draws(u64);
@@ -76,7 +76,7 @@ fn a_file_that_was_altered_is_refused_or_has_the_same_samples() {
         let (mut draws, mut given, mut other) = (Draws(seed), 0, 0);
         for case in 0..COUNT {
             let mut bytes = whole.clone();
-            for _ in 0..1 + draws.below(MOST_ALTERED) {
+            for _ in 0..1 + draws.below(MAX_ALTERED) {
                 // Half of them where headers are.
                 let end = if case % 2 == 0 { whole.len().min(512) } else { whole.len() };
                 let at = draws.below(end);
@@ -97,7 +97,7 @@ fn a_file_that_was_altered_is_refused_or_has_the_same_samples() {
             );
             let strangers = strangers(&found, &expected);
             assert!(
-                strangers <= MOST_ALTERED,
+                strangers <= MAX_ALTERED,
                 "{}: {strangers} numbers that the file does not hold in case {case}",
                 sample.file
             );
@@ -139,7 +139,7 @@ fn a_file_with_removed_or_repeated_bytes_or_other_lengths_is_refused_or_has_the_
             let is_told = sample.is_checked || case % 3 < 2 && sample.binary.is_none();
             let strangers = found.map_or(0, |found| strangers(&found, &expected));
             assert!(
-                outcome < 2 || !is_told && (strangers <= MOST_ALTERED || case % 3 < 2),
+                outcome < 2 || !is_told && (strangers <= MAX_ALTERED || case % 3 < 2),
                 "{}: {strangers} other numbers in case {case}",
                 sample.file
             );

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 /// Longest input that edits make.
-pub const LONGEST: usize = 1 << 21;
+pub const MAX_INPUT: usize = 1 << 21;
 
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]
@@ -85,12 +85,12 @@ fn range(bytes: &[u8], start: usize, length: usize) -> Range<usize> {
 }
 
 fn repeated(part: &[u8], times: usize) -> Vec<u8> {
-    part.repeat(times.min(LONGEST / part.len().max(1)))
+    part.repeat(times.min(MAX_INPUT / part.len().max(1)))
 }
 
 /// Nothing where that would be too long.
 fn insert(bytes: &mut Vec<u8>, at: usize, inserted: &[u8]) {
-    if bytes.len() + inserted.len() <= LONGEST {
+    if bytes.len() + inserted.len() <= MAX_INPUT {
         bytes.splice(at..at, inserted.iter().copied());
     }
 }

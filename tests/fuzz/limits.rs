@@ -10,13 +10,13 @@ use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Most bytes that a case may hold at a time, over what was held before it.
-const MOST_BYTES: usize = 1 << 30;
+const MAX_BYTES: usize = 1 << 30;
 
 /// Longest time of a case, on the processor and in all: another program may have the processor meanwhile.
-const LONGEST: Duration = Duration::from_secs(10);
+const MAX_TIME: Duration = Duration::from_secs(10);
 const STUCK: Duration = Duration::from_secs(120);
 
-/// The system's allocator, which counts what is held and grants no case more than [`MOST_BYTES`].
+/// The system's allocator, which counts what is held and grants no case more than [`MAX_BYTES`].
 struct Limited;
 
 #[global_allocator]
@@ -112,8 +112,8 @@ fn watch() {
         std::thread::sleep(Duration::from_millis(100));
         let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(Running { started, .. }) = running.as_ref() else { continue };
-        if started.spent() > LONGEST || started.passed.elapsed() > STUCK {
-            end(running.as_ref(), &format!("a case takes longer than {} s", LONGEST.as_secs()));
+        if started.spent() > MAX_TIME || started.passed.elapsed() > STUCK {
+            end(running.as_ref(), &format!("a case takes longer than {} s", MAX_TIME.as_secs()));
         }
     }
 }
@@ -143,12 +143,12 @@ pub fn kept(input: &[u8], file: &std::path::Path) -> String {
 fn take(bytes: usize) {
     let held = HELD.fetch_add(bytes, Relaxed) + bytes;
     PEAK.fetch_max(held, Relaxed);
-    if held.saturating_sub(BEFORE.load(Relaxed)) > MOST_BYTES && !ENDING.load(Relaxed) {
+    if held.saturating_sub(BEFORE.load(Relaxed)) > MAX_BYTES && !ENDING.load(Relaxed) {
         // Held only by code that asks for little.
         if let Ok(running) = RUNNING.try_lock()
             && running.is_some()
         {
-            end(running.as_ref(), &format!("a case asks for more than {} MiB", MOST_BYTES >> 20));
+            end(running.as_ref(), &format!("a case asks for more than {} MiB", MAX_BYTES >> 20));
         }
     }
 }

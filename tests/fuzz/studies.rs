@@ -60,7 +60,7 @@ fn studies() {
             let mut study = seed.get(&seeds).clone();
             tree::apply(&mut study, &edits, &seeds);
             let mut text = toml::to_string(&study).unwrap_or_default().into_bytes();
-            text.truncate(edits::LONGEST);
+            text.truncate(edits::MAX_INPUT);
             text
         }
     });

@@ -9,7 +9,7 @@ use sagnac::theory::allan::Estimator;
 /// Largest error of a step of the integrator, in radians of the beat phase.
 const TOLERANCE: f64 = 1e-10;
 /// Largest difference of an angle, in pulses.
-const MOST: f64 = 1e-3;
+const MAX_DIFFERENCE: f64 = 1e-3;
 /// Samples of a run, each of one period of the dither, or of 10 ms without it.
 const SAMPLES: u64 = 40;
 
@@ -138,7 +138,7 @@ fn twenty_gyros_have_the_angles_of_an_adaptive_integrator() {
             let found = f64::from(*word) * lsb;
             of_run = of_run.max((found - expected).abs());
             assert!(
-                of_run < MOST,
+                of_run < MAX_DIFFERENCE,
                 "run {number}, sample {sample}: {found} pulses instead of {expected}: {inputs:?}"
             );
         }

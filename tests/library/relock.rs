@@ -204,7 +204,7 @@ fn words_have_the_closed_forms_of_the_inputs() {
             // Half a unit of the initial detuning is below 2^-20 of it and half a unit of f0's error below 2^-35, and a tick's word is
             // within an eighth of an LSB.
             let ticks = if estimate.tick.is_some() { 1.0 } else { f64::from(inputs.relock.ticks) };
-            let most = MOST_REPRESENTATION * rms + ticks * lowered.fixed.lsb_arcsec / 8.0;
+            let most = MAX_REPRESENTATION * rms + ticks * lowered.fixed.lsb_arcsec / 8.0;
             assert!(found.abs() * rms <= most, "{name}: {found:e}, {estimate:?}");
             largest = largest.max(found.abs());
         }
@@ -214,7 +214,7 @@ fn words_have_the_closed_forms_of_the_inputs() {
 }
 
 /// Largest relative difference of the closed form of the words from that of the inputs, apart from the words of ticks.
-const MOST_REPRESENTATION: f64 = 1e-6;
+const MAX_REPRESENTATION: f64 = 1e-6;
 
 #[test]
 fn exact_measurements_leave_nothing_but_rounding() {

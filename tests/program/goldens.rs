@@ -96,13 +96,16 @@ fn measured(name: &str, shown: &str) -> (String, [usize; 2]) {
     let headline =
         parts.get(1).unwrap_or_else(|| panic!("{name} has no headline:\n{shown}")).replace('\n', " ");
     let counts = [headline.split_whitespace().count(), shown.lines().count()];
-    assert!(counts.iter().zip(MOST).all(|(count, most)| *count <= most), "{name}: {counts:?}\n{shown}");
+    assert!(
+        counts.iter().zip(MAX_WORDS_AND_LINES).all(|(count, most)| *count <= most),
+        "{name}: {counts:?}\n{shown}"
+    );
     assert!(shown.lines().all(|line| line.chars().count() <= 80), "{name}: a line is too long\n{shown}");
     (headline, counts)
 }
 
 /// Most words of a headline, and most lines of an answer with its heading.
-const MOST: [usize; 2] = [12, 20];
+const MAX_WORDS_AND_LINES: [usize; 2] = [12, 20];
 
 /// The row of a study on the page of answers.
 fn row(Asked { name, headline, counts, .. }: &Asked) -> String {

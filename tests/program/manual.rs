@@ -16,11 +16,11 @@ use crate::desk::{Desk, PROGRAM};
 use crate::noise::{chamber, units};
 
 /// Most words of all documents for users.
-const MOST_WORDS: usize = 30_000;
+const MAX_WORDS: usize = 30_000;
 /// Most lines of the README.
-const MOST_LINES: usize = 100;
+const MAX_LINES: usize = 100;
 /// Most words of a how-to without what commands print, about a screen.
-const MOST_OF_A_HOW_TO: usize = 450;
+const MAX_OF_A_HOW_TO: usize = 450;
 
 fn root() -> &'static Path {
     Path::new(crate::ROOT)
@@ -182,15 +182,15 @@ fn the_documents_for_users_are_short() {
         println!("{words:6} {name}");
     }
     println!("{all:6} in all");
-    assert!(all <= MOST_WORDS, "{all} words in documents for users, at most {MOST_WORDS}: {words:?}");
+    assert!(all <= MAX_WORDS, "{all} words in documents for users, at most {MAX_WORDS}: {words:?}");
     let lines = text_of("README.md").lines().count();
-    assert!(lines <= MOST_LINES, "the README has {lines} lines, at most {MOST_LINES}");
+    assert!(lines <= MAX_LINES, "the README has {lines} lines, at most {MAX_LINES}");
     let how_tos: Vec<_> = words.iter().filter(|(name, _)| name.starts_with("docs/howto/")).collect();
     assert_eq!(how_tos.len(), 9, "{how_tos:?}");
     for (name, all) in how_tos {
         let printed = blocks(&text_of(name)).into_iter().filter(|block| block.language == "text");
         let words = all - printed.map(|block| block.text.split_whitespace().count()).sum::<usize>();
-        assert!(words <= MOST_OF_A_HOW_TO, "{name} has {words} words, at most {MOST_OF_A_HOW_TO}");
+        assert!(words <= MAX_OF_A_HOW_TO, "{name} has {words} words, at most {MAX_OF_A_HOW_TO}");
     }
 }
 

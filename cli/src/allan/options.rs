@@ -10,7 +10,7 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::{self, Suppose, navigators};
 use sagnac::analysis::requirement::Limit;
 use sagnac::analysis::whole::{self, Asked};
-use sagnac::kinds::allan::realizations::LEAST_REALIZATIONS;
+use sagnac::kinds::allan::realizations::MIN_REALIZATIONS;
 use sagnac::quantity::units::{Dimension, Quantity, parse};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::measure::Data;
@@ -196,13 +196,13 @@ pub(crate) fn probability(text: &str) -> Result<f64, String> {
 }
 
 /// Most simulated records.
-const MOST_REALIZATIONS: usize = 100_000;
+const MAX_REALIZATIONS: usize = 100_000;
 
 pub(crate) fn simulated(text: &str) -> Result<usize, String> {
-    let is_accepted = |count: &usize| *count == 0 || (LEAST_REALIZATIONS..=MOST_REALIZATIONS).contains(count);
+    let is_accepted = |count: &usize| *count == 0 || (MIN_REALIZATIONS..=MAX_REALIZATIONS).contains(count);
     text.parse().ok().filter(is_accepted).ok_or_else(|| {
         format!(
-            "give 0, or {LEAST_REALIZATIONS} to {MOST_REALIZATIONS}: fewer do not resolve the 2.5 % quantiles, and more change no \
+            "give 0, or {MIN_REALIZATIONS} to {MAX_REALIZATIONS}: fewer do not resolve the 2.5 % quantiles, and more change no \
              digit of them"
         )
     })

@@ -13,7 +13,7 @@ use crate::kind;
 use crate::output::Printed;
 
 /// Largest number of test vectors.
-const MOST_VECTORS: i64 = 1_000_000;
+const MAX_VECTORS: i64 = 1_000_000;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -43,7 +43,7 @@ pub struct Options {
     /// Also write test_vectors.csv with this many inputs for each filler and the expected outputs; 1000 if N is left
     /// out
     #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
-          value_parser = clap::value_parser!(u32).range(1..=MOST_VECTORS))]
+          value_parser = clap::value_parser!(u32).range(1..=MAX_VECTORS))]
     pub test_vectors: Option<u32>,
     /// Print the weights as JSON
     #[arg(help_heading = "Output", long)]

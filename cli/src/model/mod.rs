@@ -8,7 +8,7 @@ use sagnac::allan::tau::Taus;
 use sagnac::analysis::log::{self, Asked as OfLog, Treatment};
 use sagnac::analysis::model::document::document;
 use sagnac::analysis::model::noise::of_file;
-use sagnac::analysis::model::search::MOST_STATES;
+use sagnac::analysis::model::search::MAX_STATES;
 use sagnac::analysis::model::target::{Source, Target};
 use sagnac::analysis::model::writers::{WRITERS, Writer, named, texts};
 use sagnac::analysis::model::{Aim, Analysis, Asked, Quantization};
@@ -99,8 +99,8 @@ fn margin(text: &str) -> Result<f64, String> {
 }
 
 fn states(text: &str) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| *count <= MOST_STATES);
-    count.ok_or_else(|| format!("expected 0 to {MOST_STATES}"))
+    let count = text.parse().ok().filter(|count| *count <= MAX_STATES);
+    count.ok_or_else(|| format!("expected 0 to {MAX_STATES}"))
 }
 
 fn rate(text: &str) -> Result<f64, String> {

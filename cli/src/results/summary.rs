@@ -96,11 +96,11 @@ fn listed(columns: &[&Column]) -> String {
 }
 
 /// Most coefficients that are shown in addition to their file.
-const MOST_COEFFICIENTS: usize = 24;
+const MAX_COEFFICIENTS: usize = 24;
 
 /// The coefficients of every point, one per line.
 fn coefficients_found(study: &Study, table: &Table) -> String {
-    if table.rows() > MOST_COEFFICIENTS {
+    if table.rows() > MAX_COEFFICIENTS {
         return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));
     }
     let (table, swept) = (table.read(), study.sweeps.len());

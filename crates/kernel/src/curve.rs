@@ -21,10 +21,10 @@ constants!(RING_LANES);
 pub const RING_LANES: usize = 32;
 
 /// Most lanes of any word: a pair of the widest.
-pub(crate) const MOST_LANES: usize = 32;
+pub(crate) const MAX_LANES: usize = 32;
 
 /// A chunk of words, one for each lane and sample.
-pub type Chunk = [u32; MOST_LANES * CHUNK];
+pub type Chunk = [u32; MAX_LANES * CHUNK];
 
 /// The differences that are taken of the angles of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -246,7 +246,7 @@ fn records<W: Word, S: Source>(source: &S, address: Address<W>, count: usize, to
         })
         .collect();
     let mut sums = vec![Sum::<W>::nothing(); curve.places()];
-    let mut angles: Chunk = [0; MOST_LANES * CHUNK];
+    let mut angles: Chunk = [0; MAX_LANES * CHUNK];
     let last = curve.samples as usize;
     for first in (0..=last).step_by(CHUNK) {
         source.chunk(&mut state, first, &mut angles);

@@ -14,7 +14,7 @@ use crate::width::{AnyWidth, Width};
 use crate::word::Word;
 
 /// Longest table: gathers take its indices as signed numbers.
-pub const MOST_TABLE: usize = i32::MAX as usize;
+pub const MAX_TABLE: usize = i32::MAX as usize;
 
 /// Why a launch is refused: its trials would read beyond its words or its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Misfit {
         /// Words of the launch.
         found: usize,
     },
-    /// A table shorter than what trials read, or longer than [`MOST_TABLE`].
+    /// A table shorter than what trials read, or longer than [`MAX_TABLE`].
     Table {
         /// Least number of words.
         expected: usize,
@@ -45,7 +45,7 @@ impl fmt::Display for Misfit {
             }
             Misfit::Table { expected, found } => write!(
                 f,
-                "a table of {found} words found, but trials read {expected}, and none may have more than {MOST_TABLE}"
+                "a table of {found} words found, but trials read {expected}, and none may have more than {MAX_TABLE}"
             ),
             Misfit::Field(name) => write!(f, "`{name}` leads beyond every table"),
         }
@@ -66,7 +66,7 @@ pub trait Shape: Any + Debug + Send + Sync + Sealed {
         false
     }
     /// Steps of one trial with these parameters, each some tens of nanoseconds on one lane; at least as many as the shader
-    /// takes rounds in loops, because of [`MOST_STEPS`].
+    /// takes rounds in loops, because of [`MAX_STEPS`].
     fn steps(&self, _words: &[u32]) -> u64 {
         1
     }
@@ -92,7 +92,7 @@ pub(crate) fn fits<S: Shape + ?Sized>(shape: &S, words: &[u32], table: &[u32]) -
         return Err(Misfit::Field("estimates"));
     }
     let expected = shape.table_words(words)?;
-    if table.len() < expected || table.len() > MOST_TABLE {
+    if table.len() < expected || table.len() > MAX_TABLE {
         return Err(Misfit::Table { expected, found: table.len() });
     }
     Ok(())
@@ -158,7 +158,7 @@ impl<T: Trial> AnyWidth for Tally<'_, T> {
 }
 
 /// Most steps of one invocation. Some drivers end its loops after 65535 rounds, without an error.
-pub const MOST_STEPS: u64 = 60_000;
+pub const MAX_STEPS: u64 = 60_000;
 
 /// Trials of one point, with its parameters in fixed point. No trial reads beyond its words or its table.
 #[derive(Debug, Clone)]

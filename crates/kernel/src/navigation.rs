@@ -8,8 +8,8 @@
 
 use std::sync::Arc;
 
-use crate::curve::{Chunk, Curve, MOST_LANES, Recorded};
-use crate::launch::{MOST_TABLE, Misfit};
+use crate::curve::{Chunk, Curve, MAX_LANES, Recorded};
+use crate::launch::{MAX_TABLE, Misfit};
 use crate::noise::Noise;
 use crate::philox::{Address, schedule};
 use crate::recipe::{CHUNK, Recipe};
@@ -29,7 +29,7 @@ pub const FORM: Form = Form::Records;
 pub const VERSION: u32 = 1;
 
 /// Most functionals of a record.
-pub const MOST_FUNCTIONALS: usize = 8;
+pub const MAX_FUNCTIONALS: usize = 8;
 
 /// log2 of the bound of an increment of the angle.
 pub const INCREMENT_BITS: u32 = 29;
@@ -87,8 +87,8 @@ fn records<W: Word>(navigation: &Navigation, address: Address<W>, count: usize, 
     let Navigation { recipe, functionals, table } = navigation;
     let weights = &table[recipe.drift.len()..];
     let mut noise = Noise::begin(recipe, address);
-    let mut sums = [Sum::<W>::nothing(); MOST_FUNCTIONALS];
-    let mut angles: Chunk = [0; MOST_LANES * CHUNK];
+    let mut sums = [Sum::<W>::nothing(); MAX_FUNCTIONALS];
+    let mut angles: Chunk = [0; MAX_LANES * CHUNK];
     let mut last = W::splat(0);
     for c in 0..navigation.curve().chunks() as usize {
         noise.chunk(recipe, c * CHUNK, &mut angles);
@@ -130,19 +130,19 @@ impl Navigation {
     /// Records of `recipe`, whose curve is not used, with the weights of the increments of N samples in each functional.
     ///
     /// # Errors
-    /// There are no functionals or more than [`MOST_FUNCTIONALS`], a weight is too large or missing, or the noise does not
+    /// There are no functionals or more than [`MAX_FUNCTIONALS`], a weight is too large or missing, or the noise does not
     /// fit.
     pub fn new(recipe: Recipe, weights: &[Vec<i32>]) -> Result<Navigation, Misfit> {
         recipe.noise_fits()?;
         let (samples, chunks) = (recipe.samples as usize, recipe.samples as usize / CHUNK + 1);
-        if weights.is_empty() || weights.len() > MOST_FUNCTIONALS {
+        if weights.is_empty() || weights.len() > MAX_FUNCTIONALS {
             return Err(Misfit::Field("functionals"));
         }
         if let Some(of_one) = weights.iter().find(|of_one| of_one.len() != samples) {
             return Err(Misfit::Table { expected: samples, found: of_one.len() });
         }
         let largest = weights.iter().flatten().map(|weight| weight.unsigned_abs()).max().unwrap_or(0);
-        if largest > 1 << WEIGHT_BITS || chunks > MOST_TABLE / CHUNK / weights.len() {
+        if largest > 1 << WEIGHT_BITS || chunks > MAX_TABLE / CHUNK / weights.len() {
             return Err(Misfit::Field("weights"));
         }
         // Angle k ends increment k, which has the place k − 1 among the weights.

@@ -10,7 +10,7 @@ use crate::part;
 use crate::shader::{Part, constants};
 use crate::word::Word;
 
-constants!(LOG_BITS, LARGEST_MINUS, EXP2_ONE, LOG2, EXP2);
+constants!(LOG_BITS, MAX_MINUS, EXP2_ONE, LOG2, EXP2);
 
 /// Maps a number to its logarithm, a fraction to its power and an exponent to its power.
 pub const FORM: Form = Form::Map(Map::of::<Power>());
@@ -22,13 +22,13 @@ impl Block for Power {
     const INPUTS: usize = 1;
     const OUTPUTS: usize = 3;
     const WGSL: &'static str = "y[0] = log2_word(max(x[0], 1u)); y[1] = exp2_fraction(x[0]); \
-                                y[2] = exp2_minus(min(x[0] >> 1u, LARGEST_MINUS));";
+                                y[2] = exp2_minus(min(x[0] >> 1u, MAX_MINUS));";
     // Only here: the shader's version is generated.
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
         // 0 has no logarithm; it is replaced by 1.
         let some = x[0].add_where_equal(W::splat(1), x[0], W::splat(0));
-        let minus = (x[0] >> 1).min_signed(W::splat(LARGEST_MINUS));
+        let minus = (x[0] >> 1).min_signed(W::splat(MAX_MINUS));
         [log2_word(some), exp2_fraction(x[0]), exp2_minus(minus), x[0]]
     }
 }
@@ -37,7 +37,7 @@ impl Block for Power {
 pub const LOG_BITS: u32 = 26;
 
 /// The largest number that [`exp2_minus`] takes: 31.
-pub const LARGEST_MINUS: u32 = 31 << LOG_BITS;
+pub const MAX_MINUS: u32 = 31 << LOG_BITS;
 
 /// 1 in the unit of powers.
 pub const EXP2_ONE: u32 = 1 << 31;
@@ -91,7 +91,7 @@ pub fn exp2_fraction<W: Word>(u: W) -> W {
     W::splat(EXP2_ONE) + ((u - between(u).mulhi(sum)) >> 1)
 }
 
-/// 2^−x for x in units of 2^−26, from 0 to [`LARGEST_MINUS`]: in units of 2^−31, floored.
+/// 2^−x for x in units of 2^−26, from 0 to [`MAX_MINUS`]: in units of 2^−31, floored.
 #[inline(always)]
 pub fn exp2_minus<W: Word>(x: W) -> W {
     let whole = (x + W::splat((1 << LOG_BITS) - 1)) >> LOG_BITS;
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn powers_of_negative_numbers_are_floored_to_their_unit() {
         for word in random(1 << 18).chain([0, 1, 2, (1 << 27) + 1]) {
-            let x = (word >> 1).min(LARGEST_MINUS);
+            let x = (word >> 1).min(MAX_MINUS);
             let exact = libm::exp2(-f64::from(x) / libm::exp2(26.0));
             let error = f64::from(exp2_minus(Scalar(x)).0) / libm::exp2(31.0) - exact;
             // Twice the exact value is at least the power of the fraction.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::curve::Recorded;
-use crate::launch::{MOST_TABLE, Misfit};
+use crate::launch::{MAX_TABLE, Misfit};
 
 /// Samples made at a time.
 pub const CHUNK: usize = 64;
@@ -82,7 +82,7 @@ impl Recipe {
     /// Names the field that would lead beyond them.
     pub fn fits(&self) -> Result<(), Misfit> {
         self.noise_fits()?;
-        let spans = 1..=(MOST_TABLE / 4) as u32;
+        let spans = 1..=(MAX_TABLE / 4) as u32;
         first_unsound(&[
             ("order", (2..=3).contains(&self.order)),
             ("stride", self.levels.iter().all(|level| level.stride > 0)),
@@ -101,7 +101,7 @@ impl Recipe {
             return Err(Misfit::Table { expected: angles, found: self.drift.len() });
         }
         first_unsound(&[
-            ("samples", angles <= MOST_TABLE),
+            ("samples", angles <= MAX_TABLE),
             ("flicker", self.flicker.len() < MAX_OCTAVES),
             ("switching", self.switching.is_none_or(|[interval, ..]| interval > 0)),
             ("pulse", self.pulse.is_none_or(|bits| bits < 32)),

@@ -2,7 +2,7 @@
 //!
 //! Twin of `shaders/record.wgsl`. The terms of a chunk are summed in 64 bits, those of a record in 96.
 
-use crate::curve::MOST_LANES;
+use crate::curve::MAX_LANES;
 use crate::recipe::CHUNK;
 use crate::shader::constants;
 use crate::word::{Wide, Word};
@@ -35,7 +35,7 @@ impl<W: Word> Sum<W> {
     // Only here: an invocation has one lane.
     #[inline(always)]
     pub(crate) fn of_lane(&self, lane: usize) -> u128 {
-        let (mut low, mut high) = ([0; MOST_LANES], [0; MOST_LANES]);
+        let (mut low, mut high) = ([0; MAX_LANES], [0; MAX_LANES]);
         self.halves[0].store(&mut low[..W::LANES]);
         self.halves[1].store(&mut high[..W::LANES]);
         u128::from(low[lane]) + (u128::from(high[lane]) << 32)

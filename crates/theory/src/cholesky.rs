@@ -1,7 +1,7 @@
 //! Lower triangular factors of covariance matrices, computed in a fixed order.
 
 /// Smallest pivot relative to the diagonal; anything below is rounding.
-const LEAST_PIVOT: f64 = 1e-13;
+const MIN_PIVOT: f64 = 1e-13;
 
 /// The factor of a positive definite matrix, row by row; `None` where the matrix is not positive definite to working
 /// precision.
@@ -15,7 +15,7 @@ pub fn definite(count: usize, matrix: impl Fn(usize, usize) -> f64) -> Option<Ve
             row.push((matrix(i, j) - known) / above[j]);
         }
         let pivot = matrix(i, i) - row.iter().map(|x| x * x).sum::<f64>();
-        if pivot <= LEAST_PIVOT * matrix(i, i) || pivot.is_nan() {
+        if pivot <= MIN_PIVOT * matrix(i, i) || pivot.is_nan() {
             return None;
         }
         row.push(libm::sqrt(pivot));

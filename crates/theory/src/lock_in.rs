@@ -20,13 +20,13 @@
 use std::f64::consts::TAU;
 
 /// Least Θ·σ_A/A: zones then have e^{−9/2}, a hundredth of their width, and N is 10^−4 lower. At 1 it would be 20 % lower.
-pub const LEAST_SPREAD: f64 = 3.0;
+pub const MIN_SPREAD: f64 = 3.0;
 /// Least amplitude Θ of the dither in radians of the beat phase: J_k differs from its asymptotic form by about 1/8Θ.
-const LEAST_AMPLITUDE: f64 = 10.0;
+const MIN_AMPLITUDE: f64 = 10.0;
 /// Largest input rate as a part of the dither rate: N ∝ (Ω_D² − Ω²)^{−1/4} is then 0.25 % higher.
-const MOST_RATE: f64 = 0.1;
+const MAX_RATE: f64 = 0.1;
 /// Largest rms jump of the beat phase at a reversal, in radians: simulated gyros have 0.97 of N at 1 rad, and 0.76 at 2.
-const MOST_JUMP: f64 = 0.5;
+const MAX_JUMP: f64 = 0.5;
 
 /// Mean output rate of a gyro without dither, ″/s: sign(Ω) √(Ω² − Ω_L²), and 0 where |Ω| ≤ Ω_L.
 pub fn mean_rate(rate: f64, threshold: f64) -> f64 {
@@ -111,10 +111,10 @@ impl LockIn {
     /// `amplitude_noise` (σ_A/A) from half-cycle to half-cycle; empty where the closed form holds.
     pub fn failing_premises(&self, amplitude_noise: f64, rate: f64) -> Vec<Premise> {
         let premises = [
-            (Premise::Independent, self.amplitude() * amplitude_noise >= LEAST_SPREAD),
-            (Premise::Separate, self.amplitude() >= LEAST_AMPLITUDE),
-            (Premise::SlowInput, rate.abs() <= MOST_RATE * self.dither_rate),
-            (Premise::Weak, self.jump() <= MOST_JUMP),
+            (Premise::Independent, self.amplitude() * amplitude_noise >= MIN_SPREAD),
+            (Premise::Separate, self.amplitude() >= MIN_AMPLITUDE),
+            (Premise::SlowInput, rate.abs() <= MAX_RATE * self.dither_rate),
+            (Premise::Weak, self.jump() <= MAX_JUMP),
         ];
         premises.into_iter().filter(|(_, holds)| !holds).map(|(premise, _)| premise).collect()
     }

@@ -55,7 +55,7 @@ impl Band {
 }
 
 /// Smallest part of a tick, relative to its rms, that is not determined by other ticks; anything below is rounding.
-const LEAST_PART: f64 = 1e-12;
+const MIN_PART: f64 = 1e-12;
 
 /// Weights on `ticks` with the least error over the gap 1 … n, for this motion and for `noise` on the readings, given as
 /// its covariance by lag: `[σ²]` for independent noise. Lags that are not given have no noise.
@@ -85,7 +85,7 @@ pub fn minimum_variance_weights(
     rows.push(&gap, width, &[]);
     let triangle = triangular(&rows);
     let is_determined =
-        |(k, row): (usize, &[f64])| row.len() == k + 1 && row[k] > LEAST_PART * libm::sqrt(dot(row, row));
+        |(k, row): (usize, &[f64])| row.len() == k + 1 && row[k] > MIN_PART * libm::sqrt(dot(row, row));
     if !triangle.iter().take(count).enumerate().all(is_determined) {
         return None;
     }

@@ -27,7 +27,7 @@ const SHARP: f64 = 0.05;
 const NONE: f64 = 1e-9;
 
 /// A standard deviation beyond which no covariance of more than 1e-8 remains.
-const LARGEST: f64 = 1.0;
+const MAX_SIGMA: f64 = 1.0;
 
 impl Covariance {
     /// The covariance with this standard deviation of the normal part; `None` where it vanishes.
@@ -37,7 +37,7 @@ impl Covariance {
         let reach = if deviation < SHARP { 8.0 * deviation } else { 0.501 };
         let step = reach / STEPS as f64;
         let value = |place: usize| covariance(step * place as f64, deviation);
-        (deviation < LARGEST).then(|| Covariance {
+        (deviation < MAX_SIGMA).then(|| Covariance {
             deviation,
             step,
             values: (0..=STEPS).map(value).collect(),
@@ -77,7 +77,7 @@ struct Pairs {
 
 /// Most pairs over which a mean is taken for all that are equally far apart. One alone would leave up to 2e-4 of the variance
 /// to the lattice of drawn values, and each more costs time.
-const MOST_PAIRS: usize = 4;
+const MAX_PAIRS: usize = 4;
 
 /// Variance of the sum of the fractions of a pulse at some boundaries with these factors, relative to q²/12: the mean over
 /// `draws` of the motion.
@@ -106,7 +106,7 @@ pub fn mean_variance<C: Eq + Hash>(
             }
             let pairs = &mut pairs[place];
             pairs.factor += 2.0 * g * h;
-            if pairs.places.len() < MOST_PAIRS {
+            if pairs.places.len() < MAX_PAIRS {
                 pairs.places.push([i, j]);
             }
         }

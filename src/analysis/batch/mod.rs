@@ -35,7 +35,7 @@ use crate::analysis::batch::units::{UnitColumn, labels, twice, units};
 pub const FALSE_ALARM: f64 = 0.05;
 
 /// Fewest units of which one can be an outlier.
-const FEWEST: usize = random_effects::FEWEST + 1;
+const MIN_WITH_OUTLIER: usize = random_effects::MIN_UNITS + 1;
 
 /// Why some logs are no batch.
 #[derive(Debug, thiserror::Error)]
@@ -218,7 +218,7 @@ impl Coefficient {
             others.all(|(_, found)| ends(found).is_some_and(|[_, upper]| upper < lower))
         };
         let estimates = self.estimates();
-        let is_untested = estimates.len() < FEWEST && self.found.len() >= FEWEST;
+        let is_untested = estimates.len() < MIN_WITH_OUTLIER && self.found.len() >= MIN_WITH_OUTLIER;
         estimates.into_iter().map(|(unit, _)| unit).filter(|_| is_untested).find(is_above_others)
     }
 }

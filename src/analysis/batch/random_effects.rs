@@ -18,7 +18,7 @@ use sagnac_records::fit::interval::WITHIN_95;
 use sagnac_records::fit::survival;
 
 /// Fewest units that have a spread.
-pub const FEWEST: usize = 2;
+pub const MIN_UNITS: usize = 2;
 
 /// Ends of the deviates at which the distribution of the spread is known, and their number; quantiles of χ² are accurate up to there.
 const FARTHEST: f64 = 4.75;
@@ -70,7 +70,7 @@ pub struct Pooled {
     pub p_equal: f64,
 }
 
-/// Pools the estimates of units; `None` for fewer than [`FEWEST`].
+/// Pools the estimates of units; `None` for fewer than [`MIN_UNITS`].
 ///
 /// ```
 /// use sagnac::analysis::batch::random_effects::{Estimate, pool};
@@ -102,7 +102,7 @@ pub fn pool(estimates: &[Estimate]) -> Option<Pooled> {
 }
 
 /// The probability that a unit like the `others`, with the error of `one`, is estimated lower than it; `None` for fewer than
-/// [`FEWEST`] others.
+/// [`MIN_UNITS`] others.
 pub fn place(one: &Estimate, others: &[Estimate]) -> Option<f64> {
     Some(Mixture::of(others)?.below(one.log, |part| part.variance + part.square + one.variance))
 }
@@ -175,7 +175,7 @@ struct Mixture(Vec<(f64, Part)>);
 
 impl Mixture {
     fn of(estimates: &[Estimate]) -> Option<Mixture> {
-        let freedom = estimates.len().checked_sub(1).filter(|freedom| freedom + 1 >= FEWEST)? as f64;
+        let freedom = estimates.len().checked_sub(1).filter(|freedom| freedom + 1 >= MIN_UNITS)? as f64;
         let step = 2.0 * FARTHEST / f64::from(DEVIATES - 1);
         let deviates = (0..DEVIATES).map(|i| f64::from(i) * step - FARTHEST);
         let part = |deviate: f64| {

@@ -13,7 +13,7 @@ use sagnac_theory::allan::Term;
 pub const SIGNIFICANT: f64 = 0.05;
 
 /// Least p; 0 would claim that something is impossible.
-pub const LEAST_P: f64 = 1e-300;
+pub const MIN_P: f64 = 1e-300;
 
 /// A quantity of both records.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,5 +182,5 @@ pub(crate) fn two([a, b]: &[Fit; 2], quantity: Quantity, widening: [f64; 2]) -> 
 
 /// The probability that a normal number is at least this far from its mean, on either side.
 fn two_sided(distance: f64) -> f64 {
-    libm::erfc(distance / core::f64::consts::SQRT_2).max(LEAST_P)
+    libm::erfc(distance / core::f64::consts::SQRT_2).max(MIN_P)
 }

@@ -13,8 +13,8 @@ use sagnac_theory::allan::{Difference, Estimator, Part, Process, Term, holds};
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;
 
 /// Tried lengths: 2^5 to 2^26 samples of the shorter step, this many per octave.
-const SHORTEST: u32 = 5;
-const LONGEST: u32 = 26;
+const MIN_LOG2: u32 = 5;
+const MAX_LOG2: u32 = 26;
 const STEPS: u32 = 32;
 
 /// The length that each of two equally long records must have for a difference to be significant at 5 % in 90 % of
@@ -44,8 +44,8 @@ pub(crate) fn needed(
 ) -> Vec<Length> {
     let mut search = Search { processes, curves, from_s, terms, fits: BTreeMap::new() };
     let mut open: Vec<usize> = (0..quantities.len()).collect();
-    let mut lengths = vec![Length::Beyond(search.length(LONGEST * STEPS)); quantities.len()];
-    for octave in SHORTEST..=LONGEST {
+    let mut lengths = vec![Length::Beyond(search.length(MAX_LOG2 * STEPS)); quantities.len()];
+    for octave in MIN_LOG2..=MAX_LOG2 {
         let at = octave * STEPS;
         open.retain(|&i| {
             let is_reached = search.distance(at, quantities[i]).is_some_and(|found| found >= DISTANCE);
@@ -95,7 +95,7 @@ impl Search<'_> {
 
     /// The shortest sufficient length within an octave below one that is sufficient.
     fn between(&mut self, enough: u32, quantity: Quantity) -> f64 {
-        let (mut low, mut high) = ((enough - STEPS).max(SHORTEST * STEPS), enough);
+        let (mut low, mut high) = ((enough - STEPS).max(MIN_LOG2 * STEPS), enough);
         while high - low > 1 {
             let middle = (low + high) / 2;
             if self.distance(middle, quantity).is_some_and(|found| found >= DISTANCE) {

@@ -51,7 +51,7 @@ pub(crate) mod same;
 pub mod tables;
 pub mod words;
 
-pub use crate::analysis::compare::difference::{Difference, LEAST_P, SIGNIFICANT};
+pub use crate::analysis::compare::difference::{Difference, MIN_P, SIGNIFICANT};
 pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
 pub use crate::analysis::compare::same::Same;

@@ -1,6 +1,6 @@
 //! Two curves at their common averaging times, and their ratio.
 
-use crate::analysis::compare::LEAST_P;
+use crate::analysis::compare::MIN_P;
 use crate::analysis::compare::rows::Verdict;
 use sagnac_records::allan::{Deviation, Point, fisher};
 
@@ -77,7 +77,7 @@ impl Ratio {
         });
         let p = known.and_then(|(value, (numerator, denominator))| {
             let [below, above] = fisher::tails(value * value, numerator, denominator)?;
-            Some((2.0 * below.min(above)).clamp(LEAST_P, 1.0))
+            Some((2.0 * below.min(above)).clamp(MIN_P, 1.0))
         });
         Ratio { points: [a, b], value, interval, p }
     }

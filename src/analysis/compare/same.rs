@@ -3,7 +3,7 @@
 use statrs::function::gamma::digamma;
 
 use crate::analysis::compare::difference::Fits;
-use crate::analysis::compare::{LEAST_P, NEAREST, Ratio};
+use crate::analysis::compare::{MIN_P, NEAREST, Ratio};
 use sagnac_records::allan::Point;
 use sagnac_records::fit::{Covariance, Curve, FitError, survival};
 use sagnac_theory::allan::{Difference, Estimator, Term, gaussian};
@@ -106,7 +106,7 @@ pub(crate) fn by_fits(
         freedom -= 1;
     }
     Ok(Some(Same {
-        p: survival(chi_squared, freedom).max(LEAST_P),
+        p: survival(chi_squared, freedom).max(MIN_P),
         times: used.len(),
         shortest_s: used[0].tau_s(),
         longest_s: last.tau_s(),

@@ -16,13 +16,13 @@ const PARTS: u64 = 16;
 const T_95: f64 = 2.131_450;
 
 /// Most trials of a point, as a decision needs no more figures.
-pub(crate) const MOST_TRIALS: u64 = 1 << 17;
+pub(crate) const MAX_TRIALS: u64 = 1 << 17;
 
 /// Most steps of the trials of a point, so that a decision takes seconds beside a long study.
-const MOST_STEPS: u64 = 1 << 24;
+const MAX_STEPS: u64 = 1 << 24;
 
 /// Fewest trials that tell a level of 99.73 %.
-const FEWEST_TRIALS: u64 = 1 << 12;
+const MIN_TRIALS: u64 = 1 << 12;
 
 /// Most steps of the fewest trials of a point, or of all if there are less; beyond it there is no value.
 const TOO_MANY_STEPS: u64 = 1 << 29;
@@ -116,10 +116,10 @@ impl Evaluator<'_> {
         }
         let Some(steps) = plan.steps_of_a_trial() else { return Ok(None) };
         let of_point = (steps / points as u64).max(1);
-        if of_point > TOO_MANY_STEPS / study.trials.clamp(1, FEWEST_TRIALS) {
+        if of_point > TOO_MANY_STEPS / study.trials.clamp(1, MIN_TRIALS) {
             return Ok(None);
         }
-        let most = (MOST_STEPS / of_point).clamp(FEWEST_TRIALS, MOST_TRIALS);
+        let most = (MAX_STEPS / of_point).clamp(MIN_TRIALS, MAX_TRIALS);
         let most = if effort == Effort::Screening { most / SCREENED } else { most };
         let study = Study { trials: study.trials.min(most), ..study.clone() };
         let plan = Plan::new(&study)?;

@@ -15,7 +15,7 @@ use sagnac_report::answer::{Alternative, Fact};
 const COMPARED: usize = 6;
 
 /// The least gain that is worth a line.
-const LEAST_GAIN: f64 = 0.01;
+const MIN_GAIN: f64 = 0.01;
 
 /// Most changes that are named beside one another.
 const MAX_ALTERNATIVES: usize = 3;
@@ -83,11 +83,11 @@ pub(crate) fn lever(
             Some(limit) => at.needed(&change, limit.value, judged, evaluator)?,
             None => None,
         };
-        if needed.is_none() && gain.value < LEAST_GAIN {
+        if needed.is_none() && gain.value < MIN_GAIN {
             continue;
         }
         match at.gain_everywhere(&input, to, judged, evaluator)? {
-            Some(largest) if largest < LEAST_GAIN => continue,
+            Some(largest) if largest < MIN_GAIN => continue,
             // Another condition becomes the worst.
             Some(value) if gain.interval.map_or(gain.value, |(low, _)| low) > value => {
                 gain = Figure { value, interval: None };

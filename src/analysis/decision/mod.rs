@@ -25,7 +25,7 @@ pub use crate::analysis::decision::sheet::Sheet;
 
 use crate::analysis::decision::budget::budget;
 use crate::analysis::decision::choice::Choice;
-use crate::analysis::decision::evaluate::{Evaluator, MOST_TRIALS};
+use crate::analysis::decision::evaluate::{Evaluator, MAX_TRIALS};
 use crate::analysis::decision::lever::lever;
 use sagnac_base::progress::{Progress, Silent};
 use sagnac_base::source::diagnose::StudyError;
@@ -106,7 +106,7 @@ pub(crate) fn decide_at(
 ) -> Result<Option<Sheet>, DecisionError> {
     let (keys, point): (Vec<&'static Key>, Vec<Swept>) = swept.iter().cloned().unzip();
     let mut study = study.at_points(&keys, &[point])?;
-    study.trials = study.trials.min(MOST_TRIALS);
+    study.trials = study.trials.min(MAX_TRIALS);
     let plan = Plan::new(&study)?;
     let mut store = Store::in_memory(&plan.identity());
     plan.run(&mut store, &mut processor()?, Share::WHOLE, &Silent)?;

@@ -19,16 +19,16 @@ use sagnac_engine::study::Study;
 const TRIED: f64 = 1.25;
 
 /// Factors by which an input may change at most, the largest first, as a large change may not be a valid study.
-const MOST: [f64; 4] = [64.0, 16.0, 4.0, 2.0];
+const MAX_FACTORS: [f64; 4] = [64.0, 16.0, 4.0, 2.0];
 
 /// Number of bisections for the needed value, which is then exact to 64^(1/1024), 0.4 %.
 const BISECTIONS: usize = 10;
 
 /// Evaluations for a needed value under one condition.
-pub(super) const EVALUATIONS: usize = MOST.len() + BISECTIONS;
+pub(super) const EVALUATIONS: usize = MAX_FACTORS.len() + BISECTIONS;
 
 /// Most conditions under which a lever is tried.
-const MOST_CONDITIONS: usize = 1000;
+const MAX_CONDITIONS: usize = 1000;
 
 /// Keys that move a zone of lock-in or change its width, which takes it off the inputs that are sampled or onto them.
 const ZONE: [&str; 3] = [SCALE_FACTOR.name, THRESHOLD.name, FREQUENCY.name];
@@ -84,7 +84,7 @@ impl<'a> Place<'a> {
         let varied = study.sweeps.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.key.name);
         let conditions = varied.filter(|name| table.column(name).is_ok_and(is_given)).collect();
         // The least value of a curve is in another row for each condition.
-        let has_rows = !choice.is_minimum && (2..=MOST_CONDITIONS).contains(&choice.rows.len());
+        let has_rows = !choice.is_minimum && (2..=MAX_CONDITIONS).contains(&choice.rows.len());
         let rows = choice.rows.iter().filter(|_| has_rows);
         let everywhere = rows.map(|&row| swept(row)).collect();
         let at = choice.rows.iter().position(|&row| row == choice.row);
@@ -236,7 +236,7 @@ impl<'a> Place<'a> {
             let found = self.values(swept, input, &[value], column, evaluator, Effort::Parts).ok()??;
             Some((value, found.first()?.upper()))
         };
-        let mut ends = MOST.into_iter().filter_map(|most| Some((most, at(most)?)));
+        let mut ends = MAX_FACTORS.into_iter().filter_map(|most| Some((most, at(most)?)));
         let mut best = ends.next()?;
         let rest: Vec<(f64, (Quantity, f64))> = if best.1.1 > limit { ends.collect() } else { vec![] };
         // The largest change may lie beyond an optimum.

@@ -8,7 +8,7 @@ use sagnac_records::fit::nnls;
 const FITTED: f64 = 1.6;
 
 /// Fewest candidates for a fit of the four terms.
-const FEWEST: usize = 6;
+const MIN_CANDIDATES: usize = 6;
 
 /// The minimum of the law of the drift without its non-magnetic part, with its scatter over balanced halves of the trials, which all
 /// candidates share.
@@ -75,7 +75,7 @@ const STEPS: usize = 2000;
 /// The minimum of the law fitted to these drifts, if it is not at either end.
 fn least(x: &[f64], y: &[f64]) -> Option<f64> {
     let (first, last) = (*x.first()?, *x.last()?);
-    if x.len() < FEWEST {
+    if x.len() < MIN_CANDIDATES {
         return None;
     }
     let middle = libm::sqrt(first * last);

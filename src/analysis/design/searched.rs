@@ -18,7 +18,7 @@ use sagnac_engine::study::Study;
 use sagnac_theory::minimum_variance::Band;
 
 /// Most fillers that are added for one motion.
-const MOST_ADDED: usize = 6;
+const MAX_ADDED: usize = 6;
 
 /// Factor by which the accepted excess of the residual grows until a handful of fillers remains.
 const STEP: f64 = 1.1;
@@ -212,7 +212,7 @@ fn handful(mut all: Vec<Candidate>) -> Vec<Candidate> {
                 kept.push(*one);
             }
         }
-        if kept.len() <= MOST_ADDED {
+        if kept.len() <= MAX_ADDED {
             return kept;
         }
         factor *= STEP;
@@ -235,7 +235,7 @@ mod tests {
         let all: Vec<Candidate> =
             (0..=16).flat_map(|after| (1..=32).map(move |before| candidate(after, before))).collect();
         let kept = handful(all.clone());
-        assert!((2..=MOST_ADDED).contains(&kept.len()), "{}", kept.len());
+        assert!((2..=MAX_ADDED).contains(&kept.len()), "{}", kept.len());
         let ratio = |one: &Candidate| {
             let cheaper = kept.iter().filter(|known| {
                 known.cost.latency_s <= one.cost.latency_s

@@ -16,9 +16,9 @@ use sagnac_records::allan::{Angles, Deviation};
 /// Number of parts of a record.
 pub const PARTS: usize = 64;
 /// Fewest parts without long gaps that suffice.
-pub const FEWEST: usize = 16;
+pub const MIN_PARTS: usize = 16;
 /// Shortest part, in τ.
-pub(crate) const SHORTEST: usize = 8;
+pub(crate) const MIN_PART: usize = 8;
 
 /// Mean overshoot of a random walk over a limit, in steps.
 const OVERSHOOT: f64 = 0.5826;
@@ -50,11 +50,11 @@ pub struct Octave {
     pub visible: f64,
 }
 
-/// The tests of all octaves of a record that have at least [`FEWEST`] parts; empty for a short record.
+/// The tests of all octaves of a record that have at least [`MIN_PARTS`] parts; empty for a short record.
 pub fn octaves(angles: &Angles) -> Vec<Octave> {
     let length = angles.len().saturating_sub(1) / PARTS;
     let ms: Vec<usize> =
-        (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| m * SHORTEST <= length).collect();
+        (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| m * MIN_PART <= length).collect();
     let part = |i: usize| sums(&angles.part(i * length..(i + 1) * length + 1), Deviation::Oadev, &ms);
     let parts: Vec<Vec<Sum>> = (0..PARTS).into_par_iter().map(part).collect();
     let mut tested: Vec<(usize, Vec<(usize, Sum)>)> = Vec::new();
@@ -65,7 +65,7 @@ pub fn octaves(angles: &Angles) -> Vec<Octave> {
         let sums = parts.iter().map(|sums| sums[place]).enumerate();
         tested.push((m, sums.filter(|(_, sum)| is_known(sum)).collect()));
     }
-    tested.retain(|(_, known)| known.len() >= FEWEST);
+    tested.retain(|(_, known)| known.len() >= MIN_PARTS);
     let part_s = length as f64 * angles.step_s;
     let of_octave = |(m, known): &(usize, Vec<(usize, Sum)>)| {
         octave(known, *m, *m as f64 * angles.step_s, part_s, tested.len() as f64)
@@ -130,10 +130,10 @@ fn visible(scatter: f64, parts: f64, p: f64) -> f64 {
 /// The probability that the largest distance of a Brownian bridge from 0 exceeds `x`.
 fn kolmogorov(x: f64) -> f64 {
     /// Below it the probability is 1 to 16 digits.
-    const LEAST: f64 = 0.2;
+    const MIN_SERIES: f64 = 0.2;
     /// Terms of the series, which are enough above it.
     const TERMS: u32 = 30;
-    if x < LEAST {
+    if x < MIN_SERIES {
         return 1.0;
     }
     let term = |k: u32| {
@@ -223,6 +223,6 @@ mod tests {
         let found = octaves(&Angles::from_increments(&rates, 1.0, 1.0, Trend::None));
         // Parts have 64 samples; 6 are within the gap entirely or for the most part.
         assert_eq!(found[0].parts, 58);
-        assert_eq!(octaves(&record(PARTS * SHORTEST - 1, 1, |_| 1.0)), []);
+        assert_eq!(octaves(&record(PARTS * MIN_PART - 1, 1, |_| 1.0)), []);
     }
 }

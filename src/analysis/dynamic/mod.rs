@@ -22,11 +22,11 @@ use crate::analysis::dynamic::change::{Octave, octaves};
 /// Windows of the default length in a record without overlap.
 const USUAL_PARTS: f64 = 16.0;
 /// Fewest samples of a window.
-const SHORTEST: usize = 64;
+const MIN_WINDOW: usize = 64;
 /// Most windows of a record, more than a map can show.
-const MOST: usize = 4000;
+const MAX_WINDOWS: usize = 4000;
 /// Longest τ, as a part of a window.
-const LONGEST: usize = 4;
+const MAX_TAU_PART: usize = 4;
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
@@ -35,7 +35,7 @@ const CONFIDENCE: f64 = 0.95;
 pub enum DynamicError {
     /// The window has too few samples.
     #[error(
-        "the window of {} s is too short: it has {samples} samples and needs {SHORTEST}\ngive at least `dynamic = {}s`",
+        "the window of {} s is too short: it has {samples} samples and needs {MIN_WINDOW}\ngive at least `dynamic = {}s`",
         shown(*window_s), shown(*least_s)
     )]
     Short {
@@ -61,7 +61,7 @@ pub enum DynamicError {
     },
     /// The record has more windows than anything can show.
     #[error(
-        "the record of {} s has more than {MOST} windows of {} s\ngive at least `dynamic = {}s`",
+        "the record of {} s has more than {MAX_WINDOWS} windows of {} s\ngive at least `dynamic = {}s`",
         shown(*length_s), shown(*window_s), shown(*least_s)
     )]
     Many {
@@ -126,18 +126,18 @@ impl Dynamic {
     pub fn of(log: &Log, treatment: &Treatment, window_s: Option<f64>) -> Result<Dynamic, DynamicError> {
         let (samples, step_s) = (log.samples(), log.step_s);
         let length_s = samples as f64 * step_s;
-        let usual_s = (length_s / USUAL_PARTS).max(SHORTEST as f64 * step_s);
+        let usual_s = (length_s / USUAL_PARTS).max(MIN_WINDOW as f64 * step_s);
         let window = libm::round(window_s.unwrap_or(usual_s) / step_s) as usize;
         let window_s = window as f64 * step_s;
-        let least_s = SHORTEST as f64 * step_s;
-        if window < SHORTEST {
+        let least_s = MIN_WINDOW as f64 * step_s;
+        if window < MIN_WINDOW {
             return Err(DynamicError::Short { window_s, samples: window, least_s });
         }
         if 2 * window > samples {
             return Err(DynamicError::Long { window_s, length_s, most_s: (samples / 2) as f64 * step_s });
         }
-        if 2 * samples / window > MOST {
-            let least_s = (2 * samples).div_ceil(MOST) as f64 * step_s;
+        if 2 * samples / window > MAX_WINDOWS {
+            let least_s = (2 * samples).div_ceil(MAX_WINDOWS) as f64 * step_s;
             return Err(DynamicError::Many { window_s, length_s, least_s });
         }
         let temperatures = if treatment.events_removed { temperatures(log).1 } else { vec![] };
@@ -172,7 +172,7 @@ fn windows(angles: &Angles, window: usize, start_s: f64, model: Option<&(Process
 /// The deviations of a part of a record at the octaves of a window.
 fn points(angles: &Angles, window: usize, model: Option<&(Process, f64)>) -> Vec<Point> {
     let ms: Vec<usize> =
-        (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= window).collect();
+        (0..usize::BITS - 1).map(|octave| 1 << octave).take_while(|m| MAX_TAU_PART * m <= window).collect();
     let mut points = curve(angles, Deviation::Oadev, &ms, CONFIDENCE);
     suppose(&mut points, angles, Deviation::Oadev, CONFIDENCE, model);
     for point in &mut points {

@@ -7,7 +7,7 @@ use sagnac_records::fit::Quantity;
 use sagnac_theory::allan::{Estimator, Process, Term};
 
 use crate::analysis::dynamic::Column;
-use crate::analysis::dynamic::change::{FALSE_ALARM, FEWEST, Octave, PARTS, SHORTEST, clearest};
+use crate::analysis::dynamic::change::{FALSE_ALARM, MIN_PART, MIN_PARTS, Octave, PARTS, clearest};
 
 /// Part of the variance that white noise must have at a τ for a change there to be one of N.
 const MOSTLY: f64 = 0.8;
@@ -17,7 +17,7 @@ pub fn sentence(column: &Column) -> String {
     let tests = column.octaves.len();
     let Some(octave) = clearest(&column.octaves) else {
         return format!(
-            "no test for a change, which takes {PARTS} parts of {SHORTEST} samples or more, {FEWEST} of them neither missing nor constant"
+            "no test for a change, which takes {PARTS} parts of {MIN_PART} samples or more, {MIN_PARTS} of them neither missing nor constant"
         );
     };
     let counted = format!("{}, counting {tests} averaging times", probability(octave.p));

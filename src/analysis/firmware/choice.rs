@@ -27,7 +27,7 @@ pub enum ChoiceError {
 const TOLERANCE: f64 = 1e-5;
 
 /// Most values of a sweep that a message lists.
-const MOST_LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// The point whose swept keys have the requested values, each given as `key=value`. Where several points match and
 /// their weights are all the same, it is the first of them.
@@ -119,7 +119,7 @@ fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[usize]) -> S
 /// The values of a sweep, or only the ends of a long one.
 fn values(sweep: &Sweep) -> String {
     match &quantities(sweep)[..] {
-        [first, .., last] if sweep.values.len() > MOST_LISTED => {
+        [first, .., last] if sweep.values.len() > MAX_LISTED => {
             format!("{}, … {} ({} values)", shown(first), shown(last), sweep.values.len())
         }
         all => all.iter().map(shown).collect::<Vec<_>>().join(", "),
@@ -176,7 +176,7 @@ fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
     match nearest {
         Some(near) if far(&near) <= TOLERANCE * near.shown().abs() => Ok(*near),
         _ => {
-            let there = if sweep.values.len() <= MOST_LISTED {
+            let there = if sweep.values.len() <= MAX_LISTED {
                 format!("the values are {}", values(sweep))
             } else {
                 format!("the nearest is {}", nearest.map(shown).unwrap_or_default())

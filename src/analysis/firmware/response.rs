@@ -17,7 +17,7 @@ const BEYOND: f64 = 1.25;
 const STEPS: usize = 720;
 const MARKER_STEPS: usize = 60;
 /// Lower end of the chart relative to the angle of the gap at a constant rate; smaller errors are lost in any noise.
-const LEAST: f64 = 1e-4;
+const MIN_RELATIVE: f64 = 1e-4;
 
 /// The styles of fillers, which are those of other charts.
 fn styles_of(names: &[String]) -> Vec<usize> {
@@ -52,7 +52,8 @@ impl Firmware {
                     band: None,
                     key: None,
                 };
-                let visible = |point: &SeriesPoint| point.y >= LEAST * tick_s * f64::from(self.gap_ticks);
+                let visible =
+                    |point: &SeriesPoint| point.y >= MIN_RELATIVE * tick_s * f64::from(self.gap_ticks);
                 series.push(Series {
                     colour,
                     dash: usize::from(error == Error::Extrapolation),

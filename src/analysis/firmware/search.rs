@@ -24,9 +24,9 @@ use sagnac_theory::minimum_variance::{Band, minimum_variance_weights};
 use sagnac_theory::rows::TickRows;
 
 /// Most ticks before the gap.
-const MOST_BEFORE: u32 = 32;
+const MAX_BEFORE: u32 = 32;
 /// Most ticks after the gap.
-const MOST_AFTER: u32 = 16;
+const MAX_AFTER: u32 = 16;
 /// Excess over the least error up to which fewer ticks are preferred, where no limit is given.
 const AS_GOOD: f64 = 1.05;
 /// Numbers of ticks after the gap that the chart shows, beside the chosen one.
@@ -108,10 +108,10 @@ impl Trade {
     /// determines no weights without more noise.
     pub fn new(inputs: &Inputs, asked: Asked, band: Option<Band>) -> Option<Trade> {
         let (n, tick_s) = (inputs.gap_ticks, inputs.tick_s);
-        let most_after = asked.latency_s.map_or(MOST_AFTER, |latency_s| {
+        let most_after = asked.latency_s.map_or(MAX_AFTER, |latency_s| {
             // Times are rounded to 12 digits, which must not drop a tick.
             let ticks = libm::floor(latency_s / tick_s * (1.0 + 1e-11));
-            ticks.clamp(0.0, f64::from(MOST_AFTER)) as u32
+            ticks.clamp(0.0, f64::from(MAX_AFTER)) as u32
         });
         let judge = Judge::new(inputs, MAX_SIDE);
         let target = Target::of(band, inputs.specification.as_ref());
@@ -126,7 +126,7 @@ impl Trade {
             let Size { rms, level } = judged.worst();
             Some(Candidate { before, after, own_rms, rms, noise_rms, own_level, level })
         };
-        let sides = (0..=most_after).flat_map(|after| (1..=MOST_BEFORE).map(move |before| (after, before)));
+        let sides = (0..=most_after).flat_map(|after| (1..=MAX_BEFORE).map(move |before| (after, before)));
         let sides: Vec<(u32, u32)> = sides.collect();
         let candidates: Vec<Candidate> = sides.into_par_iter().filter_map(candidate).collect();
         let least = candidates.iter().map(|candidate| candidate.level).min_by(f64::total_cmp)?;

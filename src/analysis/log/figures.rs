@@ -18,7 +18,7 @@ use crate::analysis::log::{Analysis, Column, Curve};
 /// Points of a line per octave of τ: of a sine, whose hump has ripples, and of any other term.
 const PLACES: [f64; 2] = [64.0, 12.0];
 /// Most ripples of a sine's own line; further ones would fill the picture below the curve.
-const MOST_RIPPLES: f64 = 8.0;
+const MAX_RIPPLES: f64 = 8.0;
 
 /// The figures with the stems of their file names: for each unit one for deviations of the rate or acceleration, and one for
 /// those of the angle or velocity.
@@ -251,7 +251,7 @@ fn terms(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Vec<
         let points = described(&noise.fit, &curve.points);
         let mut points = line(&process, curve.deviation, points, analysis.samples);
         if part.term == Term::Sine {
-            points.retain(|(tau_s, _)| part.shape * tau_s <= MOST_RIPPLES);
+            points.retain(|(tau_s, _)| part.shape * tau_s <= MAX_RIPPLES);
         }
         let label = label(part, Quantity::Coefficient(part.term).unit(column.unit));
         let is_known = coefficient.value.is_some();

@@ -23,12 +23,12 @@ use rayon::prelude::*;
 
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::analysis::temperature::course::Course;
-use crate::analysis::temperature::{LEAST_CHANGE, averages};
+use crate::analysis::temperature::{MIN_CHANGE, averages};
 use sagnac_base::progress::Progress;
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::curve::{curve, suppose};
 use sagnac_records::allan::{
-    Angles, Deviation, Line, MOST_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum,
+    Angles, Deviation, Line, MAX_OF_COLUMNS, Minimum, Point, Spread, TauError, Taus, Trend, Unit, minimum,
 };
 use sagnac_records::events::{Event, Events};
 use sagnac_records::fit::{Coefficient, Described, Fitting, Terms, Verdict, describe};
@@ -331,7 +331,7 @@ impl Analysis {
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
         let together = log.samples() * log.channels.len();
-        if asked.taus == Taus::All && together > MOST_OF_COLUMNS {
+        if asked.taus == Taus::All && together > MAX_OF_COLUMNS {
             return Err(TauError::TooManyTogether(together));
         }
         let (thermometers, temperatures) = temperatures(log);
@@ -394,7 +394,7 @@ pub fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
     if log.is_compensated {
         return (vec![], vec![]);
     }
-    let block = log.samples().div_ceil(averages::MOST_BLOCKS);
+    let block = log.samples().div_ceil(averages::MAX_BLOCKS);
     let course = |(name, measured): &(String, Vec<f64>)| {
         let course = Course::of(measured, block);
         let course = if log.data == Data::Angle { course.midway() } else { course };
@@ -402,7 +402,7 @@ pub fn temperatures(log: &Log) -> (Vec<String>, Vec<Vec<f64>>) {
         let mean = known.iter().sum::<f64>() / known.len() as f64;
         let square = known.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / known.len() as f64;
         // A constant temperature differs from its mean by rounding.
-        let least = (LEAST_CHANGE * course.error_of_mean(block)).max(1e-9);
+        let least = (MIN_CHANGE * course.error_of_mean(block)).max(1e-9);
         (libm::sqrt(square) > least).then(|| (name.clone(), course.values))
     };
     log.temperature.iter().chain(&log.thermometers).filter_map(course).unzip()

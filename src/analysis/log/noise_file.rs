@@ -11,7 +11,7 @@ use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};
 
 /// Most bytes of the name of a column in the name of a file, which file systems limit to 255.
-const MOST_BYTES: usize = 200;
+const MAX_BYTES: usize = 200;
 
 /// Beginning of the first line; with its end, it identifies our files.
 const START: &str = "# Noise of column ";
@@ -50,7 +50,7 @@ pub(super) fn names(columns: &[Column]) -> Vec<String> {
     for (column, number) in columns.iter().zip(1..) {
         let kept = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let mut bytes = 0;
-        let is_within = |c: &char| (bytes += c.len_utf8(), bytes <= MOST_BYTES).1;
+        let is_within = |c: &char| (bytes += c.len_utf8(), bytes <= MAX_BYTES).1;
         let name: String = column.name.chars().map(kept).take_while(is_within).collect();
         let name = format!("noise_{name}.toml");
         // Names may differ only in punctuation, or a column may be taken twice.

@@ -97,10 +97,11 @@ fn missing(missing: usize, samples: usize) -> String {
 }
 
 fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
-    const MOST: usize = 5;
+    const MAX_LISTED: usize = 5;
     let found = &column.outliers.samples;
-    let times: Vec<String> = analysis.times(found).take(MOST).map(|time_s| significant(time_s, 9)).collect();
-    let more = if found.len() > MOST { ", …" } else { "" };
+    let times: Vec<String> =
+        analysis.times(found).take(MAX_LISTED).map(|time_s| significant(time_s, 9)).collect();
+    let more = if found.len() > MAX_LISTED { ", …" } else { "" };
     let are_in_events = found.iter().all(|&sample| Event::is_in(&column.events, sample));
     let fate = match column.has_long_tails(analysis.samples) {
         _ if analysis.treatment.outliers_removed => "treated as gaps",

@@ -8,7 +8,7 @@ use sagnac_records::allan::{Deviation, Minimum, Point, Unit as Curves, minimum};
 use crate::analysis::log::{self, Analysis, Curve};
 
 /// Shortest record, in τ, whose deviation at τ is likely to be its minimum for another reason than chance.
-const SHORTEST_RECORD: usize = 8;
+const MIN_RECORD: usize = 8;
 
 /// A row of `curve.csv`.
 pub(crate) struct CurveRow<'a> {
@@ -167,7 +167,7 @@ pub(crate) fn in_run_bias_stability(unit: Curves, deviation: Deviation, minimum:
 
 /// The minimum of a curve up to an eighth of a record of `samples` samples.
 pub(crate) fn least(points: &[Point], samples: usize) -> Option<Minimum> {
-    minimum(&points[..points.partition_point(|point| SHORTEST_RECORD * point.m <= samples)])
+    minimum(&points[..points.partition_point(|point| MIN_RECORD * point.m <= samples)])
 }
 
 /// The minimum of a curve as a row of its coefficients. Where the curve still falls there, the row has no

@@ -3,7 +3,7 @@
 use crate::analysis::model::search::Tried;
 use crate::analysis::model::states::si;
 use crate::analysis::model::tables::figures;
-use crate::analysis::model::target::{LONGEST, NEAR};
+use crate::analysis::model::target::{MAX_TAU_PART, NEAR};
 use crate::analysis::model::{Aim, Analysis, Column};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::{Deviation, Unit};
@@ -196,7 +196,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 
 /// That a model covers longer averaging times than were asked for, because the curve has none there.
 fn widened(column: &Column, analysis: &Analysis) -> Option<String> {
-    let usual_s = column.target.length_s.map(|length_s| length_s / LONGEST);
+    let usual_s = column.target.length_s.map(|length_s| length_s / MAX_TAU_PART);
     let [_, to_s] = column.target.taus();
     let (asked_s, why) = match analysis.asked.to_s {
         Some(asked_s) => (asked_s, "which was asked for"),

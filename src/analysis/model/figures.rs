@@ -7,7 +7,7 @@ use sagnac_records::allan::{Deviation, Unit};
 use sagnac_report::chart::figure::{Axis, Figure, Law, LawLine, Part, Parts, Series, SeriesPoint};
 
 /// Most points of a curve that are marked.
-const MOST_POINTS: usize = 40;
+const MAX_POINTS: usize = 40;
 /// Points of a line between two points of the curve.
 const BETWEEN: u32 = 4;
 
@@ -64,7 +64,7 @@ fn figure(analysis: &Analysis, unit: Unit) -> Option<Figure> {
 
 fn series(colour: usize, column: &Column) -> Series {
     let points = &column.target.points;
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let shown = points.iter().step_by(step).map(|point| SeriesPoint {
         x: point.tau_s,
         y: point.value,

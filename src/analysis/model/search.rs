@@ -13,9 +13,9 @@ use sagnac_theory::allan::{Part, continuous};
 /// Correlation times that are tried in each decade of τ.
 pub const PER_DECADE: f64 = 6.0;
 /// Most Markov states.
-pub const MOST_STATES: usize = 3;
+pub const MAX_STATES: usize = 3;
 /// Most rows of a problem; of longer curves some points are left to the common factor at the end.
-const MOST_ROWS: usize = 48;
+const MAX_ROWS: usize = 48;
 
 /// Part of the excess to which a state has to lower it to be worth its place.
 const WORTH: f64 = 0.9;
@@ -23,7 +23,7 @@ const WORTH: f64 = 0.9;
 /// Factor for dips of a bound between two points of the curve.
 const BETWEEN: f64 = 1.0001;
 /// Least scale of a row, as a part of the variance of the curve.
-const LEAST_SCALE: f64 = 1e-9;
+const MIN_SCALE: f64 = 1e-9;
 
 /// A model with how it lies to its target.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +103,7 @@ pub(crate) fn find(target: &Target, asked: &Asked) -> Result<Found, ModelError> 
     let times = times(target.taus(), target.step_s);
     let mut tried: Vec<Tried> = Vec::new();
     let mut best: Option<(f64, Model)> = None;
-    for states in asked.states.map_or(0..=MOST_STATES, |states| states..=states) {
+    for states in asked.states.map_or(0..=MAX_STATES, |states| states..=states) {
         let found = problem.best(Allowed { walk: true, states, times: &times });
         let excess = found.as_ref().map(|model| problem.excess(model));
         tried.push(Tried { states, excess });
@@ -148,7 +148,7 @@ fn problem(target: &Target, bounds: &[f64], aim: Aim) -> Problem {
     };
     let scale = goal.iter().zip(points).map(|(goal, point)| {
         let width = square(point.upper) - square(point.lower);
-        goal.max(width).max(LEAST_SCALE * square(point.value))
+        goal.max(width).max(MIN_SCALE * square(point.value))
     });
     Problem {
         taus: points.iter().map(|point| point.tau_s).collect(),
@@ -176,7 +176,7 @@ pub(crate) fn times([from_s, to_s]: [f64; 2], step_s: Option<f64>) -> Vec<f64> {
 impl Problem {
     /// The best model with exactly this number of states; `None` where none is possible.
     pub(crate) fn best(&self, allowed: Allowed) -> Option<Model> {
-        let step = self.taus.len().div_ceil(MOST_ROWS).max(1);
+        let step = self.taus.len().div_ceil(MAX_ROWS).max(1);
         let mut rows: Vec<usize> = (0..self.taus.len()).step_by(step).collect();
         if rows.last() != Some(&(self.taus.len() - 1)) {
             rows.push(self.taus.len() - 1);
@@ -268,7 +268,7 @@ fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
         most: vec![f64::INFINITY; bounds.len()],
         ..problem(target, bounds, Aim::Describe)
     };
-    let nearest = open.best(Allowed { walk: true, states: MOST_STATES, times }).unwrap_or_default();
+    let nearest = open.best(Allowed { walk: true, states: MAX_STATES, times }).unwrap_or_default();
     let nearest = Model { quantization: quantization(target, Aim::Describe), ..nearest };
     let off = target.points.iter().map(|point| {
         let deviation = nearest.deviation(point.tau_s);
@@ -279,7 +279,7 @@ fn outside(target: &Target, bounds: &[f64], times: &[f64]) -> ModelError {
     let shown = |x: f64| significant(x, 4).into();
     ModelError::NotWithin {
         column: target.name.as_str().into(),
-        most: MOST_STATES,
+        most: MAX_STATES,
         from_s: shown(from_s),
         to_s: shown(to_s),
         tau_s: shown(tau_s),

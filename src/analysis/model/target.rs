@@ -11,7 +11,7 @@ use sagnac_records::allan::Unit;
 use sagnac_records::fit::Term;
 
 /// Inverse of the longest τ relative to a record, where none is given.
-pub(crate) const LONGEST: f64 = 10.0;
+pub(crate) const MAX_TAU_PART: f64 = 10.0;
 /// Relative error of a τ that is on the grid of the curve.
 pub(crate) const NEAR: f64 = 1e-9;
 
@@ -122,7 +122,7 @@ impl Target {
         };
         let (shortest_s, longest_s) = (first.tau_s, last.tau_s);
         let from_s = asked.from_s.unwrap_or(shortest_s);
-        let usual = self.length_s.map_or(longest_s, |length_s| (length_s / LONGEST).min(longest_s));
+        let usual = self.length_s.map_or(longest_s, |length_s| (length_s / MAX_TAU_PART).min(longest_s));
         let to_s = asked.to_s.unwrap_or(usual);
         if from_s >= to_s {
             return Err(ModelError::Order { from_s, to_s });

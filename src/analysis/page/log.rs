@@ -11,7 +11,7 @@ use crate::analysis::page::{chart, interval, range, shown, spectrum, stability};
 use crate::analysis::spectrum::{Analysis, NoSpectrum, notes as spectrum_notes, tables};
 use sagnac_base::quantity::number::{significant, with_unit};
 use sagnac_base::table::titled;
-use sagnac_records::allan::noise::LEAST_GROUPS;
+use sagnac_records::allan::noise::MIN_GROUPS;
 use sagnac_records::allan::{Point, Spread, Unit};
 use sagnac_records::fit::{Fit, Terms, Verdict};
 use sagnac_records::record::log::channel::Log;
@@ -109,7 +109,7 @@ fn of_curve(curve: &Curve, unit: Unit, percent: &str) -> Grid {
     let row = |point: &Point| {
         let kind = point.noise.map_or_else(String::new, |noise| {
             let carried =
-                if noise.carried { format!(", below {LEAST_GROUPS} averages") } else { String::new() };
+                if noise.carried { format!(", below {MIN_GROUPS} averages") } else { String::new() };
             format!("{} (α = {}){carried}", noise.name(unit), noise.alpha)
         });
         let [tau, terms] = [significant(point.tau_s, 7), point.terms.to_string()];

@@ -19,7 +19,7 @@ use sagnac_report::chart::picture::Picture;
 use sagnac_report::page::sections::{Block, Section};
 
 /// Most stretches of all records together, which leaves room for the other charts of a page, and of each record.
-const MOST_PARTS: [usize; 2] = [4000, 1000];
+const MAX_PARTS: [usize; 2] = [4000, 1000];
 
 /// A record to draw.
 pub(crate) struct Recorded<'a> {
@@ -121,7 +121,7 @@ pub(crate) fn charts(records: &[Recorded], called: &str) -> Vec<Block> {
             None => of_units.push(vec![(at, record)]),
         }
     }
-    let parts = (MOST_PARTS[0] / records.len().max(1)).clamp(2, MOST_PARTS[1]);
+    let parts = (MAX_PARTS[0] / records.len().max(1)).clamp(2, MAX_PARTS[1]);
     let of_unit = |alike| [of_samples(alike, called, parts), of_means(alike, called, parts / 2)];
     let drawn = of_units.iter().flat_map(|alike| of_unit(alike));
     let stem = |(at, drawn)| Block::Trace(Drawn { stem: format!("record-{}", at + 1), ..drawn });

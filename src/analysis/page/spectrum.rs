@@ -19,7 +19,7 @@ use sagnac_report::page::sections::{Block, Cell, Grid, Section};
 const PER_OCTAVE: f64 = 2.0;
 
 /// Most lines in the small table; `lines.csv` has all.
-const MOST_LINES: usize = 20;
+const MAX_LINES: usize = 20;
 
 pub(crate) fn section(analysis: &Analysis, without: Option<&NoSpectrum>) -> Section {
     let why = without
@@ -62,7 +62,7 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
         .collect();
     let count = all.len();
     all.sort_by(|a, b| b.1.over_floor.total_cmp(&a.1.over_floor));
-    all.truncate(MOST_LINES);
+    all.truncate(MAX_LINES);
     let row = |(column, line): &(&Column, &Line)| {
         let amplitude = in_unit(line.amplitude, column.unit.symbol(Deviation::Oadev));
         let (frequency, over) = (significant(line.frequency_hz, 6), significant(line.over_floor, 3));
@@ -76,8 +76,8 @@ fn lines(analysis: &Analysis) -> Vec<Block> {
                 "There is no line; noise alone shows one in {percent} % of records."
             ))];
         }
-        (count, _) if count > MOST_LINES => {
-            format!("These are the {MOST_LINES} highest of {count} lines; lines.csv has all.")
+        (count, _) if count > MAX_LINES => {
+            format!("These are the {MAX_LINES} highest of {count} lines; lines.csv has all.")
         }
         _ => format!("Noise alone shows a line in {percent} % of records."),
     };

@@ -15,7 +15,7 @@ use sagnac_engine::tally::share::Share;
 use sagnac_engine::tally::stats::NORMAL_95;
 
 /// Most points that are lowered and sampled together, whose tallies are held in memory.
-const MOST_POINTS: usize = 512;
+const MAX_POINTS: usize = 512;
 
 /// Evaluates the answer of a study at points.
 pub(crate) struct Evaluator<'a> {
@@ -51,7 +51,7 @@ impl Evaluator<'_> {
         };
         let of_points: Vec<usize> = points.iter().map(place_of).collect();
         let mut answers = Vec::with_capacity(different.len());
-        for some in different.chunks(MOST_POINTS) {
+        for some in different.chunks(MAX_POINTS) {
             answers.extend(self.of_some(some)?);
             self.progress.advance(some.len() as u64);
         }

@@ -134,7 +134,7 @@ const SAMPLES: [u64; 2] = [8192, 2048];
 const ALL_TRIALS_LOG2: u32 = 27;
 
 /// Fewest trials of an evaluation, below which a 99.73 % level has no interval.
-const FEWEST_TRIALS: u64 = 4096;
+const MIN_TRIALS: u64 = 4096;
 
 /// Part of the variance from which on the Monte Carlo error is reported.
 const REPORTED_NOISE: f64 = 0.01;
@@ -163,7 +163,7 @@ pub fn sensitivity(
     let (answer, rows, is_exact) = question(&study, asked)?;
     let samples = samples(asked.samples.unwrap_or(SAMPLES[usize::from(!is_exact)]));
     let evaluations = samples * (uncertain.len() as u64 + 2) + count(uncertain.len());
-    let usual = ((1 << ALL_TRIALS_LOG2) / evaluations).next_power_of_two().max(FEWEST_TRIALS);
+    let usual = ((1 << ALL_TRIALS_LOG2) / evaluations).next_power_of_two().max(MIN_TRIALS);
     study.trials = asked.trials.unwrap_or(usual);
     progress.start("evaluations", 0, evaluations);
     let by = answer.name.clone();

@@ -10,7 +10,7 @@ use crate::analysis::design::Found;
 use crate::analysis::jackknife::{PARTS, T_95, jackknife};
 
 /// Most samples of a part, which the sequence has.
-pub(crate) const MOST_OF_PART: u64 = 1 << 16;
+pub(crate) const MAX_OF_PART: u64 = 1 << 16;
 
 /// The indices of one input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +36,7 @@ pub(crate) struct Indices {
 
 /// The number of samples, at least `asked`, for which all parts have the same power of two.
 pub(crate) fn samples(asked: u64) -> u64 {
-    asked.div_ceil(PARTS).next_power_of_two().min(MOST_OF_PART) * PARTS
+    asked.div_ceil(PARTS).next_power_of_two().min(MAX_OF_PART) * PARTS
 }
 
 /// The indices of a function of numbers from 0 to 1, one for each of the `inputs`. `evaluate` gives its values at the

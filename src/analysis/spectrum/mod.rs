@@ -18,7 +18,7 @@ use crate::analysis::log::{self, Column, Treatment, temperatures};
 use sagnac_records::events::{Event, What};
 use sagnac_records::fit::Quantity;
 use sagnac_records::record::log::channel::{Channel, Log};
-use sagnac_records::spectrum::{Density, Floor, Line, MOST_USUAL, Point, SpectrumError, Welch, lines};
+use sagnac_records::spectrum::{Density, Floor, Line, MAX_USUAL, Point, SpectrumError, Welch, lines};
 use sagnac_theory::allan::{Part, Process, Term};
 
 /// Standard errors of a 95 % interval on each side.
@@ -129,7 +129,7 @@ impl Spectrum {
         if !are_events_removed && are(What::NoiseBurst).next().is_some() {
             // The few segments of a burst scatter by more than a density of so many segments does. The events have no line of coarse
             // pulses, and know a frequency to the spacing of usual segments.
-            let known = 3.0 * density.spacing_hz().max(1.0 / (MOST_USUAL as f64 * density.step_s));
+            let known = 3.0 * density.spacing_hz().max(1.0 / (MAX_USUAL as f64 * density.step_s));
             let is_near = |line: &Line, event: &Event| {
                 event
                     .frequency_hz

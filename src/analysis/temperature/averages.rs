@@ -4,11 +4,11 @@ use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::effect::Effect;
 
 /// Most blocks of a record.
-pub const MOST_BLOCKS: usize = 128;
+pub const MAX_BLOCKS: usize = 128;
 /// Fewest blocks with enough known samples.
-pub const LEAST_BLOCKS: usize = 20;
+pub const MIN_BLOCKS: usize = 20;
 /// Least share of the samples of a block that must be known.
-const LEAST_SHARE: f64 = 0.5;
+const MIN_SHARE: f64 = 0.5;
 
 /// Seconds of a minute and of a day, by which coefficients are quoted.
 const MINUTE_S: f64 = 60.0;
@@ -39,10 +39,10 @@ pub struct Averages {
 }
 
 impl Averages {
-    /// The averages of `rates`, NaN where one is missing; `None` where fewer than [`LEAST_BLOCKS`] blocks have both rates and
+    /// The averages of `rates`, NaN where one is missing; `None` where fewer than [`MIN_BLOCKS`] blocks have both rates and
     /// temperatures for at least half of their samples.
     pub fn of(rates: &[f64], course: &Course, step_s: f64) -> Option<Averages> {
-        let m = rates.len().div_ceil(MOST_BLOCKS).max(1);
+        let m = rates.len().div_ceil(MAX_BLOCKS).max(1);
         let known = |i: &usize| rates[*i].is_finite() && course.values[*i].is_finite();
         let samples = |place: usize| (place * m..(place + 1) * m).filter(known);
         let mean = |place: usize, x: &dyn Fn(usize) -> f64| {
@@ -50,8 +50,8 @@ impl Averages {
             sum / count
         };
         let share = |place: &usize| samples(*place).count() as f64 / m as f64;
-        let places: Vec<usize> = (0..rates.len() / m).filter(|place| share(place) >= LEAST_SHARE).collect();
-        if places.len() < LEAST_BLOCKS {
+        let places: Vec<usize> = (0..rates.len() / m).filter(|place| share(place) >= MIN_SHARE).collect();
+        if places.len() < MIN_BLOCKS {
             return None;
         }
         let each =

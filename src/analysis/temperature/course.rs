@@ -3,7 +3,7 @@
 /// Allowed distance of the smoothed temperature from the measured one, in errors of the sensor.
 const TOLERANCE: f64 = 1.05;
 /// Least error of a sensor, K.
-const LEAST_ERROR: f64 = 1e-9;
+const MIN_ERROR: f64 = 1e-9;
 /// Distance beyond which longer windows are not tried.
 const FAR: f64 = 3.0;
 /// Shares of the record that a window may take at most.
@@ -43,7 +43,7 @@ impl Course {
         let filled = filled(measured, bridged);
         let (error, is_coarse) = error(measured);
         // What conversion of units leaves is no error of the sensor.
-        let error = if error < LEAST_ERROR { 0.0 } else { error };
+        let error = if error < MIN_ERROR { 0.0 } else { error };
         let mut course = Course { values: vec![], slopes: slopes(&filled), half_window: 0, error, is_coarse };
         let mut half_window = 1;
         while error > 0.0 && WINDOWS * half_window <= measured.len() {

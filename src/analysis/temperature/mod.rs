@@ -17,7 +17,7 @@ pub mod tables;
 use std::borrow::Cow;
 
 use crate::analysis::log::{Treatment, model};
-use crate::analysis::temperature::averages::{Averages, LEAST_BLOCKS};
+use crate::analysis::temperature::averages::{Averages, MIN_BLOCKS};
 use crate::analysis::temperature::course::Course;
 use crate::analysis::temperature::effect::Effect;
 use crate::analysis::temperature::model::{Effects, Model};
@@ -28,7 +28,7 @@ use sagnac_records::record::log::measure::Data;
 
 /// Least standard deviation of the temperature of blocks, in errors of these means: below it, the errors of the sensor make
 /// a coefficient come out too small by more than a tenth.
-pub(crate) const LEAST_CHANGE: f64 = 3.0;
+pub(crate) const MIN_CHANGE: f64 = 3.0;
 
 /// The dependence of all columns of a log.
 #[derive(Debug, Clone)]
@@ -74,7 +74,7 @@ impl Temperature {
     /// The dependence of a log that was read with its temperature; nothing for a log without one.
     pub fn of(log: &Log, treatment: &Treatment, effects: &Effects) -> Option<Temperature> {
         let (_, measured) = log.temperature.as_ref()?;
-        let block = log.samples().div_ceil(averages::MOST_BLOCKS);
+        let block = log.samples().div_ceil(averages::MAX_BLOCKS);
         let course = Course::of(measured, block);
         let unknown = |x: &[f64]| x.iter().filter(|x| x.is_nan()).count();
         let missing = [unknown(measured), unknown(&course.values)];
@@ -154,11 +154,11 @@ fn dependence(
     }
     let averages = Averages::of(&rates, course, log.step_s).ok_or_else(|| {
         format!(
-            "fewer than {LEAST_BLOCKS} blocks of the record have both samples and temperatures: record longer, or give a \
+            "fewer than {MIN_BLOCKS} blocks of the record have both samples and temperatures: record longer, or give a \
              temperature for more of the samples"
         )
     })?;
-    let (changes, least) = (averages.scatter(), LEAST_CHANGE * course.error_of_mean(averages.m));
+    let (changes, least) = (averages.scatter(), MIN_CHANGE * course.error_of_mean(averages.m));
     let is_of_temperature =
         |effect: &Effect| matches!(effect, Effect::Temperature | Effect::Square | Effect::Change);
     // A constant temperature differs from its mean by rounding.

@@ -7,8 +7,8 @@ use sagnac_records::fit::regression::{Estimate, Posterior};
 use sagnac_theory::allan::Process;
 
 /// Shortest time of a warm-up in blocks, and longest as a share of the record; a slower one is nearly a straight line.
-const SHORTEST: f64 = 1.0;
-const LONGEST: f64 = 0.5;
+const MIN_TIME: f64 = 1.0;
+const MAX_TIME: f64 = 0.5;
 /// Share of the logarithmic range of times of a warm-up that the next pass searches, unless so many times of this pass lie
 /// within the 95 % interval, or the range is so narrow.
 const NARROWER: f64 = 0.3;
@@ -96,7 +96,7 @@ impl Model {
     /// A sentence that says why there is no model.
     pub fn of(averages: &Averages, asked: &Effects, fast: Option<&Process>) -> Result<Model, String> {
         let candidates = asked.candidates();
-        let mut ends = [SHORTEST * averages.step_s * averages.m as f64, LONGEST * averages.length_s()];
+        let mut ends = [MIN_TIME * averages.step_s * averages.m as f64, MAX_TIME * averages.length_s()];
         loop {
             let search = Search::new(averages, candidates, ends, fast)?;
             let choices = search.choices();

@@ -13,7 +13,7 @@ const TIMES: usize = 24;
 const LEARNT: usize = 6;
 /// Probability of the residual below which the noise does not describe it. With so few blocks it is below 1e-3 in one of two hundred
 /// records that are described.
-const LEAST_P: f64 = 1e-5;
+const MIN_P: f64 = 1e-5;
 /// Increase of χ² at the ends of a 95 % interval.
 const WITHIN_95: f64 = 3.84;
 
@@ -159,7 +159,7 @@ impl Search {
         let unsolved = || "its terms depend on each other".to_owned();
         let mixture = self.regression.posterior(&columns).ok_or_else(unsolved)?;
         let p_value = self.regression.p_value(&columns, &mixture).ok_or_else(unsolved)?;
-        let is_robust = p_value < LEAST_P;
+        let is_robust = p_value < MIN_P;
         let distribution = |columns: &[usize]| {
             let mixture = self.regression.posterior(columns)?;
             if is_robust { self.regression.robust(columns, &mixture) } else { Some(mixture) }

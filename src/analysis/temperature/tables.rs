@@ -11,7 +11,7 @@ use sagnac_records::fit::regression::Estimate;
 
 /// Steps of a compensation table, K, of which the least is taken that gives no more than so many rows.
 const STEPS: [f64; 7] = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0];
-const MOST_ROWS: f64 = 60.0;
+const MAX_ROWS: f64 = 60.0;
 
 /// A row of `temperature.csv`.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ impl Dependence {
     pub fn compensation(&self) -> Vec<(f64, Estimate)> {
         let [low, high] = self.averages.range_c;
         let wide = STEPS[STEPS.len() - 1];
-        let step = STEPS.into_iter().find(|step| (high - low) / step <= MOST_ROWS).unwrap_or(wide);
+        let step = STEPS.into_iter().find(|step| (high - low) / step <= MAX_ROWS).unwrap_or(wide);
         let (first, last) = (libm::ceil(low / step) as i64, libm::floor(high / step) as i64);
         // Whole steps are divided, so that 0.1 K gives 20.3 and not 20.299999999999997.
         let at = |i: i64| if step < 1.0 { i as f64 / libm::round(1.0 / step) } else { i as f64 * step };

@@ -19,7 +19,7 @@ use sagnac::tally::share::Share;
 use super::Outcome;
 
 /// Most points that are lowered.
-const MOST_POINTS: usize = 40;
+const MAX_POINTS: usize = 40;
 
 /// Trials that are sampled of a study that is accepted.
 const TRIALS: u64 = 2;
@@ -38,7 +38,7 @@ pub fn name() -> PathBuf {
 pub fn run(bytes: &[u8]) -> Vec<Outcome> {
     let outcome = match read(bytes) {
         // The time that it takes goes by the points, and is no surprise.
-        Ok(study) if points(&study) > MOST_POINTS => Ok(format!("{} of many points", study.kind().name)),
+        Ok(study) if points(&study) > MAX_POINTS => Ok(format!("{} of many points", study.kind().name)),
         Ok(study) => planned(&study),
         Err(error) => Err(error),
     };

@@ -7,7 +7,7 @@ use sagnac::kinds::KINDS;
 use toml::{Table, Value};
 
 use super::words::{self, NAMES};
-use crate::edits::LONGEST;
+use crate::edits::MAX_INPUT;
 
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]
@@ -124,7 +124,7 @@ fn apply_one(root: &mut Value, edit: &Edit, donors: &[Table]) {
         Edit::Repeat(index, times) => {
             if let Some(Value::Array(items)) = list_at(root, at(index)) {
                 // Repeats of repeats would know no bounds.
-                let times = (*times).min(LONGEST / format!("{items:?}").len());
+                let times = (*times).min(MAX_INPUT / format!("{items:?}").len());
                 *items = items.iter().cycle().take(items.len() * times.max(1)).cloned().collect();
             }
         }

@@ -24,7 +24,7 @@ pub const NAUTICAL_MILE: f64 = 1852.0;
 const METRE: f64 = 1.0 / STANDARD_GRAVITY;
 
 /// Longest expression read: far above any sensible unit, and a bound on the depth of the recursion.
-const LONGEST: usize = 64;
+const MAX_EXPRESSION: usize = 64;
 
 /// Powers of the base units ″, s, g and pulse, counted in halves so that roots stay whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,7 +144,7 @@ pub fn symbol(text: &str, size: Size) -> Option<&'static str> {
 /// A symbol is not a unit, or the text is not an expression.
 pub fn parse(text: &str) -> Result<Size, UnitError> {
     let malformed = || UnitError::Malformed(text.to_owned());
-    if text.chars().count() > LONGEST {
+    if text.chars().count() > MAX_EXPRESSION {
         return Err(malformed());
     }
     let mut parser = Parser { whole: text, rest: text };

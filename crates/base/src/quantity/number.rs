@@ -111,11 +111,11 @@ pub fn joined(number: &str, unit: &str) -> String {
 }
 
 /// Least probability that is stated; smaller ones belong to tails that no approximation describes.
-const LEAST_SAID: f64 = 1e-12;
+const MIN_SAID: f64 = 1e-12;
 
 /// Formats a probability as `p = 0.03` or `p < 1e-12`.
 pub fn probability(p: f64) -> String {
-    if p < LEAST_SAID { format!("p < {LEAST_SAID:e}") } else { format!("p = {}", significant(p, 2)) }
+    if p < MIN_SAID { format!("p < {MIN_SAID:e}") } else { format!("p = {}", significant(p, 2)) }
 }
 
 #[cfg(test)]

@@ -55,13 +55,13 @@ fn shown_as(sign: char) -> char {
 }
 
 /// Most characters of a cell of a table on a terminal.
-const MOST_CELL: usize = 200;
+const MAX_CELL: usize = 200;
 
 /// The beginning of a text that is too long for a cell; no terminal shows more, and Rust pads to at most 65,535 characters.
 pub fn in_cell(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(MOST_CELL) {
+    match text.char_indices().nth(MAX_CELL) {
         None => Cow::Borrowed(text),
-        Some(_) => Cow::Owned(text.chars().take(MOST_CELL - 1).chain(['…']).collect()),
+        Some(_) => Cow::Owned(text.chars().take(MAX_CELL - 1).chain(['…']).collect()),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::source::place::Place;
 use crate::source::setting::spelled;
 
 /// Most files of a folder that a help lists.
-const MOST_FILES: usize = 4;
+const MAX_FILES: usize = 4;
 
 /// The text of a study, or of a file that it names, with the name of that file.
 pub type Text = Arc<NamedSource<String>>;
@@ -115,16 +115,16 @@ pub struct StudyError {
 }
 
 /// Most characters of a text of an error, and of its end where it is longer: names may have any length.
-const LONGEST: usize = 2000;
+const MAX_TEXT: usize = 2000;
 const LAST: usize = 200;
 
 /// A text without its middle, where it is longer than an error may be.
 fn bounded(text: String) -> String {
     let count = text.chars().count();
-    if count <= LONGEST {
+    if count <= MAX_TEXT {
         return text;
     }
-    let first: String = text.chars().take(LONGEST - LAST).collect();
+    let first: String = text.chars().take(MAX_TEXT - LAST).collect();
     let last: String = text.chars().skip(count - LAST).collect();
     format!("{first} … {last}")
 }
@@ -168,10 +168,10 @@ impl StudyError {
         files.retain(|file| file.extension().is_some_and(|end| end == "toml") && file.is_file());
         files.sort();
         let named: Vec<String> =
-            files.iter().take(MOST_FILES).map(|file| file.display().to_string()).collect();
+            files.iter().take(MAX_FILES).map(|file| file.display().to_string()).collect();
         let help = match files.len() {
             0 => "give the path of a study file; `sagnac new gap-fill mine.toml` writes one".to_owned(),
-            count if count > MOST_FILES => {
+            count if count > MAX_FILES => {
                 format!("give one of its {count} files, such as {}", named.join(", "))
             }
             _ => format!("give one of its files: {}", named.join(", ")),
@@ -217,12 +217,12 @@ impl StudyError {
 }
 
 /// Most names that a help lists: more than the number of keys, but fewer than the columns that a file may have.
-const MOST_CHOICES: usize = 200;
+const MAX_CHOICES: usize = 200;
 
 /// Help for a wrong name, with the nearest of `known` if one is near, and all of them.
 pub fn choices(found: &str, known: &[&str]) -> String {
-    let more = if known.len() > MOST_CHOICES { ", …" } else { "" };
-    let accepted = format!("accepted: {}{more}", known[..known.len().min(MOST_CHOICES)].join(", "));
+    let more = if known.len() > MAX_CHOICES { ", …" } else { "" };
+    let accepted = format!("accepted: {}{more}", known[..known.len().min(MAX_CHOICES)].join(", "));
     match nearest(found, known) {
         Some(name) => format!("did you mean `{name}`? {accepted}"),
         None => accepted,
@@ -231,20 +231,20 @@ pub fn choices(found: &str, known: &[&str]) -> String {
 
 /// Longest name whose nearest match is computed, which takes time and memory in proportion to the product of two
 /// lengths.
-const LONGEST_SLIP: usize = 100;
+const MAX_SLIP: usize = 100;
 
 /// Fewest letters that count as the beginning of a name.
-const LEAST_BEGINNING: usize = 3;
+const MIN_BEGINNING: usize = 3;
 
 /// The most similar name to `found`, if one is close enough: one with a typing error, without its prefix, or cut short.
 pub fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
-    if found.len() > LONGEST_SLIP {
+    if found.len() > MAX_SLIP {
         return None;
     }
     let likeness = |name: &str| {
         let bare = name.rsplit('.').next().unwrap_or(name);
         let whole = strsim::normalized_damerau_levenshtein(found, name);
-        let begun = found.len() >= LEAST_BEGINNING && (bare.starts_with(found) || name.starts_with(found));
+        let begun = found.len() >= MIN_BEGINNING && (bare.starts_with(found) || name.starts_with(found));
         whole.max(strsim::normalized_damerau_levenshtein(found, bare)).max(if begun { 0.5 } else { 0.0 })
     };
     // Of several equally near names, the first.

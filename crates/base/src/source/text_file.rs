@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Largest size of a study or of a noise file, in bytes. The parser of TOML takes up to 100 bytes for each of them.
-pub const MOST_TOML: u64 = 4 << 20;
+pub const MAX_TOML: u64 = 4 << 20;
 
 /// Largest size of a record in bytes, 2^28, which is read and refused in less than 1 GiB of memory.
-pub const MOST_RECORD: u64 = 1 << 28;
+pub const MAX_RECORD: u64 = 1 << 28;
 
 /// The folders of the numbers of files that a shell has opened for the program, as for `<(command)`.
 const INHERITED: [&str; 3] = ["/dev/fd", "/proc/self/fd", "/proc/thread-self/fd"];
@@ -133,21 +133,21 @@ impl Files {
     /// The text of a file.
     ///
     /// # Errors
-    /// It fails where [`read_text`] does, and where all files together have [`MOST_RECORD`] bytes or more.
+    /// It fails where [`read_text`] does, and where all files together have [`MAX_RECORD`] bytes or more.
     pub fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
         let path = self.path(name);
         if let Some(known) = self.read.borrow().get(&path) {
             return Ok(known.clone());
         }
         let before: u64 = self.read.borrow().values().map(|text| text.len() as u64).sum();
-        let left = MOST_RECORD.saturating_sub(before);
+        let left = MAX_RECORD.saturating_sub(before);
         let text: Arc<str> = read_text(&path, most.min(left))
             .map_err(|error| match error.kind() {
                 ErrorKind::FileTooLarge if left < most => Error::new(
                     ErrorKind::FileTooLarge,
                     format!(
                         "with it, the files of the study have more than {} MiB; split the study",
-                        MOST_RECORD >> 20
+                        MAX_RECORD >> 20
                     ),
                 ),
                 _ => error,
@@ -179,15 +179,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for name in ["a", "b", "c"] {
             let file = File::create(folder.path().join(name)).unwrap();
-            file.set_len(if name == "c" { 1 << 10 } else { MOST_RECORD / 2 }).unwrap();
+            file.set_len(if name == "c" { 1 << 10 } else { MAX_RECORD / 2 }).unwrap();
         }
         let files = Files::of(folder.path());
-        files.text("a", MOST_RECORD).unwrap();
-        let refused = files.text("b", MOST_RECORD).unwrap_err().to_string();
+        files.text("a", MAX_RECORD).unwrap();
+        let refused = files.text("b", MAX_RECORD).unwrap_err().to_string();
         assert!(refused.contains("the files of the study have more than 256 MiB"), "{refused}");
-        files.text("c", MOST_RECORD).unwrap();
+        files.text("c", MAX_RECORD).unwrap();
         // Each counts once.
-        files.text("a", MOST_RECORD).unwrap();
+        files.text("a", MAX_RECORD).unwrap();
     }
 
     #[cfg(target_os = "linux")]

@@ -12,7 +12,7 @@ use crate::table::Cell;
 const FEW_ROWS: usize = 4096;
 
 /// Most different cells of a column that is stored by them.
-const MOST_VALUES: usize = 4096;
+const MAX_VALUES: usize = 4096;
 
 /// The cells of a column, in the order of the rows.
 ///
@@ -164,7 +164,7 @@ impl Places {
     /// The place of a cell among the values, to which it is added if it is new; `None` where they are full.
     fn of(&mut self, cell: &Cell, values: &mut Vec<Cell>) -> Option<u16> {
         self.get(cell).or_else(|| {
-            let new = u16::try_from(values.len()).ok().filter(|_| values.len() < MOST_VALUES)?;
+            let new = u16::try_from(values.len()).ok().filter(|_| values.len() < MAX_VALUES)?;
             self.insert(cell, new);
             values.push(cell.clone());
             Some(new)
@@ -293,8 +293,8 @@ mod tests {
         for (rows, values, expected) in [
             (FEW_ROWS, 5, "each"),
             (FEW_ROWS + 1, 5, "coded"),
-            (rows, MOST_VALUES, "coded"),
-            (rows, MOST_VALUES + 1, "each"),
+            (rows, MAX_VALUES, "coded"),
+            (rows, MAX_VALUES + 1, "each"),
         ] {
             let all: Vec<Cell> = (0..rows).map(|row| of(row, values)).collect();
             let cells: Cells = all.iter().cloned().collect();

@@ -6,7 +6,7 @@ use crate::quantity::visible::in_cell;
 use crate::table::{Column, ColumnError, Table};
 
 /// Most rows of a table that are shown; of longer ones every second, third, … row, and those that are the best of a curve.
-const MOST_ROWS: usize = 48;
+const MAX_ROWS: usize = 48;
 
 /// Significant digits of a number: as few as distinguish it from its neighbours.
 const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
@@ -47,7 +47,7 @@ pub fn pivot(
     across.retain(|names| std::mem::take(&mut first) || names.differ());
     let (line_of, lines) = combinations(&across, rows.len());
     let (curve_of, columns) = combinations(&curves, rows.len());
-    let least = lines.len().div_ceil(MOST_ROWS).max(1);
+    let least = lines.len().div_ceil(MAX_ROWS).max(1);
     // A step that shares no factor with a faster sweep does not show the same of its values repeatedly.
     let inner = || across.iter().skip(1).map(|names| names.texts.len());
     let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
@@ -148,7 +148,7 @@ fn gcd(a: usize, b: usize) -> usize {
 }
 
 /// Width beyond which headings are broken if no terminal has a known width.
-const USUAL_MOST: usize = 100;
+const USUAL_MAX: usize = 100;
 
 /// Rows of cells, flush right, with every column as wide as its widest cell. Beyond `limit` columns, headings are broken into
 /// lines, and columns that do not fit continue below the others, with the first column repeated. Without a limit, headings of wide
@@ -170,7 +170,7 @@ fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let Some((heading, body)) = rows.split_first() else {
         return String::new();
     };
-    if width_of(&widths, &all) <= limit.unwrap_or(USUAL_MOST) {
+    if width_of(&widths, &all) <= limit.unwrap_or(USUAL_MAX) {
         return part(rows, &all, &widths);
     }
     let word = |cell: &String| words(cell).iter().map(|word| word.chars().count()).max().unwrap_or(0);

@@ -169,7 +169,7 @@ fn shows(table: &Table, x: &Named, y: &Named, beside: &[Named], known: Known) ->
 }
 
 /// Most columns shown at once.
-const MOST_COLUMNS: usize = 8;
+const MAX_COLUMNS: usize = 8;
 
 /// Reads the column y, and the further columns where y is a list.
 fn estimates(y: Given) -> Result<(Named, Vec<Named>), Fault> {
@@ -178,12 +178,12 @@ fn estimates(y: Given) -> Result<(Named, Vec<Named>), Fault> {
     }
     let mut names = y.items().into_iter().map(Named::from);
     let count = names.len();
-    if let (Some(first), 2..=MOST_COLUMNS) = (names.next(), count) {
+    if let (Some(first), 2..=MAX_COLUMNS) = (names.next(), count) {
         return Ok((first, names.collect()));
     }
     let label = if count < 2 { "too few for a list" } else { "too many columns" };
     let help = format!(
-        "accepted: the name of a column, or a list of names as in [\"bound\", \"mean_drift\"], 2 to {MOST_COLUMNS}"
+        "accepted: the name of a column, or a list of names as in [\"bound\", \"mean_drift\"], 2 to {MAX_COLUMNS}"
     );
     Err(y.fault(format!("chart.y lists {count} columns"), label, help))
 }

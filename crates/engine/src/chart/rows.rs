@@ -15,7 +15,7 @@ use sagnac_base::table::{self, About, Cell, Cells, Column, ColumnError, Unit};
 const TIMES: Holds = unlimited(&[Dimension::Time]);
 
 /// Most values of a sweep that a message lists.
-const MOST_LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// The columns of a table that are known before anything is sampled: the swept keys, and those of its ground.
 #[derive(Clone, Copy)]
@@ -107,8 +107,8 @@ fn swept_value<'s>(sweep: &'s Sweep, given: Given) -> Result<&'s Swept, Fault> {
     let is_meant =
         |value: &&Swept| value.unit() == wanted.unit() && value.cell().text() == wanted.cell().text();
     sweep.values.iter().find(is_meant).ok_or_else(|| {
-        let listed: Vec<String> = sweep.values.iter().take(MOST_LISTED).map(Swept::to_string).collect();
-        let more = if sweep.values.len() > MOST_LISTED { ", …" } else { "" };
+        let listed: Vec<String> = sweep.values.iter().take(MAX_LISTED).map(Swept::to_string).collect();
+        let more = if sweep.values.len() > MAX_LISTED { ", …" } else { "" };
         let message = format!("no point has {} = {wanted}", sweep.key.name);
         let help = format!("accepted: {}{more}", listed.join(", "));
         given.fault(message, "not among the swept values", help)

@@ -39,7 +39,7 @@ const NEWEST: f64 = 0.5;
 const DEALT: f64 = 0.75;
 
 /// Least part of all work that is dealt out at its rates, so that a member takes few parts.
-const LEAST: f64 = 1.0 / 16.0;
+const MIN_DEALT: f64 = 1.0 / 16.0;
 
 /// A part of some work, the attempts at it and its results.
 struct Part<'a, T> {
@@ -163,7 +163,7 @@ impl Group {
             let take = |member: &Member| {
                 let end = |start: u64| {
                     let rest = total - start;
-                    let dealt = (DEALT * rest as f64).max(LEAST * total as f64);
+                    let dealt = (DEALT * rest as f64).max(MIN_DEALT * total as f64);
                     let part = ((dealt * member.rate / rates) as u64).max(1);
                     start + part.next_multiple_of(multiple(&member.device)).min(rest)
                 };

@@ -19,7 +19,7 @@ words! {
 }
 
 /// Longest gap, ticks.
-pub(crate) const LONGEST_GAP: i64 = FARTHEST;
+pub(crate) const MAX_GAP: i64 = FARTHEST;
 
 const LIST: Holds = Holds::List(&Holds::Any);
 
@@ -29,7 +29,7 @@ keys! {
     /// The mode switch, and the fillers of the lost ticks.
     pub SWITCHING = "switching", "", Fixed, Holds::Table, "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]";
     /// Number n of lost ticks; they are numbered 1 … n.
-    pub GAP_TICKS = "switching.gap_ticks", "lost ticks n", Condition, Holds::Whole(1, LONGEST_GAP), "gap_ticks = 3";
+    pub GAP_TICKS = "switching.gap_ticks", "lost ticks n", Condition, Holds::Whole(1, MAX_GAP), "gap_ticks = 3";
     /// Ticks to which the residual is fitted; -1, 0, n+1, n+2 if absent. A tick is a number or "n+1"; "-7..0" is a
     /// range of ticks.
     pub FIT_TICKS = "switching.fit_ticks", "", Fixed, LIST, r#"fit_ticks = [-1, 0, "n+1", "n+2"]"#;

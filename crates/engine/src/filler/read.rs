@@ -36,7 +36,7 @@ pub(crate) enum Extrapolation {
 }
 
 /// Most fillers of a study.
-const MOST_FILLERS: usize = 1000;
+const MAX_FILLERS: usize = 1000;
 
 /// Reads the fillers; those of least variance without a band are designed for the specification, if there is one.
 pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> Result<Vec<Written>, Fault> {
@@ -45,8 +45,8 @@ pub(crate) fn read(list: Given, specification: Option<&Arc<Specification>>) -> R
         return Err(list.fault(message, "no filler", choices("", LISTED)));
     }
     let count = list.items().len();
-    if count > MOST_FILLERS {
-        let help = format!("accepted: up to {MOST_FILLERS}; `sagnac design` searches fillers by itself");
+    if count > MAX_FILLERS {
+        let help = format!("accepted: up to {MAX_FILLERS}; `sagnac design` searches fillers by itself");
         return Err(list.fault(format!("switching.fillers lists {count} fillers"), "too many", help));
     }
     let mut fillers: Vec<Written> = Vec::new();
@@ -148,11 +148,11 @@ fn weight(given: Given) -> Result<f64, Fault> {
         }
     };
     let value = if given.is_text() { fraction(given.text()) } else { given.number() };
-    value.filter(|x| x.abs() <= MOST_WEIGHT).ok_or_else(|| {
-        let help = format!("accepted: numbers up to {MOST_WEIGHT} such as -1.5, fractions such as \"5/2\"");
+    value.filter(|x| x.abs() <= MAX_WEIGHT).ok_or_else(|| {
+        let help = format!("accepted: numbers up to {MAX_WEIGHT} such as -1.5, fractions such as \"5/2\"");
         given.fault(format!("{given} is not a weight"), "not a weight", help)
     })
 }
 
 /// Largest weight.
-const MOST_WEIGHT: f64 = 1e6;
+const MAX_WEIGHT: f64 = 1e6;

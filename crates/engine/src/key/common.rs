@@ -14,7 +14,7 @@ words! {
 }
 
 /// Most trials at one point, 2^40.
-pub const MOST_TRIALS: u64 = 1 << 40;
+pub const MAX_TRIALS: u64 = 1 << 40;
 
 keys! {
     /// The keys at the top of every study.
@@ -29,7 +29,7 @@ keys! {
     pub SEED = "seed", "", Fixed, Holds::Whole(0, i64::MAX), "seed = 1";
     /// Monte Carlo trials at each point. If absent, 1 000 000; for kind = "switched-run" 100 000 runs, for kind =
     /// "allan" 1000 records, and for kind = "navigation" 1000 navigators. Kinds in closed form do not use it.
-    pub TRIALS = "trials", "", Fixed, Holds::Whole(1, MOST_TRIALS as i64), "trials = 1_000_000";
+    pub TRIALS = "trials", "", Fixed, Holds::Whole(1, MAX_TRIALS as i64), "trials = 1_000_000";
     /// Requirement of the study, above 0, which its answer must stay within: an error as an angle, "10 arcsec", of a
     /// position as a distance, "1 nmi"; a drift or an Allan deviation as a rate, "0.01 deg/h"; the error of a coefficient as
     /// a percentage, "10 %". Charts of that estimate that have no limit of their own take it, and a chart that the study

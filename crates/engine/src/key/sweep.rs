@@ -42,12 +42,12 @@ keys! {
     LOG_POINTS = "sweep.log.points", "", Fixed, POINTS, "points = 24", required;
 }
 
-const POINTS: Holds = Holds::Whole(1, MOST_VALUES as i64);
+const POINTS: Holds = Holds::Whole(1, MAX_VALUES as i64);
 
 /// Largest number of values of one sweep.
-const MOST_VALUES: usize = 10_000;
+const MAX_VALUES: usize = 10_000;
 /// Largest number of points of a study.
-const MOST_POINTS: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 /// A swept key with its values.
 #[derive(Debug, Clone)]
@@ -91,8 +91,8 @@ pub(crate) fn read_all(
         }
         // Both factors are bounded, so the product fits.
         points *= sweep.values.len();
-        if points > MOST_POINTS {
-            let message = format!("the sweeps multiply to {points} points, more than {MOST_POINTS}");
+        if points > MAX_POINTS {
+            let message = format!("the sweeps multiply to {points} points, more than {MAX_POINTS}");
             return Err(Fault::new(sweep.span, message, "too many from here on", "sweep fewer values"));
         }
         sweeps.push(sweep);
@@ -272,7 +272,7 @@ impl Written<'_> {
             |message: String, label| Err(list.fault(message, label, "give one value or more, 10000 at most"));
         match list.items().len() {
             0 => fault(format!("the sweep over {} is empty", self.key.name), "no values"),
-            count if count > MOST_VALUES => {
+            count if count > MAX_VALUES => {
                 fault(format!("the sweep over {} has {count} values", self.key.name), "too many values")
             }
             _ => Ok(()),

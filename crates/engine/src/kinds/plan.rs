@@ -111,7 +111,7 @@ pub(crate) struct PointsPlan<'a, S, L> {
 const LOWERED_AT_ONCE: usize = 1024;
 
 /// log2 of the number of trials after which the stop rule first decides.
-const FEWEST_LOG2: u32 = 10;
+const MIN_LOG2: u32 = 10;
 
 impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     /// Lowers every point. `P` is a point before it is lowered, and `swept` gives its values of the swept keys. `None` if
@@ -158,7 +158,7 @@ impl<'a, S, L: Launched> PointsPlan<'a, S, L> {
     fn first_wanted(&self, share: Share) -> Vec<u64> {
         let most = self.points.iter().map(|point| point.trials(self.study.trials));
         // Before that many trials, a standard error is too inaccurate to decide on.
-        let first = |most: u64| most.min(1 << base_log2(most).max(FEWEST_LOG2));
+        let first = |most: u64| most.min(1 << base_log2(most).max(MIN_LOG2));
         most.map(|most| if self.decides(share) { first(most) } else { most }).collect()
     }
 

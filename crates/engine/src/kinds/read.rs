@@ -28,10 +28,10 @@ use crate::key::sweep::{Sweep, read_all as read_sweeps};
 use crate::key::table::Table;
 use crate::kinds::keys::checked;
 use crate::study::kept::{self, Written};
-use crate::study::{MOST_BYTES, Study};
+use crate::study::{MAX_BYTES, Study};
 use sagnac_base::quantity::units::Quantity;
 use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};
-use sagnac_base::source::text_file::{Files, MOST_TOML, read_text};
+use sagnac_base::source::text_file::{Files, MAX_TOML, read_text};
 
 impl Study {
     /// Reads the study file at `path`.
@@ -39,7 +39,7 @@ impl Study {
     /// # Errors
     /// The file cannot be read, or [`Study::parse`] fails.
     pub fn read(path: &Path) -> Result<Study, StudyError> {
-        let text = read_text(path, MOST_TOML).map_err(|error| {
+        let text = read_text(path, MAX_TOML).map_err(|error| {
             if path.is_dir() {
                 return StudyError::of_folder(path);
             }
@@ -96,7 +96,7 @@ impl Study {
         let subject = (kind.read)(&mut reading)?;
         let Reading { mut places, notes, precision, .. } = reading;
         let bytes = subject.bytes();
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             let span = sweeps.first().map_or_else(|| table.span_of(&KIND), |sweep| Some(sweep.span.clone()));
             let message =
                 format!("the points of this study and their tables take {} MiB of memory", bytes >> 20);

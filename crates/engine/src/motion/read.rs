@@ -16,7 +16,7 @@ use crate::motion::vibration::{self, Acceleration, Vibration};
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac_base::quantity::units::{Dimension, Quantity};
 use sagnac_base::source::diagnose::{Fault, Wrong};
-use sagnac_base::source::text_file::MOST_RECORD;
+use sagnac_base::source::text_file::MAX_RECORD;
 use sagnac_kernel::gap_fill::shape::MAX_TONES;
 use sagnac_records::record::Record;
 use sagnac_theory::minimum_variance::Band;
@@ -172,7 +172,7 @@ fn gaussian(table: Given, reading: &Reading) -> Result<Gaussian, Fault> {
 fn read_profile(reading: &Reading) -> Result<Profile, Wrong> {
     let file = reading.table.needed(&PROFILE_FILE)?;
     let path = reading.files.path(file.text());
-    let text = reading.files.text(file.text(), MOST_RECORD).map_err(|error| {
+    let text = reading.files.text(file.text(), MAX_RECORD).map_err(|error| {
         let message = format!("cannot read the record {}: {error}", path.display());
         let help = "give the path, from the folder of the study, of a record (CSV, UTF-8) with the columns \
                     `time [s]` and `rate [deg/s]`";

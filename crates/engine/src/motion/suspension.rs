@@ -12,7 +12,7 @@ use sagnac_base::source::diagnose::{Fault, choices};
 use sagnac_theory::suspension::{Mode, NAMES, Suspension};
 
 /// Most modes of a suspension.
-const MOST_MODES: usize = 16;
+const MAX_MODES: usize = 16;
 
 /// The gyros whose suspensions are known.
 pub(crate) const GYROS: Holds = Holds::Name(&NAMES);
@@ -79,10 +79,10 @@ impl SuspensionKeys {
     fn read_modes(&self, modes: Given) -> Result<Vec<Mode>, Fault> {
         let items = modes.items();
         let count = items.len();
-        if !(1..=MOST_MODES).contains(&count) {
+        if !(1..=MAX_MODES).contains(&count) {
             let message = format!("{} has {count} modes", self.modes.name);
             let label = if count == 0 { "no modes" } else { "too many modes" };
-            return Err(modes.fault(message, label, format!("accepted: 1 to {MOST_MODES} modes")));
+            return Err(modes.fault(message, label, format!("accepted: 1 to {MAX_MODES} modes")));
         }
         let mode = |table| {
             let value = |key| crate::key::table::Table::needed(&table, key)?.quantity().map(|q| q.value);

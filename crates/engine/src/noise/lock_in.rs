@@ -4,12 +4,12 @@ use crate::key::places::Places;
 use crate::noise::keys::FILE;
 use sagnac_base::quantity::number::significant;
 use sagnac_base::source::diagnose::Fault;
-use sagnac_theory::lock_in::{self, LEAST_SPREAD, Premise, dither_rate};
+use sagnac_theory::lock_in::{self, MIN_SPREAD, Premise, dither_rate};
 
 /// °/√h of 1 ″/√s.
 const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
 /// Least amplitude of the dither, in radians of the beat phase, for which the closed form is taken at all.
-const LEAST_AMPLITUDE: f64 = 1.0;
+const MIN_AMPLITUDE: f64 = 1.0;
 
 /// A gyro whose lock-in becomes angle random walk, as its dither is randomized.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -55,7 +55,7 @@ impl LockIn {
             let names = ["noise.lock_in.threshold", "noise.lock_in", FILE.name, "noise"];
             return places.refuse(&names, message, "locked", help);
         }
-        if gyro.amplitude() < LEAST_AMPLITUDE {
+        if gyro.amplitude() < MIN_AMPLITUDE {
             let message = format!("noise.lock_in: the dither turns the beat phase by only {theta} rad");
             let help = "the closed form of N needs 1 rad or more, dither rate / (frequency · scale factor); raise \
                         dither_amplitude, or sample the gyro in a study of kind = \"lock-in\"";
@@ -73,7 +73,7 @@ pub(crate) fn note(gyros: impl Iterator<Item = (LockIn, f64)>) -> Option<String>
     for (lock_in, rate) in gyros {
         let gyro = lock_in.gyro();
         walks.push(DEG_PER_SQRT_H * gyro.angle_random_walk());
-        spreads.push(100.0 * LEAST_SPREAD / gyro.amplitude());
+        spreads.push(100.0 * MIN_SPREAD / gyro.amplitude());
         // The studies do not say how their dither is randomized: the note states what is presumed.
         for premise in gyro.failing_premises(f64::INFINITY, rate) {
             if !failing.contains(&premise) {

@@ -132,7 +132,7 @@ impl Noise {
     ///
     /// Records too long for the octaves of flicker get the largest number; they are refused elsewhere.
     pub fn process(&self, sample_s: f64, samples: u64) -> Process {
-        let octaves = holds::octaves(samples).unwrap_or(holds::MOST_OCTAVES);
+        let octaves = holds::octaves(samples).unwrap_or(holds::MAX_OCTAVES);
         let there = Term::EVERY.into_iter().filter_map(|term| {
             let [size, shape] = self.of(term);
             let shape = if term.has_shape() { shape } else { 1.0 };

@@ -15,7 +15,7 @@ use crate::noise::Noise;
 use crate::noise::keys::{FILE, KEYS, LOCK_IN, NOISE, SETTINGS, SWITCHING};
 use sagnac_base::quantity::units::Quantity;
 use sagnac_base::source::diagnose::{Fault, StudyError, Text, Wrong};
-use sagnac_base::source::text_file::{Files, MOST_TOML, read_text};
+use sagnac_base::source::text_file::{Files, MAX_TOML, read_text};
 
 /// The noise of a table, with the settings written in addition to a file.
 pub(crate) struct WrittenNoise {
@@ -46,7 +46,7 @@ pub(crate) fn read_file(
     files: &Files,
 ) -> Result<(Noise, Vec<String>), Wrong> {
     let path = files.path(name);
-    let text = files.text(name, MOST_TOML).map_err(|error| {
+    let text = files.text(name, MAX_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());
         let help = "give the path of a noise.toml, relative to the folder of the study; `sagnac allan` writes such files from records";
         Fault::new(span, message, "named here", help)
@@ -61,7 +61,7 @@ impl Noise {
     /// # Errors
     /// The file cannot be read, or is no noise.
     pub fn read(path: &Path) -> Result<(Noise, String), StudyError> {
-        let text = read_text(path, MOST_TOML).map_err(|error| {
+        let text = read_text(path, MAX_TOML).map_err(|error| {
             let help = "give the path of a noise.toml, as `sagnac allan` writes it from a record";
             StudyError::unreadable("the noise", path, &error, help)
         })?;

@@ -49,14 +49,14 @@ impl<'a> Work<'a> {
 }
 
 /// Most jobs in a batch, whose tallies of some 30 KiB each are held in memory together.
-const MOST_JOBS: usize = 1024;
+const MAX_JOBS: usize = 1024;
 
 /// Target duration of a batch in seconds, after which results are on disk.
 pub(crate) const BATCH_SECONDS: f64 = 0.3;
 
 /// log2 of the most steps of a block. Losing a block with its batch, or waiting for it after a signal, then costs
 /// seconds at most.
-const MOST_STEPS_LOG2: u32 = 30;
+const MAX_STEPS_LOG2: u32 = 30;
 
 /// The blocks of at most 2^`log2` trials that some estimates lack within these `trials`.
 pub(crate) fn lacking(
@@ -119,7 +119,7 @@ pub(crate) fn sample(
     let mut rest: Vec<Piece> = work
         .iter()
         .flat_map(|work| {
-            let log2 = MOST_STEPS_LOG2.saturating_sub(work.steps.ilog2());
+            let log2 = MAX_STEPS_LOG2.saturating_sub(work.steps.ilog2());
             let blocks = work.blocks.iter().flat_map(move |block| cover(block.first..block.end(), log2));
             blocks.map(move |block| (work, block))
         })
@@ -188,7 +188,7 @@ impl Launches {
         let mut missing = HashSet::new();
         let is_new = |work: &&Work| !self.made.contains_key(&place(work)) && missing.insert(place(work));
         let new: Vec<&Work> = batch.iter().map(|(work, _)| *work).filter(is_new).collect();
-        if self.made.len() + new.len() > MOST_JOBS {
+        if self.made.len() + new.len() > MAX_JOBS {
             let needed: HashSet<usize> = batch.iter().map(|(work, _)| place(work)).collect();
             self.made.retain(|work, _| needed.contains(work));
         }
@@ -220,7 +220,7 @@ fn interleave(rest: &mut Vec<Piece>) {
 fn take_batch<'a>(rest: &mut Vec<Piece<'a>>, steps: u64) -> Vec<Piece<'a>> {
     let of = |(work, block): &Piece| block.trials() * work.steps;
     let (mut batch, mut taken) = (Vec::new(), 0);
-    while batch.len() < MOST_JOBS
+    while batch.len() < MAX_JOBS
         && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)
     {
         taken += of(&next);

@@ -14,7 +14,7 @@ use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::width::Width;
 
 /// Number of times that a lost device is opened again; one lost in batch after batch is unusable.
-const MOST_LOSSES: u32 = 3;
+const MAX_LOSSES: u32 = 3;
 
 /// A device whose failures do not end a run.
 ///
@@ -200,7 +200,7 @@ impl Notes<'_> {
                     }
                     was_short = true;
                 }
-                GpuError::Lost(why) if !was_lost && gpu.losses < MOST_LOSSES => {
+                GpuError::Lost(why) if !was_lost && gpu.losses < MAX_LOSSES => {
                     was_lost = true;
                     gpu.losses += 1;
                     let again = reopen(gpu).map_err(|error| {

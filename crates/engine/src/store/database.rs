@@ -36,10 +36,10 @@ static SESSIONS: AtomicU64 = AtomicU64::new(0);
 
 /// Most bytes of a row, or of a text, that SQLite reads into memory. Rows have kilobytes, those of a million records some
 /// tens of megabytes; a database of a stranger may claim gigabytes of zeros.
-const MOST_BYTES: i32 = 256 << 20;
+const MAX_BYTES: i32 = 256 << 20;
 
 /// Most KiB of pages that stay in memory.
-const MOST_CACHED_KIB: u32 = 64 << 10;
+const MAX_CACHED_KIB: u32 = 64 << 10;
 
 /// Prefix of a share among the keys of the study.
 const SHARE: &str = "share ";
@@ -72,7 +72,7 @@ impl Database {
 
     pub(crate) fn of(path: PathBuf, connection: Connection, lock: Option<Arc<Lock>>) -> Database {
         // It fails only for a negative limit.
-        let _ = connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MOST_BYTES);
+        let _ = connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_BYTES);
         let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
         let session = Id::of(&format!("{}{count}{:?}", own_name(), SystemTime::now()));
         Database { file: file_of(&path), path, connection, _lock: lock, session }
@@ -127,7 +127,7 @@ impl Database {
     pub(crate) fn sound(&self) -> Result<(), StoreError> {
         self.claimed()?;
         // Pages are read by both checks, for the index and for the tables, and stay in memory as far as they fit.
-        self.execute_batch(&format!("PRAGMA cache_size = -{MOST_CACHED_KIB};"))?;
+        self.execute_batch(&format!("PRAGMA cache_size = -{MAX_CACHED_KIB};"))?;
         self.structure("quick_check")?;
         self.all_sound()?;
         self.sessions().map(drop)

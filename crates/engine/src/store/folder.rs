@@ -31,22 +31,22 @@ const HEAD: &str = "files that sagnac wrote here, with the SHA-256 of each";
 const PARTIAL: &str = ".sagnac_partial";
 
 /// Largest list that is read, and longest name in it, in bytes.
-const MOST_LIST: u64 = 64 << 20;
-const MOST_NAME: usize = 1 << 10;
+const MAX_LIST: u64 = 64 << 20;
+const MAX_NAME: usize = 1 << 10;
 
 /// Longest name of a file that file systems take, in bytes.
-const MOST_COMPONENT: usize = 255;
+const MAX_COMPONENT: usize = 255;
 
 /// Length of the beginning of a page in which its marks are sought, in bytes.
-const MOST_BEGINNING: u64 = 1 << 18;
+const MAX_BEGINNING: u64 = 1 << 18;
 
 /// Largest file that is compared with an entry without a size, in bytes.
-const MOST_UNSIZED: u64 = 1 << 30;
+const MAX_UNSIZED: u64 = 1 << 30;
 
 /// Least size of a file of which the space on the disk is compared with its size, in bytes, and most times that the size of a file
 /// of this program is that space, whatever a file system compresses.
-const LEAST_HOLLOW: u64 = 64 << 20;
-const MOST_COMPRESSED: u64 = 64;
+const MIN_HOLLOW: u64 = 64 << 20;
+const MAX_COMPRESSED: u64 = 64;
 
 /// Why a file of a results folder was not written or removed.
 #[derive(Debug, thiserror::Error)]
@@ -593,7 +593,7 @@ impl Folder {
         if self.can_adopt() {
             for name in self.names()?.into_iter().filter(|name| is_ours(name)) {
                 if let Some(mut found) = self.found(&name)?
-                    && found.stamp.size <= MOST_UNSIZED
+                    && found.stamp.size <= MAX_UNSIZED
                     && !found.is_hollow
                     && !self.list().entries.contains_key(&name)
                 {
@@ -695,7 +695,7 @@ impl Folder {
     fn known(&self, name: &str, found: &mut Found) -> Result<Option<(Entry, bool)>, FolderError> {
         let may_be = |entry: &Entry| {
             entry.sha256.is_some()
-                && entry.size.map_or(found.stamp.size <= MOST_UNSIZED, |size| size == found.stamp.size)
+                && entry.size.map_or(found.stamp.size <= MAX_UNSIZED, |size| size == found.stamp.size)
         };
         let entries = self.list().entries.get(name).cloned().unwrap_or_default();
         if found.is_hollow || !entries.iter().any(may_be) {
@@ -810,8 +810,8 @@ impl Folder {
             false => open(&self.root, LIST, OpenOptions::new().read(true)).map_err(unread)?,
         };
         let mut text = Vec::new();
-        (&file).take(MOST_LIST + 1).read_to_end(&mut text).map_err(unread)?;
-        if text.len() as u64 > MOST_LIST {
+        (&file).take(MAX_LIST + 1).read_to_end(&mut text).map_err(unread)?;
+        if text.len() as u64 > MAX_LIST {
             return Err(unread(too_long()));
         }
         let text = String::from_utf8_lossy(&text);
@@ -824,7 +824,7 @@ impl Folder {
         let Some(head) = head else { return Err(FolderError::Foreign { path, earlier: None }) };
         (list.is_begun, list.is_late, list.is_torn) = (true, head.is_late, !text.ends_with('\n'));
         let entries = lines.filter_map(|line| serde_json::from_str::<Entry>(line).ok());
-        entries.filter(|entry| entry.name.len() <= MOST_NAME).for_each(|entry| list.add(entry));
+        entries.filter(|entry| entry.name.len() <= MAX_NAME).for_each(|entry| list.add(entry));
         Ok(true)
     }
 
@@ -851,7 +851,7 @@ impl Folder {
         }
         let file = list.file.as_mut().ok_or(ErrorKind::NotFound)?;
         let before = file.metadata()?.len();
-        if before + text.len() as u64 > MOST_LIST {
+        if before + text.len() as u64 > MAX_LIST {
             return Err(too_long());
         }
         // A file must not be on disk before its entry.
@@ -906,7 +906,7 @@ impl Write for Hashed {
 /// The name of a file while it is written: a digest in place of one that leaves no room for more.
 fn partial(name: &str) -> String {
     match name.len() + PARTIAL.len() {
-        0..=MOST_COMPONENT => format!("{name}{PARTIAL}"),
+        0..=MAX_COMPONENT => format!("{name}{PARTIAL}"),
         _ => digest_of(&mut name.as_bytes()).unwrap_or_default() + PARTIAL,
     }
 }
@@ -932,7 +932,7 @@ fn is_hollow(found: &Metadata) -> bool {
     let space = cap_std::fs::MetadataExt::blocks(found).saturating_mul(512);
     #[cfg(not(unix))]
     let space = found.len();
-    found.len() >= LEAST_HOLLOW && space < found.len() / MOST_COMPRESSED
+    found.len() >= MIN_HOLLOW && space < found.len() / MAX_COMPRESSED
 }
 
 /// What forbids to write to a file in place: it is no ordinary one, or has other names.
@@ -978,7 +978,7 @@ fn rename_new(folder: &Dir, from: &str, to: &str) -> io::Result<()> {
 fn too_long() -> io::Error {
     let message = format!(
         "it has more than {} MiB\nmove it away, and take over the files of the folder with `sagnac check DIR --adopt`",
-        MOST_LIST >> 20
+        MAX_LIST >> 20
     );
     io::Error::new(ErrorKind::FileTooLarge, message)
 }
@@ -1065,7 +1065,7 @@ pub fn write_marked(path: &Path, marks: &[&str], contents: &[u8]) -> Result<(), 
             }
             let mut beginning = Vec::new();
             let before = open(&folder, &name, OpenOptions::new().read(true)).map_err(failed)?;
-            before.take(MOST_BEGINNING).read_to_end(&mut beginning).map_err(failed)?;
+            before.take(MAX_BEGINNING).read_to_end(&mut beginning).map_err(failed)?;
             let beginning = String::from_utf8_lossy(&beginning);
             if !marks.iter().all(|mark| beginning.contains(mark)) {
                 return Err(FolderError::Foreign { path: path.to_owned(), earlier: None });
@@ -1451,7 +1451,7 @@ mod tests {
     #[test]
     fn a_name_as_long_as_file_systems_take_is_written() {
         let (_parent, folder) = new();
-        let name = "n".repeat(MOST_COMPONENT);
+        let name = "n".repeat(MAX_COMPONENT);
         put(&folder, &name, b"one").unwrap();
         assert_eq!(put(&folder, &name, b"two").unwrap(), Written::Replaced);
         assert_eq!(read(&folder, &name), "two");
@@ -1482,7 +1482,7 @@ mod tests {
     fn a_name_that_no_file_can_have_is_one_fault_among_others() {
         let (_parent, folder) = new();
         put(&folder, "a.csv", b"ours").unwrap();
-        let names = ["", "..", "../a.csv", "n\0", &"n".repeat(MOST_NAME)];
+        let names = ["", "..", "../a.csv", "n\0", &"n".repeat(MAX_NAME)];
         for name in names {
             let (name, sha256, size) = (name.to_owned(), Some(String::new()), Some(1));
             folder.enter(vec![Entry { name, sha256, size, is_adopted: false, is_ahead: false }]).unwrap();
@@ -1504,11 +1504,11 @@ mod tests {
             let list = std::fs::File::options().write(true).open(folder.path().join(LIST)).unwrap();
             list.set_len(size).unwrap();
         };
-        grown(MOST_LIST);
+        grown(MAX_LIST);
         assert!(put(&folder, "b.csv", b"ours").unwrap_err().to_string().contains("more than 64 MiB"));
-        assert_eq!(std::fs::metadata(folder.path().join(LIST)).unwrap().len(), MOST_LIST);
+        assert_eq!(std::fs::metadata(folder.path().join(LIST)).unwrap().len(), MAX_LIST);
         assert!(!folder.path().join("b.csv").exists());
-        grown(MOST_LIST + 1);
+        grown(MAX_LIST + 1);
         assert!(Folder::read(folder.path()).unwrap_err().to_string().contains("move it away"));
     }
 

@@ -69,13 +69,13 @@ impl Lock {
 }
 
 /// Most bytes of a lock that are read.
-const MOST_BYTES: u64 = 4096;
+const MAX_BYTES: u64 = 4096;
 
 /// All of a lock; `None` where that is none.
 fn text_of(file: &File) -> Option<String> {
     let mut text = String::new();
-    let is_read = file.take(MOST_BYTES + 1).read_to_string(&mut text).is_ok();
-    (is_read && text.len() as u64 <= MOST_BYTES).then_some(text)
+    let is_read = file.take(MAX_BYTES + 1).read_to_string(&mut text).is_ok();
+    (is_read && text.len() as u64 <= MAX_BYTES).then_some(text)
 }
 
 /// Whether a program wrote this as its name, or a power failure left it of one: nothing, zeros, or its beginning.

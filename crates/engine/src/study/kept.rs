@@ -12,7 +12,7 @@ use crate::key::row::Key;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
 use crate::study::Study;
-use sagnac_base::source::text_file::{Files, MOST_RECORD};
+use sagnac_base::source::text_file::{Files, MAX_RECORD};
 
 /// The folder, beside a stored study, of the files that it names.
 pub(crate) const INPUTS: &str = "inputs";
@@ -52,7 +52,7 @@ pub(crate) fn inputs(
     let named = written.chain(sweeps.iter().flat_map(|sweep| sweep.files.clone()));
     let mut inputs: Vec<Spanned<Input>> = Vec::new();
     for file in named {
-        let Ok(text) = files.text(file.get_ref(), MOST_RECORD) else { continue };
+        let Ok(text) = files.text(file.get_ref(), MAX_RECORD) else { continue };
         let path = files.path(file.get_ref());
         let known = inputs.iter().map(Spanned::get_ref).find(|input| input.path == path);
         let input = known.cloned().unwrap_or_else(|| Input { name: name(&path, &inputs), text, path });

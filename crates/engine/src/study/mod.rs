@@ -72,7 +72,7 @@ pub struct Study {
 }
 
 /// Most bytes of memory that the points and the tables of a study may take, and so may the trials of one of its points.
-pub(crate) const MOST_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_BYTES: u64 = 1 << 30;
 
 impl Study {
     /// The kind of the study.
@@ -155,10 +155,10 @@ impl Study {
         Fault::new(span, message, "here", help).within(&self.text)
     }
 
-    /// Refuses trials of a point that do not fit into [`MOST_BYTES`] where each has these `numbers` in memory, with 32 bytes for
+    /// Refuses trials of a point that do not fit into [`MAX_BYTES`] where each has these `numbers` in memory, with 32 bytes for
     /// each of them: its sum and what is made of it. `what` names what a trial of this kind is.
     pub(crate) fn check_trials(&self, numbers: usize, what: &str) -> Result<(), StudyError> {
-        let most = MOST_BYTES / (32 * numbers.max(1) as u64);
+        let most = MAX_BYTES / (32 * numbers.max(1) as u64);
         if self.trials <= most {
             return Ok(());
         }

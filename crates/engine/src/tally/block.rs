@@ -31,14 +31,14 @@ impl Block {
 }
 
 /// log2 of the largest block; losing a larger one would cost minutes.
-const LARGEST: u32 = 26;
+const MAX_LOG2: u32 = 26;
 
 /// log2 of the smallest base block; storing and reading a smaller one costs more than sampling it.
-const SMALLEST: u32 = 10;
+const MIN_LOG2: u32 = 10;
 
 /// log2 of a study's base block. From 2^15 trials on, a point has 32 to 63 blocks.
 pub fn base_log2(trials: u64) -> u32 {
-    (trials / 32).max(1).ilog2().clamp(SMALLEST, LARGEST)
+    (trials / 32).max(1).ilog2().clamp(MIN_LOG2, MAX_LOG2)
 }
 
 /// log2 of the steps, some milliseconds, below which storing and reading a row costs more than resampling it.
@@ -144,7 +144,7 @@ mod tests {
             let blocks = trials >> base_log2(trials);
             assert!((32..64).contains(&blocks), "{trials} trials: {blocks}");
         }
-        assert_eq!([1, 1000, (1 << 15) - 1].map(base_log2), [SMALLEST; 3]);
-        assert_eq!(base_log2(1 << 40), LARGEST);
+        assert_eq!([1, 1000, (1 << 15) - 1].map(base_log2), [MIN_LOG2; 3]);
+        assert_eq!(base_log2(1 << 40), MAX_LOG2);
     }
 }

@@ -32,11 +32,11 @@ impl Share {
     pub const WHOLE: Share = Share { index: 0, of: 1 };
 
     /// The most shares of a study.
-    pub const MOST: u64 = 1 << 16;
+    pub const MAX: u64 = 1 << 16;
 
     /// Share `number` of `of`, counted from 1; `None` where the numbers are out of range.
     pub fn new(number: u64, of: u64) -> Option<Share> {
-        ((1..=of).contains(&number) && of <= Share::MOST).then(|| Share { index: number - 1, of })
+        ((1..=of).contains(&number) && of <= Share::MAX).then(|| Share { index: number - 1, of })
     }
 
     /// Number of this share, counted from 1.
@@ -77,7 +77,7 @@ impl fmt::Display for Share {
 
 /// The error for a text that names no share.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("expected I/N, share I of N, from 1/N to N/N with N up to {}", Share::MOST)]
+#[error("expected I/N, share I of N, from 1/N to N/N with N up to {}", Share::MAX)]
 pub struct ShareError;
 
 impl FromStr for Share {

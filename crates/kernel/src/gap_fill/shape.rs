@@ -3,7 +3,7 @@
 //! The table holds the weights of the errors in the gap, followed by the factor of the Gaussian motion or by the
 //! profile: its angles since the start in LSB at the boundaries of its ticks. It is often empty.
 
-use crate::launch::{self, MOST_TABLE, Misfit};
+use crate::launch::{self, MAX_TABLE, Misfit};
 use crate::moments::MAX_ESTIMATES;
 use crate::parameters::parameters;
 use crate::part;
@@ -135,10 +135,10 @@ impl launch::Shape for Shape {
         }
         let p = Parameters::of(words, *self);
         let (positions, length) = (p.positions[0], p.gap_length[0]);
-        if positions == 0 || positions as usize > MOST_TABLE {
+        if positions == 0 || positions as usize > MAX_TABLE {
             return Err(Misfit::Field("positions"));
         }
-        if length as usize > MOST_TABLE {
+        if length as usize > MAX_TABLE {
             return Err(Misfit::Field("gap_length"));
         }
         // With this inverse the quotient in `in_turn` is too small by one at most.

@@ -13,7 +13,7 @@
 pub mod recipe;
 
 use crate::Form;
-use crate::curve::{Chunk, MOST_LANES, Source};
+use crate::curve::{Chunk, MAX_LANES, Source};
 pub use crate::lock_in::recipe::{LockIn, Readout};
 use crate::normal::normal;
 use crate::philox::{Address, Purpose, schedule};
@@ -275,7 +275,7 @@ impl Source for LockIn {
     #[inline(always)]
     fn others<W: Word>(&self, state: &State<W>, lane: usize, to: &mut Vec<u128>) {
         for third in state.thirds {
-            let mut lanes = [0; MOST_LANES];
+            let mut lanes = [0; MAX_LANES];
             third.store(&mut lanes[..W::LANES]);
             to.push(lanes[lane].into());
         }

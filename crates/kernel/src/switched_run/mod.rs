@@ -13,7 +13,7 @@ use crate::launch::{Launch, Shape as _};
 use crate::moments::{MAX_ESTIMATES, Sampler};
 use crate::normal::{NORMAL_BITS, normal};
 use crate::philox::{Address, Keys, Purpose, schedule};
-use crate::power::{EXP2_ONE, LARGEST_MINUS, LOG_BITS, exp2_minus, log2_word};
+use crate::power::{EXP2_ONE, LOG_BITS, MAX_MINUS, exp2_minus, log2_word};
 use crate::relock_ticks::{self, Given, relock_ticks, relock_wrong};
 use crate::shader::constants;
 use crate::sine::sine;
@@ -23,7 +23,7 @@ use crate::switched_run::row::{OfEnd, Row, Same};
 
 pub use crate::switched_run::shape::{END_BITS, ENDS, MAX_TONES, Parameters, Shape};
 
-constants!(END_BITS, DECAY_BITS, DECAY_ONE, MOST_HALVINGS, MOST_STRETCH);
+constants!(END_BITS, DECAY_BITS, DECAY_ONE, MAX_HALVINGS, MAX_STRETCH);
 
 /// Maps trials to moments of the angles.
 pub const FORM: Form = Form::Moments;
@@ -33,10 +33,10 @@ const DECAY_BITS: u32 = 30;
 const DECAY_ONE: u32 = 1 << DECAY_BITS;
 
 /// Number of halvings after which nothing is left of a decay.
-const MOST_HALVINGS: u32 = 31;
+const MAX_HALVINGS: u32 = 31;
 
 /// log2 of the largest factor by which a drawn τ is longer or shorter than the nominal one.
-const MOST_STRETCH: u32 = 5;
+const MAX_STRETCH: u32 = 5;
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 1;
@@ -148,7 +148,7 @@ impl<'a> SwitchedRun<'a> {
     fn warm_up<W: Word>(&self, magnetic: W, time: W) -> WarmUp<W> {
         let p = &self.p;
         // The factor between a drawn τ and the nominal one is at most 2^5.
-        let five = W::splat(MOST_STRETCH << LOG_BITS);
+        let five = W::splat(MAX_STRETCH << LOG_BITS);
         let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high_word();
         let (ratio, inverse) = (exp2_minus(five - log), exp2_minus(five + log));
         let lost = exp2_minus(self.halvings(inverse, W::splat(p.halvings[0])));
@@ -160,7 +160,7 @@ impl<'a> SwitchedRun<'a> {
             heated: W::splat(p.heated[0]) + magnetic.mul_wide(W::splat(p.heated[1])).bits_from(NORMAL_BITS),
             ratio,
             inverse,
-            tanh: exp2_minus(W::splat(LARGEST_MINUS) - tanh),
+            tanh: exp2_minus(W::splat(MAX_MINUS) - tanh),
             last: W::splat(DECAY_ONE),
         }
     }
@@ -170,8 +170,8 @@ impl<'a> SwitchedRun<'a> {
     fn halvings<W: Word>(&self, inverse: W, usual: W) -> W {
         let bits = self.p.halving_bits[0];
         let product = inverse.mul_wide(usual);
-        let within = (product.high_word() - W::splat(MOST_HALVINGS << (bits - (32 - LOG_BITS)))).sar(31);
-        (product.bits_from(bits) & within) + (W::splat(LARGEST_MINUS) & (within ^ W::splat(!0)))
+        let within = (product.high_word() - W::splat(MAX_HALVINGS << (bits - (32 - LOG_BITS)))).sar(31);
+        (product.bits_from(bits) & within) + (W::splat(MAX_MINUS) & (within ^ W::splat(!0)))
     }
 
     /// ∫ s (1 − e^{−t/τ}) dt at a row of the table in interval `k`, and e^{−t/τ} there; the last two words of the row

@@ -1,6 +1,6 @@
 //! The shape of a launch of the switched-run kernel, its parameter words and its table.
 
-use crate::launch::{self, MOST_STEPS, Misfit};
+use crate::launch::{self, MAX_STEPS, Misfit};
 use crate::parameters::parameters;
 use crate::part;
 use crate::relock_ticks;
@@ -11,7 +11,7 @@ use crate::shader::{Part, Shader};
 pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;
 
 /// Most intervals of a run of exactly the run time, each with a switch after it except the last.
-pub const MOST_INTERVALS: usize = MOST_STEPS as usize;
+pub const MAX_INTERVALS: usize = MAX_STEPS as usize;
 
 /// log2 of [`ENDS`].
 pub const END_BITS: u32 = 6;
@@ -105,7 +105,7 @@ impl launch::Shape for Shape {
 
     fn table_words(&self, words: &[u32]) -> Result<usize, Misfit> {
         let intervals = Parameters::of(words, *self).intervals[0];
-        if u64::from(intervals) > MOST_STEPS {
+        if u64::from(intervals) > MAX_STEPS {
             return Err(Misfit::Field("intervals"));
         }
         if self.tones > MAX_TONES {

@@ -43,7 +43,7 @@ const BESIDE: usize = 8;
 /// Number of increments over which the scatter of a sample is taken.
 const SCATTERED: usize = 16;
 /// Most such stretches, which give the scatter to 0.2 %.
-const MOST_SCATTERED: usize = 1 << 16;
+const MAX_SCATTERED: usize = 1 << 16;
 
 impl Angles {
     /// The running sums of `increments`, each times `scale`; NaN stands for a missing one.
@@ -263,7 +263,7 @@ impl Angles {
         let known = |i: usize| self.known.as_ref().is_none_or(|known| known[i + 1] > known[i]);
         let (mut squares, mut freedom) = (0.0, 0);
         let blocks = self.len() / SCATTERED;
-        let stride = SCATTERED * (blocks / MOST_SCATTERED).max(1);
+        let stride = SCATTERED * (blocks / MAX_SCATTERED).max(1);
         for start in (0..self.len().saturating_sub(1)).step_by(stride) {
             let places = || (start..(start + SCATTERED).min(self.len() - 1)).filter(|&i| known(i));
             let increment = |i: usize| self.values[i + 1] - self.values[i];

@@ -8,7 +8,7 @@
 use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
 
 /// Most steps of Newton's method, which takes four or five from its start.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 
 /// The value below which a χ² variable of `freedom` > 0 degrees lies with `probability`, 0 < p < 1.
 ///
@@ -23,7 +23,7 @@ pub fn quantile(probability: f64, freedom: f64) -> Option<f64> {
     // As a function of ln x the distribution is smooth, and steps cannot pass 0.
     let mut log_x = start(probability, freedom);
     let log_gamma = libm::lgamma(a);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let x = libm::exp(log_x);
         let excess = match probability < 0.5 {
             true => checked_gamma_lr(a, x).ok()? - probability,

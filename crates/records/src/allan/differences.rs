@@ -6,23 +6,23 @@ use rustfft::num_complex::Complex;
 use crate::allan::{Angles, Deviation};
 
 /// Most angles used, from the middle of the longest stretch.
-const MOST_ANGLES: usize = 1 << 16;
+const MAX_ANGLES: usize = 1 << 16;
 /// Most lags whose products are summed one by one.
-const MOST_DIRECT: usize = 64;
+const MAX_DIRECT: usize = 64;
 /// Fewest differences per lag, so that the scatter of the autocorrelation adds little.
-const LEAST_PER_LAG: usize = 16;
+const MIN_PER_LAG: usize = 16;
 
 /// Equivalent degrees of freedom at the averaging factor `m` for a record without gaps: M/Σ(1 − |l|/M)ρ(l)² over the lags l
 /// at which two of the M differences share angles. `None` where the record is too short to show ρ.
 pub(crate) fn freedom(angles: &Angles, deviation: Deviation, m: usize) -> Option<f64> {
     let solid = angles.bridged();
     let run = solid.runs.iter().max_by_key(|run| run.len())?;
-    let kept = run.len().min(MOST_ANGLES);
+    let kept = run.len().min(MAX_ANGLES);
     let first = run.start + (run.len() - kept) / 2;
     let d = of_every_sample(&solid.values[first..first + kept], deviation, m);
     let (stride, terms) = (if deviation.overlaps() { 1 } else { m }, deviation.terms(angles.len(), m) as f64);
     let lags = deviation.span(m) / stride;
-    if d.len() < LEAST_PER_LAG * lags * stride {
+    if d.len() < MIN_PER_LAG * lags * stride {
         return None;
     }
     let sums = products(&d, lags * stride);
@@ -38,7 +38,7 @@ pub(crate) fn freedom(angles: &Angles, deviation: Deviation, m: usize) -> Option
 
 /// The sums of products of values 0 to `lags` places apart.
 fn products(d: &[f64], lags: usize) -> Vec<f64> {
-    if lags <= MOST_DIRECT {
+    if lags <= MAX_DIRECT {
         return (0..=lags).map(|lag| d.iter().zip(&d[lag..]).map(|(a, b)| a * b).sum()).collect();
     }
     // The inverse transform of the power, with zeros behind the values so that ends do not meet.

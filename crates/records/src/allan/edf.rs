@@ -8,7 +8,7 @@
 use crate::allan::Deviation;
 
 /// Most terms of a sum; for longer sums the paper's fits are used.
-const MOST_TERMS: f64 = 100.0;
+const MAX_TERMS: f64 = 100.0;
 
 /// The filter factor F of an unmodified variance with an infinite averaging factor.
 const INFINITE: f64 = f64::INFINITY;
@@ -35,7 +35,7 @@ pub(crate) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> 
         (false, 2) => shape.white_angle(),
         (false, 1) => shape.flicker_angle(),
         (false, _) => {
-            let is_short = m as f64 * (d as f64 + 1.0) <= MOST_TERMS;
+            let is_short = m as f64 * (d as f64 + 1.0) <= MAX_TERMS;
             shape.general(if is_short { m as f64 } else { INFINITE }, INFINITE, table_2(alpha, d))
         }
     };
@@ -65,18 +65,18 @@ impl Shape {
     /// Case 1 of the paper for modified variances, which have a filter factor of 1, and case 2 for others, with the
     /// coefficients of a long record. The filter factor of few terms is `near`, that of many terms `far`.
     fn general(&self, near: f64, far: f64, [a0, a1]: [f64; 2]) -> f64 {
-        if self.reach() <= MOST_TERMS {
+        if self.reach() <= MAX_TERMS {
             self.sum(self.reach(), self.terms, self.s, near)
         } else if self.is_long() {
             (a0 - a1 / self.r) / self.r
         } else {
-            self.sum(MOST_TERMS, MOST_TERMS, MOST_TERMS / self.r, far)
+            self.sum(MAX_TERMS, MAX_TERMS, MAX_TERMS / self.r, far)
         }
     }
 
     /// Case 3 of the paper.
     fn flicker_angle(&self) -> f64 {
-        if self.reach() <= MOST_TERMS {
+        if self.reach() <= MAX_TERMS {
             // Beyond 1e6 no digits are left in the second difference of s_w.
             return self.sum(self.reach(), self.terms, self.s, self.m.min(1e6));
         }
@@ -86,8 +86,8 @@ impl Shape {
             let [a0, a1] = table_2(1, self.d);
             (a0 - a1 / self.r) / (variance * variance * self.r)
         } else {
-            let stride = MOST_TERMS / self.r;
-            self.basic_sum(MOST_TERMS, MOST_TERMS, stride, stride) / (variance * variance * MOST_TERMS)
+            let stride = MAX_TERMS / self.r;
+            self.basic_sum(MAX_TERMS, MAX_TERMS, stride, stride) / (variance * variance * MAX_TERMS)
         }
     }
 

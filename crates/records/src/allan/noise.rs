@@ -9,10 +9,10 @@ use std::ops::Range;
 use crate::allan::{Angles, Deviation, Unit};
 
 /// Fewest groups that the identification needs.
-pub const LEAST_GROUPS: usize = 30;
+pub const MIN_GROUPS: usize = 30;
 
 /// Most groups used, from the middle of the record; with so many, α is known to a few hundredths.
-const MOST_GROUPS: usize = 1 << 16;
+const MAX_GROUPS: usize = 1 << 16;
 
 /// Bound of δ below which a series counts as stationary.
 const STATIONARY: f64 = 0.25;
@@ -22,7 +22,7 @@ const STATIONARY: f64 = 0.25;
 pub struct Noise {
     /// 2 … −2 for Allan deviations, 2 … −4 for Hadamard deviations.
     pub alpha: i32,
-    /// Whether it was identified at a shorter τ, because here there are fewer than [`LEAST_GROUPS`] groups.
+    /// Whether it was identified at a shorter τ, because here there are fewer than [`MIN_GROUPS`] groups.
     pub carried: bool,
 }
 
@@ -51,13 +51,13 @@ pub(crate) fn noise(angles: &Angles, deviation: Deviation, m: usize) -> Option<N
     if let Some(alpha) = found(m) {
         return Some(Noise { alpha, carried: false });
     }
-    let longest = m.min(angles.len() / LEAST_GROUPS).checked_ilog2()?;
+    let longest = m.min(angles.len() / MIN_GROUPS).checked_ilog2()?;
     let alpha = (0..=longest).rev().find_map(|octave| found(1 << octave))?;
     Some(Noise { alpha, carried: true })
 }
 
 fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
-    if angles.len().div_ceil(m) < LEAST_GROUPS {
+    if angles.len().div_ceil(m) < MIN_GROUPS {
         return None;
     }
     let groups = middle((angles.len() - 1) / m);
@@ -70,7 +70,7 @@ fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
     };
     loop {
         let (pairs, r) = autocorrelation(&z)?;
-        if pairs + 1 < LEAST_GROUPS - d {
+        if pairs + 1 < MIN_GROUPS - d {
             return None;
         }
         // A series that has been differenced once too often has r no lower than −1/2. Anything below is scatter, for
@@ -88,9 +88,9 @@ fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
     }
 }
 
-/// At most [`MOST_GROUPS`] of `groups`, taken from the middle.
+/// At most [`MAX_GROUPS`] of `groups`, taken from the middle.
 fn middle(groups: usize) -> Range<usize> {
-    let kept = groups.min(MOST_GROUPS);
+    let kept = groups.min(MAX_GROUPS);
     let first = (groups - kept) / 2;
     first..first + kept
 }

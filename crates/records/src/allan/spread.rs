@@ -11,9 +11,9 @@ use crate::allan::{Angles, Deviation, chi_squared, differences};
 
 /// Number of parts, and how many of them gaps must leave.
 const PARTS: usize = 32;
-const LEAST_PARTS: usize = 16;
+const MIN_PARTS: usize = 16;
 /// Fewest degrees of freedom of a part; with them its mean square is nearly normal.
-const LEAST_FREEDOM: f64 = 32.0;
+const MIN_FREEDOM: f64 = 32.0;
 /// Probability, if the noise is Gaussian, that parts differ by less, from which on their differences count.
 const SURE: f64 = 0.999;
 
@@ -75,7 +75,7 @@ fn scatter_of(mut parts: Vec<Sum>, freedom: f64) -> Option<Scatter> {
     let most = parts.iter().map(|sum| sum.terms).max()?;
     parts.retain(|sum| 2 * sum.terms > most);
     let of_part = freedom * most as f64;
-    if of_part < LEAST_FREEDOM || parts.len() < LEAST_PARTS {
+    if of_part < MIN_FREEDOM || parts.len() < MIN_PARTS {
         return None;
     }
     let count = parts.len() as f64;

@@ -16,10 +16,10 @@ pub enum Taus {
 }
 
 /// Most samples for [`Taus::All`], whose work grows with their square; at this limit it takes half a minute.
-pub const MOST_FOR_ALL: usize = 200_000;
+pub const MAX_FOR_ALL: usize = 200_000;
 
 /// Most samples of all columns together for [`Taus::All`], whose points and charts take less than 1 GiB of memory then.
-pub const MOST_OF_COLUMNS: usize = 2_000_000;
+pub const MAX_OF_COLUMNS: usize = 2_000_000;
 
 /// Why a curve cannot be computed at the requested times.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -56,13 +56,13 @@ pub enum TauError {
     },
     /// The computation would take too long for this number of samples.
     #[error(
-        "`tau = all` is for at most {MOST_FOR_ALL} samples, the record has {0}: its work grows with their square\n\
+        "`tau = all` is for at most {MAX_FOR_ALL} samples, the record has {0}: its work grows with their square\n\
          give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooMany(usize),
     /// The curves of all columns together would take more memory than they may.
     #[error(
-        "`tau = all` is for at most {MOST_OF_COLUMNS} samples of all columns together, the log has {0}\n\
+        "`tau = all` is for at most {MAX_OF_COLUMNS} samples of all columns together, the log has {0}\n\
          give fewer columns, or `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooManyTogether(usize),
@@ -93,7 +93,7 @@ impl Taus {
                 .take_while(|&m| m <= largest as f64)
                 .map(|m| m as usize)
                 .collect(),
-            Taus::All if samples > MOST_FOR_ALL => return Err(TauError::TooMany(samples)),
+            Taus::All if samples > MAX_FOR_ALL => return Err(TauError::TooMany(samples)),
             Taus::All => (1..=largest).collect(),
             Taus::Seconds(taus) => taus
                 .iter()
@@ -153,7 +153,7 @@ mod tests {
         }
         assert!(error(0.2, Deviation::Oadev).contains("sampling step of 0.5 s"));
         assert!(error(-1.0, Deviation::Oadev).contains("is not a time"));
-        let many = Taus::All.factors(MOST_FOR_ALL + 2, 1.0, Deviation::Oadev).unwrap_err();
+        let many = Taus::All.factors(MAX_FOR_ALL + 2, 1.0, Deviation::Oadev).unwrap_err();
         assert!(many.to_string().contains("decade20"), "{many}");
     }
 }

@@ -11,8 +11,8 @@ const FLICKER: usize = 8;
 const FASTEST: f64 = 0.3;
 /// First and last step of the descent, and the range of its coordinates, all binary logarithms.
 const STEPS: [f64; 2] = [2.0, 0.2];
-const LEAST: f64 = -12.0;
-const MOST: f64 = 20.0;
+const MIN_LOG2: f64 = -12.0;
+const MAX_LOG2: f64 = 20.0;
 /// Correlation times from which the descent starts, in blocks.
 const STARTS: [f64; 3] = [1.0, 10.0, 100.0];
 
@@ -51,7 +51,7 @@ fn descent<const D: usize>(mut at: [f64; D], of: impl Fn([f64; D]) -> f64) -> (f
         let before = least;
         for (d, way) in (0..D).flat_map(|d| [(d, step), (d, -step)]) {
             let mut next = at;
-            next[d] = (at[d] + way).clamp(LEAST, MOST);
+            next[d] = (at[d] + way).clamp(MIN_LOG2, MAX_LOG2);
             let value = of(next);
             if value < least {
                 (least, at) = (value, next);

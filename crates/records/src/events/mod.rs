@@ -23,9 +23,9 @@ use crate::spectrum::{Density, Line, Welch, lines};
 use sagnac_theory::allan::Term;
 
 /// Most angles in which lines are looked for, from the middle of the record.
-const MOST_EXAMINED: usize = 1 << 20;
+const MAX_EXAMINED: usize = 1 << 20;
 /// Most lines that are subtracted.
-const MOST_LINES: usize = 40;
+const MAX_LINES: usize = 40;
 /// Numbers of blocks at which telegraph noise is looked for.
 const BLOCKS: [usize; 3] = [128, 512, 2048];
 /// Increase of twice the logarithm of the likelihood by a straight line from which on a ramp is identified.
@@ -224,7 +224,7 @@ impl<'a> Events<'a> {
             return;
         }
         let of = |angles: &Angles| {
-            let examined = angles.len().min(MOST_EXAMINED);
+            let examined = angles.len().min(MAX_EXAMINED);
             let first = (angles.len() - examined) / 2;
             match examined == angles.len() {
                 true => Density::of(angles, &Welch::default()).ok(),
@@ -234,7 +234,7 @@ impl<'a> Events<'a> {
         let Some(density) = of(&self.without) else { return };
         let mut found = lines(&density);
         found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
-        found.truncate(MOST_LINES);
+        found.truncate(MAX_LINES);
         if found.is_empty() {
             self.density = Some(density);
             return;

@@ -13,32 +13,32 @@ use crate::allan::Angles;
 use crate::events::{Event, What};
 
 /// Most and fewest blocks, fewest samples of a block, and the number of samples from which the loudness of a block is estimated.
-const MOST_BLOCKS: usize = 1024;
-const LEAST_BLOCKS: usize = 32;
-const LEAST_SAMPLES: usize = 16;
+const MAX_BLOCKS: usize = 1024;
+const MIN_BLOCKS: usize = 32;
+const MIN_SAMPLES: usize = 16;
 const EXAMINED: usize = 512;
 /// Least share of the squares of a block that must be known.
-const LEAST_SHARE: f64 = 0.25;
+const MIN_SHARE: f64 = 0.25;
 /// Most that a square counts, relative to the median of the means of blocks, so that a spike makes no block loud.
-const MOST_SQUARE: f64 = 6.0;
+const MAX_SQUARE: f64 = 6.0;
 /// Squares of the unit of the readout that are added to each mean: rounding adds at most two, which depend on the slow rate.
 const OF_ROUNDING: f64 = 5.0;
 /// Most standard deviations that the loudness of a block is away from the median.
 const FARTHEST: f64 = 3.0;
 /// Most neighbouring blocks whose means show the scatter: it is larger there where neighbours are alike.
-const MOST_JOINED: usize = 16;
+const MAX_JOINED: usize = 16;
 /// Increase of twice the logarithm of the likelihood by a noise burst. The false alarms of records of the noises of docs/dev/numerics.md were
 /// counted.
 const PENALTY: f64 = 30.0;
 /// Least ratio of the variances of a noise burst and of the rest.
-const LEAST_RATIO: f64 = 1.44;
+const MIN_RATIO: f64 = 1.44;
 /// Most noise bursts, neighbours of different size counted separately.
-const MOST: usize = 8;
+const MAX_BURSTS: usize = 8;
 
 /// The samples of the noise bursts; none if they would be half of the record or more, or angles within it are unknown.
 pub(crate) fn stretches(angles: &Angles) -> Vec<Range<usize>> {
     let samples = angles.len().saturating_sub(1);
-    let m = samples.div_ceil(MOST_BLOCKS).max(LEAST_SAMPLES);
+    let m = samples.div_ceil(MAX_BLOCKS).max(MIN_SAMPLES);
     let loudness = if angles.has_unknown() { vec![] } else { loudness(angles, m) };
     let values: Vec<f64> = loudness.iter().map(|block| block.1).collect();
     let scatter = scatter(&values);
@@ -48,13 +48,13 @@ pub(crate) fn stretches(angles: &Angles) -> Vec<Range<usize>> {
     let middle = median(values);
     let mut left = loudness;
     let mut is_loud = vec![false; samples.div_ceil(m)];
-    for _ in 0..MOST {
+    for _ in 0..MAX_BURSTS {
         let limited = |block: &(usize, f64)| ((block.1 - middle) / scatter).clamp(-FARTHEST, FARTHEST);
         let Some(found) = loudest(&left.iter().map(limited).collect::<Vec<f64>>()) else { break };
         let mean =
             |blocks: &[(usize, f64)]| blocks.iter().map(|block| block.1).sum::<f64>() / blocks.len() as f64;
         let rest = [&left[..found.start], &left[found.end..]].concat();
-        if mean(&left[found.clone()]) - mean(&rest) < libm::log(LEAST_RATIO) {
+        if mean(&left[found.clone()]) - mean(&rest) < libm::log(MIN_RATIO) {
             break;
         }
         // A burst begins and ends within a block.
@@ -91,7 +91,7 @@ fn loudness(angles: &Angles, m: usize) -> Vec<(usize, f64)> {
         let rates = angles.rates(block * m..block * m + m.min(EXAMINED));
         let squares = rates.windows(4).map(|r| (r[0] - r[1] - r[2] + r[3]) * (r[0] - r[1] - r[2] + r[3]));
         let squares: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
-        (squares.len() as f64 >= LEAST_SHARE * rates.len() as f64).then_some((block, squares))
+        (squares.len() as f64 >= MIN_SHARE * rates.len() as f64).then_some((block, squares))
     };
     let count = (angles.len() - 1) / m;
     let blocks: Vec<(usize, Vec<f64>)> = (0..count).into_par_iter().filter_map(squares).collect();
@@ -102,7 +102,7 @@ fn loudness(angles: &Angles, m: usize) -> Vec<(usize, f64)> {
     let is_zero = |square: f64| square < 1e-12 * usual;
     let all = blocks.iter().flat_map(|(_, squares)| squares).copied();
     let unit = all.filter(|&square| !is_zero(square)).fold(f64::INFINITY, f64::min);
-    let of = |squares: &[f64]| libm::log(mean(squares, MOST_SQUARE * usual) + OF_ROUNDING * unit);
+    let of = |squares: &[f64]| libm::log(mean(squares, MAX_SQUARE * usual) + OF_ROUNDING * unit);
     blocks.iter().map(|(block, squares)| (*block, of(squares))).collect()
 }
 
@@ -116,7 +116,7 @@ fn scatter(values: &[f64]) -> f64 {
         median(steps) / 0.6745 * libm::sqrt(0.5 * joined as f64)
     };
     let joined = std::iter::successors(Some(1), |joined| Some(2 * joined));
-    let is_enough = |joined: &usize| *joined <= MOST_JOINED && values.len() / joined >= LEAST_BLOCKS;
+    let is_enough = |joined: &usize| *joined <= MAX_JOINED && values.len() / joined >= MIN_BLOCKS;
     joined.take_while(is_enough).map(of).fold(0.0, f64::max)
 }
 

@@ -17,22 +17,22 @@ use sagnac_theory::allan::{Part, blocks, holds};
 use sagnac_theory::cholesky;
 
 /// Most and fewest blocks, and the least share of the samples of a block that must be known.
-const MOST_BLOCKS: usize = 128;
-const LEAST_BLOCKS: usize = 20;
-const LEAST_SHARE: f64 = 0.25;
+const MAX_BLOCKS: usize = 128;
+const MIN_BLOCKS: usize = 20;
+const MIN_SHARE: f64 = 0.25;
 
 /// Variances of flicker and of a random walk about their means over the record, relative to the white noise of the blocks.
 const FLICKER: [f64; 6] = [0.0, 0.25, 2.0, 16.0, 128.0, 1024.0];
 const WALK: [f64; 8] = [0.0, 0.03, 0.25, 2.0, 16.0, 128.0, 1024.0, 8192.0];
 
 /// Fewest samples of a burst within one block: the mean of fewer has the tails of the noise.
-const LEAST_BURST: usize = 16;
+const MIN_BURST: usize = 16;
 /// Most events.
-const MOST: usize = 40;
+const MAX_EVENTS: usize = 40;
 /// Fewest steps that are telegraph noise.
 const TELEGRAPH: usize = 4;
 /// Cycles of a sine over the record, in quarters: from a half to three eighths of the number of blocks.
-const LEAST_QUARTERS: usize = 2;
+const MIN_QUARTERS: usize = 2;
 /// Times of a warm-up.
 const TIMES: usize = 12;
 /// Increase of minus twice the logarithm of the likelihood by a straight line instead of a temperature up to which they are consistent.
@@ -120,14 +120,14 @@ impl<'a> Slow<'a> {
     /// `temperatures` are °C at each increment, NaN where unknown. `None` for short records.
     pub(crate) fn new(angles: &'a Angles, temperatures: &'a [Vec<f64>]) -> Option<Slow<'a>> {
         let samples = angles.len().saturating_sub(1);
-        let m = samples.div_ceil(MOST_BLOCKS).max(1);
+        let m = samples.div_ceil(MAX_BLOCKS).max(1);
         let known: Vec<(usize, f64, f64)> = (0..samples / m)
             .filter_map(|place| {
                 let (mean, share) = angles.mean_rate(place * m..(place + 1) * m)?;
-                (share >= LEAST_SHARE).then_some((place, mean, share))
+                (share >= MIN_SHARE).then_some((place, mean, share))
             })
             .collect();
-        if known.len() < LEAST_BLOCKS {
+        if known.len() < MIN_BLOCKS {
             return None;
         }
         let places: Vec<usize> = known.iter().map(|block| block.0).collect();
@@ -176,7 +176,7 @@ impl<'a> Slow<'a> {
             let best = candidates.map(|one| (gain(found, &one), one)).max_by(|a, b| a.0.total_cmp(&b.0));
             best.map(|(gain, one)| (gain, self.refined(found, one)))
         };
-        while found.len() < MOST {
+        while found.len() < MAX_EVENTS {
             let Some((gain, one)) = next(&found) else { break };
             let mut with = [&found[..], &[one]].concat();
             if gain <= 0.0 {
@@ -349,10 +349,10 @@ impl<'a> Slow<'a> {
         }
         let start = |j: usize| (self.places[j] * self.m) as f64;
         let mut courses = vec![Course::Step { at: start(step.1.max(1)) }, Course::Line];
-        if self.m >= LEAST_BURST {
+        if self.m >= MIN_BURST {
             courses.push(Course::Burst { from: start(burst.1), to: start(burst.1) + self.m as f64 });
         }
-        let cycles = (LEAST_QUARTERS..3 * count / 2).map(|quarters| 0.25 * quarters as f64);
+        let cycles = (MIN_QUARTERS..3 * count / 2).map(|quarters| 0.25 * quarters as f64);
         let of_sine = |cycles: f64| {
             let [s, c] = self.sine(cycles);
             let [ms, mc] = [times(&s), times(&c)];

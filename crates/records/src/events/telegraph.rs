@@ -12,23 +12,23 @@ use crate::events::gaussian;
 /// docs/dev/numerics.md were counted.
 const PENALTY: f64 = 12.0;
 /// Least increase by Markov noise over white noise, without which there are no levels.
-const LEAST_OF_MARKOV: f64 = 6.0;
+const MIN_OF_MARKOV: f64 = 6.0;
 /// Increase of twice the logarithm of the likelihood by noise with a correlation time over flicker noise, and the part of the increase by
 /// two levels that counts. Of 250 records of an hour with N = 0.3 °/√h, 3 % of those with B = 3 °/h are above it, and 94 % of those with
 /// telegraph noise of ±5 °/h and 20 s.
 const PENALTY_OF_CORRELATION: f64 = 9.0;
 const PART_OF_LEVELS: f64 = 0.3;
 /// Least density of a block, far from both levels.
-const LEAST_DENSITY: f64 = 1e-300;
+const MIN_DENSITY: f64 = 1e-300;
 /// Fewest blocks.
-const LEAST_BLOCKS: f64 = 32.0;
+const MIN_BLOCKS: f64 = 32.0;
 /// Steps of the iteration, and probabilities of a jump from which it starts.
 const STEPS: usize = 40;
 const STARTS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 /// Largest probability of a jump from block to block: without memory, levels describe the distribution of noise that is not Gaussian.
-const MOST_JUMPS: f64 = 0.25;
+const MAX_JUMPS: f64 = 0.25;
 /// Fewest jumps; fewer are steps.
-const LEAST_JUMPS: f64 = 4.0;
+const MIN_JUMPS: f64 = 4.0;
 
 /// Two levels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,14 +44,14 @@ pub(crate) fn levels(values: &[f64]) -> Option<(f64, Telegraph)> {
     let (scaled, deviation) = scaled(values)?;
     let (markov, _) = gaussian::markov(&scaled);
     // Telegraph noise has the spectrum of Markov noise.
-    if gaussian::white(&scaled) - markov < LEAST_OF_MARKOV {
+    if gaussian::white(&scaled) - markov < MIN_OF_MARKOV {
         return None;
     }
     let (lack, size, jump) = likeliest_levels(&scaled)?;
     let over = |gaussian: f64| gaussian - lack - PENALTY;
     // Flicker noise takes longer.
     let gain = if over(markov) > 0.0 { over(markov.min(gaussian::flicker(&scaled))) } else { over(markov) };
-    let is_telegraph = gain > 0.0 && jump * scaled.len() as f64 >= LEAST_JUMPS;
+    let is_telegraph = gain > 0.0 && jump * scaled.len() as f64 >= MIN_JUMPS;
     is_telegraph.then_some((gain, Telegraph { size: size * deviation, blocks: 1.0 / jump }))
 }
 
@@ -71,7 +71,7 @@ fn scaled(values: &[f64]) -> Option<(Vec<f64>, f64)> {
     let count = known().count() as f64;
     let mean = known().sum::<f64>() / count;
     let deviation = libm::sqrt(known().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count);
-    let is_enough = count >= LEAST_BLOCKS && deviation > 0.0 && deviation.is_finite();
+    let is_enough = count >= MIN_BLOCKS && deviation > 0.0 && deviation.is_finite();
     is_enough.then(|| (values.iter().map(|x| (x - mean) / deviation).collect(), deviation))
 }
 
@@ -96,7 +96,7 @@ fn two_levels(values: &[f64], start: f64) -> (f64, f64, f64) {
             if x.is_finite() {
                 let of = |level: f64| {
                     let away = x - level;
-                    (libm::exp(-0.5 * away * away / variance) / libm::sqrt(variance)).max(LEAST_DENSITY)
+                    (libm::exp(-0.5 * away * away / variance) / libm::sqrt(variance)).max(MIN_DENSITY)
                 };
                 density[i] = [of(middle - half), of(middle + half)];
             }
@@ -136,7 +136,7 @@ fn two_levels(values: &[f64], start: f64) -> (f64, f64, f64) {
         variance = ((squares - weights[0] * means[0] * means[0] - weights[1] * means[1] * means[1]) / total)
             .max(1e-6);
         (middle, half) = (0.5 * (means[0] + means[1]), 0.5 * (means[1] - means[0]));
-        jump = (jumps / (count - 1) as f64).clamp(1e-6, MOST_JUMPS);
+        jump = (jumps / (count - 1) as f64).clamp(1e-6, MAX_JUMPS);
     }
     // The constant that the densities leave out is the same in both likelihoods.
     (lack, libm::fabs(half), jump)

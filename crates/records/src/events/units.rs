@@ -8,7 +8,7 @@ const EXAMINED: usize = 1 << 14;
 /// Distance from a whole multiple, in units, that rounding may leave.
 const ROUNDING: f64 = 1e-3;
 /// Size of a unit that matters, in standard deviations of an increment about its neighbourhood.
-const LEAST: f64 = 0.5;
+const MIN_UNIT: f64 = 0.5;
 
 /// Part of equal neighbouring increments from which on pulses are so large: the noise of a sample is below 1.4 pulses.
 const COARSE: f64 = 0.2;
@@ -32,7 +32,7 @@ pub(crate) fn of(angles: &Angles) -> Option<Event> {
         let times = x / unit;
         libm::fabs(times - libm::round(times)) < ROUNDING * times.max(1.0)
     };
-    let is_large = unit.is_finite() && unit > LEAST * scatter;
+    let is_large = unit.is_finite() && unit > MIN_UNIT * scatter;
     (is_large && differences.iter().all(is_whole))
         .then(|| Event { size: Some(unit), ..Event::of(What::Units) })
 }

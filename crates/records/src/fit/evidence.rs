@@ -3,7 +3,7 @@
 use crate::fit::interval::Variance;
 
 /// Skewness of a χ² with one degree of freedom, the largest for the noise of one record.
-const MOST_SKEWED: f64 = 2.0 * core::f64::consts::SQRT_2;
+const MAX_SKEWED: f64 = 2.0 * core::f64::consts::SQRT_2;
 /// Skewness below which a distribution counts as normal.
 const NOT_SKEWED: f64 = 1e-5;
 /// Most doublings in search of a true value, then most steps within its bracket down to the precision.
@@ -48,7 +48,7 @@ impl Evidence {
             return if self.estimate > x { f64::INFINITY } else { 0.0 };
         }
         let distance = (self.estimate - x) / libm::sqrt(variance);
-        let skewness = self.variance.skewness(x).min(MOST_SKEWED);
+        let skewness = self.variance.skewness(x).min(MAX_SKEWED);
         if skewness < NOT_SKEWED {
             return distance;
         }

@@ -14,7 +14,7 @@ const OUTSIDE: f64 = 0.025;
 const HALVINGS: usize = 60;
 /// Skewness of χ² with 4 degrees of freedom, up to which the correction is useful; with fewer degrees there is no upper
 /// end.
-const MOST_SKEWED: f64 = core::f64::consts::SQRT_2;
+const MAX_SKEWED: f64 = core::f64::consts::SQRT_2;
 /// Most doublings in search of an upper end.
 const DOUBLINGS: usize = 40;
 
@@ -47,7 +47,7 @@ impl Variance {
     /// Deviation from the middle, in standard deviations, of the outcome that a normal distribution would have at
     /// `sigmas`, if x is true.
     fn skewed(&self, x: f64, sigmas: f64) -> f64 {
-        sigmas + (sigmas * sigmas - 1.0) / 6.0 * self.skewness(x).min(MOST_SKEWED)
+        sigmas + (sigmas * sigmas - 1.0) / 6.0 * self.skewness(x).min(MAX_SKEWED)
     }
 
     /// The outcome at the quantile `sigmas` if x is true, shifted by `more` standard deviations.

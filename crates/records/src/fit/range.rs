@@ -26,19 +26,19 @@ use sagnac_theory::allan::{Part, Term};
 
 /// Probability of the residuals below which a fit does not describe its curve. It leaves room for the scatter of single records
 /// at long τ, which is wider than that of a χ².
-pub const LEAST_P: f64 = 1e-3;
+pub const MIN_P: f64 = 1e-3;
 /// Probability of the residuals below which a fit of all octaves is not the result either. It applies where no fit of a part of
 /// them is likely, because a single estimate at long τ that is far off spoils every range.
 pub const IMPOSSIBLE_P: f64 = 1e-9;
 /// Fewest octaves that show whether a model describes them; any model describes two or three.
-pub const FEWEST: usize = 5;
+pub const MIN_OCTAVES: usize = 5;
 
 /// Octaves lost from which on a sine or Markov noise is tried instead.
 const LOST: usize = 4;
 /// Variance at the shortest τ, over that of white noise behind a low-pass, from which on no filter explains it.
 const SURPLUS: f64 = 4.0;
 /// Least correlation time of noise that is no filter, in shortest τ.
-const LEAST_TIME: f64 = 4.0;
+const MIN_TIME: f64 = 4.0;
 
 /// The terms and the range of τ that a user asks of the fit to a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,7 +120,7 @@ pub fn describe(curve: &Curve, asked: &Fitting) -> Result<Described, FitError> {
         return Ok(described(whole, fit));
     }
     let last = match asked.from_s {
-        None => curve.ms().len().saturating_sub(FEWEST),
+        None => curve.ms().len().saturating_sub(MIN_OCTAVES),
         Some(_) => 0,
     };
     let mut was_likely = last == 0;
@@ -156,7 +156,7 @@ pub fn describe_without_shortest(
     agrees: impl Fn(&Fit) -> bool,
 ) -> Option<Described> {
     let filtered = Fitter::new(curve, &asked.terms.with(Term::BandLimit)).ok()?;
-    let starts = 1..=curve.ms().len().saturating_sub(FEWEST);
+    let starts = 1..=curve.ms().len().saturating_sub(MIN_OCTAVES);
     starts.into_iter().find_map(|start| {
         let fitter = filtered.from(start);
         let fit =
@@ -175,7 +175,7 @@ pub fn with_correlation(curve: &Curve, asked: &Fitting) -> Option<Described> {
 
 /// Whether a fit identifies white noise beside Markov noise that is no filter.
 fn is_correlated(fit: &Fit) -> bool {
-    let is_slow = |part: &Part| part.term == Term::Markov && part.shape > LEAST_TIME * fit.tau_range[0];
+    let is_slow = |part: &Part| part.term == Term::Markov && part.shape > MIN_TIME * fit.tau_range[0];
     let white = fit.coefficient(Term::AngleRandomWalk).map(|found| found.verdict);
     white == Some(Verdict::Identified) && fit.process.parts.iter().any(is_slow)
 }
@@ -246,7 +246,7 @@ fn is_limited(fit: &Fit) -> bool {
 }
 
 fn is_likely(fit: &Fit) -> bool {
-    fit.p_value().is_none_or(|p| p > LEAST_P)
+    fit.p_value().is_none_or(|p| p > MIN_P)
 }
 
 impl Described {

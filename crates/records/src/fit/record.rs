@@ -6,7 +6,7 @@ use sagnac_theory::allan::Difference;
 
 /// Inverse of the longest averaging time of the fit relative to the record; beyond it, intervals of K come out too
 /// short.
-const LONGEST: usize = 8;
+const MAX_TAU_PART: usize = 8;
 
 /// Least part of the degrees of freedom of an averaging time that gaps may leave.
 const LEFT: f64 = 0.125;
@@ -38,5 +38,5 @@ pub(crate) fn curve_at(angles: &Angles, factors: &[usize]) -> Result<Curve, FitE
 
 /// The averaging factors of a fit to a record of `samples` samples.
 pub fn factors(samples: usize) -> Vec<usize> {
-    (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect()
+    (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| MAX_TAU_PART * m <= samples).collect()
 }

@@ -6,7 +6,7 @@ use crate::record::names::Name;
 use crate::record::recording::Rules;
 
 /// Most columns. An array without rows may claim any number of them.
-pub(crate) const MOST_COLUMNS: usize = 1 << 20;
+pub(crate) const MAX_COLUMNS: usize = 1 << 20;
 
 /// An array of a file.
 pub(crate) struct Array {
@@ -39,8 +39,8 @@ impl Arrays {
     ) -> Result<Arrays, RecordError> {
         let (mut names, mut places) = (Vec::new(), Vec::new());
         for (at, array) in arrays.iter().enumerate().filter(|(_, array)| array.rows > 1) {
-            if names.len().saturating_add(array.columns) > MOST_COLUMNS {
-                let message = format!("{file} has more than {MOST_COLUMNS} columns");
+            if names.len().saturating_add(array.columns) > MAX_COLUMNS {
+                let message = format!("{file} has more than {MAX_COLUMNS} columns");
                 let help = "an array needs a row for each sample: transpose it";
                 return Err(RecordError::new(message, "", help, None));
             }

@@ -14,8 +14,8 @@ use crate::record::ros::{Encoding, Messages, is_imu};
 const MAGIC: usize = b"#ROSBAG V2.0\n".len();
 
 /// Longest header of a record, and longest record or chunk, in bytes.
-const LONGEST_HEADER: u32 = 1 << 20;
-const LONGEST: u32 = 1 << 28;
+const MAX_HEADER: u32 = 1 << 20;
+const MAX_RECORD: u32 = 1 << 28;
 
 /// Types of records.
 const MESSAGE: u8 = 2;
@@ -90,9 +90,9 @@ fn record(reader: &mut dyn Read) -> io::Result<Option<(Fields, Vec<u8>)>> {
         return Ok(None);
     }
     reader.read_exact(&mut length[1..])?;
-    let header = part(reader, u32::from_le_bytes(length), LONGEST_HEADER)?;
+    let header = part(reader, u32::from_le_bytes(length), MAX_HEADER)?;
     reader.read_exact(&mut length)?;
-    Ok(Some((Fields::of(&header)?, part(reader, u32::from_le_bytes(length), LONGEST)?)))
+    Ok(Some((Fields::of(&header)?, part(reader, u32::from_le_bytes(length), MAX_RECORD)?)))
 }
 
 /// The next `length` bytes; memory is taken only for those that are there.
@@ -168,7 +168,7 @@ fn unpacked(header: &Fields, data: Vec<u8>) -> io::Result<Vec<u8>> {
         "none" => data,
         "lz4" => {
             let mut decoder = lz4::Decoder::new(data.as_slice())?;
-            let bytes = part(&mut decoder, size, LONGEST)?;
+            let bytes = part(&mut decoder, size, MAX_RECORD)?;
             // A checksum behind the bytes is compared where the frame ends.
             if decoder.read(&mut [0])? > 0 || decoder.finish().1.is_err() {
                 return malformed("a chunk has another length than its header says");

@@ -9,7 +9,7 @@ use crate::record::names::Name;
 use crate::record::recording::Rules;
 
 /// Most columns of a row.
-const MOST: usize = 4096;
+const MAX_COLUMNS: usize = 4096;
 
 /// Bytes read at a time, about.
 const BLOCK: usize = 8 << 20;
@@ -64,7 +64,8 @@ impl Binary {
                 [word] => layout.types.push(kind(word).ok_or_else(unknown)?),
                 [word, count] if kind(word).is_some() => {
                     let times: Option<usize> = count.strip_prefix('x').and_then(|times| times.parse().ok());
-                    let times = times.filter(|times| (1..=MOST).contains(times)).ok_or_else(unknown)?;
+                    let times =
+                        times.filter(|times| (1..=MAX_COLUMNS).contains(times)).ok_or_else(unknown)?;
                     layout.types.extend(std::iter::repeat_n(kind(word).unwrap_or_default(), times));
                 }
                 [.., number] => {
@@ -75,7 +76,7 @@ impl Binary {
             }
         }
         let columns = layout.types.len();
-        if !(1..=MOST).contains(&columns) {
+        if !(1..=MAX_COLUMNS).contains(&columns) {
             return Err(wrong(format!("the layout has {columns} columns")));
         }
         if let Some((column, name)) = layout.names.iter().find(|(column, _)| !(1..=columns).contains(column))

@@ -122,14 +122,14 @@ pub enum Decimal {
 }
 
 /// Longest number with a decimal comma.
-const LONGEST: usize = 64;
+const MAX_DIGITS: usize = 64;
 
 impl Decimal {
     /// Reads a cell as a number with these decimals; an empty cell, `NaN`, `NA` and `null` are missing values, NaN. Other text,
     /// and a number with other decimals, is `None`.
     #[inline]
     pub(crate) fn value(self, cell: &[u8]) -> Option<f64> {
-        let mut copy = [0; LONGEST];
+        let mut copy = [0; MAX_DIGITS];
         let cell = match self {
             Decimal::Point => cell,
             Decimal::Comma if cell.contains(&b'.') => return None,

@@ -157,17 +157,17 @@ impl<'a> Origin<'a> {
 /// Bytes that any file may unpack to, and most for each byte of a longer one: noise packs to a fifth at best, and a few columns
 /// that do not change to much less.
 const ANY_UNPACKED: u64 = 1 << 26;
-const MOST_UNPACKED: u64 = 100;
+const MAX_UNPACKED: u64 = 100;
 
 /// Refuses that a file of `stored` bytes, if that is known, unpacks to more than recordings do.
 ///
 /// # Errors
 /// The `bytes` are too many for it.
 pub(crate) fn check_unpacked(bytes: u64, stored: Option<u64>) -> io::Result<()> {
-    match stored.filter(|stored| bytes > ANY_UNPACKED.max(MOST_UNPACKED.saturating_mul(*stored))) {
+    match stored.filter(|stored| bytes > ANY_UNPACKED.max(MAX_UNPACKED.saturating_mul(*stored))) {
         None => Ok(()),
         Some(stored) => {
-            malformed(&format!("its {stored} bytes unpack to more than {MOST_UNPACKED} times as many"))
+            malformed(&format!("its {stored} bytes unpack to more than {MAX_UNPACKED} times as many"))
         }
     }
 }

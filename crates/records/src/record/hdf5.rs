@@ -18,10 +18,10 @@ use crate::record::recording::Rules;
 
 /// Deepest groups that are searched, and most groups and datasets.
 const DEEPEST: usize = 16;
-const MOST: usize = 10_000;
+const MAX_OBJECTS: usize = 10_000;
 
 /// Largest chunk, in bytes.
-const LARGEST_CHUNK: usize = 1 << 27;
+const MAX_CHUNK: usize = 1 << 27;
 
 /// Largest ratio of numbers to compressed numbers, that of deflate. More cannot be in the file.
 const DENSEST: u64 = 1100;
@@ -32,7 +32,7 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
     let length = source.size()?;
     let options = OpenOptions::default()
         .with_max_read_bytes(length.try_into().unwrap_or(usize::MAX))
-        .with_max_chunk_bytes(LARGEST_CHUNK);
+        .with_max_chunk_bytes(MAX_CHUNK);
     let opened = match source.origin {
         Origin::Path(path) => FileStorage::open(path)
             .and_then(|storage| Hdf5File::from_storage_with_options(std::sync::Arc::new(storage), options)),
@@ -204,7 +204,7 @@ impl Search {
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), Error> {
         let (groups, datasets) = group.members()?;
         self.seen += groups.len() + datasets.len();
-        if depth > DEEPEST || self.seen > MOST {
+        if depth > DEEPEST || self.seen > MAX_OBJECTS {
             return Err(Error::InvalidData("it has too many groups".to_owned()));
         }
         for dataset in datasets {

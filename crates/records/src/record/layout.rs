@@ -220,7 +220,7 @@ pub(crate) struct Stated {
 /// returns their length in bytes with what they state.
 fn stable32(head: &[u8], file: &str) -> Option<(usize, Stated)> {
     let (mut end, mut stated) = (0, Stated::default());
-    for (line, number) in head.split_inclusive(|byte| *byte == b'\n').take(MOST_HEADER).zip(1..) {
+    for (line, number) in head.split_inclusive(|byte| *byte == b'\n').take(MAX_HEADER).zip(1..) {
         end += line.len();
         let text = String::from_utf8_lossy(line);
         let text = text.trim().trim_start_matches('#').trim_start();
@@ -252,7 +252,7 @@ fn stable32(head: &[u8], file: &str) -> Option<(usize, Stated)> {
 /// Finds the end of the headers of a measurement file of LabVIEW (.lvm), in bytes.
 fn labview(head: &[u8]) -> Option<usize> {
     let mut end = 0;
-    let lines = head.split_inclusive(|byte| *byte == b'\n').take(MOST_HEADER).map(|line| {
+    let lines = head.split_inclusive(|byte| *byte == b'\n').take(MAX_HEADER).map(|line| {
         end += line.len();
         (line, end)
     });
@@ -261,7 +261,7 @@ fn labview(head: &[u8]) -> Option<usize> {
 }
 
 /// Most lines in the header of a file of Stable32 or LabVIEW.
-const MOST_HEADER: usize = 200;
+const MAX_HEADER: usize = 200;
 
 /// The delimiter and the decimals of some lines, of which the first may be a header; the decimals may be given.
 fn signs(content: &[Line], decimal: Option<Decimal>) -> (Delimiter, Decimal) {

@@ -22,7 +22,7 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
 /// Longest list of dimensions, and longest name, in bytes.
-const LONGEST: u32 = 4096;
+const MAX_NAME: u32 = 4096;
 
 /// The flag of complex numbers, and the classes of structs, which may be within each other up to this depth, and of objects such
 /// as strings and tables.
@@ -313,7 +313,7 @@ impl Order {
     /// The bytes of the next element, which is of this type.
     fn element(self, reader: &mut dyn Read, wanted: u32) -> io::Result<Vec<u8>> {
         let (kind, size, short) = self.tag(reader)?;
-        if kind != wanted || size > LONGEST {
+        if kind != wanted || size > MAX_NAME {
             return malformed("the header of a variable is damaged");
         }
         if let Some(data) = short {

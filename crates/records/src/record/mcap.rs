@@ -12,13 +12,13 @@ use crate::record::format::{Columns, Source};
 use crate::record::ros::{Encoding, Messages, is_imu};
 
 /// Longest record or chunk, in bytes.
-const LONGEST: usize = 1 << 27;
+const MAX_RECORD: usize = 1 << 27;
 
 /// Reads all messages of the file.
 pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
     let file = source.file.clone();
     let options = LinearReaderOptions::default()
-        .with_record_length_limit(LONGEST)
+        .with_record_length_limit(MAX_RECORD)
         .with_prevalidate_chunk_crcs(true)
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
@@ -28,7 +28,7 @@ pub(crate) fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordEr
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| bad(&file, &error.to_string()))? {
             LinearReadEvent::ReadRequest(count) => {
-                let read = bytes.read(reader.insert(count.min(LONGEST)));
+                let read = bytes.read(reader.insert(count.min(MAX_RECORD)));
                 reader.notify_read(read.map_err(|error| RecordError::unreadable(&file, &error))?);
             }
             LinearReadEvent::Record { data, opcode } => {

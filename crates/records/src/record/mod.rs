@@ -48,16 +48,16 @@ use crate::record::log::read::Hints;
 use crate::record::recording::Recording;
 
 /// Most samples of a record, 2^24, which is more than four hours at 1 kHz.
-pub const MOST_SAMPLES: usize = 1 << 24;
+pub const MAX_SAMPLES: usize = 1 << 24;
 
 /// The largest size of a number of a record or a log, in any unit: sums of squares stay finite.
-const LARGEST: f64 = 1e100;
+const MAX_NUMBER: f64 = 1e100;
 
 /// What is wrong with a number that is too large to be computed with; `None` for others and for a missing one.
 pub fn excess(number: f64) -> Option<String> {
     match number.abs() {
         f64::INFINITY => Some("infinite".to_owned()),
-        size if size > LARGEST => Some(format!("{number:e}, beyond {LARGEST:e},")),
+        size if size > MAX_NUMBER => Some(format!("{number:e}, beyond {MAX_NUMBER:e},")),
         _ => None,
     }
 }
@@ -77,7 +77,7 @@ pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
 pub struct Record {
     /// Time from sample to sample, s.
     pub step_s: f64,
-    /// The samples, ″/s, 2 … [`MOST_SAMPLES`] of them.
+    /// The samples, ″/s, 2 … [`MAX_SAMPLES`] of them.
     pub rates: Vec<f64>,
 }
 
@@ -98,7 +98,7 @@ impl Record {
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Record, RecordError> {
         let file = Recording::open(name.to_owned(), Origin::Bytes(text.as_bytes()), &Hints::default())?;
-        profile::read(file, MOST_SAMPLES)
+        profile::read(file, MAX_SAMPLES)
     }
 
     /// Time from the first sample to the last, s.

@@ -5,7 +5,7 @@ use crate::record::spelling::unit_of;
 use sagnac_base::quantity::units::Dimension;
 
 /// Longest unit after an underscore, in bytes including it.
-const LONGEST_UNIT: usize = 64;
+const MAX_UNIT: usize = 64;
 
 /// Brackets at the end of a unit.
 const BRACKETS: [char; 3] = [']', ')', '}'];
@@ -95,7 +95,7 @@ impl Name {
             }
         }
         // Without a bound, a long cell of underscores would take time in proportion to the square of its length.
-        let is_short = |at: usize| whole.len() - at <= LONGEST_UNIT;
+        let is_short = |at: usize| whole.len() - at <= MAX_UNIT;
         for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
             let unit = whole[at + 1..].replace("_per_", "/");
             let quotient = unit.replace('_', "/");
@@ -104,7 +104,7 @@ impl Name {
                 return with(&whole[..at], unit);
             }
         }
-        if let Some((bare, unit)) = whole.rsplit_once(' ').filter(|(_, unit)| unit.len() < LONGEST_UNIT)
+        if let Some((bare, unit)) = whole.rsplit_once(' ').filter(|(_, unit)| unit.len() < MAX_UNIT)
             && unit_of(unit, &MEASURED).is_ok()
         {
             return with(bare, unit);

@@ -5,7 +5,7 @@
 
 use std::io;
 
-use crate::record::arrays::MOST_COLUMNS;
+use crate::record::arrays::MAX_COLUMNS;
 use crate::record::error::RecordError;
 use crate::record::format::{Bytes, Columns, Format, Source};
 use crate::record::matrix::{Matrix, Number};
@@ -16,7 +16,7 @@ use crate::record::recording::Rules;
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Length in bytes of the longest header that is read.
-pub(crate) const LONGEST: usize = 1 << 16;
+pub(crate) const MAX_HEADER: usize = 1 << 16;
 
 pub(crate) const FORMAT: Format = Format { begins: |head| head.starts_with(MAGIC), open };
 
@@ -61,7 +61,7 @@ pub(crate) fn read(file: &str, head: &[u8], length: Option<u64>) -> Result<(Matr
     let begin = if wide { 12 } else { 10 };
     let size = head.get(8..begin).ok_or_else(short)?;
     let size = size.iter().rev().fold(0, |size, byte| size << 8 | usize::from(*byte));
-    if size > LONGEST {
+    if size > MAX_HEADER {
         return Err(bad(file, "its header is longer than 64 KiB"));
     }
     let header = head.get(begin..begin + size).ok_or_else(short)?;
@@ -72,8 +72,8 @@ pub(crate) fn read(file: &str, head: &[u8], length: Option<u64>) -> Result<(Matr
             Err(bad(file, &format!("its header promises {promised} bytes of numbers, the file has {there}")))
         }
         (None, _) => Err(bad(file, "its header promises more numbers than can be")),
-        _ if matrix.columns > MOST_COLUMNS => {
-            Err(bad(file, &format!("it has {} columns, more than {MOST_COLUMNS}", matrix.columns)))
+        _ if matrix.columns > MAX_COLUMNS => {
+            Err(bad(file, &format!("it has {} columns, more than {MAX_COLUMNS}", matrix.columns)))
         }
         _ => Ok((matrix, begin + size)),
     }

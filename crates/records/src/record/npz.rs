@@ -37,7 +37,7 @@ fn open(source: Source<'_>) -> Result<Box<dyn Columns + '_>, RecordError> {
             continue;
         };
         let (length, mut head) = (entry.size(), Vec::new());
-        let read = entry.by_ref().take(npy::LONGEST as u64 + 12).read_to_end(&mut head);
+        let read = entry.by_ref().take(npy::MAX_HEADER as u64 + 12).read_to_end(&mut head);
         read.map_err(|error| npy::cut_off(&file, &error))?;
         match npy::read(&format!("{file}, {name}"), &head, Some(length)) {
             Ok((matrix, start)) => {

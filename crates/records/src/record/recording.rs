@@ -17,13 +17,13 @@ use sagnac_base::source::diagnose::choices;
 use sagnac_base::source::place::Place;
 
 /// Most columns that a message lists.
-pub(crate) const MOST_LISTED: usize = 20;
+pub(crate) const MAX_LISTED: usize = 20;
 
 /// Fewest rows that show how a column goes on.
-const LEAST_ROWS: usize = 8;
+const MIN_ROWS: usize = 8;
 
 /// Fewest rises of a counter for each time that it begins again.
-const FEWEST_RISES: usize = 4;
+const MIN_RISES: usize = 4;
 
 /// Advice on text in another encoding.
 const UTF_8_WANTED: &str = "save it as UTF-8, which editors and spreadsheets offer as the encoding of text";
@@ -40,7 +40,7 @@ const OTHERS: [(&[u8], &str, &str); 6] = [
 
 /// First bytes that tell binary files from text, and the largest part of control signs in text, as a divisor.
 const SAMPLE: usize = 4096;
-const MOST_CONTROLS: usize = 32;
+const MAX_CONTROLS: usize = 32;
 
 /// Advice on binary files of no known format.
 const BINARY_WANTED: &str = "describe its rows as in `binary = \"f64 x7, little, time 1, rate 3\"`; known formats are text, .npy, \
@@ -108,7 +108,7 @@ impl<'a> Recording<'a> {
         // Zeros and many control signs do not occur in text, but among the bytes of numbers.
         let sample = &head[..head.len().min(SAMPLE)];
         let is_control = |byte: &&u8| **byte < 0x20 && !byte.is_ascii_whitespace();
-        if sample.contains(&0) || sample.iter().filter(is_control).count() > sample.len() / MOST_CONTROLS {
+        if sample.contains(&0) || sample.iter().filter(is_control).count() > sample.len() / MAX_CONTROLS {
             return Err(RecordError::new(format!("{file} is binary"), "", BINARY_WANTED, None));
         }
         Ok(Box::new(Text::open(source, decimal)?))
@@ -131,7 +131,7 @@ impl<'a> Recording<'a> {
     /// The numbers of a column in the first rows, if these are enough to show how it goes on.
     pub(crate) fn rows(&self, column: usize) -> &[f64] {
         let rows = self.columns.rows(column);
-        if rows.len() < LEAST_ROWS { &[] } else { rows }
+        if rows.len() < MIN_ROWS { &[] } else { rows }
     }
 
     /// The loggers whose header it may be, if these have other units.
@@ -155,7 +155,7 @@ impl<'a> Recording<'a> {
         let are_counts = rows.iter().all(|number| *number >= 0.0 && number.fract() == 0.0);
         let rises = steps().filter(|step| *step > 0.0).count();
         let begin_again = || steps().all(|step| step > 0.0 || are_counts && step < -0.5 * largest);
-        rises > 0 && FEWEST_RISES * (rows.len() - 1 - rises) <= rises && begin_again()
+        rises > 0 && MIN_RISES * (rows.len() - 1 - rises) <= rises && begin_again()
     }
 
     /// What times of the calendar a column holds, if any. Those of a time of day include the date in the column before.
@@ -187,9 +187,9 @@ impl<'a> Recording<'a> {
     pub(crate) fn listed(&self) -> String {
         let (names, columns) = (self.names(), self.columns());
         let named = names.iter().zip(1..).map(|(name, number)| format!("{number} {}", name.whole));
-        let more = if columns > MOST_LISTED { ", …" } else { "" };
+        let more = if columns > MAX_LISTED { ", …" } else { "" };
         match columns {
-            _ if !names.is_empty() => named.take(MOST_LISTED).collect::<Vec<_>>().join(", ") + more,
+            _ if !names.is_empty() => named.take(MAX_LISTED).collect::<Vec<_>>().join(", ") + more,
             1 => "column 1".to_owned(),
             _ => format!("columns 1 … {columns}"),
         }
@@ -246,8 +246,8 @@ impl<'a> Recording<'a> {
             [] => {}
             ref several => {
                 let numbers: Vec<String> =
-                    several.iter().take(MOST_LISTED).map(|i| (i + 1).to_string()).collect();
-                let more = if several.len() > MOST_LISTED { " and others" } else { "" };
+                    several.iter().take(MAX_LISTED).map(|i| (i + 1).to_string()).collect();
+                let more = if several.len() > MAX_LISTED { " and others" } else { "" };
                 let both = if several.len() == 2 { "both " } else { "" };
                 let message = format!("columns {}{more} are {both}called `{word}`", numbers.join(" and "));
                 return refused(message, "give the number of the one you mean".to_owned());

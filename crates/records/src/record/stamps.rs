@@ -13,7 +13,7 @@ use sagnac_base::quantity::number::significant;
 const EPOCH_S: std::ops::Range<f64> = 1e9..4e9;
 
 /// Longest sampling step of a log whose stamps have no unit, s.
-const LONGEST_STEP_S: f64 = 100.0;
+const MAX_STEP_S: f64 = 100.0;
 
 /// Units of time, s.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
@@ -41,36 +41,36 @@ const LIMITS: [f64; 13] = [
 
 /// Deviation of steps from whole sampling steps, and of the rate of a clock from the given one, that are none of samples.
 const JITTER: f64 = 0.1;
-const MOST_DRIFT: f64 = 0.02;
+const MAX_DRIFT: f64 = 0.02;
 
 /// Most sensors whose rows take turns in a log, and most rows of one of them in a row.
-const MOST_SENSORS: usize = 8;
-const MOST_ROWS_IN_TURN: usize = 4;
+const MAX_SENSORS: usize = 8;
+const MAX_ROWS_IN_TURN: usize = 4;
 
 /// Fewest and most stamps on each side of a row that tell whether samples are missing before it. A gap is a rise by more than so many
 /// times the fall that one in so many rows exceeds.
-const LEAST_WINDOW: usize = 8;
-const LONGEST_WINDOW: usize = 256;
+const MIN_WINDOW: usize = 8;
+const MAX_WINDOW: usize = 256;
 const FALLS: f64 = 1.5;
 const ONE_IN: usize = 1000;
 /// Most rows at which falls are examined.
-const MOST_COMPARED: usize = 1 << 12;
+const MAX_COMPARED: usize = 1 << 12;
 /// Stamps over which mean steps are taken first, most of them, and most turns in which they are refined.
-const LONGEST_LAG: usize = 256;
-const MOST_SAMPLED: usize = 1 << 16;
-const MOST_TURNS: usize = 10;
+const MAX_LAG: usize = 256;
+const MAX_SAMPLED: usize = 1 << 16;
+const MAX_TURNS: usize = 10;
 /// Largest part of the samples that may be missing at many steps; else the least distances of stamps are not the sampling step.
-const MOST_MISSING: f64 = 0.5;
+const MAX_MISSING: f64 = 0.5;
 /// Fewest rows for each gap of samples that are missing, or row that is doubled, for a reason.
 const ROWS_PER_GAP: f64 = 50.0;
 /// Fewest blocks of stamps of which the wander is compared, and the least part and number of the samples that it shows to be missing:
 /// slow beats of coarse clocks wander too. The estimated part is uncertain, and the rate is off by at most so many times it.
-const FEWEST_BLOCKS: usize = 8;
-const LEAST_UNSEEN: f64 = 5e-4;
-const FEWEST_UNSEEN: f64 = 8.0;
-const MOST_PER_UNSEEN: f64 = 4.0;
+const MIN_BLOCKS: usize = 8;
+const MIN_UNSEEN_SHARE: f64 = 5e-4;
+const MIN_UNSEEN: f64 = 8.0;
+const MAX_PER_UNSEEN: f64 = 4.0;
 /// Longest beat of a rounded clock with the sampling rate that is found among losses, in samples.
-const LONGEST_BEAT: usize = 1000;
+const MAX_BEAT: usize = 1000;
 
 /// The unit of stamps since the epoch, of which the first is `stamp`.
 pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
@@ -80,7 +80,7 @@ pub(crate) fn epoch_unit(stamp: f64) -> Option<(&'static str, f64)> {
 /// The unit of the stamps of a log if they count from the epoch. Stamps that count from the start of a device may have the size of
 /// those in a coarser unit, so a unit in which the steps are too long is not taken.
 pub(crate) fn epoch_unit_of(stamps: &[f64]) -> Option<(&'static str, f64)> {
-    let is_short = |unit_s: f64| stamps.len() < 2 || median_step(stamps) * unit_s <= LONGEST_STEP_S;
+    let is_short = |unit_s: f64| stamps.len() < 2 || median_step(stamps) * unit_s <= MAX_STEP_S;
     epoch_unit(*stamps.first()?).filter(|(_, unit_s)| is_short(*unit_s))
 }
 
@@ -191,11 +191,11 @@ pub(crate) fn interleaved(stamps: &[f64], numbers: &[f64]) -> Option<Vec<f64>> {
         if !sensors.contains(number) {
             sensors.push(*number);
         }
-        if sensors.len() > MOST_SENSORS || number.fract() != 0.0 {
+        if sensors.len() > MAX_SENSORS || number.fract() != 0.0 {
             return None;
         }
     }
-    let take_turns = sensors.len() > 1 && changes >= numbers.len() / MOST_ROWS_IN_TURN;
+    let take_turns = sensors.len() > 1 && changes >= numbers.len() / MAX_ROWS_IN_TURN;
     let is_interleaved = take_turns && exact_step(stamps).is_none();
     sensors.sort_by(f64::total_cmp);
     is_interleaved.then_some(sensors)
@@ -267,7 +267,7 @@ pub(crate) fn faults(stamps: &[f64], samples: &[f64], unit_s: f64, jitter: Optio
 /// samples. Rows with the same stamp are successive samples.
 pub(crate) fn grid_of_rows(stamps: &[f64], step: f64, most: usize) -> Result<Grid, TimeFault> {
     let gaps = match exact_gaps(stamps) {
-        Some(exact) if (exact.step / step - 1.0).abs() < MOST_DRIFT => exact.gaps,
+        Some(exact) if (exact.step / step - 1.0).abs() < MAX_DRIFT => exact.gaps,
         _ => Points::of(stamps).gaps(step),
     };
     let mut next = gaps.iter().peekable();
@@ -286,8 +286,8 @@ pub(crate) fn uncertainty(stamps: &[f64]) -> f64 {
         return beat(&exact.gaps).map_or(0.0, |distance| 1.0 / distance as f64);
     }
     let unseen = Points::of(stamps).unseen();
-    let are_many = unseen > LEAST_UNSEEN && unseen * stamps.len() as f64 > FEWEST_UNSEEN;
-    if are_many { MOST_PER_UNSEEN * unseen } else { 0.0 }
+    let are_many = unseen > MIN_UNSEEN_SHARE && unseen * stamps.len() as f64 > MIN_UNSEEN;
+    if are_many { MAX_PER_UNSEEN * unseen } else { 0.0 }
 }
 
 /// The distance at which far more gaps follow each other than losses at random places do, in sampling steps: the beat of a rounded
@@ -299,16 +299,14 @@ fn beat(gaps: &[(usize, f64)]) -> Option<usize> {
         lost += gap.1 as usize;
     }
     let span = (places.last()? - places[0]) as f64;
-    let mut pairs = [0_usize; LONGEST_BEAT + 2];
+    let mut pairs = [0_usize; MAX_BEAT + 2];
     for (at, place) in places.iter().enumerate() {
         let distances = places[at + 1..].iter().map(|next| next - place);
-        distances
-            .take_while(|distance| *distance < LONGEST_BEAT + 2)
-            .for_each(|distance| pairs[distance] += 1);
+        distances.take_while(|distance| *distance < MAX_BEAT + 2).for_each(|distance| pairs[distance] += 1);
     }
     let at_random = 2.0 * (places.len() * places.len()) as f64 / span;
     let most_at_random = at_random + 6.0 * at_random.sqrt() + 6.0;
-    (2..=LONGEST_BEAT).find(|&distance| {
+    (2..=MAX_BEAT).find(|&distance| {
         let pairs = (pairs[distance] + pairs[distance + 1]) as f64;
         pairs > most_at_random.max(0.5 * span / distance as f64)
     })
@@ -337,7 +335,7 @@ fn whole_gaps(stamps: &[f64]) -> Option<Exact> {
         }
     }
     let rows = stamps.len() as f64;
-    let are_few = MOST_MISSING * total < rows || ROWS_PER_GAP * (gaps.len() as f64) < rows;
+    let are_few = MAX_MISSING * total < rows || ROWS_PER_GAP * (gaps.len() as f64) < rows;
     (total > 0.0 && are_few).then(|| Exact { step: (last - first) / total, gaps })
 }
 
@@ -402,7 +400,7 @@ impl Points {
         let firsts = points(starts.clone(), starts.clone());
         let lasts = points(starts[1..].iter().map(|row| row - 1).collect(), starts);
         let noise = |points: &Points| {
-            let fall = points.levels(points.step_of_lags()).fall(LEAST_WINDOW);
+            let fall = points.levels(points.step_of_lags()).fall(MIN_WINDOW);
             fall.map_or(f64::INFINITY, |[_, fall]| fall)
         };
         let mut points = if lasts.rows.len() > 1 && noise(&lasts) <= noise(&firsts) { lasts } else { firsts };
@@ -419,14 +417,14 @@ impl Points {
     fn step_of_lags(&self) -> f64 {
         let points = self.rows.len();
         let of = |lag: usize| {
-            let lag = lag.clamp(1, LONGEST_LAG);
-            let stride = (points / MOST_SAMPLED).max(1);
+            let lag = lag.clamp(1, MAX_LAG);
+            let stride = (points / MAX_SAMPLED).max(1);
             let mean = |at: usize| {
                 (self.stamps[at + lag] - self.stamps[at]) / (self.rows[at + lag] - self.rows[at]) as f64
             };
             median_of(&mut (0..points.saturating_sub(lag)).step_by(stride).map(mean))
         };
-        let [long, short] = [of(points / 16), of(LEAST_WINDOW.min(points / 16))];
+        let [long, short] = [of(points / 16), of(MIN_WINDOW.min(points / 16))];
         if (short / long - 1.0).abs() < JITTER { short.min(long) } else { long }
     }
 
@@ -434,8 +432,8 @@ impl Points {
     fn step(&self) -> f64 {
         let points = self.rows.len();
         let mut step = self.step_of_lags();
-        let part = (points / 4).clamp(1, 4 * LONGEST_LAG);
-        for _ in 0..MOST_TURNS {
+        let part = (points / 4).clamp(1, 4 * MAX_LAG);
+        for _ in 0..MAX_TURNS {
             let places = self.places(step);
             let middle = |part: Range<usize>| {
                 let away = |at: usize| self.stamps[at] - self.stamps[0] - step * places[at];
@@ -475,8 +473,8 @@ impl Points {
     /// a clock that drifts makes it larger, so the least over all n is taken.
     fn unseen(&self) -> f64 {
         let points = self.rows.len();
-        let are_few = points < FEWEST_BLOCKS * LEAST_WINDOW;
-        if are_few && !(self.are_units && points >= FEWEST_BLOCKS) {
+        let are_few = points < MIN_BLOCKS * MIN_WINDOW;
+        if are_few && !(self.are_units && points >= MIN_BLOCKS) {
             return 0.0;
         }
         let step = self.step();
@@ -498,8 +496,8 @@ impl Points {
             let squares: f64 = medians.windows(5).map(|of| second(of) * second(of)).sum();
             squares / (medians.len() - 4) as f64 / (window as f64 * rows_per_point)
         };
-        let windows = std::iter::successors(Some(LEAST_WINDOW), |window| Some(2 * window));
-        windows.take_while(|window| FEWEST_BLOCKS * window <= points).map(part).fold(f64::INFINITY, f64::min)
+        let windows = std::iter::successors(Some(MIN_WINDOW), |window| Some(2 * window));
+        windows.take_while(|window| MIN_BLOCKS * window <= points).map(part).fold(f64::INFINITY, f64::min)
     }
 
     /// The rises of the stamps over the rows, in steps.
@@ -516,7 +514,7 @@ impl Points {
         let mut levels = self.levels(step);
         let (window, trend, least_rise) = levels.window();
         let least_rise = least_rise.max(self.least_rise);
-        let stride = window / LEAST_WINDOW;
+        let stride = window / MIN_WINDOW;
         let (mut gaps, mut lost, mut lowered) = (BTreeMap::new(), 0.0, 0);
         let points = self.rows.len();
         for at in (1..points).step_by(stride) {
@@ -524,7 +522,7 @@ impl Points {
             levels.0[lowered..reached].iter_mut().for_each(|level| *level -= lost);
             lowered = reached;
             let rise = |at: usize| {
-                let is_sure = points - at >= LEAST_WINDOW;
+                let is_sure = points - at >= MIN_WINDOW;
                 let rise = levels.rise(at, window) - trend;
                 (at, rise, rise >= if is_sure { least_rise } else { LONG_GAP })
             };
@@ -562,7 +560,7 @@ impl Levels {
 
     /// Whether one of some levels from a point on is so much higher than one just before it.
     fn may_rise(&self, at: usize, count: usize, least_rise: f64) -> bool {
-        let near = self.0[at.saturating_sub(LEAST_WINDOW)..at].iter().copied().fold(f64::INFINITY, f64::min);
+        let near = self.0[at.saturating_sub(MIN_WINDOW)..at].iter().copied().fold(f64::INFINITY, f64::min);
         self.0[at..self.0.len().min(at + count)].iter().any(|level| level - near >= least_rise)
     }
 
@@ -570,7 +568,7 @@ impl Levels {
     /// which gaps do not cause; `None` in a shorter record.
     fn fall(&self, window: usize) -> Option<[f64; 2]> {
         let inner = self.0.len().checked_sub(2 * window).filter(|inner| *inner > 0)?;
-        let stride = (inner / MOST_COMPARED).max(1);
+        let stride = (inner / MAX_COMPARED).max(1);
         let mut rises: Vec<f64> =
             (0..inner).step_by(stride).map(|at| self.rise(at + window, window)).collect();
         let [_, median] = low_and_median(&rises);
@@ -580,9 +578,9 @@ impl Levels {
 
     /// The shortest window in which rises vary little against one sample, the median rise there, and the least one of a gap.
     fn window(&self) -> (usize, f64, f64) {
-        let mut found = (LEAST_WINDOW, 0.0, LONG_GAP);
-        let mut window = LEAST_WINDOW;
-        while let Some([trend, fall]) = self.fall(window).filter(|_| window <= LONGEST_WINDOW) {
+        let mut found = (MIN_WINDOW, 0.0, LONG_GAP);
+        let mut window = MIN_WINDOW;
+        while let Some([trend, fall]) = self.fall(window).filter(|_| window <= MAX_WINDOW) {
             if FALLS * fall < found.2 {
                 found = (window, trend, FALLS * fall);
             }
@@ -669,7 +667,7 @@ pub(crate) fn rows_of_lost_digits(stamps: &[f64], has_rate: bool) -> Option<usiz
 /// The number of different stamps of a coarse clock, where these are too few to show whether samples are missing.
 pub(crate) fn few_distinct(stamps: &[f64]) -> Option<usize> {
     let distinct = 1 + stamps.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    (are_coarse(stamps) && distinct < FEWEST_BLOCKS + 2).then_some(distinct)
+    (are_coarse(stamps) && distinct < MIN_BLOCKS + 2).then_some(distinct)
 }
 
 /// A sampling step of `step_s` in the unit of the stamps: by `unit_s`, or else by the unit of time that gives it nearly the mean step, or
@@ -689,7 +687,7 @@ pub(crate) fn step_in_stamps(stamps: &[f64], step_s: f64, unit_s: Option<f64>) -
         known => known,
     };
     let step = unit_s.map_or(mean, |unit_s| step_s / unit_s);
-    Ok([step, if (mean / step - 1.0).abs() < MOST_DRIFT { mean } else { step }])
+    Ok([step, if (mean / step - 1.0).abs() < MAX_DRIFT { mean } else { step }])
 }
 
 #[cfg(test)]

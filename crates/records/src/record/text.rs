@@ -24,7 +24,7 @@ const BLOCK: usize = 16 << 20;
 const PART: usize = 1 << 20;
 
 /// Faulty rows that a refusal shows; it counts all.
-const MOST_SHOWN: usize = 3;
+const MAX_SHOWN: usize = 3;
 
 /// A part of a text.
 struct Part<'b> {
@@ -202,7 +202,7 @@ fn read(
         let parts: Vec<Part> =
             parts.par_iter().map(|part| parse(part, layout, &slots, &dates, wanted.len())).collect();
         for part in parts {
-            let shown = part.shown.into_iter().take(MOST_SHOWN.saturating_sub(faulty));
+            let shown = part.shown.into_iter().take(MAX_SHOWN.saturating_sub(faulty));
             shown.for_each(|(before, line)| {
                 faults.add(refusal(layout, lines + before + 1, line, &slots, rules.missing));
             });
@@ -214,7 +214,7 @@ fn read(
         rules.limit(&layout.file, columns.first().map_or(0, Vec::len).max(faulty))?;
         block.drain(..whole);
         if at_end && faulty > 0 {
-            let more = if faulty > MOST_SHOWN { "; the first of them are shown" } else { "" };
+            let more = if faulty > MAX_SHOWN { "; the first of them are shown" } else { "" };
             let message = format!("{faulty} rows of {} cannot be read{more}", layout.file);
             return Err(faults.listed(message));
         }
@@ -283,7 +283,7 @@ fn parse<'b>(
             read.comments += usize::from(!text.is_empty());
         } else if !is_read() {
             read.faulty += 1;
-            if read.faulty <= MOST_SHOWN {
+            if read.faulty <= MAX_SHOWN {
                 read.shown.push((read.lines, text));
             }
         }

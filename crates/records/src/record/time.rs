@@ -11,7 +11,7 @@ pub(crate) const LONG_GAP: f64 = 10.0;
 pub(crate) const SPARSEST: f64 = 10.0;
 
 /// Most steps from which the median is taken.
-const MOST_STEPS: usize = 1 << 16;
+const MAX_STEPS: usize = 1 << 16;
 
 /// The rows of a log on an even grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,10 +100,10 @@ pub(crate) fn whole_steps(step: f64, median: f64, jitter: f64) -> Option<f64> {
     is_whole.then_some(steps)
 }
 
-/// The median of all steps, or of [`MOST_STEPS`] evenly spread over the record. Of two in the middle the shorter one is
+/// The median of all steps, or of [`MAX_STEPS`] evenly spread over the record. Of two in the middle the shorter one is
 /// taken, because longer ones are gaps.
 pub(crate) fn median_step(stamps: &[f64]) -> f64 {
-    let stride = (stamps.len() / MOST_STEPS).max(1);
+    let stride = (stamps.len() / MAX_STEPS).max(1);
     let mut steps: Vec<f64> = stamps.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
     let middle = (steps.len() - 1) / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1

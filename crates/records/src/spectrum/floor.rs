@@ -9,16 +9,16 @@ use crate::spectrum::median::Median;
 use crate::spectrum::welch::ends;
 
 /// Fewest densities in a cell, the unit of a range of frequencies.
-const LEAST_IN_CELL: usize = 16;
+const MIN_IN_CELL: usize = 16;
 /// Ratio of the ends of a cell.
 const CELL: f64 = 1.189_207_115_002_721;
 /// Fewest cells in a range, and least ratio of its ends.
-const LEAST_CELLS: usize = 3;
-const LEAST_RATIO: f64 = 2.0;
+const MIN_CELLS: usize = 3;
+const MIN_RATIO: f64 = 2.0;
 /// Probability of the scatter of the cells of a white range below which a range is not taken as white.
 const UNLIKELY: f64 = 0.05;
 /// Most standard errors of the slope of a white range.
-const MOST_SLOPE: f64 = 2.0;
+const MAX_SLOPE: f64 = 2.0;
 
 /// The density of the widest range of frequencies in which it is flat.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +82,7 @@ impl Floor {
         let is_clear = |place: &usize| !lines.iter().any(|line| line.places.contains(place));
         let values: Vec<f64> =
             places.clone().filter(is_clear).map(|place| density.points[place].value).collect();
-        if values.len() < LEAST_IN_CELL {
+        if values.len() < MIN_IN_CELL {
             return None;
         }
         let freedom = median.freedom(values.len());
@@ -104,8 +104,8 @@ fn cells(all: Range<usize>) -> Vec<Range<usize>> {
     let mut cells = Vec::new();
     let mut start = all.start;
     while start < all.end {
-        let end = (start + LEAST_IN_CELL).max(libm::ceil(CELL * start as f64) as usize);
-        let end = if end + LEAST_IN_CELL > all.end { all.end } else { end };
+        let end = (start + MIN_IN_CELL).max(libm::ceil(CELL * start as f64) as usize);
+        let end = if end + MIN_IN_CELL > all.end { all.end } else { end };
         cells.push(start..end);
         start = end;
     }
@@ -116,10 +116,10 @@ fn cells(all: Range<usize>) -> Vec<Range<usize>> {
 fn widest(cells: &[Cell]) -> Option<Range<usize>> {
     let mut best: Option<Range<usize>> = None;
     for first in 0..cells.len() {
-        for end in first + LEAST_CELLS..=cells.len() {
+        for end in first + MIN_CELLS..=cells.len() {
             let range = cells[first].bins.start..cells[end - 1].bins.end;
             let is_wider = best.as_ref().is_none_or(|best| range.len() > best.len());
-            let is_octave = range.end as f64 >= LEAST_RATIO * range.start as f64;
+            let is_octave = range.end as f64 >= MIN_RATIO * range.start as f64;
             if is_wider && is_octave && is_flat(&cells[first..end]) {
                 best = Some(range);
             }
@@ -137,5 +137,5 @@ fn is_flat(cells: &[Cell]) -> bool {
     let chi_squared = sum(&|cell| (cell.level - level) * (cell.level - level));
     let slope =
         sum(&|cell| (cell.at - at) * cell.level) / libm::sqrt(sum(&|cell| (cell.at - at) * (cell.at - at)));
-    survival(chi_squared, cells.len() - 1) >= UNLIKELY && slope.abs() <= MOST_SLOPE
+    survival(chi_squared, cells.len() - 1) >= UNLIKELY && slope.abs() <= MAX_SLOPE
 }

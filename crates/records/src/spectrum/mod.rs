@@ -43,8 +43,8 @@ pub mod welch;
 
 pub use crate::spectrum::floor::Floor;
 pub use crate::spectrum::lines::{FALSE_ALARM, Line, lines};
-pub use crate::spectrum::welch::MOST_USUAL;
-pub use crate::spectrum::welch::{Density, LEAST_SEGMENT, Point, SpectrumError, Welch};
+pub use crate::spectrum::welch::MAX_USUAL;
+pub use crate::spectrum::welch::{Density, MIN_SEGMENT, Point, SpectrumError, Welch};
 
 /// Correlation of the densities at frequencies one and two places apart, for the Hann window: the squares of its
 /// squared window's Fourier coefficients ⅔ and ⅙.

@@ -12,9 +12,9 @@ use crate::spectrum::NEIGHBOURS;
 use sagnac_base::quantity::number::significant;
 
 /// Fewest samples in a segment.
-pub const LEAST_SEGMENT: usize = 16;
+pub const MIN_SEGMENT: usize = 16;
 /// Most samples in a default segment: 8192 frequencies are enough for a table and a chart.
-pub const MOST_USUAL: usize = 1 << 14;
+pub const MAX_USUAL: usize = 1 << 14;
 /// Number of default segments, without overlap, in a record of moderate length.
 const USUAL_SEGMENTS: usize = 8;
 /// Number of pairs of segments that are transformed at once.
@@ -76,10 +76,10 @@ pub struct Point {
 /// Why a record has no density. Lengths are in samples.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SpectrumError {
-    /// No stretch has [`LEAST_SEGMENT`] samples, or most of the record is in stretches below that.
+    /// No stretch has [`MIN_SEGMENT`] samples, or most of the record is in stretches below that.
     #[error(
         "the record is too short for a spectrum: its longest stretch without gaps has {longest} samples, and most of the \
-         record must be in stretches of at least {LEAST_SEGMENT}\nrecord longer, or leave out less"
+         record must be in stretches of at least {MIN_SEGMENT}\nrecord longer, or leave out less"
     )]
     RecordTooShort {
         /// Length of the longest stretch without gaps.
@@ -99,10 +99,10 @@ pub enum SpectrumError {
         /// Time from sample to sample, s.
         step_s: f64,
     },
-    /// The requested segment has fewer than [`LEAST_SEGMENT`] samples.
+    /// The requested segment has fewer than [`MIN_SEGMENT`] samples.
     #[error(
-        "the segment of {segment} samples is too short: at least {LEAST_SEGMENT} are needed\ngive at least `segment = {}s`",
-        shown(LEAST_SEGMENT, *.step_s)
+        "the segment of {segment} samples is too short: at least {MIN_SEGMENT} are needed\ngive at least `segment = {}s`",
+        shown(MIN_SEGMENT, *.step_s)
     )]
     SegmentTooShort {
         /// Requested length.
@@ -204,14 +204,14 @@ fn segment(stretches: &[Range<usize>], asked: &Welch, step_s: f64) -> Result<usi
     let lengths = || stretches.iter().map(Range::len);
     let (longest, samples) = (lengths().max().unwrap_or(0), lengths().sum::<usize>());
     match asked.segment {
-        _ if longest < LEAST_SEGMENT => Err(SpectrumError::RecordTooShort { longest }),
-        Some(segment) if segment < LEAST_SEGMENT => Err(SpectrumError::SegmentTooShort { segment, step_s }),
+        _ if longest < MIN_SEGMENT => Err(SpectrumError::RecordTooShort { longest }),
+        Some(segment) if segment < MIN_SEGMENT => Err(SpectrumError::SegmentTooShort { segment, step_s }),
         Some(segment) if segment > longest => Err(SpectrumError::SegmentTooLong { segment, longest, step_s }),
         Some(segment) => Ok(segment),
         None => {
-            let most = (samples / USUAL_SEGMENTS).clamp(LEAST_SEGMENT, MOST_USUAL).ilog2();
+            let most = (samples / USUAL_SEGMENTS).clamp(MIN_SEGMENT, MAX_USUAL).ilog2();
             let usable = |segment: usize| lengths().map(|length| used(length, segment)).sum::<usize>();
-            let powers = (LEAST_SEGMENT.ilog2()..=most).rev().map(|power| 1 << power);
+            let powers = (MIN_SEGMENT.ilog2()..=most).rev().map(|power| 1 << power);
             powers
                 .into_iter()
                 .find(|&segment| 2 * usable(segment) >= samples)

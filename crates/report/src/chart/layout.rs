@@ -17,13 +17,13 @@ pub const MARGIN: f64 = 26.0;
 /// Width of titles.
 const ROOM: f64 = WIDTH - 2.0 * MARGIN;
 /// Approximate number of labels for which an axis has room.
-pub const MOST_LABELS: usize = 9;
+pub const MAX_LABELS: usize = 9;
 
 const TITLE_SIZE: f64 = 20.0;
 const SUBTITLE_SIZE: f64 = 13.5;
 /// Distance of the lines of a subtitle, and most of them.
 const LINE: f64 = 18.0;
-const MOST_LINES: usize = 3;
+const MAX_LINES: usize = 3;
 const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
 
 /// A rectangle of the picture, in px.
@@ -77,8 +77,8 @@ impl Titles<'_> {
     /// The lines of the subtitle, the last of which is shortened if there are too many.
     fn subtitle_lines(&self) -> Vec<String> {
         let mut lines = text::wrapped(self.subtitle.unwrap_or_default(), SUBTITLE_SIZE, false, ROOM);
-        if lines.len() > MOST_LINES {
-            let rest = lines.split_off(MOST_LINES - 1).join(" ");
+        if lines.len() > MAX_LINES {
+            let rest = lines.split_off(MAX_LINES - 1).join(" ");
             lines.push(rest);
         }
         lines.iter().map(|line| text::fitted(line, SUBTITLE_SIZE, false, ROOM)).collect()

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::chart::plot::{MARKED, MOST_MARKED};
+use crate::chart::plot::{MARKED, MAX_MARKED};
 
 /// Colours that colour-blind readers can distinguish, the first three also by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
@@ -79,7 +79,7 @@ impl Looks {
             markers: &MARKERS,
             viridis: all(Shades::Rising),
             diverging: all(Shades::AboutLimit),
-            most_marked: MOST_MARKED,
+            most_marked: MAX_MARKED,
             marked: MARKED,
         }
     }

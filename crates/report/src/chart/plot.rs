@@ -10,7 +10,7 @@ use crate::chart::scale::{Range, extent};
 use crate::chart::text;
 
 /// Most points of a line that all have markers.
-pub const MOST_MARKED: usize = 200;
+pub const MAX_MARKED: usize = 200;
 
 /// Largest number of markers of a line with more points.
 pub const MARKED: usize = 40;
@@ -192,7 +192,7 @@ impl Plot<'_> {
         let points: Vec<_> = self.runs(series).flatten().collect();
         // Along a line through very many points, only some have markers.
         let step = match points.len() {
-            many if many > MOST_MARKED && !self.figure.has_laws() => many.div_ceil(MARKED),
+            many if many > MAX_MARKED && !self.figure.has_laws() => many.div_ceil(MARKED),
             _ => 1,
         };
         // Smaller where many would touch.

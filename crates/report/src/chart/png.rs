@@ -37,7 +37,7 @@ static FACES: LazyLock<[Option<Face<'static>>; 2]> = LazyLock::new(|| {
 });
 
 /// Most places of a line that are drawn as one path, whose time grows with the square of their number.
-const MOST_JOINED: usize = 4096;
+const MAX_JOINED: usize = 4096;
 
 impl Canvas {
     /// The picture as PNG, with `scale` pixels per CSS pixel.
@@ -100,8 +100,8 @@ impl Painter {
             }
             Shape::Line { places, stroke } => {
                 // Each piece begins where the one before ends.
-                for start in (0..places.len().saturating_sub(1)).step_by(MOST_JOINED) {
-                    let end = places.len().min(start + MOST_JOINED + 1);
+                for start in (0..places.len().saturating_sub(1)).step_by(MAX_JOINED) {
+                    let end = places.len().min(start + MAX_JOINED + 1);
                     self.stroke(path([&places[start..end]], false), stroke, LineCap::Butt, LineJoin::Round);
                 }
             }

@@ -31,8 +31,8 @@ pub fn width(text: &str, size: f64, bold: bool) -> f64 {
 /// `text`, shortened with an ellipsis until it is at most `room` px wide.
 pub fn fitted(text: &str, size: f64, bold: bool, room: f64) -> String {
     /// Number of characters that is more than fits across a picture, but few enough to try one by one.
-    const LONGEST: usize = 200;
-    let mut kept: String = text.chars().take(LONGEST).collect();
+    const MAX_CHARACTERS: usize = 200;
+    let mut kept: String = text.chars().take(MAX_CHARACTERS).collect();
     let mut shown = if kept.len() < text.len() { format!("{kept}…") } else { kept.clone() };
     while width(&shown, size, bold) > room && kept.pop().is_some() {
         shown = format!("{}…", kept.trim_end());

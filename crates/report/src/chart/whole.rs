@@ -1,7 +1,7 @@
 //! Axes and their ticks, which are at whole numbers for counts and names, and at parts of a turn for phases.
 
 use crate::chart::figure::Axis;
-use crate::chart::layout::MOST_LABELS;
+use crate::chart::layout::MAX_LABELS;
 use crate::chart::scale::Scale;
 use crate::chart::scale::{Range, extent};
 use crate::chart::ticks::{Ladder, Steps, Ticks};
@@ -33,7 +33,7 @@ impl Axis {
             let major = (1..).zip(&self.names).map(|(place, name)| (f64::from(place), name.clone()));
             return Ticks { major: major.collect(), minor: vec![] };
         }
-        let mut ticks = range.ticks(MOST_LABELS, self.steps());
+        let mut ticks = range.ticks(MAX_LABELS, self.steps());
         if !self.whole {
             return ticks;
         }

@@ -28,13 +28,13 @@ use sagnac_base::table::{Cell, Column, Role, Table, titled};
 const DIGITS: usize = 9;
 
 /// Most cells of a table in a page, which keep it below 1.5 MB and fast to draw.
-const MOST_CELLS: usize = 80_000;
+const MAX_CELLS: usize = 80_000;
 
 /// Whole numbers below this are shown in full.
-const MOST_WHOLE: f64 = 1e15;
+const MAX_WHOLE: f64 = 1e15;
 
 /// Most points of all curves of a page.
-const MOST_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 #[derive(Serialize)]
 struct Data<'t> {
@@ -139,7 +139,7 @@ pub fn data<'t>(charts: &[&Drawn], all: &[&Drawn], tables: &[(&'t str, &'t Table
         Picture::Curves(figure) => figure.all_points().count(),
         Picture::Map(_) => 0,
     });
-    let thinned = points.sum::<usize>().div_ceil(MOST_POINTS).max(1);
+    let thinned = points.sum::<usize>().div_ceil(MAX_POINTS).max(1);
     let packed_charts = charts.iter().map(|drawn| Chart {
         stem: drawn.stem.clone(),
         picture: json(&one_in(thinned, &drawn.picture)),
@@ -184,13 +184,13 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
     // A column without values, such as Δt·ν of a motion with many frequencies, only takes room.
     let known = |column: &&Column| column.cells.any(|cell| *cell != Cell::Blank);
     let all: Vec<&Column> = table.columns.iter().filter(known).collect();
-    let small = table.rows() * all.len() <= MOST_CELLS;
+    let small = table.rows() * all.len() <= MAX_CELLS;
     let columns: Vec<&Column> =
         all.iter().copied().filter(|column| small || is_charted(column, table, charts)).collect();
     // What distinguishes the rows is first, and beside it what charts show.
     let mut columns = columns;
     columns.sort_by_key(|column| (!tells(column), !is_charted(column, table, charts)));
-    let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
+    let rows = table.rows().min(MAX_CELLS / columns.len().max(1));
     let in_units = table.read();
     let listing = |column: &&'t Column| {
         let cells: Vec<&Cell> = column.cells.iter().take(rows).collect();
@@ -218,7 +218,7 @@ fn listed<'t>(file: &'t str, table: &'t Table, charts: &[&Drawn]) -> Listed<'t> 
 /// A cell as people read it: a name as it is, a whole number in full, and others with four digits.
 fn read(cell: &Cell) -> String {
     let Some(number) = cell.number() else { return cell.text() };
-    if number.fract() == 0.0 && number.abs() < MOST_WHOLE {
+    if number.fract() == 0.0 && number.abs() < MAX_WHOLE {
         // Plus 0, because −0 has a sign.
         return format!("{:.0}", number + 0.0).replace('-', "−");
     }

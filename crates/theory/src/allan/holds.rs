@@ -10,7 +10,7 @@ use crate::allan::estimator::Difference;
 /// Octaves of the committed table, which is flat up to m = 2^20.
 pub const OCTAVES: usize = 24;
 /// Largest number of octaves for which there are variances.
-pub const MOST_OCTAVES: usize = 30;
+pub const MAX_OCTAVES: usize = 30;
 
 /// Variance of the rate of each octave, o = 0 …, for an Allan variance of 1.
 ///
@@ -51,7 +51,7 @@ const ENDLESS: f64 = 0.5;
 ///
 /// Longer tables have octaves of ½ inserted between the two halves of the committed one. `None` outside 24 … 30.
 pub fn variances(octaves: usize) -> Option<Vec<f64>> {
-    let more = octaves.checked_sub(OCTAVES).filter(|_| octaves <= MOST_OCTAVES)?;
+    let more = octaves.checked_sub(OCTAVES).filter(|_| octaves <= MAX_OCTAVES)?;
     let (start, end) = VARIANCES.split_at(MIDDLE);
     Some([start, &vec![ENDLESS; more], end].concat())
 }
@@ -62,7 +62,7 @@ pub fn variances(octaves: usize) -> Option<Vec<f64>> {
 /// `None` for more than 2^27 samples, for which there are no variances; their flicker is refused.
 pub fn octaves(samples: u64) -> Option<usize> {
     let needed = (samples.max(2).div_ceil(2).next_power_of_two().ilog2() + 4) as usize;
-    (needed <= MOST_OCTAVES).then_some(needed.max(OCTAVES))
+    (needed <= MAX_OCTAVES).then_some(needed.max(OCTAVES))
 }
 
 /// Variance of a difference at `m` of the angle of one octave of holds of `length` samples, with a rate of variance 1
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_allan_variance_is_flat_to_half_a_percent() {
-        for octaves in OCTAVES..=MOST_OCTAVES {
+        for octaves in OCTAVES..=MAX_OCTAVES {
             let variances = variances(octaves).unwrap();
             let at = |m: u64| {
                 let sum: f64 =

@@ -15,7 +15,7 @@ use crate::allan::terms;
 
 /// Variance, in pulses², of the angle between two samples from which on the series is summed, with fewer than 4e4
 /// terms.
-const LEAST_VARIANCE: f64 = 1e-9;
+const MIN_VARIANCE: f64 = 1e-9;
 /// Exponent above which a term is below rounding.
 const NEGLIGIBLE: f64 = 40.0;
 
@@ -98,7 +98,7 @@ impl Increment {
             let d = turns - libm::floor(turns);
             return Some(0.5 * (d * d - d + 1.0 / 6.0));
         }
-        if self.variance < LEAST_VARIANCE {
+        if self.variance < MIN_VARIANCE {
             return None;
         }
         let exponent = |j: f64| 2.0 * PI * PI * j * j * self.variance;

@@ -7,11 +7,11 @@
 
 use crate::navigation::equations::{ARCSEC, Leg, STATES, State};
 
-/// Powers of A·sample in an exponential, which are exact to rounding for samples up to [`LONGEST_SAMPLE`].
+/// Powers of A·sample in an exponential, which are exact to rounding for samples up to [`MAX_SAMPLE`].
 const ORDER: usize = 12;
 
 /// Longest sample, s: the Schuler oscillation turns by 0.15 rad.
-pub const LONGEST_SAMPLE: f64 = 120.0;
+pub const MAX_SAMPLE: f64 = 120.0;
 
 /// A gyro, by the axis that it lies along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

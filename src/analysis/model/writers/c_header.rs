@@ -1,6 +1,6 @@
 //! A C header with the whole model.
 
-use crate::analysis::model::search::MOST_STATES;
+use crate::analysis::model::search::MAX_STATES;
 use crate::analysis::model::states::si;
 use crate::analysis::model::writers::{Axis, Takes, Writer, number};
 use sagnac_records::allan::Unit;
@@ -17,7 +17,7 @@ pub(super) static C_HEADER: Writer = Writer {
             let size = si(unit);
             let model = &axis.model;
             let padded = |values: Vec<f64>| {
-                let zeros = std::iter::repeat_n(0.0, MOST_STATES - values.len());
+                let zeros = std::iter::repeat_n(0.0, MAX_STATES - values.len());
                 values.into_iter().chain(zeros).map(number).collect::<Vec<_>>().join(", ")
             };
             format!(
@@ -41,7 +41,7 @@ pub(super) static C_HEADER: Writer = Writer {
             sheet.heading.iter().map(|line| format!(" * {}\n", line.replace("*/", "* /"))).collect();
         format!(
             "/*\n{heading} */\n#ifndef SAGNAC_NOISE_H\n#define SAGNAC_NOISE_H\n\nstruct sagnac_noise {{\n    double white;\n    double walk;\n    \
-             double quantization;\n    int states;\n    double sigma[{MOST_STATES}];\n    double time_s[{MOST_STATES}];\n}};\n\n{}{}\n#endif\n",
+             double quantization;\n    int states;\n    double sigma[{MAX_STATES}];\n    double time_s[{MAX_STATES}];\n}};\n\n{}{}\n#endif\n",
             table(&sheet.gyros, "gyros", Unit::Angular),
             table(&sheet.accelerometers, "accelerometers", Unit::Acceleration)
         )

@@ -15,7 +15,7 @@ mod pyins;
 mod yaml;
 
 use crate::analysis::log::notes::one_line;
-use crate::analysis::model::search::{Allowed, MOST_STATES, PER_DECADE, Problem, times};
+use crate::analysis::model::search::{Allowed, MAX_STATES, PER_DECADE, Problem, times};
 use crate::analysis::model::{Aim, Analysis, Column, Model};
 use sagnac_base::quantity::number::significant;
 use sagnac_records::allan::Unit;
@@ -49,7 +49,7 @@ struct Takes {
 impl Takes {
     const WALK: Takes = Takes { walk: true, states: 0, shares_time: false };
     const STATE: Takes = Takes { walk: false, states: 1, shares_time: false };
-    const ALL: Takes = Takes { walk: true, states: MOST_STATES, shares_time: false };
+    const ALL: Takes = Takes { walk: true, states: MAX_STATES, shares_time: false };
 }
 
 /// Every writer, in the order of lists.

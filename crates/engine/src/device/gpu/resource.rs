@@ -10,14 +10,14 @@ use crate::device::gpu::fault::{Fault, Moment};
 use crate::device::gpu::patience::within_limit;
 use crate::device::gpu::tile::Part;
 use sagnac_kernel::curve::Recorded;
-use sagnac_kernel::launch::{Launch, MOST_STEPS};
+use sagnac_kernel::launch::{Launch, MAX_STEPS};
 use sagnac_kernel::moments::{Moments, Trials};
 use sagnac_kernel::recipe::CHUNK;
 use sagnac_kernel::shader::Variant;
 use sagnac_kernel::width::Width;
 
 /// Most buffers kept for the next tiles: those of two tiles of some parts.
-const MOST_FREE: usize = 36;
+const MAX_FREE: usize = 36;
 
 /// A compiled shader.
 #[derive(Clone)]
@@ -86,7 +86,7 @@ impl Gpu {
 
     /// Keeps a buffer that the device no longer uses for the next tile.
     pub(crate) fn give_back(&mut self, buffer: wgpu::Buffer) {
-        if self.free.len() == MOST_FREE {
+        if self.free.len() == MAX_FREE {
             self.free.remove(0);
         }
         self.free.push(buffer);
@@ -164,7 +164,7 @@ impl Gpu {
     }
 
     fn tallies_as_the_cpu(&mut self, launch: &Launch, histogram: bool) -> Result<bool, GpuError> {
-        let count = (MOST_STEPS / launch.steps()).clamp(1, u64::from(self.variant.workgroup));
+        let count = (MAX_STEPS / launch.steps()).clamp(1, u64::from(self.variant.workgroup));
         let mut part = Part::default();
         part.push(launch, 0..count, 0);
         let tile = self.launch(vec![part], histogram)?;

@@ -4,7 +4,7 @@ use crate::device::Job;
 use crate::device::gpu::tile::Part;
 
 /// Most pieces of a tile, which bounds the buffer of its histograms.
-const MOST_PIECES: usize = 1024;
+const MAX_PIECES: usize = 1024;
 
 /// The remaining trials of some jobs, handed out tile by tile.
 pub(crate) struct Rest<'a> {
@@ -22,7 +22,7 @@ impl<'a> Rest<'a> {
     pub(crate) fn take(&mut self, steps: u64) -> Vec<Part<'a>> {
         let mut parts: Vec<Part<'a>> = Vec::new();
         let (mut room, mut pieces) = (steps, 0);
-        while room > 0 && pieces < MOST_PIECES && self.job < self.jobs.len() {
+        while room > 0 && pieces < MAX_PIECES && self.job < self.jobs.len() {
             let Job { launch, block } = self.jobs[self.job];
             let first = block.first + self.done;
             // The trial numbers of a piece share one upper half, so it ends where the lower half wraps; a bin holds no

@@ -8,7 +8,7 @@ use wgpu::BufferUsages;
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 use crate::device::gpu::fault::Submission;
-use sagnac_kernel::launch::{Launch, MOST_STEPS};
+use sagnac_kernel::launch::{Launch, MAX_STEPS};
 use sagnac_kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
 
 /// Work of one workgroup, in the layout that the shader reads.
@@ -34,7 +34,7 @@ pub(crate) struct Part<'a> {
 }
 
 /// Most words of tables that points bring to a dispatch of others.
-const MOST_TABLE_WORDS: usize = 1 << 22;
+const MAX_TABLE_WORDS: usize = 1 << 22;
 
 /// A range of trials; its tallies are added to place `to` of the results.
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ impl<'a> Part<'a> {
     pub(crate) fn takes(&self, launch: &Launch) -> bool {
         let words: usize = self.tables.iter().map(|table| table.len()).sum();
         let has_room =
-            self.start_of(launch.table()).is_some() || words + launch.table().len() <= MOST_TABLE_WORDS;
+            self.start_of(launch.table()).is_some() || words + launch.table().len() <= MAX_TABLE_WORDS;
         self.launches.first().is_some_and(|own| **own.sampled() == **launch.sampled()) && has_room
     }
 
@@ -86,7 +86,7 @@ impl<'a> Part<'a> {
     pub(crate) fn trials_of_group(&self, workgroup: u32, groups: u64) -> u64 {
         let longest = self.launches.iter().map(|launch| launch.steps()).max().unwrap_or(1);
         let rounds = self.trials() / (groups * u64::from(workgroup));
-        rounds.clamp(1, (MOST_STEPS / longest).max(1)) * u64::from(workgroup)
+        rounds.clamp(1, (MAX_STEPS / longest).max(1)) * u64::from(workgroup)
     }
 
     /// The work of each workgroup, in the order of the partial sums.

@@ -9,7 +9,7 @@ use sagnac_theory::allan::terms::Term;
 /// Relative rounding of an interval that needs no note.
 const ROUNDED: f64 = 1e-9;
 /// Most intervals whose rounding is listed.
-const MOST_LISTED: usize = 3;
+const MAX_LISTED: usize = 3;
 /// °/√h of 1 ″/√s.
 const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
 
@@ -35,8 +35,8 @@ fn rounded(points: &[Point]) -> Option<String> {
             }
         }
     }
-    let more = intervals.len().saturating_sub(MOST_LISTED);
-    intervals.truncate(MOST_LISTED);
+    let more = intervals.len().saturating_sub(MAX_LISTED);
+    intervals.truncate(MAX_LISTED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     (!intervals.is_empty()).then(|| {
         format!("noise.switching.interval is taken as whole samples: {}{more}", intervals.join(", "))

@@ -5,7 +5,7 @@ use crate::key::setting::{self, Swept};
 use crate::key::sweep::{self, Sweep, selected};
 use crate::kinds::allan::estimate::Estimate;
 use crate::kinds::allan::keys::{RATE, SETTINGS};
-use crate::kinds::allan::lower::MOST_SAMPLES;
+use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::noise::Noise;
 use crate::noise::keys::{FILE, READOUT_LSB, SETTINGS as NOISE_SETTINGS};
 use sagnac_base::quantity::number::significant;
@@ -16,7 +16,7 @@ use sagnac_theory::allan::estimator::{Difference, Stride};
 use sagnac_theory::allan::terms::Term;
 
 /// Fewest samples of a record.
-const FEWEST_SAMPLES: u64 = 16;
+const MIN_SAMPLES: u64 = 16;
 /// Relative deviation of a listed time from a whole number of samples that counts as rounding, since not all decimal
 /// fractions are exact.
 const WHOLE: f64 = 1e-9;
@@ -111,14 +111,13 @@ impl Base<'_> {
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
         let Inputs { sample_s, length_s, noise, .. } = inputs;
         let samples = inputs.samples();
-        if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
-            let label = if samples < FEWEST_SAMPLES { "too short" } else { "too long" };
+        if !(MIN_SAMPLES..=MAX_SAMPLES).contains(&samples) {
+            let label = if samples < MIN_SAMPLES { "too short" } else { "too long" };
             let message = format!("record.length = {length_s} s is {samples} samples of {sample_s} s");
             let [shortest, longest] =
-                [FEWEST_SAMPLES, MOST_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
-            let help = format!(
-                "accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES} samples, {shortest} s to {longest} s here"
-            );
+                [MIN_SAMPLES, MAX_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
+            let help =
+                format!("accepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples, {shortest} s to {longest} s here");
             return self.places.refuse(&["record.length", "record.sample"], message, label, help);
         }
         noise.lock_in.map_or(Ok(()), |lock_in| lock_in.check(self.places))?;

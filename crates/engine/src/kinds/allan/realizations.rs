@@ -12,7 +12,7 @@ use sagnac_theory::allan::process::Process;
 use sagnac_theory::allan::terms::Term;
 
 /// Least number of realizations with usable 2.5 % quantiles: the fifth value from each end.
-pub const LEAST_REALIZATIONS: usize = 200;
+pub const MIN_REALIZATIONS: usize = 200;
 
 /// Differences of the angle are spaced by this part of τ, with almost no loss of precision.
 const STRIDE: Stride = Stride::Part(64);

@@ -4,7 +4,7 @@ use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::judged::of_noise;
-use crate::kinds::gap_fill::lower::physical::MOST_PROFILE_TICKS;
+use crate::kinds::gap_fill::lower::physical::MAX_PROFILE_TICKS;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::keys::{INTERPOLATION, Interpolation};
@@ -25,7 +25,7 @@ pub(crate) fn note<'a>(points: &[Point], fillers: &'a [Filler]) -> Option<String
     let n = inputs.gap_ticks as usize;
     let (count, before) = profile.replayed(inputs.tick_s);
     // Lowering refuses other records.
-    if count < 2 * MARGIN + n || count + before > MOST_PROFILE_TICKS {
+    if count < 2 * MARGIN + n || count + before > MAX_PROFILE_TICKS {
         return None;
     }
     let other = match profile.interpolation {

@@ -21,11 +21,11 @@ use sagnac_theory::minimum_variance::Band;
 use sagnac_theory::rows::sides;
 
 /// Highest vibration frequency, in tick rates; above it only aliases of the vibration reach the ticks.
-const MOST_TICK_RATES: f64 = 10.0;
+const MAX_TICK_RATES: f64 = 10.0;
 /// Highest amplitude of the rate, ″/s.
-const MOST_RATE: f64 = 1e9;
+const MAX_RATE: f64 = 1e9;
 /// Highest σ of one tick, ″.
-const MOST_SIGMA: f64 = 1e6;
+const MAX_SIGMA: f64 = 1e6;
 
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +117,7 @@ impl Base<'_> {
         setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
         if let Some(mut vibration) = inputs.motion.vibration.clone() {
             vibration.suspension = vibration::KEYS.swept(&swept).unwrap_or(vibration.suspension);
-            vibration.check(inputs.tick_s, MOST_TICK_RATES, self.places)?;
+            vibration.check(inputs.tick_s, MAX_TICK_RATES, self.places)?;
             vibration.add_to(&mut inputs.motion);
             inputs.motion.vibration = Some(vibration);
         }
@@ -156,15 +156,15 @@ impl Base<'_> {
             check_highest("specification", part.highest_hz(), inputs, place)?;
         }
         let turned = inputs.motion.acceleration.abs() * inputs.tick_s * MAX_SIDE as f64;
-        if turned > MOST_RATE {
+        if turned > MAX_RATE {
             let message =
                 format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in {MAX_SIDE} ticks");
             let names = ["motion.acceleration", "gyro.tick"];
             return self.places.refuse(&names, message, "too large", "accepted: up to 1e9 arcsec/s");
         }
-        assert!(inputs.motion.rate.abs() <= MOST_RATE, "a key's limit");
+        assert!(inputs.motion.rate.abs() <= MAX_RATE, "a key's limit");
         let sigma = inputs.sigma_arcsec();
-        if sigma > MOST_SIGMA {
+        if sigma > MAX_SIGMA {
             let message =
                 format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {} s", inputs.tick_s);
             let names = [NOISE_RANDOM_WALK.name, "gyro.tick"];
@@ -183,7 +183,7 @@ impl Base<'_> {
         let highest = tone.band().high_hz;
         check_highest("motion.frequency", highest, inputs, self.places.blame(&names))?;
         let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
-        if rate > MOST_RATE {
+        if rate > MAX_RATE {
             let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {highest} Hz");
             let names = ["motion.amplitude", "motion.frequency", "motion.tones", "motion.suspension"];
             return self.places.refuse(&names, message, "too large", "accepted: 0 to 1e9 arcsec/s");
@@ -245,13 +245,13 @@ impl Base<'_> {
 /// Refuses a frequency at `place` that is too far above the tick rate.
 fn check_highest(name: &str, high_hz: f64, inputs: &Inputs, place: Range<usize>) -> Result<(), Fault> {
     let tick_s = inputs.tick_s;
-    if high_hz * tick_s <= MOST_TICK_RATES {
+    if high_hz * tick_s <= MAX_TICK_RATES {
         return Ok(());
     }
-    let [rate, most] = [1.0, MOST_TICK_RATES].map(|rates| significant(rates / tick_s, 6));
+    let [rate, most] = [1.0, MAX_TICK_RATES].map(|rates| significant(rates / tick_s, 6));
     let message =
         format!("{name} = {high_hz} Hz is too fast for a tick rate of {rate} Hz (gyro.tick = {tick_s} s)");
-    let help = format!("accepted: up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
+    let help = format!("accepted: up to {MAX_TICK_RATES} times the tick rate, {most} Hz here");
     Err(Fault::new(place, message, "too fast for the ticks", help))
 }
 

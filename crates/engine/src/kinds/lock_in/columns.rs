@@ -83,7 +83,7 @@ impl Row<'_> {
         let (zone, (rate, _)) = (self.zone?, self.rate?);
         let input = libm::fabs(self.point.inputs.rate - zone.centre);
         let beats = input * self.point.times.length_s() / self.point.inputs.scale_factor;
-        (beats >= FEWEST_BEATS).then_some(libm::fabs(rate - zone.centre) <= LOCKED * input)
+        (beats >= MIN_BEATS).then_some(libm::fabs(rate - zone.centre) <= LOCKED * input)
     }
 
     fn locked(&self) -> Option<f64> {
@@ -95,7 +95,7 @@ impl Row<'_> {
 const LOCKED: f64 = 0.1;
 
 /// Fewest beats in a record between the input and the centre of a zone: the phase settles within half a beat.
-const FEWEST_BEATS: f64 = 2.0;
+const MIN_BEATS: f64 = 2.0;
 
 /// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]

@@ -1,7 +1,7 @@
 //! Points of a study of lock-in, each checked as a whole.
 
 use crate::key::places::Places;
-use crate::kinds::allan::lower::MOST_SAMPLES;
+use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::lock_in::inputs::{DITHER_RATE, FREQUENCY, LENGTH, SAMPLE, THRESHOLD};
 use crate::kinds::lock_in::{Inputs, Readout};
 use sagnac_base::quantity::number::significant;
@@ -11,7 +11,7 @@ use sagnac_records::allan::tau::{TauError, Taus};
 use sagnac_theory::allan::estimator::{Difference, Estimator, Stride};
 
 /// Fewest samples of a record.
-const FEWEST_SAMPLES: u64 = 16;
+const MIN_SAMPLES: u64 = 16;
 
 /// Sampling time without dither, s.
 const USUAL_SAMPLE_S: f64 = 0.01;
@@ -63,15 +63,15 @@ pub(crate) fn check(
     }
     let (sample_s, periods) = sampled(inputs);
     let samples = libm::round(inputs.length_s / sample_s);
-    if !(FEWEST_SAMPLES as f64..=MOST_SAMPLES as f64).contains(&samples) {
-        let label = if samples < FEWEST_SAMPLES as f64 { "too short" } else { "too long" };
+    if !(MIN_SAMPLES as f64..=MAX_SAMPLES as f64).contains(&samples) {
+        let label = if samples < MIN_SAMPLES as f64 { "too short" } else { "too long" };
         let [length, sample] = [inputs.length_s, sample_s].map(|s| significant(s, 6));
         let message =
             format!("record.length = {length} s is {} samples of {sample} s", significant(samples, 6));
         let [shortest, longest] =
-            [FEWEST_SAMPLES, MOST_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
+            [MIN_SAMPLES, MAX_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
         let help =
-            format!("accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES} samples, {shortest} s to {longest} s here");
+            format!("accepted: {MIN_SAMPLES} to {MAX_SAMPLES} samples, {shortest} s to {longest} s here");
         return places.refuse(&[LENGTH.name, SAMPLE.name, FREQUENCY.name], message, label, help);
     }
     let samples = samples as u64;

@@ -10,11 +10,11 @@ use serde_json::value::RawValue;
 use crate::key::reading::Reading;
 use crate::kinds::navigation::keys::FILTER;
 use sagnac_base::source::diagnose::{Fault, Text, Wrong};
-use sagnac_base::source::text_file::{Files, MOST_TOML};
+use sagnac_base::source::text_file::{Files, MAX_TOML};
 use sagnac_theory::navigation::filter::Model;
 
 /// Most Markov states of a filter.
-const MOST_STATES: usize = 16;
+const MAX_STATES: usize = 16;
 
 const HELP: &str = "accepted: a document with one gyro, as of `sagnac model noise.toml --from \"1 s\" --to \"10000 s\" --overbound --json`";
 
@@ -68,7 +68,7 @@ pub(crate) fn swept(reading: &Reading) -> Result<Vec<Model>, Wrong> {
 /// Reads the file of this name, which is at `span` of the study.
 fn read(name: &str, span: Range<usize>, files: &Files) -> Result<Model, Wrong> {
     let path = files.path(name);
-    let text = files.text(name, MOST_TOML).map_err(|error| {
+    let text = files.text(name, MAX_TOML).map_err(|error| {
         let message = format!("cannot read the model of a filter {}: {error}", path.display());
         let help =
             "give the path of a document of `sagnac model --json`, relative to the folder of the study";
@@ -109,13 +109,13 @@ fn parse(whole: &str) -> Result<Model, Fault> {
         let at = place(text, error.line(), error.column());
         Fault::new(start + at.start..start + at.end, message, "here", HELP)
     })?;
-    if document.markov.len() > MOST_STATES {
+    if document.markov.len() > MAX_STATES {
         let message = format!("the model of a filter has {} Markov states", document.markov.len());
         return Err(Fault::new(
             0..whole.len(),
             message,
             "in this document",
-            format!("accepted: up to {MOST_STATES}"),
+            format!("accepted: up to {MAX_STATES}"),
         ));
     }
     let state = |state: &State| [state.sigma_deg_per_h, state.correlation_time_s];

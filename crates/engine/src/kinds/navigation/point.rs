@@ -3,7 +3,7 @@
 use crate::key::places::Places;
 use crate::key::setting::{self, Swept};
 use crate::key::sweep::{self, Sweep, selected};
-use crate::kinds::allan::lower::MOST_SAMPLES;
+use crate::kinds::allan::lower::MAX_SAMPLES;
 use crate::kinds::navigation::keys::{FILTER, SETTINGS, Solution};
 use crate::kinds::navigation::parts::Lack;
 use crate::noise::Noise;
@@ -13,16 +13,16 @@ use sagnac_base::source::diagnose::Fault;
 use sagnac_theory::allan::terms::Term;
 use sagnac_theory::navigation::equations::{ARCSEC, EARTH_RATE, Leg};
 use sagnac_theory::navigation::filter::{Model, filtered};
-use sagnac_theory::navigation::weights::{Gyro, LONGEST_SAMPLE, Task, Times, Weights, weights};
+use sagnac_theory::navigation::weights::{Gyro, MAX_SAMPLE, Task, Times, Weights, weights};
 
 /// Samples that a record has at least where the study gives no sampling time.
-const LEAST_SAMPLES: f64 = 2000.0;
+const USUAL_SAMPLES: f64 = 2000.0;
 /// Fewest samples of a record.
-const FEWEST_SAMPLES: u64 = 16;
+const MIN_SAMPLES: u64 = 16;
 /// Most samples of the alignment of a filter, whose gains are in memory.
-const MOST_READINGS: usize = 1 << 22;
+const MAX_READINGS: usize = 1 << 22;
 /// Largest latitude that a leg may reach, ″: 88°.
-const MOST_LATITUDE: f64 = 316_800.0;
+const MAX_LATITUDE: f64 = 316_800.0;
 
 /// The inputs of a navigator, in ″, m and s. Every number has 12 significant digits.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ impl Inputs {
     pub fn sample(&self) -> f64 {
         self.sample_s.unwrap_or_else(|| {
             let whole = self.duration_s + self.alignment_s;
-            let longest = (whole / LEAST_SAMPLES).min(LONGEST_SAMPLE);
+            let longest = (whole / USUAL_SAMPLES).min(MAX_SAMPLE);
             // The longest of 1, 2, 5, 10, … that is not above it, so that usual times have whole samples.
             let power = libm::pow(10.0, libm::floor(libm::log10(longest)));
             let steps = [5.0, 2.0, 1.0].into_iter().find(|step| step * power <= longest * (1.0 + 1e-9));
@@ -193,7 +193,7 @@ impl Base<'_> {
         self.check_noise(inputs)?;
         if let Task::Inertial(leg) = inputs.task() {
             let end = leg.latitude_at(inputs.duration_s) / ARCSEC;
-            if end.abs() > MOST_LATITUDE {
+            if end.abs() > MAX_LATITUDE {
                 let degrees = significant(end / 3600.0, 4);
                 let message =
                     format!("the leg ends at a latitude of {degrees} deg, near a pole or beyond it");
@@ -208,12 +208,11 @@ impl Base<'_> {
     fn check_samples(&self, inputs: &Inputs) -> Result<(), Fault> {
         let Times { sample_s, alignment, .. } = inputs.times();
         let (samples, shown) = (inputs.samples(), significant(sample_s, 6));
-        if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
-            let label = if samples < FEWEST_SAMPLES { "too short" } else { "too long" };
+        if !(MIN_SAMPLES..=MAX_SAMPLES).contains(&samples) {
+            let label = if samples < MIN_SAMPLES { "too short" } else { "too long" };
             let message = format!("a record has {samples} samples of {shown} s");
-            let help = format!(
-                "accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES}; change navigation.sample or the times"
-            );
+            let help =
+                format!("accepted: {MIN_SAMPLES} to {MAX_SAMPLES}; change navigation.sample or the times");
             let names = ["navigation.sample", "navigation.duration", "navigation.alignment"];
             return self.places.refuse(&names, message, label, help);
         }
@@ -227,10 +226,10 @@ impl Base<'_> {
                 "give a longer alignment, or a shorter sample",
             );
         }
-        if inputs.filter.is_some() && alignment > MOST_READINGS {
+        if inputs.filter.is_some() && alignment > MAX_READINGS {
             let message = format!("the filter reads {alignment} samples of {shown} s in the alignment");
             let help =
-                format!("accepted: up to {MOST_READINGS}; give a shorter alignment, or a longer sample");
+                format!("accepted: up to {MAX_READINGS}; give a shorter alignment, or a longer sample");
             let names = ["navigation.alignment", "navigation.sample"];
             return self.places.refuse(&names, message, "too many", help);
         }

@@ -10,7 +10,7 @@ use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::lower::LoweredRun;
 use crate::kinds::switched_run::parts;
 use crate::kinds::switched_run::point::Point;
-use crate::kinds::switched_run::run::trajectories::MOST_SHOWN;
+use crate::kinds::switched_run::run::trajectories::MAX_SHOWN;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::sampling::plan::Planned;
 use crate::study::Study;
@@ -75,7 +75,7 @@ impl Subject for SwitchedRun {
     fn bytes(&self) -> u64 {
         let (fillers, angles) = (self.fillers().len().max(1) as u64, self.angles().len() as u64);
         let of_point = |point: &Point| {
-            let shown = 2 * point.switches().min(MOST_SHOWN) + 1;
+            let shown = 2 * point.switches().min(MAX_SHOWN) + 1;
             POINT + ROW * angles + SWITCH * point.switches() + MOMENT * shown * self.trajectories
         };
         fillers * self.points.iter().map(of_point).sum::<u64>()

@@ -227,16 +227,16 @@ fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
 }
 
 /// Most times of a study.
-const MOST_TIMES: usize = 100;
+const MAX_TIMES: usize = 100;
 
 /// Reads the times in s, each once.
 fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
     reading.note(&[&TIMES]);
     let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };
     let items = list.items();
-    if items.len() > MOST_TIMES {
+    if items.len() > MAX_TIMES {
         let message = format!("run.times lists {} times", items.len());
-        let help = format!("accepted: up to {MOST_TIMES}; trajectories show all of a run");
+        let help = format!("accepted: up to {MAX_TIMES}; trajectories show all of a run");
         return Err(list.fault(message, "too many", help));
     }
     let time = |given: Given| match given.quantity()? {

@@ -12,7 +12,7 @@ use crate::kinds::switched_run::relock::{self, Relocking};
 use sagnac_base::quantity::number::significant;
 use sagnac_base::quantity::units::round_12;
 use sagnac_base::source::diagnose::Fault;
-use sagnac_kernel::switched_run::shape::MOST_INTERVALS;
+use sagnac_kernel::switched_run::shape::MAX_INTERVALS;
 use sagnac_theory::drift::magnetic::switches;
 
 /// Relative deviation of an interval from a whole number of ticks that counts as rounding, since not all decimal
@@ -20,10 +20,10 @@ use sagnac_theory::drift::magnetic::switches;
 const WHOLE: f64 = 1e-9;
 
 /// Least product of interval and run, in warm-up times, for which the remainder of the warm-up is accurate to 0.2 %.
-const LEAST_LEFT: f64 = 1e-5;
+const MIN_LEFT: f64 = 1e-5;
 
 /// Largest fraction of the apparent angle of a relock that may come after the ticks followed.
-const MOST_LATE: f64 = 0.2;
+const MAX_LATE: f64 = 0.2;
 
 /// Time constants after which a loop counts as closed: e^−5 of the initial detuning and e^−10 of the apparent rotation are left.
 const SETTLED: f64 = 5.0;
@@ -58,7 +58,7 @@ impl Point {
 
     /// The shortest possible interval, s, which is limited by the number of switches and by the ticks around a switch.
     pub fn shortest_s(&self) -> f64 {
-        let most = self.schedule.duration_s / (MOST_INTERVALS - 1) as f64;
+        let most = self.schedule.duration_s / (MAX_INTERVALS - 1) as f64;
         let Some(fill) = &self.fill else { return most };
         let settled = self.relock.as_ref().map_or(0.0, |relocking| settled_s(relocking, fill));
         most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
@@ -182,7 +182,7 @@ impl Base<'_> {
     ) -> Result<(), Fault> {
         let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };
         let (ticks, late) = (relocking.relock.ticks, relocking.relock.late(fill.inputs.tick_s));
-        if late > MOST_LATE {
+        if late > MAX_LATE {
             let percent = libm::round(100.0 * late);
             let message = format!(
                 "{percent} % of the apparent angle of the relock comes after tick {ticks}, which runs do not count"
@@ -208,13 +208,13 @@ impl Base<'_> {
     fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
         let Schedule { interval_s, duration_s, .. } = schedule;
         let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
-        if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
+        if switches(interval_s, duration_s) >= MAX_INTERVALS as f64 {
             let message =
                 format!("a run of {duration} s with a switch every {interval} s has too many switches");
             let help = format!(
                 "accepted: up to {} switches, so an interval of at least {} s here",
-                MOST_INTERVALS - 1,
-                significant(duration_s / MOST_INTERVALS as f64, 4)
+                MAX_INTERVALS - 1,
+                significant(duration_s / MAX_INTERVALS as f64, 4)
             );
             let names = ["switching.interval", "run.duration"];
             return self.places.refuse(&names, message, "too many switches", help);
@@ -230,7 +230,7 @@ impl Base<'_> {
         let [warm_ups, run] = [interval_s, duration_s].map(|time| time / drift.warm_up_s);
         // The remainder of the warm-up relative to the rounding of exponentials.
         let left = warm_ups * run.min(1.0);
-        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && (left < LEAST_LEFT || warm_ups > 4.0) {
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && (left < MIN_LEFT || warm_ups > 4.0) {
             let message = format!(
                 "drift.warm_up_time_spread with an interval of {} and a run of {} warm-up times",
                 significant(warm_ups, 3),

@@ -5,7 +5,7 @@ use crate::fit::nnls::dot;
 use crate::fit::regression::Solution;
 
 /// Least weight of a noise relative to the greatest; the sum of all that have less is far below the precision of an interval.
-const LEAST: f64 = 1e-6;
+const MIN_WEIGHT: f64 = 1e-6;
 /// Halvings of the bracket of a quantile, and its ends in standard errors.
 const HALVINGS: usize = 60;
 const FARTHEST: f64 = 40.0;
@@ -48,7 +48,8 @@ impl Posterior {
     pub(super) fn new(logarithms: &[f64], solutions: Vec<Solution>, degrees: usize) -> Posterior {
         let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let relative = logarithms.iter().map(|logarithm| libm::exp(logarithm - largest));
-        let weights: Vec<f64> = relative.map(|weight| if weight < LEAST { 0.0 } else { weight }).collect();
+        let weights: Vec<f64> =
+            relative.map(|weight| if weight < MIN_WEIGHT { 0.0 } else { weight }).collect();
         let sum: f64 = weights.iter().sum();
         let known = solutions.into_iter().zip(weights).map(|(solution, weight)| {
             let variance = solution.chi_squared / degrees as f64;

@@ -10,7 +10,7 @@ use crate::record::log::measure::Data;
 use crate::record::log::samples::Fault;
 
 /// Fewest samples for an analysis.
-pub const LEAST_SAMPLES: usize = 16;
+pub const MIN_SAMPLES: usize = 16;
 
 /// Axes of a sensor.
 const AXES: usize = 3;
@@ -26,7 +26,7 @@ pub enum UnitCheck {
 
 impl Log {
     /// Refuses channels that carry no information, by [`Samples::fault`](crate::record::log::samples::Samples::fault):
-    /// those with fewer than [`LEAST_SAMPLES`] samples, or with all samples equal.
+    /// those with fewer than [`MIN_SAMPLES`] samples, or with all samples equal.
     ///
     /// With [`UnitCheck::On`] it notes channels whose mean looks like that of another unit, by
     /// [`Doubt`]. Only the mean is examined, which no deviation depends on. Gravity is sought
@@ -83,7 +83,7 @@ impl Log {
             Fault::TooFew(there) => {
                 let samples = if there == 1 { "sample" } else { "samples" };
                 let help = "record longer, or skip less; the rows of an array are samples, its columns axes";
-                (format!("has {there} {samples}, at least {LEAST_SAMPLES} are needed"), help)
+                (format!("has {there} {samples}, at least {MIN_SAMPLES} are needed"), help)
             }
             Fault::Constant { there, value } => {
                 let help =

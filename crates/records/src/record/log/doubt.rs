@@ -23,7 +23,7 @@ const GRAVITY: f64 = 1e6;
 const NEAR: f64 = 0.05;
 
 /// Mean acceleration of up to three axes, µg, above which no accelerometer is at rest, whatever their directions.
-const MOST_GRAVITY: f64 = 2.0 * GRAVITY;
+const MAX_GRAVITY: f64 = 2.0 * GRAVITY;
 
 /// Units that accelerometers are often taken to have.
 const ACCELERATIONS: [&str; 7] = ["m/s^2", "g", "mg", "ug", "m/s", "g*s", "mm/s"];
@@ -76,7 +76,7 @@ impl Doubt {
                     other.is_ok_and(|other| is_gravity(mean / unit.factor * other.factor))
                 };
                 let other = ACCELERATIONS.into_iter().find(explains);
-                let never = || (mean > MOST_GRAVITY).then_some(Doubt::NeverAtRest(mean));
+                let never = || (mean > MAX_GRAVITY).then_some(Doubt::NeverAtRest(mean));
                 other.map(|other| Doubt::Gravity { mean, other }).or_else(never)
             }
             Curves::Plain => None,

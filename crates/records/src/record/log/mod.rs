@@ -19,4 +19,4 @@ mod unnamed;
 mod write;
 
 /// Most samples of a log, 2^28, which is a week at 400 Hz.
-pub const MOST_SAMPLES: usize = 1 << 28;
+pub const MAX_SAMPLES: usize = 1 << 28;

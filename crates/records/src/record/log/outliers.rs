@@ -16,10 +16,10 @@ const BESIDE: usize = 2;
 const PART: usize = 1 << 16;
 
 /// Part of the distances whose largest shows the scatter; more outliers than the rest would hide themselves.
-const MOST: f64 = 0.95;
+const CORE_PART: f64 = 0.95;
 
 /// Ratios of the standard deviation of a normal distribution to this quantile, and to the median, of its absolute values.
-const OF_MOST: f64 = 0.510_213;
+const OF_MAX: f64 = 0.510_213;
 const OF_MEDIAN: f64 = 1.482_602;
 
 /// The outliers of a record.
@@ -34,7 +34,7 @@ pub struct Outliers {
 }
 
 /// Most part of the samples that are spikes; more are noise that comes and goes.
-const MOST_SPIKES: f64 = 0.01;
+const MAX_SPIKES: f64 = 0.01;
 /// Fewest spikes for each sample that is nearly one.
 const OVER_TAIL: usize = 4;
 
@@ -42,7 +42,7 @@ impl Outliers {
     /// Whether they are spikes among so many samples, and not the tails of the noise, of which there would be as many a little nearer.
     pub fn are_spikes(&self, samples: usize) -> bool {
         let count = self.samples.len();
-        count > 0 && count as f64 <= MOST_SPIKES * samples as f64 && count >= OVER_TAIL * self.tail
+        count > 0 && count as f64 <= MAX_SPIKES * samples as f64 && count >= OVER_TAIL * self.tail
     }
 }
 
@@ -84,7 +84,7 @@ fn scatter(samples: &[f64]) -> f64 {
     let known = |values: &mut dyn Iterator<Item = f64>| values.filter(|value| !value.is_nan()).collect();
     let mut distances: Vec<f64> = known(&mut places().map(|i| distance(samples, i)));
     let mut steps: Vec<f64> = known(&mut places().skip(1).map(|i| (samples[i] - samples[i - 1]).abs()));
-    let of_distances = OF_MOST * quantile(&mut distances, MOST);
+    let of_distances = OF_MAX * quantile(&mut distances, CORE_PART);
     let of_steps = OF_MEDIAN * core::f64::consts::FRAC_1_SQRT_2 * quantile(&mut steps, 0.5);
     let scatter = of_distances.max(of_steps);
     if quantile(&mut distances, 0.5) > 0.0 {

@@ -6,14 +6,14 @@ use crate::record::binary::Binary;
 use crate::record::error::{Faults, RecordError};
 use crate::record::format::Origin;
 use crate::record::layout::Decimal;
-use crate::record::log::MOST_SAMPLES;
+use crate::record::log::MAX_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
 use crate::record::log::temperature::{Degree, Thermometer};
 use crate::record::log::timing::{Clock, found, is_time, is_timing, parts_of_times, spread};
 use crate::record::log::unnamed::unnamed;
 use crate::record::names::{Name, words};
-use crate::record::recording::{MOST_LISTED, Recording, Rules};
+use crate::record::recording::{MAX_LISTED, Recording, Rules};
 use crate::record::spelling::unit_of;
 use crate::record::stamps::interleaved;
 use sagnac_base::quantity::number::significant;
@@ -21,7 +21,7 @@ use sagnac_base::quantity::units::Dimension;
 
 /// Steps are within 10 % of whole multiples of the sampling step; longer ones are gaps.
 pub(crate) const RULES: Rules = Rules {
-    most: MOST_SAMPLES,
+    most: MAX_SAMPLES,
     missing: "leave the cell empty or write NaN where a sample is missing",
     jitter: 0.1,
     has_gaps: true,
@@ -29,7 +29,7 @@ pub(crate) const RULES: Rules = Rules {
 };
 
 /// Most columns of temperature that are read without being asked for.
-const MOST_THERMOMETERS: usize = 4;
+const MAX_THERMOMETERS: usize = 4;
 
 /// The columns of a log to read, and their interpretation.
 #[derive(Debug, Clone, PartialEq)]
@@ -201,7 +201,7 @@ impl Log {
         let is_other =
             |column: &usize| !all.contains(column) && file.names().get(*column).is_some_and(is_temperature);
         let others = if has_thermometers { 0..file.columns() } else { 0..0 };
-        let others: Vec<usize> = others.filter(is_other).take(MOST_THERMOMETERS).collect();
+        let others: Vec<usize> = others.filter(is_other).take(MAX_THERMOMETERS).collect();
         let span = columns.first().filter(|_| request.data() == Data::Increment);
         let span = span.and_then(|&column| span_of(&file, column)).filter(|span| !all.contains(span));
         let rest = time.and_then(|time| time.rest);
@@ -248,7 +248,7 @@ impl Log {
         if !faults.is_empty() {
             return Err(faults.into_error(&file.file));
         }
-        if let Some(stated_s) = file.step_s().filter(|stated_s| (stated_s / step_s - 1.0).abs() > MOST_OFF) {
+        if let Some(stated_s) = file.step_s().filter(|stated_s| (stated_s / step_s - 1.0).abs() > MAX_OFF) {
             let [stated, step] = [stated_s, step_s].map(|step_s| significant(step_s, 6));
             notes.push(format!(
                 "the header states steps of {stated} s, but the samples are taken as {step} s apart"
@@ -292,17 +292,17 @@ impl Log {
 }
 
 /// Largest relative deviation of the sampling step from that of the header without a note.
-const MOST_OFF: f64 = 0.01;
+const MAX_OFF: f64 = 0.01;
 
 /// Most columns that are read as samples.
-const MOST_CHANNELS: usize = 1000;
+const MAX_CHANNELS: usize = 1000;
 
-/// Refuses more columns of samples than [`MOST_CHANNELS`].
+/// Refuses more columns of samples than [`MAX_CHANNELS`].
 fn few(file: &Recording, columns: Vec<usize>) -> Result<Vec<usize>, RecordError> {
-    if columns.len() <= MOST_CHANNELS {
+    if columns.len() <= MAX_CHANNELS {
         return Ok(columns);
     }
-    let message = format!("{} columns of samples, more than {MOST_CHANNELS}", columns.len());
+    let message = format!("{} columns of samples, more than {MAX_CHANNELS}", columns.len());
     Err(file.refuse(None, &message, "too many", "give a part of them, as in `column = 2-100`"))
 }
 
@@ -324,8 +324,8 @@ fn name_of(file: &Recording, column: usize) -> String {
 
 /// The names of columns in a list.
 fn names_of(file: &Recording, columns: &[usize]) -> String {
-    let more = if columns.len() > MOST_LISTED { ", …" } else { "" };
-    let names = columns.iter().take(MOST_LISTED).map(|&column| name_of(file, column));
+    let more = if columns.len() > MAX_LISTED { ", …" } else { "" };
+    let names = columns.iter().take(MAX_LISTED).map(|&column| name_of(file, column));
     names.collect::<Vec<_>>().join(", ") + more
 }
 
@@ -383,7 +383,7 @@ fn wanted(
                 name.map_or_else(|| (column + 1).to_string(), |name| name.bare.clone())
             };
             let proposed = proposed(file, request.data(), taken);
-            let names: Vec<String> = proposed.iter().take(MOST_LISTED).map(name).collect();
+            let names: Vec<String> = proposed.iter().take(MAX_LISTED).map(name).collect();
             let is_gyro = |column: &usize| file.names().get(*column).is_some_and(Name::is_gyro);
             let may_differ = proposed.len() > 1 && request.units.is_empty() && !proposed.iter().all(is_gyro);
             let units = if may_differ {
@@ -557,7 +557,7 @@ fn over_steps(
     let median = *known.select_nth_unstable_by(middle, f64::total_cmp).1;
     let unit = file.names()[column].unit.as_deref().and_then(|unit| unit_of(unit, &[Dimension::Time]).ok());
     let is_within_step = |unit_s: &f64| median * unit_s < (1.0 + NEAR_STEP) * step_s;
-    let is_near_step = |unit_s: &f64| is_within_step(unit_s) && step_s < MOST_SPANS * median * unit_s;
+    let is_near_step = |unit_s: &f64| is_within_step(unit_s) && step_s < MAX_SPANS * median * unit_s;
     let unit_s = match unit {
         Some((unit_s, _)) => Some(unit_s).filter(is_within_step),
         None => [1.0, 1e-3, 1e-6, 1e-9].into_iter().find(is_near_step),
@@ -587,7 +587,7 @@ fn over_steps(
 const NEAR_STEP: f64 = 0.01;
 
 /// Most times that a span without a unit goes into the sampling step.
-const MOST_SPANS: f64 = 10.0;
+const MAX_SPANS: f64 = 10.0;
 
 /// The given unit of each column, where units are given.
 fn given<'a>(

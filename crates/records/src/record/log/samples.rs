@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::allan::{Angles, Trend};
-use crate::record::log::check::LEAST_SAMPLES;
+use crate::record::log::check::MIN_SAMPLES;
 use crate::record::log::doubt::Doubt;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
@@ -41,7 +41,7 @@ pub struct Samples<'a> {
 /// Why samples are unusable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    /// There are only so many samples that are not missing, fewer than [`LEAST_SAMPLES`].
+    /// There are only so many samples that are not missing, fewer than [`MIN_SAMPLES`].
     TooFew(usize),
     /// All samples are equal.
     Constant {
@@ -155,7 +155,7 @@ impl<'a> Samples<'a> {
     pub fn fault(&self) -> Option<Fault> {
         let mut known = self.values.iter().copied().filter(|sample| !sample.is_nan());
         let there = known.clone().count();
-        if there < LEAST_SAMPLES {
+        if there < MIN_SAMPLES {
             return Some(Fault::TooFew(there));
         }
         let value = known.next().unwrap_or(0.0);

@@ -68,13 +68,13 @@ const RESTS: [(&[&str], f64); 3] = [
 ];
 
 /// Least size of the largest of some rests of a second, s; in a finer unit they would be those of a far shorter time.
-const LEAST_REST_S: f64 = 1e-3;
+const MIN_REST_S: f64 = 1e-3;
 
 /// Largest deviation of the rate by the stamps from the given one, as a part of it; the stamps may be late or rounded.
-const MOST_DEVIATION: f64 = 0.1;
+const MAX_DEVIATION: f64 = 0.1;
 
 /// Largest part by which the rate by the stamps may be off, because they do not tell which samples are missing.
-const MOST_UNCERTAINTY: f64 = 0.03;
+const MAX_UNCERTAINTY: f64 = 0.03;
 
 /// The unit of stamps that are numbers of samples, or whose unit does not matter.
 const ANY: f64 = 1.0;
@@ -131,8 +131,7 @@ impl Rest {
         let (seconds, rests) = (file.rows(column), file.rows(column + 1));
         let is_second = |second: &f64| second.fract() == 0.0 && matches!(epoch_unit(*second), Some(("s", _)));
         let largest = rests.iter().copied().fold(0.0, f64::max);
-        let unit_s =
-            RESTS.iter().map(|(_, unit_s)| *unit_s).find(|unit_s| largest * unit_s >= LEAST_REST_S)?;
+        let unit_s = RESTS.iter().map(|(_, unit_s)| *unit_s).find(|unit_s| largest * unit_s >= MIN_REST_S)?;
         let is_rest = |rest: &f64| rest.fract() == 0.0 && (0.0..1.0).contains(&(rest * unit_s));
         let first = *seconds.first()?;
         let times: Vec<f64> =
@@ -667,7 +666,7 @@ fn doubted(title: &str, stamps: &[f64], unit_s: f64) -> Option<(String, String, 
     };
     // Not that rate, which is the doubtful one.
     let help = "if the rate of the gyro is known, give it as `rate = HZ`".to_owned();
-    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help, off > MOST_UNCERTAINTY))
+    (off > 0.0).then(rate).map(|rate| (doubt(&rate), help, off > MAX_UNCERTAINTY))
 }
 
 /// Notes what the stamps were used for.
@@ -684,8 +683,8 @@ fn tell(title: &str, stamps: &[f64], step: f64, samples: usize, notes: &mut Vec<
     // The first and the last stamp of a coarse clock may have few rows.
     let deviation = (ratio - 1.0).abs() - coarseness(stamps) / (last - first);
     // With a wrong rate, even stamps may also look like those of a log in which samples are missing at every step.
-    let other = exact_step(stamps).map(|own| own / step).filter(|own| (own - 1.0).abs() > MOST_DEVIATION);
-    if let Some(ratio) = other.or((deviation > MOST_DEVIATION).then_some(ratio)) {
+    let other = exact_step(stamps).map(|own| own / step).filter(|own| (own - 1.0).abs() > MAX_DEVIATION);
+    if let Some(ratio) = other.or((deviation > MAX_DEVIATION).then_some(ratio)) {
         return Err(ratio);
     }
     if deviation > 0.01 {

@@ -4,7 +4,7 @@ use crate::record::error::RecordError;
 use crate::record::log::measure::expected;
 use crate::record::log::read::{Request, likely, numbers_of, proposed};
 use crate::record::log::timing::{asked, parts_of_times};
-use crate::record::recording::{MOST_LISTED, Recording};
+use crate::record::recording::{MAX_LISTED, Recording};
 
 /// The error for a file without a header of which at least two of times, columns and units are open, with the settings for all of
 /// them. The columns `taken` are those of the time, as far as it is found, and of a temperature.
@@ -23,7 +23,7 @@ pub(super) fn unnamed(file: &Recording, request: &Request, taken: [Option<usize>
     let mut settings: Vec<String> = time.into_iter().map(|(_, setting)| setting).collect();
     if lacks_columns {
         let columns = proposed(file, request.data(), taken);
-        settings.push(format!("`column = {}`", numbers_of(columns.iter().take(MOST_LISTED))));
+        settings.push(format!("`column = {}`", numbers_of(columns.iter().take(MAX_LISTED))));
     }
     if lacks_units {
         settings.push("`unit = UNIT`, one for all or one for each".to_owned());

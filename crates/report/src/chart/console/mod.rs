@@ -16,7 +16,7 @@ use sagnac_base::quantity::visible::visible;
 /// The capabilities of a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
-    /// Number of columns, at least [`Look::LEAST_WIDTH`]; with fewer the text is wider than the terminal.
+    /// Number of columns, at least [`Look::MIN_WIDTH`]; with fewer the text is wider than the terminal.
     pub width: usize,
     /// Whether it shows characters beyond ASCII.
     pub unicode: bool,
@@ -26,7 +26,7 @@ pub struct Look {
 
 impl Look {
     /// Least width with room for axes and curves.
-    pub const LEAST_WIDTH: usize = 40;
+    pub const MIN_WIDTH: usize = 40;
 
     /// The text in characters that the terminal can show, none of which commands it.
     fn spelled(self, text: &str) -> String {
@@ -40,6 +40,6 @@ impl Look {
     }
 
     fn wide(self) -> usize {
-        self.width.max(Look::LEAST_WIDTH)
+        self.width.max(Look::MIN_WIDTH)
     }
 }

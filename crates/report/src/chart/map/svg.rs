@@ -2,7 +2,7 @@
 
 use crate::chart::axes;
 use crate::chart::canvas::{Canvas, Stroke};
-use crate::chart::layout::{Area, Frame, HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
+use crate::chart::layout::{Area, Frame, HEIGHT, MARGIN, MAX_LABELS, Titles, draw_nothing};
 use crate::chart::legend::{Legend, Sample, remark, wrapped_entry};
 use crate::chart::map::colour_bar::ColourBar;
 use crate::chart::map::draw::{self, Edges};
@@ -125,7 +125,7 @@ fn ticks(axis: &Axis, range: Range, cells: &[f64]) -> Ticks {
     /// Least distance of two labels, relative to the length of the axis.
     const APART: f64 = 0.045;
     let apart = cells.windows(2).all(|pair| range.fraction(pair[1]) - range.fraction(pair[0]) >= APART);
-    if cells.is_empty() || cells.len() > MOST_LABELS || !axis.whole || !apart {
+    if cells.is_empty() || cells.len() > MAX_LABELS || !axis.whole || !apart {
         return axis.ticks(range);
     }
     Ticks { major: cells.iter().map(|value| (*value, format!("{value:.0}"))).collect(), minor: vec![] }

@@ -7,15 +7,15 @@ use sagnac_base::quantity::number::significant;
 use sagnac_theory::allan::estimator::Difference;
 
 /// Fewest units of a standard deviation or an amplitude, which is then rounded by at most 1 %.
-const LEAST_UNITS: f64 = 50.0;
+const MIN_UNITS: f64 = 50.0;
 /// Fewest LSB of the largest difference of a ramp or a warm-up, and of the range of an alternating drift.
-const LEAST_TREND: f64 = 128.0;
+const MIN_TREND: f64 = 128.0;
 /// Fewest units of 2^−32 turns by which the phase of a sine advances in a sample.
-const LEAST_TURN: f64 = 64.0;
+const MIN_TURN: f64 = 64.0;
 
 /// Refuses a correlation so long that what the rate loses in a sample has too few units, whatever the unit of angle.
 pub(crate) fn check_decay(markov: Option<Markov>) -> Result<(), Refusal> {
-    let Some(Markov { decay, .. }) = markov.filter(|markov| loss(markov.decay) < LEAST_UNITS) else {
+    let Some(Markov { decay, .. }) = markov.filter(|markov| loss(markov.decay) < MIN_UNITS) else {
         return Ok(());
     };
     let found = format!(
@@ -42,11 +42,11 @@ impl Fixed {
             let help = "make it larger, or 0; or what is large beside it smaller, or the record shorter";
             Err(Refusal::new(key, lost, help))
         };
-        let sigma = |key, what, found, word: u32| check(key, what, found, word.into(), LEAST_UNITS);
+        let sigma = |key, what, found, word: u32| check(key, what, found, word.into(), MIN_UNITS);
         let (key, what) = ("noise.quantization", "quantization noise");
         sigma(key, what, noise.quantization, self.quantization)?;
         let (key, what) = ("noise.angle_random_walk", "white noise");
-        check(key, what, noise.white, noise.white / self.lsb_arcsec * SIGMA_UNITS, LEAST_UNITS)?;
+        check(key, what, noise.white, noise.white / self.lsb_arcsec * SIGMA_UNITS, MIN_UNITS)?;
         let (key, what) = ("noise.bias_instability", "flicker noise");
         for (&found, &word) in noise.octaves.iter().zip(core::iter::once(&self.white).chain(&self.flicker)) {
             sigma(key, what, found, word)?;
@@ -56,7 +56,7 @@ impl Fixed {
             sigma("noise.markov", "Markov noise", found, step)?;
         }
         if let (Some(Sine { amplitude, turns }), Some([_, word])) = (model.sine, self.sine) {
-            if libm::fabs(turns - libm::round(turns)) * TURN < LEAST_TURN {
+            if libm::fabs(turns - libm::round(turns)) * TURN < MIN_TURN {
                 let found = format!(
                     "{} periods a sample are too near a whole number: from sample to sample the phase must turn by more than \
                      2^-26",
@@ -69,15 +69,15 @@ impl Fixed {
         }
         let m = model.longest(Difference::Second) as f64;
         let ramp = libm::fabs(model.ramp) * m * m / self.lsb_arcsec;
-        check("noise.rate_ramp", "a ramp", model.ramp, ramp, LEAST_TREND)?;
+        check("noise.rate_ramp", "a ramp", model.ramp, ramp, MIN_TREND)?;
         for warm_up in &model.warm_ups {
             let part = libm::expm1(-warm_up.decay * m);
             let largest = libm::fabs(warm_up.reach) * part * part / self.lsb_arcsec;
-            check("noise.warm_up", "a warm-up", warm_up.rate(), largest, LEAST_TREND)?;
+            check("noise.warm_up", "a warm-up", warm_up.rate(), largest, MIN_TREND)?;
         }
         if let Some(switching) = model.switching {
             let (key, what) = ("noise.switching.magnetic", "an alternating angle");
-            check(key, what, model.sawtooth, model.sawtooth / self.lsb_arcsec, LEAST_TREND)?;
+            check(key, what, model.sawtooth, model.sawtooth / self.lsb_arcsec, MIN_TREND)?;
             let [_, amplitude, noise] = self.switching.unwrap_or_default();
             sigma("noise.switching.residual", "an amplitude", switching.residual, amplitude)?;
             sigma("noise.switching.residual_noise", "a noise", switching.residual_noise, noise)?;

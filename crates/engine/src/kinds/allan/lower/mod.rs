@@ -31,7 +31,7 @@ use sagnac_theory::allan::process::Process;
 use sagnac_theory::allan::switching::Switching;
 
 /// Samples of the longest record, whose drift takes 4 bytes per sample.
-pub const MOST_SAMPLES: u64 = 1 << 26;
+pub const MAX_SAMPLES: u64 = 1 << 26;
 
 /// A request for records.
 #[derive(Debug, Clone)]
@@ -106,7 +106,7 @@ impl Records {
     /// The noise model cannot be represented; see [`Refusal`].
     pub fn new(asked: &Asked) -> Result<Records, Refusal> {
         let Asked { samples, estimator, ms, .. } = *asked;
-        if !(2..=MOST_SAMPLES).contains(&samples) {
+        if !(2..=MAX_SAMPLES).contains(&samples) {
             return Err(too_long(samples));
         }
         let terms: Vec<u64> = ms.iter().map(|&m| estimator.terms(samples, m)).collect();

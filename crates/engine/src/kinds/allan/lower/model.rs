@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::Asked;
-use crate::kinds::allan::lower::MOST_SAMPLES;
+use crate::kinds::allan::lower::MAX_SAMPLES;
 use sagnac_theory::allan::estimator::Difference;
 use sagnac_theory::allan::holds;
 use sagnac_theory::allan::part::Part;
@@ -198,7 +198,7 @@ pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Refusal {
 
 /// The refusal of a record of one sample, or of more than 2^26.
 pub(crate) fn too_long(samples: u64) -> Refusal {
-    let found = format_args!("{samples} samples; a record has 2 to {MOST_SAMPLES}");
+    let found = format_args!("{samples} samples; a record has 2 to {MAX_SAMPLES}");
     Refusal::new("record.length", found, "take a shorter record, or a longer sample")
 }
 

@@ -12,7 +12,7 @@ use sagnac_theory::allan::quantizer;
 use sagnac_theory::allan::switching::{Jumps, Switching};
 
 /// Most residues that are summed; beyond them there is no closed form.
-const MOST_RESIDUES: u64 = 1 << 20;
+const MAX_RESIDUES: u64 = 1 << 20;
 /// Error of the sum over what all records share, in floating point, of the sum of the squares of its parts.
 const SUM_ERROR: f64 = 1e-12;
 
@@ -102,7 +102,7 @@ impl PhysicalTheory {
         }
         let residues = period / common_divisor(period, stride);
         let summed = residues.min(terms);
-        if summed > MOST_RESIDUES {
+        if summed > MAX_RESIDUES {
             return None;
         }
         // The residues of as many differences, and the rest of one less.

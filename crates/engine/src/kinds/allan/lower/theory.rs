@@ -25,7 +25,7 @@ pub struct Theory {
 }
 
 /// Largest ratio of the bound to the value.
-const MOST_ROUNDING: f64 = 0.01;
+const MAX_ROUNDING: f64 = 0.01;
 
 /// Error of the variance of the kernel's normal numbers, with a margin.
 const NORMAL_ERROR: f64 = 1e-8;
@@ -59,7 +59,7 @@ impl Records {
         let Square { value, error, representation } = self.mean_square(at);
         let error = error + SUM_ERROR * value;
         Theory {
-            value: (error <= MOST_ROUNDING * value).then_some(value * unit),
+            value: (error <= MAX_ROUNDING * value).then_some(value * unit),
             rounding: error * unit,
             representation: (representation + REPRESENTATION_ERROR * value) * unit,
         }

@@ -8,7 +8,7 @@ use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::{Estimates, Plan};
 
 /// Fewest records from which a 95 % band can be determined.
-const FEWEST_IN_BAND: usize = 40;
+const MIN_IN_BAND: usize = 40;
 
 /// The estimates of many records at one averaging time.
 pub(crate) struct Scatter {
@@ -58,7 +58,7 @@ impl Scatter {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
-        let enough = values.len() >= FEWEST_IN_BAND;
+        let enough = values.len() >= MIN_IN_BAND;
         values.sort_unstable_by(f64::total_cmp);
         Scatter {
             mean: (!values.is_empty()).then_some(mean),

@@ -35,13 +35,13 @@ use sagnac_theory::allan::estimator::{Difference, Estimator};
 
 /// Inverse of the longest averaging time of the fit relative to the record; beyond it, intervals of K come out too
 /// short.
-const LONGEST_FITTED: u64 = 8;
+const MAX_FITTED: u64 = 8;
 
 /// Relative deviation that needs no note.
 const NEGLIGIBLE: f64 = 1e-4;
 
 /// Most bytes of angles that a thread keeps for the records that it makes side by side.
-const MOST_BYTES: usize = 1 << 30;
+const MAX_BYTES: usize = 1 << 30;
 
 /// Most lanes of a thread.
 const LANES: usize = 16;
@@ -124,7 +124,7 @@ pub(crate) fn check_fit(terms: Option<&Terms>, ms: &[u64], samples: u64) -> Resu
 
 /// Refuses records that take too much memory side by side.
 fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Refusal> {
-    if bytes <= MOST_BYTES {
+    if bytes <= MAX_BYTES {
         return Ok(());
     }
     let (samples, mib) = (point.inputs.samples(), bytes >> 20);
@@ -251,7 +251,7 @@ fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> Res
 
 /// Whether a fit includes this averaging factor.
 fn is_fitted(m: u64, samples: u64) -> bool {
-    LONGEST_FITTED * m <= samples
+    MAX_FITTED * m <= samples
 }
 
 /// The averaging factors of a fit at a point, without estimates.

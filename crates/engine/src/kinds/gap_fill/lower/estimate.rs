@@ -70,7 +70,7 @@ pub struct Estimate {
 
 /// Largest ratio of the resolution to the rms for a filler designed for the least error. Beyond it, the weights cancel the
 /// motion to below what the arithmetic resolves.
-const MOST_ROUNDING: f64 = 0.1;
+const MAX_ROUNDING: f64 = 0.1;
 
 /// Bound of the relative rounding of inputs to 12 digits and of computations in `f64`, for phases by turn.
 const TWELVE_DIGITS: f64 = 1e-11;
@@ -172,7 +172,7 @@ impl Estimate {
         // If a record has most of its motion in few places, its own level determines where bins are needed.
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
-        let lost = theory.rms.is_some_and(|rms| theory.resolution > MOST_ROUNDING * rms);
+        let lost = theory.rms.is_some_and(|rms| theory.resolution > MAX_ROUNDING * rms);
         // Without motion nothing is cancelled, and a theoretical error of 0 is possible.
         let is_least = designed != Designed::Elsewhere && matches!(filler.method, Method::MinimumVariance(_));
         if is_least && lost && response.terms > whole.gain() {

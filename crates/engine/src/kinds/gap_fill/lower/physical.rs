@@ -17,7 +17,7 @@ use sagnac_theory::gap::tick_amplitude;
 use sagnac_theory::rows::TickRows;
 
 /// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
-pub(crate) const MOST_PROFILE_TICKS: usize = 1 << 22;
+pub(crate) const MAX_PROFILE_TICKS: usize = 1 << 22;
 
 /// The canonical inputs, with angles in ″ per tick.
 #[derive(Debug, Clone)]
@@ -132,9 +132,9 @@ impl Physical {
         let profile = motion.profile.as_ref().map(|profile| {
             let file = profile.file.clone();
             let (count, before) = profile.replayed(tick_s);
-            if count + before > MOST_PROFILE_TICKS {
+            if count + before > MAX_PROFILE_TICKS {
                 let count = count + before;
-                let found = format!("the record `{file}` has {count} ticks, more than {MOST_PROFILE_TICKS}");
+                let found = format!("the record `{file}` has {count} ticks, more than {MAX_PROFILE_TICKS}");
                 return Err(Refusal::new("motion.profile", found, "cut the record, or take a longer tick"));
             }
             let needed = 2 * MARGIN + inputs.gap_ticks as usize;

@@ -32,7 +32,7 @@ struct Asked {
 }
 
 /// Most responses that are kept of one replay: those of a dozen fillers at as many gaps.
-const MOST_RESPONSES: usize = 256;
+const MAX_RESPONSES: usize = 256;
 
 /// Number of positions that are summed together, tick by tick, so that the compiler can use vector instructions.
 const AT_ONCE: usize = 256;
@@ -71,7 +71,7 @@ impl Rounded {
             });
             let angles: Arc<[u32]> = core::iter::once(0).chain(ends).collect();
             let content = Id::of_words(angles.iter().copied());
-            Arc::new(Rounded { angles, content, responses: Memo::new(MOST_RESPONSES) })
+            Arc::new(Rounded { angles, content, responses: Memo::new(MAX_RESPONSES) })
         })
     }
 }

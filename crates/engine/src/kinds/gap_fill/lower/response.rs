@@ -49,7 +49,7 @@ pub(crate) struct DrawnTone {
 }
 
 /// Turn of a tick that is as good as none, and keeps seven digits of the angle.
-const LEAST_TURN: f64 = 1e-9;
+const MIN_TURN: f64 = 1e-9;
 
 impl DrawnTone {
     /// The angle at a boundary of ticks, LSB, but for a constant.
@@ -246,7 +246,7 @@ impl FixedTone {
             }
         };
         // The word of a very low frequency is 0, and the peak is 0 at whole tick rates.
-        let turn = turn.max(LEAST_TURN);
+        let turn = turn.max(MIN_TURN);
         let size = match self.motion {
             ToneMotion::Drawn { of_angle: true, .. } => 0.5 * self.full_peak(),
             ToneMotion::Drawn { of_angle: false, .. } if turn > 0.5 * PI => {

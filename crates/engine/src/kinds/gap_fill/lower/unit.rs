@@ -13,18 +13,18 @@ use sagnac_theory::gap::{Weights, polynomial_weights};
 use sagnac_theory::memo::Memo;
 
 /// Fewest units of 2^−4 LSB of σ, which is then rounded by at most 1 %.
-const LEAST_SIGMA: f64 = 50.0;
+const MIN_SIGMA: f64 = 50.0;
 
 /// Units of 2^−4 LSB of σ from which on its rounding, by 0.1 %, is far below what trials resolve. Where there are fewer, a
 /// finer unit is taken as far as ticks and their words allow it, and larger errors are shifted.
 const ENOUGH_SIGMA: f64 = 500.0;
 
 /// Bound of the angle over the gap with all that is added to it, LSB, for which every word fits.
-const MOST_ANGLE: f64 = (1_u32 << 27) as f64;
+const MAX_ANGLE: f64 = (1_u32 << 27) as f64;
 
 /// Fewest LSB of the peak angle of a tick, whose words are then rounded by less than 0.1 %. Motion without noise has
 /// more, even where the longest gap leaves the least room.
-const LEAST_MOTION: f64 = 128.0;
+const MIN_MOTION: f64 = 128.0;
 
 /// Headroom kept for fillers other than the three polynomials on their default ticks.
 const RESERVE: f64 = 4.0;
@@ -76,7 +76,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
     let sigma_units = physical.sigma_arcsec * SIGMA_UNITS;
     if sigma_units > 0.0 && sigma_units * libm::exp2(bits) < ENOUGH_SIGMA {
         let wanted = libm::ceil(libm::log2(ENOUGH_SIGMA / sigma_units));
-        let most = libm::floor(libm::log2(MOST_ANGLE / (f64::from(n + 1) * whole)));
+        let most = libm::floor(libm::log2(MAX_ANGLE / (f64::from(n + 1) * whole)));
         bits = wanted.min(most).max(bits);
     }
     let mut lsb = libm::exp2(-bits.clamp(-f64::from(FINEST), f64::from(FINEST)));
@@ -103,12 +103,12 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
         ),
     };
     let sigma_arcsec = physical.sigma_arcsec;
-    if sigma_arcsec > 0.0 && libm::round(sigma_arcsec / lsb * SIGMA_UNITS) < LEAST_SIGMA {
+    if sigma_arcsec > 0.0 && libm::round(sigma_arcsec / lsb * SIGMA_UNITS) < MIN_SIGMA {
         let found = format!("{}″ of noise per tick {lost}", shown(sigma_arcsec));
         return Err(Refusal::new("gyro.tick_noise", found, "make the noise larger, or 0"));
     }
     for (key, tick_arcsec) in sizes {
-        if tick_arcsec > 0.0 && tick_arcsec / lsb < LEAST_MOTION {
+        if tick_arcsec > 0.0 && tick_arcsec / lsb < MIN_MOTION {
             let help = match finest {
                 true => "make the motion larger, or 0",
                 false => "make the motion larger, or 0; or the noise smaller, or the gap shorter",

@@ -137,7 +137,7 @@ impl Rows {
                     .map(|length| {
                         let weights = minimum_variance_weights(ticks, length, &motion, &noise);
                         let singular = || singular_covariance(&filler.name, statistics.inputs.sigma_arcsec());
-                        let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < LARGEST_WEIGHT);
+                        let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < MAX_WEIGHT);
                         Ok((length, weights.filter(bounded).ok_or_else(singular)?))
                     })
                     .collect::<Result<Vec<_>, Refusal>>()?;
@@ -164,7 +164,7 @@ impl Rows {
 }
 
 /// Bound of the weights of a designed filler, which leaves at least ten bits for their fractions.
-const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
+const MAX_WEIGHT: f64 = (1 << 20) as f64;
 
 /// Second-order statistics of a point, from which minimum-variance fillers are designed. Those of a long record are
 /// expensive, so each is computed on first use, and again for another number of ticks on a side.

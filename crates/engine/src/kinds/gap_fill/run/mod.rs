@@ -27,16 +27,16 @@ use sagnac_kernel::moments::Moments;
 pub(crate) type Plan<'a> = PointsPlan<'a, GapFill, Proven<'a>>;
 
 /// Most trials of a replayed record, because the lower half of a trial's number determines its place.
-const MOST_REPLAYED: u64 = 1 << 32;
+const MAX_REPLAYED: u64 = 1 << 32;
 
 /// Refuses too many trials of a record that is replayed over all its places.
 pub(crate) fn check_replays(plan: &Plan) -> Result<(), StudyError> {
     let (study, replays) = (plan.study, plan.points.iter().any(|point| point.trials(1) > 1));
-    if !replays || study.trials <= MOST_REPLAYED {
+    if !replays || study.trials <= MAX_REPLAYED {
         return Ok(());
     }
     let message = format!("{} trials of a record that is replayed over every place", study.trials);
-    let help = format!("accepted: up to {MOST_REPLAYED} trials, or position = \"random\"");
+    let help = format!("accepted: up to {MAX_REPLAYED} trials, or position = \"random\"");
     Err(study.error_at(study.place_of("motion.profile"), message, help))
 }
 

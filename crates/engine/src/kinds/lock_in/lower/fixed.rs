@@ -21,20 +21,20 @@ const WIDE: f64 = WORD * WORD;
 const SIGMA_UNITS: f64 = 16.0;
 /// Most LSB of the largest angle and four times the dither's. Where the rate is at most R, second differences in a record of length T
 /// are at most R·T and third ones 4/3 of it; those of the dither are at most 4 and 8 times its angle. All stay below 2^29.
-const MOST_ANGLE: f64 = 268_435_456.0; // 2^28
+const MAX_ANGLE: f64 = 268_435_456.0; // 2^28
 /// Most bits of the lock-in beyond a word, and least units of it in a step.
-const MOST_FINE: f64 = 31.0;
-const LEAST_KICK: f64 = 1024.0;
+const MAX_FINE: f64 = 31.0;
+const MIN_KICK: f64 = 1024.0;
 /// Largest phase of a step at a zero crossing, rad, with which the end of a sum of steps is known.
-const MOST_TURN: f64 = 1.9 * PI;
+const MAX_TURN: f64 = 1.9 * PI;
 /// Quarters of a unit.
 const END_UNITS: f64 = 4.0;
 /// Fewest units of a standard deviation that is not 0.
-const LEAST_SIGMA: f64 = 50.0;
+const MIN_SIGMA: f64 = 50.0;
 /// Coarsest LSB, in pulses.
 const COARSEST: f64 = 0.02;
 /// Most half-cycles of a record with motion, each of which has a word.
-const MOST_HALVES: u64 = 1 << 26;
+const MAX_HALVES: u64 = 1 << 26;
 /// ″ of a turn of the dither's phase.
 const ARCSEC_PER_TURN: f64 = 1_296_000.0;
 
@@ -98,19 +98,19 @@ impl Fixed {
             None => (0.0, 32.0, 0.0),
         };
         // The LSB is 2^(lsb − 32 − fine) turns, and no smaller than the unit in which the dither is read.
-        let needed = libm::ceil(libm::log2((largest_angle + 4.0 * dither) / MOST_ANGLE) + 32.0);
+        let needed = libm::ceil(libm::log2((largest_angle + 4.0 * dither) / MAX_ANGLE) + 32.0);
         let needed = if dither > 0.0 { libm::fmax(needed, 34.0 - amplitude_bits) } else { needed };
         // The finest units in which an LSB still has at most 31 bits.
-        let fine = libm::fmin(libm::fmin(fine, MOST_FINE), 31.0 - needed);
+        let fine = libm::fmin(libm::fmin(fine, MAX_FINE), 31.0 - needed);
         let fine = libm::fmin(fine, libm::floor(62.0 - libm::log2(largest_angle * WORD + 1.0)));
         let lsb = libm::fmax(needed + fine, 0.0);
         let turns = libm::exp2(lsb - 32.0 - fine);
-        if fine < 0.0 || turns > COARSEST || kick * libm::exp2(32.0 + fine) < LEAST_KICK {
+        if fine < 0.0 || turns > COARSEST || kick * libm::exp2(32.0 + fine) < MIN_KICK {
             let found = format!(
                 "over {} s the lock-in can turn the angle by {} pulses, of which 32 bits show {} at the least",
                 shown(times.length_s()),
                 shown(largest_angle + dither),
-                shown((largest_angle + 4.0 * dither) / MOST_ANGLE)
+                shown((largest_angle + 4.0 * dither) / MAX_ANGLE)
             );
             return Err(Refusal::new(LENGTH.name, found, "take a shorter record"));
         }
@@ -145,7 +145,7 @@ impl Fixed {
         let part = |key: &'static str, part: f64| {
             let word = part * self.amplitude * of_amplitude * SIGMA_UNITS;
             match () {
-                () if part > 0.0 && word < LEAST_SIGMA => {
+                () if part > 0.0 && word < MIN_SIGMA => {
                     let found = format!("{} of the amplitude is lost in 32 bits", shown(part));
                     Err(Refusal::new(key, found, "make it larger, or 0"))
                 }
@@ -203,7 +203,7 @@ impl Fixed {
     /// steps of v radians ends with 1/(2 sin ½v), its integral with 1/v.
     fn end(&self, unit: f64) -> u32 {
         let turn = TAU * PI * self.amplitude / (self.steps.half as f64 * ROUND as f64);
-        if turn <= 0.0 || turn > MOST_TURN {
+        if turn <= 0.0 || turn > MAX_TURN {
             return 0;
         }
         let beyond = 0.5 / libm::sin(0.5 * turn) - 1.0 / turn;
@@ -219,9 +219,9 @@ impl Fixed {
         recipe: &mut LockIn,
     ) -> Result<f64, Refusal> {
         let count = recipe.half_cycles();
-        if count > MOST_HALVES {
+        if count > MAX_HALVES {
             let found = format!(
-                "the record has {} half-cycles, and with [motion] the most are {MOST_HALVES}",
+                "the record has {} half-cycles, and with [motion] the most are {MAX_HALVES}",
                 shown(count as f64)
             );
             return Err(Refusal::new(LENGTH.name, found, "take a shorter record"));

@@ -25,14 +25,14 @@ const TAIL: f64 = 8.0;
 /// Standard deviations of Θ that half of the steps must still tell from an alias: all but one of 30,000 half-cycles.
 const USUAL: f64 = 4.0;
 /// Fewest steps of a period.
-const LEAST: f64 = 64.0;
+const MIN_STEPS: f64 = 64.0;
 /// Most lock-in of a step, in radians of the beat phase, with dither. What the sums of steps are off by at a zero crossing is a
 /// part of it.
-const MOST_KICK: f64 = 0.003;
+const MAX_KICK: f64 = 0.003;
 /// Inverse of the most lock-in of a step without dither, in turns.
 const STEPS_PER_TURN: f64 = 2048.0;
 /// Most rounds from one sample of the kernel to the next, so that a chunk takes less than 60,000 rounds of loops.
-const MOST_ROUNDS: u64 = 880;
+const MAX_ROUNDS: u64 = 880;
 /// Rounds of a half-cycle without dither, which is the time between changes of the rate.
 const STATIC_HALF: f64 = 8.0;
 /// Time over which the largest rate of a profile is measured, s.
@@ -40,7 +40,7 @@ const MEASURED_S: f64 = 0.001;
 /// ″ of half a turn of the dither's phase.
 const HALF_TURN: f64 = 648_000.0;
 /// Most steps of a record.
-const MOST_STEPS: f64 = 1e12;
+const MAX_STEPS: f64 = 1e12;
 
 /// The steps of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,9 +62,9 @@ impl Steps {
             None => undithered(inputs, times)?,
         };
         let count = times.length_s() / steps.step_s;
-        if count > MOST_STEPS {
+        if count > MAX_STEPS {
             let found =
-                format!("the record takes {} steps, and the most are {}", shown(count), shown(MOST_STEPS));
+                format!("the record takes {} steps, and the most are {}", shown(count), shown(MAX_STEPS));
             return Err(Refusal::new("record.length", found, "take a shorter record"));
         }
         Ok(steps)
@@ -86,14 +86,14 @@ fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Re
     let theta = nominal * largest(dither, times) * (1.0 + REACH * phase_noise);
     let spread = libm::hypot(dither.spread(times.length_s()), phase_noise);
     let told = libm::fmax(beyond(theta), 2.0 * beyond(nominal * (1.0 + USUAL * spread)));
-    let kick = TAU * inputs.threshold / (period * MOST_KICK);
-    let least = libm::fmax(libm::fmax(STEPS_PER_RADIAN * nominal, told), libm::fmax(kick, LEAST));
+    let kick = TAU * inputs.threshold / (period * MAX_KICK);
+    let least = libm::fmax(libm::fmax(STEPS_PER_RADIAN * nominal, told), libm::fmax(kick, MIN_STEPS));
     let half = libm::ceil(inputs.refinement * least / (2 * ROUND) as f64);
-    if 2.0 * half > MOST_ROUNDS as f64 {
+    if 2.0 * half > MAX_ROUNDS as f64 {
         let found = format!(
             "a period of the dither takes {} steps, and the most are {}",
             shown(2.0 * half * ROUND as f64),
-            MOST_ROUNDS * ROUND as u64
+            MAX_ROUNDS * ROUND as u64
         );
         let (key, help) = match () {
             () if kick >= least => (THRESHOLD.name, "take a lower threshold, or a higher dither frequency"),
@@ -105,7 +105,7 @@ fn dithered(inputs: &Inputs, dither: &Dither, times: &Times) -> Result<Steps, Re
     let half = half as u64;
     let step_s = 1.0 / (dither.frequency_hz * (2 * half * ROUND as u64) as f64);
     if times.periods > 0 {
-        let division = times.periods / divisor(times.periods, MOST_ROUNDS / (2 * half));
+        let division = times.periods / divisor(times.periods, MAX_ROUNDS / (2 * half));
         let interval = (2 * half * (times.periods / division)) as f64;
         return Ok(Steps { half, interval, division, step_s });
     }
@@ -133,7 +133,7 @@ fn divided(half: u64, rounds: f64, step_s: f64) -> Result<Steps, Refusal> {
         let found = format!("a sample lasts {} of the shortest part of the integration", shown(rounds));
         return Err(Refusal::new(SAMPLE.name, found, "take a longer sampling time"));
     }
-    let division = libm::ceil(rounds / MOST_ROUNDS as f64);
+    let division = libm::ceil(rounds / MAX_ROUNDS as f64);
     Ok(Steps { half, interval: rounds / division, division: division as u64, step_s })
 }
 

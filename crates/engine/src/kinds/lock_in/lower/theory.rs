@@ -15,14 +15,14 @@ pub(crate) struct Zone {
 }
 
 /// Largest number of a zone whose width is computed.
-const MOST_ZONES: f64 = 1e6;
+const MAX_ZONES: f64 = 1e6;
 
 impl Zone {
     /// The zone whose centre is nearest to `rate`, ″/s; none without dither.
     pub(crate) fn nearest(inputs: &Inputs, rate: f64) -> Option<Zone> {
         let gyro = inputs.gyro()?;
         let number = libm::round(rate / gyro.zone_centre(1));
-        if libm::fabs(number) > MOST_ZONES {
+        if libm::fabs(number) > MAX_ZONES {
             return None;
         }
         let number = number as i32;

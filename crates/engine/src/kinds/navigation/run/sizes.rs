@@ -6,8 +6,8 @@ use sagnac_base::table::column::Band;
 use sagnac_theory::navigation::radial::{Radial, quantile};
 
 /// The two reported levels.
-const HALF: f64 = 0.5;
-const MOST: f64 = 0.95;
+const MEDIAN: f64 = 0.5;
+const P95: f64 = 0.95;
 
 /// A level with its 95 % interval from order statistics.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,8 +40,8 @@ impl Sizes {
         let squares: f64 = distributions.iter().map(Radial::mean_square).sum();
         Sizes {
             closed_rms: libm::sqrt(squares / distributions.len() as f64),
-            closed_half: quantile(distributions, HALF),
-            closed_most: quantile(distributions, MOST),
+            closed_half: quantile(distributions, MEDIAN),
+            closed_most: quantile(distributions, P95),
             rounding,
             ..Sizes::default()
         }
@@ -61,8 +61,8 @@ impl Sizes {
         Sizes {
             rms: Some(rms),
             rms_se: (sizes.len() > 1).then_some(if squares == 0.0 { 0.0 } else { se }),
-            half: Some(level(&sizes, HALF)),
-            most: Some(level(&sizes, MOST)),
+            half: Some(level(&sizes, MEDIAN)),
+            most: Some(level(&sizes, P95)),
             ..self
         }
     }

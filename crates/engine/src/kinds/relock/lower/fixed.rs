@@ -9,24 +9,24 @@ use sagnac_kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};
 use sagnac_theory::relock;
 
 /// Largest detuning, units.
-const MOST_DETUNING: f64 = 536_870_912.0;
+const MAX_DETUNING: f64 = 536_870_912.0;
 
 /// Fewest units of the largest miss.
-const LEAST_MISS: f64 = 1_048_576.0;
+const MIN_MISS: f64 = 1_048_576.0;
 
 /// Largest apparent rotation of the loop in a tick, LSB.
-const MOST_FAKED: f64 = 67_108_864.0;
+const MAX_FAKED: f64 = 67_108_864.0;
 /// Largest sum of all ticks with their compensation, LSB.
-pub const MOST_LEFT: f64 = 268_435_456.0;
+pub const MAX_LEFT: f64 = 268_435_456.0;
 
 /// Most units of the beat in a tick, and fewest units in a count, whose fraction determines where a count falls.
-const MOST_BEAT: f64 = 134_217_728.0;
-const LEAST_COUNT: f64 = 256.0;
+const MAX_BEAT: f64 = 134_217_728.0;
+const MIN_COUNT: f64 = 256.0;
 
 /// Fewest units, of 2^−4 for a standard deviation, of a standard deviation and of a width, which are then rounded by at
 /// most 1 %.
-const LEAST_SIGMA: f64 = 50.0;
-const LEAST_WIDTH: f64 = 50.0;
+const MIN_SIGMA: f64 = 50.0;
+const MIN_WIDTH: f64 = 50.0;
 
 /// Relative deviation of the angles of ticks in f64, of which the slowest loop leaves the difference of nearly equal halves.
 const F64_DIGITS: f64 = 1e-11;
@@ -86,16 +86,16 @@ impl FixedRelock {
         }
         let reach = largest + REACH * adc_noise + adc_step;
         let unit = unit_of_detuning(reach, adc_step)?;
-        if largest / unit < LEAST_MISS {
+        if largest / unit < MIN_MISS {
             return Err(too_small("relock.initial_detuning", largest, reach));
         }
         let sigma = |key, found: f64| {
             let units = libm::round(16.0 * found / unit);
-            word_above(found, units, LEAST_SIGMA, || too_small(key, found, reach))
+            word_above(found, units, MIN_SIGMA, || too_small(key, found, reach))
         };
         let width = |key, found: f64, width: f64| {
             let units = libm::round(width / unit);
-            word_above(found, units, LEAST_WIDTH, || too_small(key, found, reach))
+            word_above(found, units, MIN_WIDTH, || too_small(key, found, reach))
         };
         let square_shift = libm::floor(libm::log2(2_147_483_648.0 / (largest / unit)));
         // Units of the square by which the kernel multiplies, of 2^32 each.
@@ -119,11 +119,11 @@ impl FixedRelock {
                 / 4.0;
         let compensation = by_frequency.max(by_detuning * (1.0 + wrong));
         let sum = faked.iter().sum::<f64>() * at_largest + MAX_TICKS as f64 * compensation;
-        let bits = libm::floor(libm::log2((MOST_LEFT / sum).min(MOST_FAKED / (faked[0] * at_largest))));
+        let bits = libm::floor(libm::log2((MAX_LEFT / sum).min(MAX_FAKED / (faked[0] * at_largest))));
         let lsb_arcsec = libm::exp2(-bits);
 
         let pulse = count * inputs.pulse_weight_arcsec;
-        let beat_bits = libm::floor(libm::log2((MOST_BEAT / counts).min(pulse / lsb_arcsec)));
+        let beat_bits = libm::floor(libm::log2((MAX_BEAT / counts).min(pulse / lsb_arcsec)));
         let whole = inputs.count_step > 0.0;
         if whole && counts < 2.0 {
             let found = format!("{} counts in half a tick, less than one", shown(0.5 * counts));
@@ -131,7 +131,7 @@ impl FixedRelock {
                 "make relock.bias_frequency or gyro.tick larger, or relock.count_step smaller, 0 for none";
             return Err(Refusal::new("relock.bias_frequency", found, help));
         }
-        if beat_bits < libm::log2(LEAST_COUNT) {
+        if beat_bits < libm::log2(MIN_COUNT) {
             let found = format!("{} counts in a tick are too many for 32-bit arithmetic", shown(counts));
             let help = "make gyro.tick smaller, or relock.count_step larger, or 0 for none";
             return Err(Refusal::new("relock.bias_frequency", found, help));
@@ -310,7 +310,7 @@ fn too_small(key: &'static str, found: f64, largest: f64) -> Refusal {
 
 /// The unit of detunings up to `largest`: a power of two, or a step of the ADC divided by a power of two.
 fn unit_of_detuning(largest: f64, adc_step: f64) -> Result<f64, Refusal> {
-    let finest = largest / MOST_DETUNING;
+    let finest = largest / MAX_DETUNING;
     if adc_step == 0.0 {
         return Ok(libm::exp2(libm::ceil(libm::log2(finest))));
     }

@@ -4,7 +4,7 @@ pub(crate) mod fixed;
 pub(crate) mod physical_theory;
 
 use crate::key::refusal::{Refusal, shown};
-pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
+pub use crate::kinds::relock::lower::fixed::{FixedRelock, MAX_LEFT};
 
 use std::sync::Arc;
 

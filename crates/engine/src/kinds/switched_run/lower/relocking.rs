@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::relock::inputs::{Compensation, Relock};
-use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
+use crate::kinds::relock::lower::fixed::{FixedRelock, MAX_LEFT};
 use crate::kinds::relock::lower::{PILOT, method};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::relock::Relocking;
@@ -57,7 +57,7 @@ impl FixedRelocking {
             alike,
             // A compensation that fails leaves about as much as no compensation.
             most_rms: rms.max(faked_rms),
-            most: MOST_LEFT * lsb * largest,
+            most: MAX_LEFT * lsb * largest,
         }
     }
 

@@ -14,7 +14,7 @@ use sagnac_kernel::rows::Rows;
 use sagnac_kernel::switched_run::trajectory;
 
 /// Most switches that a trajectory shows; of more of them every second, third, … is shown.
-pub(crate) const MOST_SHOWN: u64 = 500;
+pub(crate) const MAX_SHOWN: u64 = 500;
 
 /// Offset of the angles in the store, which holds non-negative numbers.
 const OFFSET: i64 = 1 << 31;
@@ -85,9 +85,9 @@ pub(crate) fn table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreEr
 /// A note that not every switch is in the table.
 pub(crate) fn thinned(plan: &Plan) -> Option<String> {
     let most = plan.subject.points.iter().map(RunPoint::switches).max()?;
-    (plan.subject.trajectories > 0 && most > MOST_SHOWN).then(|| {
+    (plan.subject.trajectories > 0 && most > MAX_SHOWN).then(|| {
         format!(
-            "trajectories of runs with more than {MOST_SHOWN} switches show only some of them, evenly spaced"
+            "trajectories of runs with more than {MAX_SHOWN} switches show only some of them, evenly spaced"
         )
     })
 }
@@ -95,7 +95,7 @@ pub(crate) fn thinned(plan: &Plan) -> Option<String> {
 /// The switches shown, and then the end, as numbers of intervals from 0.
 fn shown(point: &RunPoint) -> Vec<u64> {
     let switches = point.switches();
-    let stride = switches.div_ceil(MOST_SHOWN).max(1);
+    let stride = switches.div_ceil(MAX_SHOWN).max(1);
     (0..switches).step_by(stride as usize).chain([switches]).collect()
 }
 
