@@ -1,5 +1,5 @@
-//! What every part of sagnac is built on: quantities with units, tables of results, texts with places in them, enums of words, and
-//! progress.
+//! What every part of sagnac is built on: quantities with units, tables of results, texts with places in them, enums of words,
+//! progress and time.
 //!
 //! ```
 //! use sagnac_base::quantity::units::{Dimension, parse};
@@ -15,5 +15,6 @@ pub mod progress;
 pub mod quantity;
 pub mod scale;
 pub mod source;
+pub mod stopwatch;
 pub mod table;
 pub mod words;

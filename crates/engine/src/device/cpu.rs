@@ -16,7 +16,8 @@ const PIECE_STEPS: u64 = 1 << 16;
 #[derive(Debug)]
 pub struct Cpu {
     width: Width,
-    pool: rayon::ThreadPool,
+    /// Absent in WebAssembly, which has one thread.
+    pool: Option<rayon::ThreadPool>,
 }
 
 impl Cpu {
@@ -25,7 +26,10 @@ impl Cpu {
     /// # Errors
     /// The system provides no threads.
     pub fn new(width: Width, threads: usize) -> Result<Cpu, rayon::ThreadPoolBuildError> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let pool = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            Err(_) if cfg!(target_family = "wasm") => None,
+            built => Some(built?),
+        };
         Ok(Cpu { width, pool })
     }
 
@@ -36,17 +40,28 @@ impl Cpu {
 
     /// Number of records made in parallel: one for each lane of each thread.
     pub fn records_at_once(&self) -> u64 {
-        (self.width.lanes() * self.pool.current_num_threads()) as u64
+        (self.width.lanes() * self.threads()) as u64
+    }
+
+    fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+    }
+
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
     }
 
     /// Name with lanes and threads.
     pub fn name(&self) -> String {
-        format!("CPU ({}, {} threads)", self.width.name(), self.pool.current_num_threads())
+        format!("CPU ({}, {} threads)", self.width.name(), self.threads())
     }
 
     /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
     pub fn tally(&self, jobs: &[Job], histogram: bool, progress: Advance) -> Tallies {
-        self.pool.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
+        self.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
     }
 
     /// Sums of the squared differences of some records: record by record, and within a record by the places of the
@@ -64,7 +79,7 @@ impl Cpu {
             progress(count);
             sums
         };
-        self.pool.install(|| groups.par_iter().flat_map_iter(group).collect())
+        self.install(|| groups.par_iter().flat_map_iter(group).collect())
     }
 
     fn tally_job(&self, job: &Job, histogram: bool, progress: Advance) -> Vec<Moments> {

@@ -4,12 +4,12 @@ use std::ops::Range;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::thread::{self, ScopedJoinHandle};
-use std::time::Instant;
 
 use crate::device::attempts::Attempts;
 use crate::device::error::GpuError;
 use crate::device::{Advance, Device, Job, Tallies};
 use crate::tally::block::cover;
+use sagnac_base::stopwatch::Stopwatch;
 
 /// Devices that share work. Each works on a thread of its own and takes parts of the work that are as large as its measured
 /// speed, so that all end at about the same time.
@@ -177,7 +177,7 @@ impl Group {
                 took.ok().map(|start| start..end(start))
             };
             let work = |member: &mut Member| {
-                let (mut parts, mut done, started) = (vec![], 0, Instant::now());
+                let (mut parts, mut done, started) = (vec![], 0, Stopwatch::start());
                 while let Some(units) = take(member) {
                     let attempts = Attempts::new(progress);
                     let result = by(&mut member.device, units.clone(), &attempts.next());
@@ -191,7 +191,7 @@ impl Group {
                     }
                 }
                 if done > 0 {
-                    let rate = done as f64 / started.elapsed().as_secs_f64().max(1e-6);
+                    let rate = done as f64 / started.seconds().max(1e-6);
                     let weight = if member.is_guess { 1.0 } else { NEWEST };
                     member.rate += weight * (rate - member.rate);
                     member.is_guess = false;

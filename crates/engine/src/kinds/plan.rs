@@ -2,7 +2,6 @@
 
 use std::cell::Cell;
 use std::fmt;
-use std::time::Instant;
 
 use rayon::prelude::*;
 
@@ -22,6 +21,7 @@ use crate::tally::id::Id;
 use crate::tally::share::Share;
 use sagnac_base::progress::Progress;
 use sagnac_base::source::diagnose::StudyError;
+use sagnac_base::stopwatch::Stopwatch;
 
 /// The identity of a point of a kind, and the key of its random numbers: its own one, or that of all points of the
 /// study. `inputs` is everything else on which its draws depend, as lines of text.
@@ -222,7 +222,7 @@ where
         progress: &dyn Progress,
     ) -> Result<Done, RunError> {
         let mut wanted = self.first_wanted(share);
-        let (started, mut trials) = (Instant::now(), 0);
+        let (started, mut trials) = (Stopwatch::start(), 0);
         let stopped = loop {
             let missing = self.missing(store, &wanted, share)?;
             let left: u64 = missing.iter().map(Work::trials).sum();
@@ -237,7 +237,7 @@ where
         if !stopped {
             self.keep(store, share)?;
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+        Ok(Done { trials, seconds: started.seconds(), stopped, degraded: vec![] })
     }
 
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {

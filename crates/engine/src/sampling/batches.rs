@@ -3,7 +3,6 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 
 use rayon::prelude::*;
 
@@ -18,6 +17,7 @@ use crate::store::index::Index;
 use crate::store::{Address, Provenance, Row, Store};
 use crate::tally::block::{Block, cover, fold, missing};
 use sagnac_base::progress::Progress;
+use sagnac_base::stopwatch::Stopwatch;
 use sagnac_kernel::launch::Launch;
 use sagnac_kernel::moments::Moments;
 
@@ -114,7 +114,7 @@ pub(crate) fn sample(
     store: &mut Store,
     worker: &mut Worker,
     progress: &dyn Progress,
-    started: Instant,
+    started: Stopwatch,
 ) -> Result<u64, RunError> {
     let mut rest: Vec<Piece> = work
         .iter()
@@ -132,7 +132,7 @@ pub(crate) fn sample(
         let mut next = (take_batch(&mut rest, steps), steps);
         let mut made = launches.of(&next.0);
         while !next.0.is_empty() && !progress.stops() {
-            let batch_started = Instant::now();
+            let batch_started = Stopwatch::start();
             let of_batch = made?;
             let (batch, batch_steps) = std::mem::replace(&mut next, (take_batch(&mut rest, steps), steps));
             made = Ok(vec![]);
@@ -154,11 +154,11 @@ pub(crate) fn sample(
                 })
                 .collect();
             sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
-            let (trials, seconds) = (before + sampled, started.elapsed().as_secs_f64());
+            let (trials, seconds) = (before + sampled, started.seconds());
             if !stored(rows, Provenance { device: worker.name(), trials, seconds }) {
                 break;
             }
-            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+            let factor = (BATCH_SECONDS / batch_started.seconds().max(1e-3)).clamp(0.25, 4.0);
             steps = ((batch_steps as f64 * factor) as u64).max(1);
         }
         Ok(sampled)

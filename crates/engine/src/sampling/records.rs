@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 
 use crate::key::refusal::Refusal;
 use crate::sampling::batches::BATCH_SECONDS;
@@ -14,6 +13,7 @@ use crate::store::{Address, Provenance, Row, Store};
 use crate::tally::block::{Block, base_log2, cover, missing};
 use crate::tally::share::Share;
 use sagnac_base::progress::Progress;
+use sagnac_base::stopwatch::Stopwatch;
 use sagnac_kernel::curve::Recorded;
 use sagnac_kernel::rows::Rows;
 
@@ -71,7 +71,7 @@ impl Wanted<'_> {
         share: Share,
         progress: &dyn Progress,
     ) -> Result<Done, RunError> {
-        let (trials, started) = (self.trials, Instant::now());
+        let (trials, started) = (self.trials, Stopwatch::start());
         let lacking = self.missing(store, share)?;
         let samples = |turn: usize, gap: Range<u64>| (gap.end - gap.start) * self.points[turn].samples;
         let left: u64 = lacking.iter().map(|(turn, gap)| samples(*turn, gap.clone())).sum();
@@ -89,7 +89,7 @@ impl Wanted<'_> {
                     if stopped {
                         break 'points;
                     }
-                    let batch_started = Instant::now();
+                    let batch_started = Stopwatch::start();
                     let records = (batch_samples / point.samples).max(worker.records_at_once());
                     // Whole blocks where a batch contains some, smaller ones for very long records.
                     let align = 1 << base_log2(trials).min(records.ilog2());
@@ -98,18 +98,18 @@ impl Wanted<'_> {
                     let sums = worker.sums(&*recipe, batch.clone(), &advance)?;
                     made += batch.end - batch.start;
                     first = batch.end;
-                    let seconds = started.elapsed().as_secs_f64();
+                    let seconds = started.seconds();
                     let so_far = Provenance { device: worker.name(), trials: made, seconds };
                     if !stored(point.rows(batch, base_log2(trials), &sums), so_far) {
                         break 'points;
                     }
-                    let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
+                    let factor = BATCH_SECONDS / batch_started.seconds().max(1e-3);
                     batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
                 }
             }
             Ok(())
         })?;
-        Ok(Done { trials: made, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+        Ok(Done { trials: made, seconds: started.seconds(), stopped, degraded: vec![] })
     }
 }
 
